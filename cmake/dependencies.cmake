@@ -1,0 +1,25 @@
+# Every package rodwake uses, with what for. All are in Debian 12; tools/packages.txt names them.
+include(FeatureSummary)
+
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Boost 1.74 REQUIRED)
+find_package(SUNDIALS 6.4 REQUIRED COMPONENTS cvodes arkode nvecserial sunmatrixdense sunlinsoldense
+             sunnonlinsolnewton sunnonlinsolfixedpoint)
+find_package(tomlplusplus REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(HDF5 REQUIRED COMPONENTS C)
+find_package(benchmark QUIET)
+set_package_properties(benchmark PROPERTIES PURPOSE "benchmarks in bench/" TYPE OPTIONAL)
+if(RODWAKE_TESTS)
+    find_package(Catch2 2.13 REQUIRED)
+endif()
+# Plots need the interpreter that has matplotlib: Debian's own, whichever python3 comes first on PATH.
+set(RODWAKE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with matplotlib and h5py, for rodwake plot")
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()

@@ -1,0 +1,21 @@
+# Warnings, and arithmetic that does not depend on the compiler's contraction choices.
+set(RODWAKE_FLAGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off
+    $<$<BOOL:${RODWAKE_WERROR}>:-Werror>)
+
+# rodwake_part(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...])
+# One static library per part of the pipeline. A part links only what it lists, so a call the wrong way does not link;
+# tests/house checks the includes as well.
+function(rodwake_part name)
+    cmake_parse_arguments(PART "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+    set(target rodwake_${name})
+    add_library(${target} STATIC ${PART_SOURCES})
+    add_library(rodwake::${name} ALIAS ${target})
+    set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+    target_include_directories(${target}
+        PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+        PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+    target_compile_features(${target} PUBLIC cxx_std_20)
+    target_link_libraries(${target} PUBLIC ${PART_PUBLIC} PRIVATE ${PART_PRIVATE})
+    target_compile_options(${target} PRIVATE ${RODWAKE_FLAGS})
+    set_property(GLOBAL APPEND PROPERTY RODWAKE_PARTS ${target})
+endfunction()

@@ -1,0 +1,124 @@
+#pragma once
+// Initial-value problems y' = f(t, y): problem, method and result are three types.
+// This part is the only code that includes SUNDIALS; nothing of SUNDIALS appears in its headers.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rodwake::integrate {
+
+using State = std::span<const double>;
+
+enum class Crossing { rising, falling, any };
+
+/// A root to be found: the solver reports each time at which value(t, y) crosses zero in the given direction.
+struct Event {
+    std::string name;
+    std::function<double(double t, State y)> value;
+    Crossing crossing = Crossing::any;
+    bool terminal = false; ///< stop there; the final time and state are those of the root
+};
+
+/// y' = rhs(t, y), y(start_time) = initial_state. Functions may throw: the solve then fails with the exception's text.
+struct OdeProblem {
+    std::vector<double> initial_state;
+    double start_time = 0.0;
+    std::function<void(double t, State y, std::span<double> ydot)> rhs;
+    /// d rhs_i / d y_j into J(i, j), used by BDF. Empty: difference quotients.
+    std::function<void(double t, State y, Eigen::Ref<Eigen::MatrixXd> jacobian)> jacobian;
+    std::vector<Event> events;
+    /// Name of component i in messages ("rods[3].theta"). Empty: "y[i]".
+    std::function<std::string(std::size_t)> component_name;
+};
+
+enum class Method {
+    bdf,   ///< CVODES, backward differentiation, order 1 to 5, dense Newton; for stiff problems
+    adams, ///< CVODES, Adams-Moulton, order 1 to 12, fixed-point iteration; fewest right-hand sides when not stiff
+    erk    ///< ARKODE, explicit Runge-Kutta: Dormand-Prince 5(4) for rtol > 1e-6, Verner 8(6) below
+};
+
+/// State at the end of an accepted internal step.
+struct Step {
+    double time_before, time;
+    State state_before, state;
+};
+
+/// A restart point: solving on from here gives the same bits as the uninterrupted run.
+struct Segment {
+    double time;
+    State state;
+    std::size_t outputs_done; ///< how many output times lie at or before this point
+};
+
+struct OdeOptions {
+    Method method = Method::adams;
+    double rtol = 1e-8;  ///< relative tolerance of the local error, each component
+    double atol = 1e-10; ///< absolute tolerance, unit of the component
+    long max_steps = 1'000'000; ///< ceiling on internal steps of the whole solve
+    double initial_step = 0.0;  ///< 0: chosen by the solver
+    double max_step = 0.0;      ///< 0: none
+    /// The method's history is discarded every so many steps, interrupted or not, so that a solve resumed from such a
+    /// point repeats the uninterrupted one bit for bit.
+    long segment_steps = 2000;
+    std::function<bool()> stop_requested;               ///< polled once a step; true ends the solve as `interrupted`
+    std::function<void(const Step&)> on_step;           ///< after each accepted step
+    std::function<void(const Segment&)> on_segment;     ///< after each completed segment
+};
+
+enum class Outcome { reached_end, stopped_at_event, interrupted, failed };
+
+/// How a solve ended. For `failed`, everything a user needs to act on it.
+struct Status {
+    struct Component {
+        std::string name;
+        double weighted_error; ///< estimated local error over the tolerance; above 1 means not met
+    };
+    Outcome outcome = Outcome::reached_end;
+    double reached = 0.0, wanted = 0.0; ///< time
+    double step = 0.0;                  ///< last step size
+    int order = 0;                      ///< last order
+    std::string flag;                   ///< the solver's name for the failure, "CV_ERR_FAILURE"
+    std::vector<Component> worst;       ///< worst first, at most ten
+    std::string cause;                  ///< likely cause
+    std::string advice;                 ///< a key to try
+
+    bool ok() const { return outcome != Outcome::failed; }
+    /// All of it in words, several lines.
+    std::string message() const;
+};
+
+struct EventHit {
+    std::size_t event; ///< index into OdeProblem::events
+    double time;
+    std::vector<double> state;
+};
+
+struct Statistics {
+    long steps = 0, rhs_evaluations = 0, jacobian_evaluations = 0;
+    long error_test_failures = 0, convergence_failures = 0, event_evaluations = 0;
+};
+
+struct Solution {
+    std::vector<double> times;               ///< the requested times that were reached, exactly as requested
+    std::vector<std::vector<double>> states; ///< states[k] at times[k]
+    std::vector<EventHit> hits;              ///< in order of time
+    double final_time = 0.0;                 ///< where it ended: last output time, terminal event, or point of failure
+    std::vector<double> final_state;
+    Status status;
+    Statistics statistics;
+};
+
+/// Integrates to the last of output_times (increasing, >= start_time). Never throws for a failure of the solve: see
+/// Solution::status. Throws InputError for a malformed problem (sizes, tolerances, times, non-finite initial state).
+/// Global accuracy: the local error is held below rtol |y_i| + atol a step; the result's error is typically 1 to 100
+/// times that (docs/validation.md has the measured ratio). Thread-safe: each call owns its SUNContext.
+Solution solve(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times);
+
+/// Names for messages and files: "bdf", "adams", "erk".
+std::string to_string(Method method);
+
+} // namespace rodwake::integrate
