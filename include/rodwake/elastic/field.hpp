@@ -1,0 +1,77 @@
+#pragma once
+// Exact steady field of one rod moving along +x through the medium, in the rod's own frame.
+//
+//   -(1/xi) d_x U - lap U - eta grad div U = delta(r) xhat          (paper Eq. ueqsimple, U in f/mu)
+//
+// With c_T = 1/(2 xi), c_L = nu c_T, G_i = exp(-c_i x) K0(c_i r), D = G_T - G_L:
+//
+//   U = (1/2 pi) [G_T xhat + xi grad D],    div U = (nu/2 pi) d_x G_L,    curl U = -(1/2 pi) d_y G_T
+//
+// (docs/physics.md Eqs. 5-9). Ahead of the rod U decays exponentially, behind it as |x|^(-1/2), near it as
+// -(1 + nu) ln r. Everything is linear in the rod's strength: multiply by f/mu.
+//
+// Accuracy: relative error in the vector or tensor norm <= 1e-14 typical, 2e-13 guaranteed by test for r/xi
+// in [1e-12, 1e8] and eta in [1e-6, 1e6] wherever the value exceeds 1e-290; smaller values underflow to 0,
+// never to NaN. Close to a curve on which a whole vector nearly vanishes the bound is relative to its largest
+// part. Domain: finite x, y with r > 0; the rod itself, r <= 1e-100 xi, throws InputError.
+
+#include "rodwake/elastic/medium.hpp"
+
+namespace rodwake::elastic {
+
+struct Vector {
+    double x = 0.0, y = 0.0;
+};
+struct SymmetricTensor {
+    double xx = 0.0, xy = 0.0, yy = 0.0;
+};
+
+/// Which quantities to compute; the rest is left at zero and costs nothing.
+struct Wanted {
+    bool displacement = false;
+    bool strain = false;
+    bool polar = false;  ///< lap U and grad div U, the two vectors a polar rod can follow
+    bool dipole = false; ///< field of a y force dipole
+    bool slopes = false; ///< also d/dx and d/dy of strain and polar, as far as those are wanted
+};
+
+/// One point. Units: displacement f/mu; strain f/mu per length; polar f/mu per length^2; dipole f2 d/mu per
+/// length.
+struct FieldValues {
+    Vector displacement;                ///< U
+    SymmetricTensor strain;             ///< (grad U + grad U^T)/2; tr = div U
+    Vector laplacian;                   ///< lap U
+    Vector gradient_of_trace;           ///< grad div U
+    Vector dipole;                      ///< forces +-f2 yhat at y = +-d/2, d -> 0
+    SymmetricTensor strain_x, strain_y; ///< d/dx, d/dy of strain
+    Vector laplacian_x, laplacian_y;
+    Vector gradient_of_trace_x, gradient_of_trace_y;
+};
+
+/// The field of a medium, its constants worked out once. Cheap to copy; calls are independent and
+/// thread-safe.
+class Field {
+public:
+    /// Throws InputError for an illegal medium (see validate).
+    explicit Field(const Medium& medium);
+
+    /// The field at (x, y) in the rod's frame: rod at the origin, heading along +x. Lengths in the unit of
+    /// medium.xi. Throws InputError at the rod itself.
+    FieldValues at(double x, double y, Wanted wanted) const;
+
+    const Medium& medium() const { return medium_; }
+
+    struct Constants {
+        double nu;      ///< 1/(1 + eta) = c_L/c_T
+        double nu_low;  ///< what rounding nu left out
+        double delta;   ///< 1 - nu = eta/(1 + eta), without cancellation
+        double c_shear; ///< c_T = 1/(2 xi), 1/length
+        double two_xi;
+    };
+
+private:
+    Medium medium_;
+    Constants constants_;
+};
+
+} // namespace rodwake::elastic

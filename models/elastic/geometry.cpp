@@ -1,0 +1,94 @@
+#include "geometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::elastic {
+
+namespace {
+
+// Dekker/Knuth building blocks; see Hida, Li, Bailey (2001), "Library for double-double and quad-double
+// arithmetic".
+
+DoubleDouble quick_sum(double a, double b) { // |a| >= |b|
+    const double sum = a + b;
+    return {sum, b - (sum - a)};
+}
+
+DoubleDouble exact_sum(double a, double b) {
+    const double sum = a + b, virtual_b = sum - a;
+    return {sum, (a - (sum - virtual_b)) + (b - virtual_b)};
+}
+
+DoubleDouble exact_product(double a, double b) {
+    const double product = a * b;
+    return {product, std::fma(a, b, -product)};
+}
+
+DoubleDouble add(DoubleDouble a, double b) {
+    const DoubleDouble sum = exact_sum(a.high, b);
+    return quick_sum(sum.high, sum.low + a.low);
+}
+
+DoubleDouble divide(DoubleDouble a, DoubleDouble b) {
+    const double quotient = a.high / b.high;
+    const DoubleDouble back = exact_product(quotient, b.high);
+    const double remainder = ((a.high - back.high) - back.low) + a.low - quotient * b.low;
+    return quick_sum(quotient, remainder / b.high);
+}
+
+/// r = sqrt(x^2 + y^2) for operands whose squares neither overflow nor lose bits that matter.
+DoubleDouble distance(double x, double y) {
+    const DoubleDouble xx = exact_product(x, x), yy = exact_product(y, y);
+    const DoubleDouble sum = exact_sum(xx.high, yy.high);
+    const double r = std::sqrt(sum.high);
+    const double remainder = std::fma(-r, r, sum.high) + (sum.low + xx.low + yy.low);
+    return quick_sum(r, 0.5 * remainder / r);
+}
+
+/// r + x, by y^2/(r - x) behind the rod.
+DoubleDouble distance_plus_x(DoubleDouble r, double x, double y) {
+    if (x >= 0.0)
+        return add(r, x);
+    return divide(exact_product(y, y), add(r, -x));
+}
+
+/// (r + x)/(2 xi) to twice the precision. A power of two brings the larger coordinate near 1: exact, and safe
+/// from overflow of the squares.
+DoubleDouble precise_exponent(const Field::Constants& medium, double x, double y) {
+    const int exponent = std::ilogb(std::max(std::abs(x), std::abs(y)));
+    const double x1 = std::ldexp(x, -exponent), y1 = std::ldexp(y, -exponent),
+                 unit = std::ldexp(1.0, exponent);
+    const DoubleDouble u = distance_plus_x(distance(x1, y1), x1, y1);
+    return divide({u.high * unit, u.low * unit}, {medium.two_xi, 0.0});
+}
+
+/// Below this an exponent rounded to double is as good: its error moves exp() by less than an ulp.
+constexpr double small_exponent = 1.0;
+
+} // namespace
+
+Geometry::Geometry(const Field::Constants& medium, double x, double y) {
+    X = x * medium.c_shear;
+    Y = y * medium.c_shear;
+    const double square = X * X + Y * Y;
+    s = square > 1e-280 && square < 1e280 ? std::sqrt(square) : std::hypot(X, Y);
+    const double inverse = 1.0 / s;
+    c = X * inverse;
+    q = Y * inverse;
+    w = {X >= 0.0 ? s + X : Y * (Y / (s - X)), 0.0};
+    if (w.high * std::max(1.0, medium.nu) > small_exponent)
+        w = precise_exponent(medium, x, y);
+    p = w.high * inverse;
+}
+
+DoubleDouble times(DoubleDouble a, DoubleDouble b) {
+    if (a.high * b.high < small_exponent)
+        return {a.high * b.high, 0.0};
+    const DoubleDouble product = exact_product(a.high, b.high);
+    return quick_sum(product.high, product.low + (a.high * b.low + a.low * b.high));
+}
+
+double exp_minus(DoubleDouble exponent) { return std::exp(-exponent.high) * (1.0 - exponent.low); }
+
+} // namespace rodwake::elastic

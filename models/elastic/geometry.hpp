@@ -1,0 +1,28 @@
+#pragma once
+// Where a point lies relative to the rod, in the variables of the closed form. Decay exponents are carried in
+// double-double where they are large: an exponent of 600 rounded to double would cost exp() three digits.
+
+#include "rodwake/elastic/field.hpp"
+
+namespace rodwake::elastic {
+
+/// Unevaluated sum high + low, |low| <= ulp(high)/2.
+struct DoubleDouble {
+    double high, low;
+};
+
+/// A point in units of 1/c_T = 2 xi: X = x c_T, Y = y c_T, s = r c_T > 0.
+struct Geometry {
+    double X, Y, s;
+    double c, q;    ///< X/s = cos, Y/s = sin of the angle from the heading
+    double p;       ///< 1 + c = w/s, accurate on the wake axis where c -> -1
+    DoubleDouble w; ///< s + X, the shear exponent; Y^2/(s - X) behind
+    Geometry(const Field::Constants& medium, double x, double y);
+};
+
+DoubleDouble times(DoubleDouble a, DoubleDouble b);
+
+/// exp(-exponent), relative error <= 2 ulp however large the exponent.
+double exp_minus(DoubleDouble exponent);
+
+} // namespace rodwake::elastic

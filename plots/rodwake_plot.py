@@ -1,0 +1,51 @@
+"""Draw the figures of a run directory and write its report: rodwake_plot.py RUN_DIR [--pdf] [--report-only]."""
+
+import argparse
+import os
+import sys
+
+from rodwake_plots.errors import PlotError
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="rodwake_plot.py", description="Figures and report of a finished run.")
+    parser.add_argument("run_dir", help="directory that holds result.h5 and scene.toml")
+    parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too")
+    parser.add_argument("--report-only", action="store_true", help="keep the figures, write report.html again")
+    return parser.parse_args()
+
+
+def plot(options):
+    # Imported here so that --help and a missing package are quick and plain.
+    from rodwake_plots import draw, report
+    from rodwake_plots.run_dir import RunDir
+
+    with RunDir(options.run_dir) as run:
+        figures = draw.figures_of(run)
+        if not options.report_only:
+            draw.write_all(run, figures, pdf=options.pdf)
+        report.write(run, figures)
+
+
+def main():
+    options = arguments()
+    try:
+        plot(options)
+    except PlotError as error:
+        message = str(error)
+    except ImportError as error:
+        message = f"a Python package is missing: {error}"
+    except OSError as error:
+        message = f"{error.filename or options.run_dir}: {error.strerror or error}"
+    except Exception as error:  # a user sees one line; the traceback is for whoever asks for it
+        if os.environ.get("RODWAKE_PLOT_DEBUG"):
+            raise
+        message = f"internal error: {type(error).__name__}: {error} (RODWAKE_PLOT_DEBUG=1 shows where)"
+    else:
+        return 0
+    print("rodwake plot: " + " ".join(message.split()), file=sys.stderr)
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,41 @@
+"""Making and saving a figure."""
+
+import contextlib
+import os
+
+from matplotlib.figure import Figure
+
+from . import style
+
+
+def figure(width, height):
+    made = Figure(figsize=(width, height), layout="constrained")
+    made.get_layout_engine().set(w_pad=0.04, h_pad=0.04, wspace=0.04, hspace=0.04)
+    return made
+
+
+def heading(axes, text):
+    if text:
+        axes.set_title(text, pad=6)
+
+
+def window(axes, x, y):
+    axes.set_xlim(*x)
+    axes.set_ylim(*y)
+    axes.set_aspect("equal")
+
+
+@contextlib.contextmanager
+def replacing(path):
+    """A temporary path beside `path`, moved over it only when all went well."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def save(made, path):
+    with replacing(path) as temporary:
+        made.savefig(temporary, format=path.suffix[1:], bbox_inches="tight", pad_inches=0.04)

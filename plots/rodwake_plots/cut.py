@@ -1,0 +1,115 @@
+"""The displacement along a line (paper, Fig. ufield b, d, e)."""
+
+import numpy as np
+
+from . import canvas, field_map, ranges, style, words
+from .errors import PlotError
+
+CORE = 0.012  # of the window: the limits ignore what is nearer to the singular point
+
+
+def draw(run, spec):
+    cut = run.result.cut(spec.cut)
+    kept = inside(cut, spec)
+    s, values = cut.s[kept], scaled(cut, spec)[kept]
+    axis, value_axis = axes_of(run.result.units, cut, spec, s, values)
+    s, values = s * axis.factor, values * value_axis.factor
+    figure = canvas.figure(style.SINGLE, 2.9)
+    axes = figure.subplots()
+    axes.axhline(0, color=style.GREY, linewidth=0.6)
+    axes.plot(*broken_at_rod(cut, s, values), color=style.LINE)
+    axes.set(xlim=(s.min(), s.max()), ylim=limits(cut, spec, s, values), xlabel=axis.label, ylabel=value_axis.label)
+    if spec.sqrt_scaled:
+        mark_plateau(axes, s, values)
+    mark_rod(axes, cut, s)
+    canvas.heading(axes, style.safe(spec.title))
+    note_line(run.result.units, axes, cut)
+    return figure
+
+
+def inside(cut, spec):
+    window = spec.x if cut.along == "x" else spec.y
+    if not window:
+        return np.ones(cut.s.size, dtype=bool)
+    kept = (cut.s >= window[0]) & (cut.s <= window[1])
+    if kept.sum() < 2:
+        raise PlotError(f'figure "{spec.name}": the window holds no point of cut {spec.cut}')
+    return kept
+
+
+def scaled(cut, spec):
+    values = getattr(cut, spec.component)
+    return np.sqrt(np.abs(cut.s)) * values if spec.sqrt_scaled else values
+
+
+def axes_of(units, cut, spec, s, values):
+    extent = np.abs(s).max()
+    axis = units.length(cut.along, extent)
+    symbol = f"U_{spec.component[1]}"
+    size = np.nanpercentile(np.abs(values[np.isfinite(values)]), 98) if np.isfinite(values).any() else 1.0
+    if spec.sqrt_scaled:
+        return axis, units.root_length(rf"|{cut.along}|^{{1/2}}\,{symbol}", extent, size)
+    return axis, units.length(symbol, size)
+
+
+def through_rod(cut):
+    return cut.at == 0 and cut.s.min() < 0 < cut.s.max()
+
+
+def broken_at_rod(cut, s, values):
+    """No line across the singular point: the two branches are not joined."""
+    if not through_rod(cut):
+        return s, values
+    split = np.searchsorted(s, 0.0)
+    return np.insert(s, split, 0.0), np.insert(values, split, np.nan)
+
+
+def limits(cut, spec, s, values):
+    singular = through_rod(cut) and not spec.sqrt_scaled
+    trusted = np.abs(s) > CORE * np.ptp(s) if singular else np.ones(s.size, dtype=bool)
+    return ranges.linear_limits(values, trusted)
+
+
+def mark_rod(axes, cut, s):
+    """Where the rod is and, along its path, which side is which."""
+    if not s.min() < 0 < s.max():
+        return
+    axes.axvline(0, color=style.GREY, linewidth=0.6, linestyle=(0, (4, 3)))
+    if cut.along != "x":
+        return
+    look = dict(textcoords="offset points", color=style.GREY, fontsize=9, xycoords=axes.get_xaxis_transform(), va="bottom")
+    axes.annotate("behind", (0, 0.03), (-6, 0), ha="right", **look)
+    axes.annotate("ahead", (0, 0.03), (6, 0), ha="left", **look)
+
+
+def mark_plateau(axes, s, values):
+    """The level of the far wake, drawn only where the data are flat."""
+    far = values[(s < 0.75 * s.min()) & np.isfinite(values)]
+    if s.min() >= 0 or far.size < 3 or np.ptp(far) > 0.08 * abs(far.mean()):
+        return
+    axes.plot([s.min(), 0], [far.mean()] * 2, color=style.INK, linewidth=0.8, linestyle=(0, (1, 2)))
+
+
+def note_line(units, axes, cut):
+    """The fixed coordinate, in the corner the curve leaves free: ahead of the rod the field is screened."""
+    other = "y" if cut.along == "x" else "x"
+    axis = units.length(other, abs(cut.at))
+    if units.si:
+        text = rf"${other} = {words.number(cut.at * axis.factor)}$ " + axis.label.split("$ ", 1)[1].strip("()")
+    else:
+        text = rf"${axis.label.strip('$')} = {words.number(cut.at)}$"
+    axes.annotate(text, (0.97, 0.94), xycoords="axes fraction", ha="right", va="top")
+
+
+def caption(run, spec):
+    cut, units = run.result.cut(spec.cut), run.result.units
+    other = "y" if cut.along == "x" else "x"
+    what = f"<i>U<sub>{spec.component[1]}</sub></i>"
+    text = (f"Displacement {what} of the medium along <i>{cut.along}</i> at <i>{other}</i> = {words.number(cut.at)} "
+            f"{units.length_html()}, one rod at the origin heading along +<i>x</i>. ")
+    if spec.sqrt_scaled:
+        text = text.replace("Displacement ", f"|<i>{cut.along}</i>|<sup>1/2</sup>", 1)
+        text += "A flat line behind the rod is a wake that falls off as |<i>x</i>|<sup>−1/2</sup>; ahead the field is screened. "
+    elif through_rod(cut):
+        text += "The point force at the origin is logarithmically singular; the range leaves it out. "
+    return text + field_map.medium_note(run)

@@ -1,0 +1,36 @@
+"""Which function draws which kind; drawing all figures of a run."""
+
+from . import cut, extensional_axis, polar_streamlines, spec, trajectories
+from .canvas import save
+from .errors import PlotError
+from .style import SETTINGS
+
+import matplotlib
+
+KINDS = {"extensional_axis": extensional_axis, "polar_streamlines": polar_streamlines, "cut": cut, "trajectories": trajectories}
+
+
+def figures_of(run):
+    return spec.from_scene(run.scene) or spec.defaults(run.result)
+
+
+def write_all(run, figures, pdf):
+    run.figures_dir.mkdir(exist_ok=True)
+    for figure in figures:
+        with matplotlib.rc_context(SETTINGS):
+            made = KINDS[figure.kind].draw(run, figure)
+            for ending in (".png", ".pdf") if pdf else (".png",):
+                path = run.figures_dir / (figure.name + ending)
+                save(made, path)
+                print(path)
+
+
+def caption(run, figure):
+    return KINDS[figure.kind].caption(run, figure)
+
+
+def png(run, figure):
+    path = run.figures_dir / f"{figure.name}.png"
+    if not path.is_file():
+        raise PlotError(f"{path}: not drawn yet; run without --report-only first")
+    return path.read_bytes()

@@ -1,0 +1,51 @@
+"""Ranges that a singular point cannot spoil."""
+
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator
+
+from .errors import PlotError
+
+DECADES = 4.5  # more than this below the top is drawn as "less"
+
+
+def nice(value, up):
+    """The next 1, 2 or 5 times a power of ten, at or beyond `value`."""
+    decade = 10.0 ** np.floor(np.log10(value))
+    steps = np.array([1, 2, 5, 10]) * decade
+    return steps[steps >= value * (1 - 1e-9)][0] if up else steps[steps <= value * (1 + 1e-9)][-1]
+
+
+def log_norm(*arrays):
+    """(norm, extend) for positive values over many decades, from percentiles."""
+    values = np.concatenate([np.ravel(array) for array in arrays])
+    values = values[np.isfinite(values) & (values > 0)]
+    if values.size == 0:
+        raise PlotError("nothing to draw on a log scale: no positive values")
+    top = nice(np.percentile(values, 99.7), up=True)
+    bottom = nice(max(np.percentile(values, 3), top / 10 ** DECADES), up=False)
+    bottom = min(bottom, top / 10)
+    below, above = bool((values < bottom).any()), bool((values > top).any())
+    return LogNorm(bottom, top), {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[below, above]
+
+
+def log_bar(figure, image, axes, extend, label, **place):
+    """A colour bar with labelled decades; 2 and 5 are labelled too when there are few decades."""
+    bar = figure.colorbar(image, ax=axes, extend=extend, **place)
+    few = np.log10(image.norm.vmax / image.norm.vmin) < 2
+    axis = bar.ax.xaxis if bar.orientation == "horizontal" else bar.ax.yaxis
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,), numticks=20))
+    axis.set_major_formatter(LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(np.inf, np.inf)))
+    bar.ax.tick_params(which="both", direction="in")
+    bar.set_label(label)
+    return bar
+
+
+def linear_limits(values, trusted, margin=0.06):
+    """Limits from the trusted values only, with zero in view."""
+    kept = values[trusted & np.isfinite(values)]
+    if kept.size == 0:
+        raise PlotError("nothing to draw: no finite values")
+    low, high = min(kept.min(), 0.0), max(kept.max(), 0.0)
+    room = margin * (high - low) or 1.0
+    return low - room, high + room

@@ -1,0 +1,118 @@
+"""result.h5 behind plain Python types. Whatever is missing is named with its full place in the file."""
+
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+
+from .errors import PlotError
+from .units import Units
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Cut:
+    along: str  # "x" or "y": the coordinate that varies
+    at: float   # the other coordinate
+    s: np.ndarray
+    Ux: np.ndarray
+    Uy: np.ndarray
+
+
+@dataclass(frozen=True)
+class Run:
+    """One integration of the rods; x, y, theta are [time][rod]."""
+    name: str
+    label: str
+    outcome: str
+    attrs: dict
+    t: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    theta: np.ndarray
+
+
+def plain(value):
+    """HDF5 strings arrive as bytes or str, scalars as numpy types."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", errors="replace")
+    return value.item() if isinstance(value, (np.generic, np.ndarray)) and np.size(value) == 1 else value
+
+
+class Result:
+    def __init__(self, path):
+        self.path = path
+        if not path.is_file():
+            raise PlotError(f"{path}: no such file")
+        try:
+            self.file = h5py.File(path, "r")
+        except OSError as error:
+            raise PlotError(f"{path}: not a readable HDF5 file") from error
+        self._check_schema()
+        self.units = Units(self.attribute("/", "units"))
+        self.title = self.attribute("/", "title", "")
+        self.version = self.attribute("/", "rodwake_version", "unknown")
+
+    def _check_schema(self):
+        schema = self.attribute("/", "schema")
+        if schema != SCHEMA:
+            raise PlotError(f"{self.path}: schema {schema}, this program reads schema {SCHEMA}")
+
+    def close(self):
+        self.file.close()
+
+    def has(self, place):
+        return place in self.file
+
+    def attributes(self, place):
+        if not self.has(place):
+            return {}
+        return {key: plain(value) for key, value in self.file[place].attrs.items()}
+
+    def attribute(self, place, name, *default):
+        found = self.attributes(place)
+        if name in found:
+            return found[name]
+        if default:
+            return default[0]
+        raise PlotError(f"{self.path}: attribute {name} of {place} is missing")
+
+    def data(self, place):
+        if not self.has(place):
+            raise PlotError(f"{self.path}: dataset {place} is missing")
+        return np.asarray(self.file[place][()], dtype=float)
+
+    def grid(self, name):
+        """A dataset of /field/grid, checked against the axes."""
+        values = self.data(f"/field/grid/{name}")
+        if name not in ("x", "y"):
+            shape = (self.data("/field/grid/y").size, self.data("/field/grid/x").size)
+            if values.shape != shape:
+                raise PlotError(f"{self.path}: /field/grid/{name} has shape {values.shape}, expected {shape}")
+        return values
+
+    def cut_count(self):
+        return len(self.file["/field/cuts"]) if self.has("/field/cuts") else 0
+
+    def cut(self, index):
+        place = f"/field/cuts/{index}"
+        if not self.has(place):
+            raise PlotError(f"{self.path}: {place} is missing (the file holds {self.cut_count()} cuts)")
+        along, at = self.attribute(place, "along"), self.attribute(place, "at")
+        return Cut(along, at, *(self.data(f"{place}/{name}") for name in ("s", "Ux", "Uy")))
+
+    def runs(self):
+        """Every run of the rods, in legend order."""
+        if not self.has("/rods"):
+            return []
+        names = sorted(self.file["/rods"], key=lambda name: self.attribute(f"/rods/{name}", "order", 0))
+        return [self.run(name) for name in names]
+
+    def run(self, name):
+        place = f"/rods/{name}"
+        t, x, y, theta = (self.data(f"{place}/{part}") for part in ("t", "x", "y", "theta"))
+        if not (x.shape == y.shape == theta.shape and x.ndim == 2 and len(x) == len(t) > 0):
+            raise PlotError(f"{self.path}: {place} holds x, y, theta of unequal or empty shape")
+        label = self.attribute(place, "label", "") or ("as written" if name == "scene" else name)
+        return Run(name, label, self.attribute(place, "outcome"), self.attributes(place), t, x, y, theta)

@@ -1,0 +1,71 @@
+#include "check_problem.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace rodwake::integrate {
+
+namespace {
+
+/// Below this CVODES finds its own round-off; above the other the error estimate means nothing.
+constexpr double min_rtol = 1e-14, max_rtol = 0.1;
+
+void require(bool legal, const std::string& message) {
+    if (!legal) throw InputError("cannot integrate: " + message);
+}
+
+void check_functions(const OdeProblem& problem) {
+    require(static_cast<bool>(problem.rhs), "the problem has no right-hand side");
+    for (std::size_t i = 0; i < problem.events.size(); ++i)
+        require(static_cast<bool>(problem.events[i].value),
+                fmt::format("event {} ('{}') has no function", i, problem.events[i].name));
+}
+
+void check_state(const OdeProblem& problem) {
+    const std::vector<double>& y = problem.initial_state;
+    require(!y.empty(), "the initial state is empty");
+    for (std::size_t i = 0; i < y.size(); ++i)
+        if (!std::isfinite(y[i]))
+            require(false, fmt::format("the initial value of {} is {}; it must be finite",
+                                       problem.component_name ? problem.component_name(i) : fmt::format("y[{}]", i),
+                                       y[i]));
+}
+
+void check_options(const OdeOptions& options) {
+    require(options.rtol >= min_rtol && options.rtol <= max_rtol,
+            fmt::format("rtol is {}; it must lie from {} to {}", options.rtol, min_rtol, max_rtol));
+    require(options.atol > 0.0 && std::isfinite(options.atol),
+            fmt::format("atol is {}; it must be positive and finite", options.atol));
+    require(options.max_steps > 0, fmt::format("max_steps is {}; it must be at least 1", options.max_steps));
+    require(options.segment_steps > 0,
+            fmt::format("segment_steps is {}; it must be at least 1", options.segment_steps));
+    require(options.initial_step >= 0.0 && std::isfinite(options.initial_step),
+            fmt::format("initial_step is {}; it must be positive, or 0 for automatic", options.initial_step));
+    require(options.max_step >= 0.0 && std::isfinite(options.max_step),
+            fmt::format("max_step is {}; it must be positive, or 0 for none", options.max_step));
+}
+
+void check_times(double start, std::span<const double> times) {
+    require(std::isfinite(start), fmt::format("the start time is {}; it must be finite", start));
+    require(!times.empty(), "there are no output times");
+    require(times.front() >= start,
+            fmt::format("output time 0 is {}, before the start time {}", times.front(), start));
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        require(std::isfinite(times[i]), fmt::format("output time {} is {}; it must be finite", i, times[i]));
+        if (i > 0 && !(times[i] > times[i - 1]))
+            require(false, fmt::format("output time {} is {}, not after the one before it, {}", i, times[i], times[i - 1]));
+    }
+}
+
+} // namespace
+
+void check_problem(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times) {
+    check_functions(problem);
+    check_state(problem);
+    check_options(options);
+    check_times(problem.start_time, output_times);
+}
+
+} // namespace rodwake::integrate

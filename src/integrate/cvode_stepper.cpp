@@ -1,0 +1,143 @@
+// Adams and BDF steps by CVODES.
+
+#include "step_failure.hpp"
+#include "stepper.hpp"
+
+#include <cvodes/cvodes_ls.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+namespace rodwake::integrate {
+
+namespace {
+
+using sundials::elements;
+using sundials::made;
+using sundials::require;
+
+int call_rhs(double t, N_Vector y, N_Vector ydot, void* calls) {
+    return static_cast<ProblemCalls*>(calls)->rhs(t, elements(y), elements(ydot));
+}
+
+int call_jacobian(double t, N_Vector y, N_Vector, SUNMatrix matrix, void* calls, N_Vector, N_Vector, N_Vector) {
+    return static_cast<ProblemCalls*>(calls)->jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
+}
+
+class CvodeStepper final : public Stepper {
+  public:
+    using Stepper::Stepper;
+
+    void start(double t, State y) override;
+    bool advance() override;
+    void interpolate(double t, std::span<double> y) override;
+    int order() const override;
+    std::string flag_name() const override;
+    std::string flag_prefix() const override { return "CV"; }
+    std::vector<double> weighted_errors() const override;
+
+  private:
+    void attach_newton();
+    void attach_fixed_point();
+    Statistics segment_counts() const override;
+
+    // The integrator is destroyed before the solvers it points to: members are destroyed in reverse order.
+    sundials::Matrix matrix_;
+    sundials::LinearSolver linear_solver_;
+    sundials::NonlinearSolver fixed_point_;
+    sundials::CvodeMemory memory_;
+    int flag_ = CV_SUCCESS;
+};
+
+/// A new integrator, not CVodeReInit: a restart then equals a fresh solve whatever CVODES keeps internally.
+void CvodeStepper::start(double t, State y) {
+    if (memory_) earlier_ = counts();
+    set_start(t, y);
+    const bool bdf = options_.method == Method::bdf;
+    memory_.reset(made(CVodeCreate(bdf ? CV_BDF : CV_ADAMS, context_.get())));
+    void* cvode = memory_.get();
+    require(CVodeSetErrHandlerFn(cvode, keep_text, static_cast<Stepper*>(this)));
+    require(CVodeInit(cvode, call_rhs, t, after_.get()));
+    require(CVodeSetUserData(cvode, &calls_));
+    require(CVodeSStolerances(cvode, options_.rtol, options_.atol));
+    require(CVodeSetMaxHnilWarns(cvode, -1));
+    require(CVodeSetInitStep(cvode, initial_step(t)));
+    require(CVodeSetMaxStep(cvode, options_.max_step));
+    require(CVodeSetStopTime(cvode, end_time_));
+    bdf ? attach_newton() : attach_fixed_point();
+}
+
+void CvodeStepper::attach_newton() {
+    const auto size = static_cast<sunindextype>(state().size());
+    if (!matrix_) matrix_.reset(made(SUNDenseMatrix(size, size, context_.get())));
+    linear_solver_.reset(made(SUNLinSol_Dense(after_.get(), matrix_.get(), context_.get())));
+    require(CVodeSetLinearSolver(memory_.get(), linear_solver_.get(), matrix_.get()));
+    if (calls_.problem().jacobian) require(CVodeSetJacFn(memory_.get(), call_jacobian));
+}
+
+void CvodeStepper::attach_fixed_point() {
+    // The previous integrator is gone already, so its solver can go too.
+    fixed_point_.reset(made(SUNNonlinSol_FixedPoint(after_.get(), 0, context_.get())));
+    require(CVodeSetNonlinearSolver(memory_.get(), fixed_point_.get()));
+}
+
+bool CvodeStepper::advance() {
+    before_.swap(after_);
+    const double from = time_;
+    double to = from;
+    flag_ = CVode(memory_.get(), end_time_, after_.get(), &to, CV_ONE_STEP);
+    if (flag_ < 0) {
+        before_.swap(after_);
+        return false;
+    }
+    time_before_ = from;
+    time_ = to;
+    return true;
+}
+
+void CvodeStepper::interpolate(double t, std::span<double> y) {
+    N_VSetArrayPointer(y.data(), view_.get());
+    if (CVodeGetDky(memory_.get(), t, 0, view_.get()) != CV_SUCCESS) throw StepFailure{"BAD_T", solver_text_};
+}
+
+int CvodeStepper::order() const {
+    int order = 0;
+    CVodeGetCurrentOrder(memory_.get(), &order);
+    return order;
+}
+
+std::string CvodeStepper::flag_name() const {
+    std::unique_ptr<char, sundials::Deleter<std::free>> name(CVodeGetReturnFlagName(flag_));
+    return name.get();
+}
+
+std::vector<double> CvodeStepper::weighted_errors() const {
+    // Before the first corrector iteration CVODES has no estimate, only memory that nobody has written.
+    const bool tried = segment_counts().steps > 0 || flag_ == CV_ERR_FAILURE;
+    if (!tried) return {};
+    sundials::Vector weights = sundials::make_vector(state().size(), context_.get());
+    sundials::Vector errors = sundials::make_vector(state().size(), context_.get());
+    CVodeGetErrWeights(memory_.get(), weights.get());
+    CVodeGetEstLocalErrors(memory_.get(), errors.get());
+    N_VProd(weights.get(), errors.get(), errors.get());
+    N_VAbs(errors.get(), errors.get());
+    return {elements(errors.get()).begin(), elements(errors.get()).end()};
+}
+
+Statistics CvodeStepper::segment_counts() const {
+    Statistics counts;
+    void* cvode = memory_.get();
+    CVodeGetNumSteps(cvode, &counts.steps);
+    CVodeGetNumErrTestFails(cvode, &counts.error_test_failures);
+    CVodeGetNumNonlinSolvConvFails(cvode, &counts.convergence_failures);
+    if (matrix_) CVodeGetNumJacEvals(cvode, &counts.jacobian_evaluations);
+    return counts;
+}
+
+} // namespace
+
+std::unique_ptr<Stepper> make_cvode_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time) {
+    return std::make_unique<CvodeStepper>(calls, options, end_time);
+}
+
+} // namespace rodwake::integrate

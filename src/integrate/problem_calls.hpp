@@ -1,0 +1,41 @@
+#pragma once
+// The user's functions as SUNDIALS and the steppers call them: counted, checked for finite results, and with
+// exceptions turned into a fault, since none may cross SUNDIALS' C frames.
+
+#include "rodwake/integrate/ode.hpp"
+
+namespace rodwake::integrate {
+
+class ProblemCalls {
+  public:
+    /// What a callback returns to SUNDIALS.
+    enum Result : int { fine = 0, try_shorter_step = 1, give_up = -1 };
+
+    explicit ProblemCalls(const OdeProblem& problem) : problem_(problem) {}
+
+    Result rhs(double t, State y, std::span<double> ydot) noexcept;
+    Result jacobian(double t, State y, double* column_major) noexcept;
+    /// Throws StepFailure when the event throws or is not finite.
+    double event(std::size_t index, double t, State y);
+
+    std::string component_name(std::size_t index) const;
+    const OdeProblem& problem() const { return problem_; }
+    long rhs_evaluations() const { return rhs_evaluations_; }
+    long event_evaluations() const { return event_evaluations_; }
+    /// Time of the most recent right-hand side: the end of the step being tried.
+    double last_time() const { return last_time_; }
+
+    /// Why the last call that did not return `fine` did so; empty if there was none since clear_fault.
+    const std::string& fault() const { return fault_; }
+    void clear_fault() {
+        if (!fault_.empty()) fault_.clear();
+    }
+
+  private:
+    const OdeProblem& problem_;
+    long rhs_evaluations_ = 0, event_evaluations_ = 0;
+    double last_time_ = 0.0;
+    std::string fault_;
+};
+
+} // namespace rodwake::integrate

@@ -1,0 +1,46 @@
+#include "stepper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rodwake::integrate {
+
+Stepper::Stepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
+    : calls_(calls), options_(options), end_time_(end_time) {
+    const std::size_t size = calls.problem().initial_state.size();
+    before_ = sundials::make_vector(size, context_.get());
+    after_ = sundials::make_vector(size, context_.get());
+    view_ = sundials::Vector(sundials::made(N_VMake_Serial(static_cast<sunindextype>(size), nullptr, context_.get())));
+}
+
+void Stepper::set_start(double t, State y) {
+    // y may be state() itself.
+    std::copy(y.begin(), y.end(), sundials::elements(before_.get()).begin());
+    std::copy(state_before().begin(), state_before().end(), sundials::elements(after_.get()).begin());
+    time_ = time_before_ = t;
+}
+
+Statistics Stepper::counts() const {
+    const Statistics now = segment_counts();
+    Statistics sum = earlier_;
+    sum.steps += now.steps;
+    sum.jacobian_evaluations += now.jacobian_evaluations;
+    sum.error_test_failures += now.error_test_failures;
+    sum.convergence_failures += now.convergence_failures;
+    return sum;
+}
+
+double Stepper::initial_step(double t) const {
+    const double left = end_time_ - t;
+    // SUNDIALS refuses to choose a step when the end is within round-off of the start.
+    const double round_off = 8.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end_time_));
+    if (left < round_off) return left;
+    return std::min(options_.initial_step, left);
+}
+
+void Stepper::keep_text(int flag, const char*, const char*, char* text, void* stepper) {
+    if (flag < 0) static_cast<Stepper*>(stepper)->solver_text_ = text;
+}
+
+} // namespace rodwake::integrate
