@@ -1,6 +1,7 @@
 # Every package rodwake uses, with what for. All are in Debian 12; tools/packages.txt names them.
 include(FeatureSummary)
 
+find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Boost 1.74 REQUIRED)
 find_package(SUNDIALS 6.4 REQUIRED COMPONENTS cvodes arkode nvecserial sunmatrixdense sunlinsoldense
@@ -23,3 +24,8 @@ find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
+
+# FindHDF5 gives variables; the parts want a target.
+add_library(rodwake_hdf5 INTERFACE IMPORTED)
+target_include_directories(rodwake_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
+target_link_libraries(rodwake_hdf5 INTERFACE ${HDF5_C_LIBRARIES})

@@ -1,22 +1,28 @@
-"""Draw the figures of a run directory and write its report: rodwake_plot.py RUN_DIR [--pdf] [--report-only]."""
+"""Draw the figures of a run directory and write its report: rodwake_plot.py RUN_DIR [--pdf] [--quiet] [--report-only]."""
 
 import argparse
+import logging
 import os
 import sys
+import warnings
 
 from rodwake_plots.errors import PlotError
 
 
-def arguments():
+def arguments(argv):
     parser = argparse.ArgumentParser(prog="rodwake_plot.py", description="Figures and report of a finished run.")
     parser.add_argument("run_dir", help="directory that holds result.h5 and scene.toml")
     parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too")
+    parser.add_argument("--quiet", action="store_true", help="do not list the files written")
     parser.add_argument("--report-only", action="store_true", help="keep the figures, write report.html again")
-    return parser.parse_args()
+    return parser.parse_args(argv)
 
 
 def plot(options):
     # Imported here so that --help and a missing package are quick and plain.
+    # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    warnings.simplefilter("ignore")
     from rodwake_plots import draw, report
     from rodwake_plots.run_dir import RunDir
 
@@ -27,8 +33,8 @@ def plot(options):
         report.write(run, figures)
 
 
-def main():
-    options = arguments()
+def main(argv=None):
+    options = arguments(argv)
     try:
         plot(options)
     except PlotError as error:

@@ -1,5 +1,7 @@
 #include "geometry.hpp"
 
+#include "rodwake/core/error.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -63,8 +65,25 @@ DoubleDouble precise_exponent(const Field::Constants& medium, double x, double y
     return divide({u.high * unit, u.low * unit}, {medium.two_xi, 0.0});
 }
 
-/// Below this an exponent rounded to double is as good: its error moves exp() by less than an ulp.
-constexpr double small_exponent = 1.0;
+/// Below this an exponent rounded to double will do: its error, an ulp or two of itself, moves exp() by 8 ulp
+/// at most.
+constexpr double small_exponent = 8.0;
+
+/// Beyond this exp() comes near the smallest double.
+constexpr double huge_exponent = 500.0;
+
+/// s where the squares of the coordinates overflow or underflow; there too every illegal point ends up.
+double extreme_distance(double X, double Y) {
+    const double s = std::hypot(X, Y);
+    if (!(s < 1e300))
+        throw InputError(
+            "the field is known at finite points only, r/xi < 1e300: got a coordinate that is not a number, "
+            "infinite or beyond");
+    if (s <= 0.5e-100)
+        throw InputError(
+            "the field is singular at the rod itself (r <= 1e-100 xi): move the point off the rod");
+    return s;
+}
 
 } // namespace
 
@@ -72,14 +91,20 @@ Geometry::Geometry(const Field::Constants& medium, double x, double y) {
     X = x * medium.c_shear;
     Y = y * medium.c_shear;
     const double square = X * X + Y * Y;
-    s = square > 1e-280 && square < 1e280 ? std::sqrt(square) : std::hypot(X, Y);
-    const double inverse = 1.0 / s;
+    s = square > 1e-190 && square < 1e280 ? std::sqrt(square) : extreme_distance(X, Y);
+    inverse = 1.0 / s;
     c = X * inverse;
     q = Y * inverse;
-    w = {X >= 0.0 ? s + X : Y * (Y / (s - X)), 0.0};
-    if (w.high * std::max(1.0, medium.nu) > small_exponent)
+    const double far = s + std::abs(X);
+    const double both[] = {Y * (Y / far), far}; // picked by index: a branch here would be taken at random
+    const bool ahead = X >= 0.0;
+    w = {both[ahead], 0.0};
+    p = both[ahead] * inverse;
+    n = both[!ahead] * inverse;
+    const double fastest = w.high * std::max(1.0, medium.nu);
+    boost = fastest > huge_exponent ? 0x1p200 : 1.0;
+    if (fastest > small_exponent)
         w = precise_exponent(medium, x, y);
-    p = w.high * inverse;
 }
 
 DoubleDouble times(DoubleDouble a, DoubleDouble b) {
@@ -89,6 +114,11 @@ DoubleDouble times(DoubleDouble a, DoubleDouble b) {
     return quick_sum(product.high, product.low + (a.high * b.low + a.low * b.high));
 }
 
-double exp_minus(DoubleDouble exponent) { return std::exp(-exponent.high) * (1.0 - exponent.low); }
+double exp_minus(DoubleDouble exponent, double boost) {
+    if (exponent.high < huge_exponent)
+        return boost * std::exp(-exponent.high) * (1.0 - exponent.low);
+    const double half = std::exp(-0.5 * exponent.high);
+    return half * boost * half * (1.0 - exponent.low);
+}
 
 } // namespace rodwake::elastic

@@ -14,15 +14,20 @@ struct DoubleDouble {
 /// A point in units of 1/c_T = 2 xi: X = x c_T, Y = y c_T, s = r c_T > 0.
 struct Geometry {
     double X, Y, s;
+    double inverse; ///< 1/s
     double c, q;    ///< X/s = cos, Y/s = sin of the angle from the heading
-    double p;       ///< 1 + c = w/s, accurate on the wake axis where c -> -1
+    double p, n;    ///< 1 + c and 1 - c, each accurate where it is small: on the wake axis, on the axis ahead
     DoubleDouble w; ///< s + X, the shear exponent; Y^2/(s - X) behind
+    double boost; ///< power of two on every exponential far ahead, lest one underflow that a unit would lift
+                  ///< again
+
+    /// Throws InputError unless the point is finite and off the rod.
     Geometry(const Field::Constants& medium, double x, double y);
 };
 
 DoubleDouble times(DoubleDouble a, DoubleDouble b);
 
-/// exp(-exponent), relative error <= 2 ulp however large the exponent.
-double exp_minus(DoubleDouble exponent);
+/// boost exp(-exponent), relative error <= 4 ulp however large the exponent.
+double exp_minus(DoubleDouble exponent, double boost);
 
 } // namespace rodwake::elastic

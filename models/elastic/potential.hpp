@@ -1,36 +1,38 @@
 #pragma once
 // The potential G_a = exp(-a X) K0(a s) of the moving source and its derivatives; the whole field is made of
-// two of them, a = 1 (shear) and a = nu (longitudinal). G_a solves lap G + 2 a d_X G = 0 away from the
-// origin, which gives every second y derivative from the others.
+// two of them, a = 1 (shear) and a = nu (longitudinal). Each Pair holds two values of a.
 
 #include "geometry.hpp"
+#include "pair.hpp"
 
 namespace rodwake::elastic {
 
 /// Derivatives by X and Y of a function of the plane (lengths in 2 xi).
 struct Derivatives {
-    double x = 0, y = 0;
-    double xx = 0, xy = 0, yy = 0;
-    double xxx = 0, xxy = 0, xyy = 0, yyy = 0;
+    Pair x, y;
+    Pair xx, xy, yy;
+    Pair xxx, xxy, xyy, yyy;
 };
 
-/// How many derivatives are wanted: 1, 2 or 3.
+/// How many derivatives are wanted.
 enum class Order { first = 1, second = 2, third = 3 };
 
-/// G_a away from the core: value and derivatives. Relative error of each derivative a few ulp of its largest
-/// part, which on the wake axis is the derivative itself.
-struct Potential {
-    double value;
+/// Two potentials at one point. In the core `d` lacks the singular parts of singular.hpp.
+struct Potentials {
+    Pair drift; ///< 2 a G_a + d_X G_a, the x displacement a shear potential makes; small on the axis ahead
     Derivatives d;
 };
-Potential scaled_potential(const Geometry& at, double a, DoubleDouble exponent, Order order);
 
-/// The core, a s <= 1: the derivatives of G_a + ln s, whose difference between two a is free of the 1/s,
-/// 1/s^2, 1/s^3 that cancel between them. `value` is G_a itself. d.yy, d.xyy, d.yyy follow from the equation
-/// for G_a.
-Potential core_potential(const Geometry& at, double a, Order order);
+/// Away from the core. Relative error of each derivative a few ulp of its largest part, which on the axis is
+/// the derivative itself, ahead and behind.
+Potentials scaled_potentials(const Geometry& at, DoubleDouble a0, DoubleDouble a1, Order order);
 
-/// Derivatives of ln s.
-Derivatives log_derivatives(const Geometry& at, Order order);
+/// The core, a s <= series_end: first derivatives of G_a + ln s, higher ones of G_a + (1 - a X) ln s. What is
+/// left grows like ln s and no faster, third derivatives like ln(s)/s.
+Potentials core_potentials(const Geometry& at, Pair a, Order order);
+
+/// Both by the rule above: core if both a s <= series_end.
+bool in_core(const Geometry& at, double largest_a);
+Potentials potentials(const Geometry& at, DoubleDouble a0, DoubleDouble a1, bool core, Order order);
 
 } // namespace rodwake::elastic

@@ -45,7 +45,8 @@ FieldValues lab_field(const Field& field, const Source& source, double x, double
     return lab;
 }
 
-FieldValues superpose(const Field& field, std::span<const Source> sources, double x, double y, Wanted wanted) {
+FieldValues superpose(const Field& field, std::span<const Source> sources, double x, double y,
+                      Wanted wanted) {
     FieldValues sum;
     for (const Source& source : sources) {
         const FieldValues one = lab_field(field, source, x, y, wanted);

@@ -4,12 +4,13 @@ import contextlib
 import os
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from . import style
 
 
 def figure(width, height):
-    made = Figure(figsize=(width, height), layout="constrained")
+    made = Figure(figsize=(width, height), layout="compressed")
     made.get_layout_engine().set(w_pad=0.04, h_pad=0.04, wspace=0.04, hspace=0.04)
     return made
 
@@ -23,6 +24,8 @@ def window(axes, x, y):
     axes.set_xlim(*x)
     axes.set_ylim(*y)
     axes.set_aspect("equal")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
 
 
 @contextlib.contextmanager

@@ -1,6 +1,7 @@
 """The displacement along a line (paper, Fig. ufield b, d, e)."""
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from . import canvas, field_map, ranges, style, words
 from .errors import PlotError
@@ -33,12 +34,13 @@ def inside(cut, spec):
         return np.ones(cut.s.size, dtype=bool)
     kept = (cut.s >= window[0]) & (cut.s <= window[1])
     if kept.sum() < 2:
-        raise PlotError(f'figure "{spec.name}": the window holds no point of cut {spec.cut}')
+        raise PlotError(f"the window holds no point of cut {spec.cut}")
     return kept
 
 
 def scaled(cut, spec):
     values = getattr(cut, spec.component)
+    values = np.where(np.isfinite(values), values, np.nan)  # a point on the rod itself
     return np.sqrt(np.abs(cut.s)) * values if spec.sqrt_scaled else values
 
 
@@ -67,7 +69,7 @@ def broken_at_rod(cut, s, values):
 def limits(cut, spec, s, values):
     singular = through_rod(cut) and not spec.sqrt_scaled
     trusted = np.abs(s) > CORE * np.ptp(s) if singular else np.ones(s.size, dtype=bool)
-    return ranges.linear_limits(values, trusted)
+    return ranges.linear_limits(values, trusted, below=0.15 if cut.along == "x" else 0.06)  # room for words
 
 
 def mark_rod(axes, cut, s):
@@ -91,25 +93,23 @@ def mark_plateau(axes, s, values):
 
 
 def note_line(units, axes, cut):
-    """The fixed coordinate, in the corner the curve leaves free: ahead of the rod the field is screened."""
+    """The fixed coordinate, wherever the curve leaves room: a legend without a handle finds the place."""
     other = "y" if cut.along == "x" else "x"
     axis = units.length(other, abs(cut.at))
-    if units.si:
-        text = rf"${other} = {words.number(cut.at * axis.factor)}$ " + axis.label.split("$ ", 1)[1].strip("()")
-    else:
-        text = rf"${axis.label.strip('$')} = {words.number(cut.at)}$"
-    axes.annotate(text, (0.97, 0.94), xycoords="axes fraction", ha="right", va="top")
+    text = units.equals(axis, other, cut.at)
+    axes.legend([Line2D([], [], linewidth=0)], [text], loc="best", frameon=False, handlelength=0, handletextpad=0)
 
 
 def caption(run, spec):
     cut, units = run.result.cut(spec.cut), run.result.units
     other = "y" if cut.along == "x" else "x"
     what = f"<i>U<sub>{spec.component[1]}</sub></i>"
-    text = (f"Displacement {what} of the medium along <i>{cut.along}</i> at <i>{other}</i> = {words.number(cut.at)} "
-            f"{units.length_html()}, one rod at the origin heading along +<i>x</i>. ")
+    point = words.equation(f"<i>{other}</i>", cut.at, units.length_html())
+    text = (f"Displacement {what} of the medium along <i>{cut.along}</i> at {point}, "
+            f"one rod at the origin heading along +<i>x</i>. ")
     if spec.sqrt_scaled:
         text = text.replace("Displacement ", f"|<i>{cut.along}</i>|<sup>1/2</sup>", 1)
-        text += "A flat line behind the rod is a wake that falls off as |<i>x</i>|<sup>−1/2</sup>; ahead the field is screened. "
+        text += f"A level stretch is a fall-off as |<i>{cut.along}</i>|<sup>−1/2</sup>. "
     elif through_rod(cut):
         text += "The point force at the origin is logarithmically singular; the range leaves it out. "
     return text + field_map.medium_note(run)

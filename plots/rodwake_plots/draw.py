@@ -1,11 +1,11 @@
 """Which function draws which kind; drawing all figures of a run."""
 
+import matplotlib
+
 from . import cut, extensional_axis, polar_streamlines, spec, trajectories
 from .canvas import save
 from .errors import PlotError
 from .style import SETTINGS
-
-import matplotlib
 
 KINDS = {"extensional_axis": extensional_axis, "polar_streamlines": polar_streamlines, "cut": cut, "trajectories": trajectories}
 
@@ -17,12 +17,19 @@ def figures_of(run):
 def write_all(run, figures, pdf):
     run.figures_dir.mkdir(exist_ok=True)
     for figure in figures:
-        with matplotlib.rc_context(SETTINGS):
-            made = KINDS[figure.kind].draw(run, figure)
-            for ending in (".png", ".pdf") if pdf else (".png",):
-                path = run.figures_dir / (figure.name + ending)
-                save(made, path)
-                print(path)
+        try:
+            write_one(run, figure, (".png", ".pdf") if pdf else (".png",))
+        except PlotError as error:
+            raise PlotError(f'figure "{figure.name}": {error}') from error
+
+
+def write_one(run, figure, endings):
+    with matplotlib.rc_context(SETTINGS):
+        made = KINDS[figure.kind].draw(run, figure)
+        for ending in endings:
+            path = run.figures_dir / (figure.name + ending)
+            save(made, path)
+            print(path)
 
 
 def caption(run, figure):

@@ -28,7 +28,8 @@ def draw(run, spec):
 
 def segments(grid, angle):
     """Headless marks on a square lattice, left out where the rod is drawn."""
-    pitch = np.ptp(grid.x) / SEGMENTS_ACROSS
+    step = grid.x[1] - grid.x[0]
+    pitch = max(1, round(np.ptp(grid.x) / SEGMENTS_ACROSS / step)) * step
     x, y, angle = (part.ravel() for part in decimated(grid, angle, pitch))
     kept = np.isfinite(angle) & (np.hypot(x, y) > 0.8 * pitch)
     half = 0.36 * pitch * np.stack([np.cos(angle), np.sin(angle)], axis=-1)[kept]
@@ -46,7 +47,7 @@ def decimated(grid, angle, pitch):
 
 
 def nearest(axis, pitch):
-    steps = np.arange(np.ceil(axis[0] / pitch + 0.3), np.floor(axis[-1] / pitch - 0.3) + 1) * pitch
+    steps = np.arange(np.ceil(axis[0] / pitch + 0.4), np.floor(axis[-1] / pitch - 0.4) + 1) * pitch
     return np.unique([np.abs(axis - step).argmin() for step in steps])
 
 

@@ -24,18 +24,18 @@ class Grid:
 
 def grid_of(result, spec):
     x, y = result.grid("x"), result.grid("y")
-    columns, rows = _inside(x, spec.x, spec), _inside(y, spec.y, spec)
+    columns, rows = _inside(x, spec.x), _inside(y, spec.y)
     extent = max(np.abs(x[columns]).max(), np.abs(y[rows]).max())
     xs, ys = result.units.length("x", extent), result.units.length("y", extent)
     return Grid(x[columns] * xs.factor, y[rows] * ys.factor, np.ix_(rows, columns), xs.label, ys.label)
 
 
-def _inside(values, window, spec):
+def _inside(values, window):
     found = np.arange(values.size)
     if window:
         found = np.flatnonzero((values >= window[0]) & (values <= window[1]))
     if found.size < 8:
-        raise PlotError(f'figure "{spec.name}": fewer than 8 grid points inside the window')
+        raise PlotError("fewer than 8 grid points inside the window")
     return found
 
 
@@ -57,7 +57,6 @@ def draw_rod(axes, grid):
 def medium_note(run):
     """The medium's numbers for a caption."""
     medium, units = run.result.attributes("/medium"), run.result.units
-    parts = [f"<i>η</i> = {words.number(medium['eta'])}" if "eta" in medium else "",
-             f"<i>α</i> = {words.number(medium['alpha'])}" if "alpha" in medium else "",
-             f"<i>ξ</i> = {words.number(medium['xi'])} {units.length_html()}" if "xi" in medium else ""]
-    return ", ".join(part for part in parts if part) + "." if any(parts) else ""
+    unit = {"xi": units.length_html()}
+    parts = [words.equation(words.SYMBOLS[key], medium[key], unit.get(key, "")) for key in ("eta", "alpha", "xi") if key in medium]
+    return ", ".join(parts) + "." if parts else ""

@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .errors import PlotError
+
 NARROWEST, TALLEST = 0.3, 1.5  # height over width of a window fitted to the data
 MARKS = 6                      # about so many heading marks along a path
 
@@ -24,7 +26,7 @@ def window_of(runs, spec):
     """The figure's window, or all paths with a margin in a box of sane shape."""
     x = span(np.concatenate([run.x.ravel() for run in runs]))
     y = span(np.concatenate([run.y.ravel() for run in runs]))
-    margin = 0.07 * max(x[1] - x[0], y[1] - y[0]) or 1.0
+    margin = (0.09 if len(runs) == 1 else 0.13) * max(x[1] - x[0], y[1] - y[0]) or 1.0
     x, y = grown(x, margin), grown(y, margin)
     if (y[1] - y[0]) < NARROWEST * (x[1] - x[0]):
         y = widened(y, NARROWEST * (x[1] - x[0]))
@@ -34,7 +36,10 @@ def window_of(runs, spec):
 
 
 def span(values):
-    return float(np.nanmin(values)), float(np.nanmax(values))
+    values = values[np.isfinite(values)]
+    if values.size == 0:
+        raise PlotError("the paths hold no finite positions")
+    return float(values.min()), float(values.max())
 
 
 def grown(pair, margin):

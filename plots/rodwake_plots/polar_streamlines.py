@@ -8,6 +8,8 @@ import numpy as np
 from . import canvas, field_map, ranges, style, words
 from .field_map import draw_rod, grid_of, paint
 
+LINES = 0.85  # density of streamlines; 1 is matplotlib's 30 across
+
 
 def draw(run, spec):
     grid = grid_of(run.result, spec)
@@ -19,10 +21,18 @@ def draw(run, spec):
         letter = rf"({string.ascii_lowercase[index % 26]})  " if len(fields) > 1 else ""
         canvas.heading(axes, letter + pair_label(*pair))
     label = rf"$|\gamma_1\nabla^2\mathbf{{u}}+\gamma_2\nabla\nabla\cdot\mathbf{{u}}|$  (${run.result.units.gradient_unit()}$)"
-    ranges.log_bar(figure, image, panels, extend, label, pad=0.015, aspect=25)
+    ranges.log_bar(figure, image, panels, extend, label, **bar_place(panels, grid))
     if spec.title:
         figure.suptitle(style.safe(spec.title), fontsize=11)
     return figure
+
+
+def bar_place(panels, grid):
+    """Beside the panels, or below them where they are too low for the label."""
+    rows = panels[0].get_subplotspec().get_gridspec().nrows
+    if rows == 1 and len(panels) > 1 and grid.aspect < 0.8:
+        return dict(location="bottom", shrink=0.6, aspect=40, pad=0.04)
+    return dict(pad=0.015, aspect=25 * rows)
 
 
 def polar_field(result, grid, gamma1, gamma2):
@@ -31,12 +41,12 @@ def polar_field(result, grid, gamma1, gamma2):
 
 
 def layout(grid, count):
-    columns = min(count, 3 if grid.aspect > 0.75 else 2 if grid.aspect > 0.35 else 1)
+    columns = min(count, 3 if grid.aspect > 0.45 else 2 if grid.aspect > 0.25 else 1)
     if count % columns:  # no lone panel beside a hole if two columns come out even
         columns = next(c for c in (columns, 2, 1) if c <= columns and (count % c == 0 or c == 1))
     rows = math.ceil(count / columns)
     width = style.WIDE if columns > 1 else style.SINGLE
-    height = rows * ((width - 1.2) / columns * grid.aspect + 0.45) + 0.3
+    height = rows * ((width - 1.2) / columns * grid.aspect + 0.45) + (0.9 if grid.aspect < 0.8 else 0.3)
     figure = canvas.figure(width, height)
     axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     for row in axes:
@@ -52,8 +62,8 @@ def panel(axes, grid, vector, norm):
         unit = [np.ma.masked_invalid(part / magnitude) for part in vector]
     # Recomputed axes: streamplot wants them evenly spaced to the last bit.
     x, y = (np.linspace(axis[0], axis[-1], axis.size) for axis in (grid.x, grid.y))
-    axes.streamplot(x, y, *unit, color="white", linewidth=0.7, arrowsize=0.75, arrowstyle="-|>",
-                    density=density(grid), minlength=0.08)
+    axes.streamplot(x, y, *unit, color="white", linewidth=0.75, arrowsize=0.7, arrowstyle="-|>",
+                    density=density(grid), minlength=0.2)
     canvas.window(axes, (grid.x[0], grid.x[-1]), (grid.y[0], grid.y[-1]))  # streamplot rescales
     draw_rod(axes, grid)
     axes.label_outer()
@@ -62,11 +72,11 @@ def panel(axes, grid, vector, norm):
 
 def density(grid):
     """Lines as dense along x as along y on paper."""
-    return (1.0, grid.aspect) if grid.aspect < 1 else (1.0 / grid.aspect, 1.0)
+    return tuple(LINES * part for part in ((1.0, grid.aspect) if grid.aspect < 1 else (1.0 / grid.aspect, 1.0)))
 
 
 def pair_label(gamma1, gamma2):
-    return rf"$\gamma_1/v_0={words.number(gamma1)},\ \gamma_2/v_0={words.number(gamma2)}$"
+    return rf"$\gamma_1/v_0={words.math_number(gamma1)},\ \gamma_2/v_0={words.math_number(gamma2)}$"
 
 
 def caption(run, spec):

@@ -31,7 +31,7 @@ def log_norm(*arrays):
 
 def log_bar(figure, image, axes, extend, label, **place):
     """A colour bar with labelled decades; 2 and 5 are labelled too when there are few decades."""
-    bar = figure.colorbar(image, ax=axes, extend=extend, **place)
+    bar = figure.colorbar(image, ax=axes, extend=extend, extendfrac=0.03, **place)
     few = np.log10(image.norm.vmax / image.norm.vmin) < 2
     axis = bar.ax.xaxis if bar.orientation == "horizontal" else bar.ax.yaxis
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,), numticks=20))
@@ -41,11 +41,11 @@ def log_bar(figure, image, axes, extend, label, **place):
     return bar
 
 
-def linear_limits(values, trusted, margin=0.06):
-    """Limits from the trusted values only, with zero in view."""
+def linear_limits(values, trusted, below=0.06, above=0.06):
+    """Limits from the trusted values only, with zero in view and room (a part of the range) on both sides."""
     kept = values[trusted & np.isfinite(values)]
     if kept.size == 0:
         raise PlotError("nothing to draw: no finite values")
     low, high = min(kept.min(), 0.0), max(kept.max(), 0.0)
-    room = margin * (high - low) or 1.0
-    return low - room, high + room
+    size = (high - low) or 1.0
+    return low - below * size, high + above * size

@@ -21,9 +21,9 @@ class RunDir:
         self.provenance = self._json("provenance.json")
         self.log = self._text("log.txt") if (self.path / "log.txt").is_file() else ""
         self.result = Result(self.path / "result.h5")
-        if self.scene.get("rods") and self.outcome is None:
+        if self.result.has("/rods") and self.outcome is None:
             self.result.close()
-            raise PlotError(f"{self.path / 'outcome.json'}: missing, but the scene has rods")
+            raise PlotError(f"{self.path / 'outcome.json'}: missing, but result.h5 holds rods")
 
     def __enter__(self):
         return self

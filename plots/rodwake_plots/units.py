@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from . import words
 from .errors import PlotError
 
 PREFIXES = {-9: "n", -6: r"\mu ", -3: "m", 0: "", 3: "k"}
@@ -44,6 +45,15 @@ class Units:
             return Axis(1.0, rf"${symbol}\,(\mu/f)^{{3/2}}$")
         factor, prefix = prefix_for(extent ** (2 / 3))
         return Axis(factor ** 1.5, rf"${symbol}$ ($\mathrm{{{prefix}m}}^{{3/2}}$)")
+
+    def equals(self, axis, symbol, value):
+        """`symbol = value` with its unit, as mathtext."""
+        number = words.math_number(value * axis.factor)
+        if not self.si:
+            return rf"${axis.label.strip('$')} = {number}$"
+        if value == 0:
+            return rf"${symbol} = 0$"
+        return rf"${symbol} = {number}$ " + axis.label.split("$ ", 1)[1].strip("()")
 
     def gradient_unit(self):
         """Unit of gamma times a second derivative of u, gamma in v0."""

@@ -1,27 +1,50 @@
 """Numbers and a little mathtext as text for a page."""
 
 import html
-import math
 import re
 
 GREEK = {"alpha": "α", "gamma": "γ", "eta": "η", "kappa": "κ", "mu": "μ", "nu": "ν", "xi": "ξ", "theta": "θ", "pm": "±",
          "times": "×", "infty": "∞", "varepsilon": "ε", "epsilon": "ε", "zeta": "ζ", "lambda": "λ"}
-SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+SYMBOLS = {"eta": "<i>η</i>", "alpha": "<i>α</i>", "xi": "<i>ξ</i>", "nu": "<i>ν</i>", "kappa": "<i>κ</i>",
+           "gamma1": "<i>γ</i><sub>1</sub>", "gamma2": "<i>γ</i><sub>2</sub>"}
+
+
+def parts(value, digits):
+    """(mantissa, exponent or None) as strings; a power of ten only where plain digits would be unreadable."""
+    text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+    mantissa, mark, exponent = text.replace("-", "−").partition("e")
+    return mantissa, exponent.replace("+", "").replace("−0", "−").lstrip("0") if mark else None
+
+
+def is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def number(value, digits=4):
-    """4 significant digits; a power of ten only where plain digits would be unreadable."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value)
-    if not math.isfinite(value):
-        return str(value)
-    text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
-    mantissa, mark, exponent = text.partition("e")
-    mantissa = mantissa.replace("-", "−")
-    if not mark:
+    """A value as HTML; anything but a number is escaped text."""
+    if not is_number(value):
+        return escape(value)
+    mantissa, exponent = parts(value, digits)
+    if exponent is None:
         return mantissa
-    power = "10" + str(int(exponent)).translate(SUPERSCRIPT)
+    power = f"10<sup>{exponent}</sup>"
     return power if mantissa == "1" else f"{mantissa} × {power}"
+
+
+def math_number(value, digits=4):
+    """The same as mathtext."""
+    mantissa, exponent = parts(value, digits)
+    mantissa = mantissa.replace("−", "-")
+    if exponent is None:
+        return mantissa
+    lead = "" if mantissa == "1" else rf"{mantissa}\times "
+    return rf"{lead}10^{{{exponent.replace('−', '-')}}}"
+
+
+def equation(symbol, value, unit="", digits=4):
+    """`symbol = value unit`, which does not break across lines."""
+    return f'<span class="eq">{symbol} = {number(value, digits)}{" " + unit if unit else ""}</span>'
 
 
 def escape(value):

@@ -13,7 +13,8 @@ namespace {
 constexpr double min_rtol = 1e-14, max_rtol = 0.1;
 
 void require(bool legal, const std::string& message) {
-    if (!legal) throw InputError("cannot integrate: " + message);
+    if (!legal)
+        throw InputError("cannot integrate: " + message);
 }
 
 void check_functions(const OdeProblem& problem) {
@@ -28,9 +29,10 @@ void check_state(const OdeProblem& problem) {
     require(!y.empty(), "the initial state is empty");
     for (std::size_t i = 0; i < y.size(); ++i)
         if (!std::isfinite(y[i]))
-            require(false, fmt::format("the initial value of {} is {}; it must be finite",
-                                       problem.component_name ? problem.component_name(i) : fmt::format("y[{}]", i),
-                                       y[i]));
+            require(false,
+                    fmt::format("the initial value of {} is {}; it must be finite",
+                                problem.component_name ? problem.component_name(i) : fmt::format("y[{}]", i),
+                                y[i]));
 }
 
 void check_options(const OdeOptions& options) {
@@ -55,13 +57,15 @@ void check_times(double start, std::span<const double> times) {
     for (std::size_t i = 0; i < times.size(); ++i) {
         require(std::isfinite(times[i]), fmt::format("output time {} is {}; it must be finite", i, times[i]));
         if (i > 0 && !(times[i] > times[i - 1]))
-            require(false, fmt::format("output time {} is {}, not after the one before it, {}", i, times[i], times[i - 1]));
+            require(false, fmt::format("output time {} is {}, not after the one before it, {}", i, times[i],
+                                       times[i - 1]));
     }
 }
 
 } // namespace
 
-void check_problem(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times) {
+void check_problem(const OdeProblem& problem, const OdeOptions& options,
+                   std::span<const double> output_times) {
     check_functions(problem);
     check_state(problem);
     check_options(options);

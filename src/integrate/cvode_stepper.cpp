@@ -20,26 +20,27 @@ int call_rhs(double t, N_Vector y, N_Vector ydot, void* calls) {
     return static_cast<ProblemCalls*>(calls)->rhs(t, elements(y), elements(ydot));
 }
 
-int call_jacobian(double t, N_Vector y, N_Vector, SUNMatrix matrix, void* calls, N_Vector, N_Vector, N_Vector) {
+int call_jacobian(double t, N_Vector y, N_Vector, SUNMatrix matrix, void* calls, N_Vector, N_Vector,
+                  N_Vector) {
     return static_cast<ProblemCalls*>(calls)->jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
 }
 
 class CvodeStepper final : public Stepper {
-  public:
+public:
     using Stepper::Stepper;
 
     void start(double t, State y) override;
     bool advance() override;
     void interpolate(double t, std::span<double> y) override;
     int order() const override;
-    std::string flag_name() const override;
     std::string flag_prefix() const override { return "CV"; }
     std::vector<double> weighted_errors() const override;
 
-  private:
+private:
     void attach_newton();
     void attach_fixed_point();
     Statistics segment_counts() const override;
+    std::string flag_name() const override;
 
     // The integrator is destroyed before the solvers it points to: members are destroyed in reverse order.
     sundials::Matrix matrix_;
@@ -51,7 +52,8 @@ class CvodeStepper final : public Stepper {
 
 /// A new integrator, not CVodeReInit: a restart then equals a fresh solve whatever CVODES keeps internally.
 void CvodeStepper::start(double t, State y) {
-    if (memory_) earlier_ = counts();
+    if (memory_)
+        earlier_ = counts();
     set_start(t, y);
     const bool bdf = options_.method == Method::bdf;
     memory_.reset(made(CVodeCreate(bdf ? CV_BDF : CV_ADAMS, context_.get())));
@@ -69,10 +71,12 @@ void CvodeStepper::start(double t, State y) {
 
 void CvodeStepper::attach_newton() {
     const auto size = static_cast<sunindextype>(state().size());
-    if (!matrix_) matrix_.reset(made(SUNDenseMatrix(size, size, context_.get())));
+    if (!matrix_)
+        matrix_.reset(made(SUNDenseMatrix(size, size, context_.get())));
     linear_solver_.reset(made(SUNLinSol_Dense(after_.get(), matrix_.get(), context_.get())));
     require(CVodeSetLinearSolver(memory_.get(), linear_solver_.get(), matrix_.get()));
-    if (calls_.problem().jacobian) require(CVodeSetJacFn(memory_.get(), call_jacobian));
+    if (calls_.problem().jacobian)
+        require(CVodeSetJacFn(memory_.get(), call_jacobian));
 }
 
 void CvodeStepper::attach_fixed_point() {
@@ -85,6 +89,8 @@ bool CvodeStepper::advance() {
     before_.swap(after_);
     const double from = time_;
     double to = from;
+    CVodeSetMinStep(memory_.get(),
+                    shortest_step(from)); // refused if above max_step: solve() notices stalled steps
     flag_ = CVode(memory_.get(), end_time_, after_.get(), &to, CV_ONE_STEP);
     if (flag_ < 0) {
         before_.swap(after_);
@@ -97,7 +103,8 @@ bool CvodeStepper::advance() {
 
 void CvodeStepper::interpolate(double t, std::span<double> y) {
     N_VSetArrayPointer(y.data(), view_.get());
-    if (CVodeGetDky(memory_.get(), t, 0, view_.get()) != CV_SUCCESS) throw StepFailure{"BAD_T", solver_text_};
+    if (CVodeGetDky(memory_.get(), t, 0, view_.get()) != CV_SUCCESS)
+        throw StepFailure{"BAD_T", solver_text_};
 }
 
 int CvodeStepper::order() const {
@@ -114,7 +121,8 @@ std::string CvodeStepper::flag_name() const {
 std::vector<double> CvodeStepper::weighted_errors() const {
     // Before the first corrector iteration CVODES has no estimate, only memory that nobody has written.
     const bool tried = segment_counts().steps > 0 || flag_ == CV_ERR_FAILURE;
-    if (!tried) return {};
+    if (!tried)
+        return {};
     sundials::Vector weights = sundials::make_vector(state().size(), context_.get());
     sundials::Vector errors = sundials::make_vector(state().size(), context_.get());
     CVodeGetErrWeights(memory_.get(), weights.get());
@@ -130,7 +138,8 @@ Statistics CvodeStepper::segment_counts() const {
     CVodeGetNumSteps(cvode, &counts.steps);
     CVodeGetNumErrTestFails(cvode, &counts.error_test_failures);
     CVodeGetNumNonlinSolvConvFails(cvode, &counts.convergence_failures);
-    if (matrix_) CVodeGetNumJacEvals(cvode, &counts.jacobian_evaluations);
+    if (matrix_)
+        CVodeGetNumJacEvals(cvode, &counts.jacobian_evaluations);
     return counts;
 }
 

@@ -1,5 +1,6 @@
 // Explicit Runge-Kutta steps by ARKODE's ERKStep.
 
+#include "erk_table.hpp"
 #include "runge_kutta_step.hpp"
 #include "stepper.hpp"
 
@@ -17,29 +18,26 @@ int call_rhs(double t, N_Vector y, N_Vector ydot, void* calls) {
     return static_cast<ProblemCalls*>(calls)->rhs(t, elements(y), elements(ydot));
 }
 
-/// The higher order pays from here down; both tables have the higher of their two orders propagated.
-ARKODE_ERKTableID table_for(double rtol) {
-    return rtol > 1e-6 ? ARKODE_DORMAND_PRINCE_7_4_5 : ARKODE_VERNER_8_5_6;
-}
-
 class ErkStepper final : public Stepper {
-  public:
+public:
     ErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
-        : Stepper(calls, options, end_time), inner_step_(table_for(options.rtol), state().size()) {}
+        : Stepper(calls, options, end_time), table_(erk_table(options.rtol)),
+          inner_step_(*table_, state().size()) {}
 
     void start(double t, State y) override { start(t, y, initial_step(t)); }
     bool advance() override;
     void interpolate(double t, std::span<double> y) override;
-    int order() const override { return options_.rtol > 1e-6 ? 5 : 6; }
-    std::string flag_name() const override;
+    int order() const override { return table_->q; }
     std::string flag_prefix() const override { return "ARK"; }
     std::vector<double> weighted_errors() const override;
 
-  private:
+private:
     void start(double t, State y, double first_step);
     int evolve(double from);
     Statistics segment_counts() const override;
+    std::string flag_name() const override;
 
+    sundials::ButcherTable table_;
     RungeKuttaStep inner_step_;
     sundials::ErkMemory memory_;
     int flag_ = ARK_SUCCESS;
@@ -47,13 +45,14 @@ class ErkStepper final : public Stepper {
 
 /// A new integrator, not ERKStepReInit: a restart then equals a fresh solve whatever ARKODE keeps internally.
 void ErkStepper::start(double t, State y, double first_step) {
-    if (memory_) earlier_ = counts();
+    if (memory_)
+        earlier_ = counts();
     set_start(t, y);
     memory_.reset(made(ERKStepCreate(call_rhs, t, after_.get(), context_.get())));
     void* erk = memory_.get();
     require(ERKStepSetErrHandlerFn(erk, keep_text, static_cast<Stepper*>(this)));
     require(ERKStepSetUserData(erk, &calls_));
-    require(ERKStepSetTableNum(erk, table_for(options_.rtol)));
+    require(ERKStepSetTable(erk, table_.get()));
     require(ERKStepSStolerances(erk, options_.rtol, options_.atol));
     require(ERKStepSetMaxHnilWarns(erk, -1));
     require(ERKStepSetInitStep(erk, first_step));
@@ -61,27 +60,33 @@ void ErkStepper::start(double t, State y, double first_step) {
     require(ERKStepSetStopTime(erk, end_time_));
 }
 
-/// CVODES shortens the step when a right-hand side asks for it, ERKStep gives up; so do here what CVODES does.
+/// CVODES shortens the step when a right-hand side asks for it, ERKStep gives up; so do here what CVODES
+/// does.
 bool ErkStepper::advance() {
-    constexpr int max_retries = 20;      // a factor 1e12 in step
-    constexpr double shortening = 0.25;  // CVODES' own
+    constexpr int max_retries = 20;     // a factor 1e12 in step
+    constexpr double shortening = 0.25; // CVODES' own
     const double from = time_;
     before_.swap(after_);
     flag_ = evolve(from);
     for (int retry = 0; flag_ == ARK_UNREC_RHSFUNC_ERR && retry < max_retries; ++retry) {
         const double tried = calls_.last_time() - from;
-        if (tried <= 0.0) break;
+        if (tried <= 0.0)
+            break;
         start(from, state_before(), shortening * tried);
         flag_ = evolve(from);
     }
-    if (flag_ < 0) before_.swap(after_);
+    if (flag_ < 0)
+        before_.swap(after_);
     return flag_ >= 0;
 }
 
 int ErkStepper::evolve(double from) {
     double to = from;
+    ERKStepSetMinStep(memory_.get(),
+                      shortest_step(from)); // refused if above max_step: solve() notices stalled steps
     const int flag = ERKStepEvolve(memory_.get(), end_time_, after_.get(), &to, ARK_ONE_STEP);
-    if (flag < 0) return flag;
+    if (flag < 0)
+        return flag;
     time_before_ = from;
     time_ = to;
     return flag;
@@ -98,7 +103,8 @@ std::string ErkStepper::flag_name() const {
 
 std::vector<double> ErkStepper::weighted_errors() const {
     const bool tried = segment_counts().steps > 0 || flag_ == ARK_ERR_FAILURE;
-    if (!tried) return {};
+    if (!tried)
+        return {};
     sundials::Vector weights = sundials::make_vector(state().size(), context_.get());
     sundials::Vector errors = sundials::make_vector(state().size(), context_.get());
     ERKStepGetErrWeights(memory_.get(), weights.get());

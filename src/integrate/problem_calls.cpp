@@ -23,13 +23,15 @@ std::string exception_text() {
 /// x - x is 0 for finite x and NaN otherwise, so one branch serves the whole vector.
 bool all_finite(std::span<const double> values) {
     double sum = 0.0;
-    for (double value : values) sum += value - value;
+    for (double value : values)
+        sum += value - value;
     return sum == 0.0;
 }
 
 std::size_t first_not_finite(std::span<const double> values) {
     std::size_t i = 0;
-    while (std::isfinite(values[i])) ++i;
+    while (std::isfinite(values[i]))
+        ++i;
     return i;
 }
 
@@ -40,25 +42,31 @@ std::string ProblemCalls::component_name(std::size_t index) const {
 }
 
 ProblemCalls::Result ProblemCalls::rhs(double t, State y, std::span<double> ydot) noexcept try {
+    if (rhs_threw_)
+        return give_up;
     ++rhs_evaluations_;
     last_time_ = t;
     problem_.rhs(t, y, ydot);
-    if (all_finite(ydot)) return fine;
+    if (all_finite(ydot))
+        return fine;
     std::size_t bad = first_not_finite(ydot);
     fault_ = fmt::format("the right-hand side of {} was {} at t={}", component_name(bad), ydot[bad], t);
     return try_shorter_step;
 } catch (...) {
+    rhs_threw_ = true;
     fault_ = fmt::format("the right-hand side threw at t={}: {}", t, exception_text());
     return give_up;
 }
 
 ProblemCalls::Result ProblemCalls::jacobian(double t, State y, double* column_major) noexcept try {
     const std::size_t n = y.size();
-    Eigen::Map<Eigen::MatrixXd> matrix(column_major, static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+    Eigen::Map<Eigen::MatrixXd> matrix(column_major, static_cast<Eigen::Index>(n),
+                                       static_cast<Eigen::Index>(n));
     matrix.setZero();
     problem_.jacobian(t, y, matrix);
     std::span<const double> values(column_major, n * n);
-    if (all_finite(values)) return fine;
+    if (all_finite(values))
+        return fine;
     std::size_t bad = first_not_finite(values);
     fault_ = fmt::format("the Jacobian entry d({})'/d({}) was {} at t={}", component_name(bad % n),
                          component_name(bad / n), values[bad], t);
@@ -75,11 +83,19 @@ double ProblemCalls::event(std::size_t index, double t, State y) {
     try {
         value = event.value(t, y);
     } catch (...) {
-        throw StepFailure{"RTFUNC_FAIL", fmt::format("event '{}' threw at t={}: {}", event.name, t, exception_text())};
+        throw StepFailure{"RTFUNC_FAIL",
+                          fmt::format("event '{}' threw at t={}: {}", event.name, t, exception_text())};
     }
     if (!std::isfinite(value))
         throw StepFailure{"RTFUNC_FAIL", fmt::format("event '{}' was {} at t={}", event.name, value, t)};
     return value;
+}
+
+std::optional<double> ProblemCalls::suspect(std::size_t index, const Step& step) const try {
+    return problem_.events[index].suspect(step);
+} catch (...) {
+    throw StepFailure{"RTFUNC_FAIL", fmt::format("event '{}' threw at t={}: {}", problem_.events[index].name,
+                                                 step.time, exception_text())};
 }
 
 } // namespace rodwake::integrate

@@ -7,16 +7,20 @@
 namespace rodwake::integrate {
 
 class ProblemCalls {
-  public:
+public:
     /// What a callback returns to SUNDIALS.
     enum Result : int { fine = 0, try_shorter_step = 1, give_up = -1 };
 
     explicit ProblemCalls(const OdeProblem& problem) : problem_(problem) {}
 
+    /// Once it has thrown it is not called again: CVODES' fixed-point iteration takes `give_up` for a failure
+    /// to converge and retries.
     Result rhs(double t, State y, std::span<double> ydot) noexcept;
     Result jacobian(double t, State y, double* column_major) noexcept;
     /// Throws StepFailure when the event throws or is not finite.
     double event(std::size_t index, double t, State y);
+    /// Throws StepFailure when the function throws.
+    std::optional<double> suspect(std::size_t index, const Step& step) const;
 
     std::string component_name(std::size_t index) const;
     const OdeProblem& problem() const { return problem_; }
@@ -27,14 +31,17 @@ class ProblemCalls {
 
     /// Why the last call that did not return `fine` did so; empty if there was none since clear_fault.
     const std::string& fault() const { return fault_; }
+    bool rhs_threw() const { return rhs_threw_; }
     void clear_fault() {
-        if (!fault_.empty()) fault_.clear();
+        if (!fault_.empty())
+            fault_.clear();
     }
 
-  private:
+private:
     const OdeProblem& problem_;
     long rhs_evaluations_ = 0, event_evaluations_ = 0;
     double last_time_ = 0.0;
+    bool rhs_threw_ = false;
     std::string fault_;
 };
 

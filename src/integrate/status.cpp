@@ -11,65 +11,73 @@ namespace rodwake::integrate {
 namespace {
 
 /// The ten largest, by name; zeros say nothing and non-finite ones are the worst of all.
-std::vector<Status::Component> worst_components(const std::vector<double>& errors, const ProblemCalls& calls) {
+std::vector<Status::Component> worst_components(const std::vector<double>& errors,
+                                                const ProblemCalls& calls) {
     auto rank = [&](std::size_t i) { return std::isnan(errors[i]) ? HUGE_VAL : errors[i]; };
     std::vector<std::size_t> order(errors.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) > rank(b); });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return rank(a) > rank(b); });
     std::vector<Status::Component> worst;
     for (std::size_t i : order)
-        if (rank(i) > 0.0 && worst.size() < 10) worst.push_back({calls.component_name(i), errors[i]});
+        if (rank(i) > 0.0 && worst.size() < 10)
+            worst.push_back({calls.component_name(i), errors[i]});
     return worst;
 }
 
-/// "CV_ERR_FAILURE" to "ERR_FAILURE".
-std::string without_prefix(const std::string& flag) {
-    return flag.substr(flag.find('_') + 1);
-}
-
 std::string failure_message(const Status& status) {
-    std::string text = fmt::format("integration stopped at t={} of {} ({}, step {:.3g}, order {}): {}.", status.reached,
-                                   status.wanted, status.flag, status.step, status.order, status.cause);
-    if (!status.worst.empty()) text += " Worst local errors over tolerance:";
+    std::string text =
+        fmt::format("integration stopped at t={} of {} ({}, step {:.3g}, order {}): {}.", status.reached,
+                    status.wanted, status.flag, status.step, status.order, status.cause);
+    if (!status.worst.empty())
+        text += " Worst local errors over tolerance:";
     for (std::size_t i = 0; i < status.worst.size(); ++i)
-        text += fmt::format("{} {} {:.2g}", i ? "," : "", status.worst[i].name, status.worst[i].weighted_error);
-    if (!status.worst.empty()) text += ".";
+        text +=
+            fmt::format("{} {} {:.2g}", i ? "," : "", status.worst[i].name, status.worst[i].weighted_error);
+    if (!status.worst.empty())
+        text += ".";
     return text + " Try: " + status.advice + ".";
 }
 
 } // namespace
 
-Status describe_failure(const StepFailure& failure, const Stepper& stepper, const ProblemCalls& calls, double wanted) {
-    const Remedy remedy = remedy_for(without_prefix(failure.flag));
-    Status status;
-    status.outcome = Outcome::failed;
-    status.reached = stepper.time();
-    status.wanted = wanted;
+void describe_failure(const StepFailure& failure, const Stepper& stepper, const ProblemCalls& calls,
+                      Status& status) {
+    const Remedy remedy = remedy_for(failure.flag);
     const double tried = calls.last_time() - stepper.time();
-    status.step = tried > 0.0 ? tried : stepper.time() - stepper.time_before();
-    status.order = stepper.order();
-    status.flag = failure.flag;
-    status.worst = worst_components(stepper.weighted_errors(), calls);
-    status.cause = failure.cause.empty() ? remedy.cause : failure.cause;
+    if (tried > 0.0)
+        status.step = tried;
+    status.flag = stepper.flag_prefix() + "_" + failure.flag;
     status.advice = remedy.advice;
-    return status;
+    status.cause = failure.cause;
+    if (!failure.cause.empty())
+        return; // a function failed, not the step: error estimates would mislead
+    status.cause = remedy.cause ? remedy.cause : stepper.solver_text();
+    status.worst = worst_components(stepper.weighted_errors(), calls);
 }
 
 std::string Status::message() const {
     switch (outcome) {
-    case Outcome::failed: return failure_message(*this);
-    case Outcome::reached_end: return fmt::format("integration reached t={}", reached);
-    case Outcome::stopped_at_event: return fmt::format("integration stopped by an event at t={} of {}", reached, wanted);
-    case Outcome::interrupted: break;
+    case Outcome::failed:
+        return failure_message(*this);
+    case Outcome::reached_end:
+        return fmt::format("integration reached t={}", reached);
+    case Outcome::stopped_at_event:
+        return fmt::format("integration stopped by an event at t={} of {}", reached, wanted);
+    case Outcome::interrupted:
+        break;
     }
     return fmt::format("integration interrupted at t={} of {}", reached, wanted);
 }
 
 std::string to_string(Method method) {
     switch (method) {
-    case Method::bdf: return "bdf";
-    case Method::adams: return "adams";
-    case Method::erk: break;
+    case Method::bdf:
+        return "bdf";
+    case Method::adams:
+        return "adams";
+    case Method::erk:
+        break;
     }
     return "erk";
 }

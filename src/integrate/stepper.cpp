@@ -11,7 +11,8 @@ Stepper::Stepper(ProblemCalls& calls, const OdeOptions& options, double end_time
     const std::size_t size = calls.problem().initial_state.size();
     before_ = sundials::make_vector(size, context_.get());
     after_ = sundials::make_vector(size, context_.get());
-    view_ = sundials::Vector(sundials::made(N_VMake_Serial(static_cast<sunindextype>(size), nullptr, context_.get())));
+    view_ = sundials::Vector(
+        sundials::made(N_VMake_Serial(static_cast<sunindextype>(size), nullptr, context_.get())));
 }
 
 void Stepper::set_start(double t, State y) {
@@ -31,16 +32,27 @@ Statistics Stepper::counts() const {
     return sum;
 }
 
+StepFailure Stepper::failure() const {
+    if (calls_.rhs_threw())
+        return {"RHSFUNC_FAIL", calls_.fault()};
+    return {flag_name().substr(flag_prefix().size() + 1), calls_.fault()};
+}
+
 double Stepper::initial_step(double t) const {
     const double left = end_time_ - t;
     // SUNDIALS refuses to choose a step when the end is within round-off of the start.
-    const double round_off = 8.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end_time_));
-    if (left < round_off) return left;
+    const double round_off =
+        8.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end_time_));
+    if (left < round_off)
+        return left;
     return std::min(options_.initial_step, left);
 }
 
+double Stepper::shortest_step(double t) { return 2.0 * std::numeric_limits<double>::epsilon() * std::abs(t); }
+
 void Stepper::keep_text(int flag, const char*, const char*, char* text, void* stepper) {
-    if (flag < 0) static_cast<Stepper*>(stepper)->solver_text_ = text;
+    if (flag < 0)
+        static_cast<Stepper*>(stepper)->solver_text_ = text;
 }
 
 } // namespace rodwake::integrate

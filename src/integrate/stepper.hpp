@@ -3,6 +3,7 @@
 
 #include "problem_calls.hpp"
 #include "rodwake/integrate/ode.hpp"
+#include "step_failure.hpp"
 #include "sundials_raii.hpp"
 
 #include <memory>
@@ -10,7 +11,7 @@
 namespace rodwake::integrate {
 
 class Stepper {
-  public:
+public:
     Stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
     Stepper(const Stepper&) = delete;
     Stepper& operator=(const Stepper&) = delete;
@@ -24,12 +25,14 @@ class Stepper {
     virtual void interpolate(double t, std::span<double> y) = 0;
 
     virtual int order() const = 0;
-    /// "CV_ERR_FAILURE", after advance() failed.
-    virtual std::string flag_name() const = 0;
-    /// "CV" or "ARK", for failures that are noticed outside the solver.
+    /// The solver's own text about its last failure.
+    const std::string& solver_text() const { return solver_text_; }
+    /// After advance() failed.
+    StepFailure failure() const;
+    /// "CV" or "ARK".
     virtual std::string flag_prefix() const = 0;
-    /// Estimated local error times error weight (1 / tolerance) of each component in the step tried last; empty when
-    /// no step has been tried.
+    /// Estimated local error times error weight (1 / tolerance) of each component in the step tried last;
+    /// empty when no step has been tried.
     virtual std::vector<double> weighted_errors() const = 0;
     /// The integrator's own counts since construction: steps, failures, Jacobians.
     Statistics counts() const;
@@ -39,15 +42,17 @@ class Stepper {
     double time() const { return time_; }
     State state_before() const { return sundials::elements(before_.get()); }
     State state() const { return sundials::elements(after_.get()); }
-    /// The solver's own text about its last failure.
-    const std::string& solver_text() const { return solver_text_; }
 
-  protected:
+protected:
     /// Counts since start().
     virtual Statistics segment_counts() const = 0;
+    /// "CV_ERR_FAILURE", of the last step.
+    virtual std::string flag_name() const = 0;
     void set_start(double t, State y);
     /// The initial step to ask for at t; 0: the solver's choice.
     double initial_step(double t) const;
+    /// The shortest step worth trying at t: shorter ones may not change t.
+    static double shortest_step(double t);
     static void keep_text(int flag, const char* module, const char* function, char* text, void* stepper);
 
     ProblemCalls& calls_;

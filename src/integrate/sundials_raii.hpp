@@ -17,8 +17,12 @@
 namespace rodwake::integrate::sundials {
 
 /// Calls `release(object)` on destruction.
-template<auto release> struct Deleter {
-    template<class T> void operator()(T* object) const { release(object); }
+template<auto release>
+struct Deleter {
+    template<class T>
+    void operator()(T* object) const {
+        release(object);
+    }
 };
 
 inline void free_context(SUNContext context) { SUNContext_Free(&context); }
@@ -38,19 +42,24 @@ using CvodeMemory = Owner<void*, free_cvode>;
 using ErkMemory = Owner<void*, free_erkstep>;
 
 /// SUNDIALS constructors return null only when memory ran out.
-template<class Pointer> Pointer made(Pointer object) {
-    if (!object) throw std::bad_alloc();
+template<class Pointer>
+Pointer made(Pointer object) {
+    if (!object)
+        throw std::bad_alloc();
     return object;
 }
 
-/// For set-up calls, which fail only on arguments that check_problem has already excluded, or for lack of memory.
+/// For set-up calls, which fail only on arguments that check_problem has already excluded, or for lack of
+/// memory.
 inline void require(int flag) {
-    if (flag < 0) throw std::logic_error("SUNDIALS set-up call failed with flag " + std::to_string(flag));
+    if (flag < 0)
+        throw std::logic_error("SUNDIALS set-up call failed with flag " + std::to_string(flag));
 }
 
 inline Context make_context() {
     SUNContext context = nullptr;
-    if (SUNContext_Create(nullptr, &context) != 0) throw std::bad_alloc();
+    if (SUNContext_Create(nullptr, &context) != 0)
+        throw std::bad_alloc();
     return Context(context);
 }
 

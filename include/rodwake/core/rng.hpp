@@ -1,6 +1,6 @@
 #pragma once
-// Counter-based random numbers: the value depends on (seed, stream, index) only, never on who asks or in what order,
-// so threads and ranks cannot change a result.
+// Counter-based random numbers: the value depends on (seed, stream, index) only, never on who asks or in what
+// order, so threads and ranks cannot change a result.
 
 #include <array>
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace rodwake {
 
 /// Philox4x32-10 (Salmon et al., SC'11) keyed by a 64-bit seed; a stream is named by two 32-bit words.
 class RandomStream {
-  public:
+public:
     explicit RandomStream(std::uint64_t seed, std::uint32_t stream = 0, std::uint32_t substream = 0)
         : seed_(seed), stream_(stream), substream_(substream) {}
 
@@ -22,13 +22,14 @@ class RandomStream {
     /// 64 random bits; advances the counter by one draw.
     std::uint64_t bits();
 
-  private:
+private:
     std::uint64_t seed_;
     std::uint32_t stream_, substream_;
     std::uint64_t index_ = 0;
 };
 
 /// One Philox4x32-10 block, for known-answer tests.
-std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
+std::array<std::uint32_t, 4> philox_block(std::array<std::uint32_t, 4> counter,
+                                        std::array<std::uint32_t, 2> key);
 
 } // namespace rodwake

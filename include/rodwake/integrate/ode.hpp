@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,20 +16,32 @@ using State = std::span<const double>;
 
 enum class Crossing { rising, falling, any };
 
-/// A root to be found: the solver reports each time at which value(t, y) crosses zero in the given direction.
+struct Step;
+
+/// A root to be found: the solver reports each time at which value(t, y) crosses or reaches zero in the given
+/// direction. An event that is zero at the start waits until it has left zero. The time reported is the later
+/// end of a bracket a few roundings wide, so the value has its new sign there and a solve from there does not
+/// find the same root again. Between the ends of a step the value is compared at every root of another event
+/// and at every suspect time.
 struct Event {
     std::string name;
     std::function<double(double t, State y)> value;
     Crossing crossing = Crossing::any;
     bool terminal = false; ///< stop there; the final time and state are those of the root
+    /// A crossing and its way back can both lie inside one step, with no change of sign to see. If given,
+    /// this names a time inside the step at which the value may have changed sign; the solver looks there
+    /// too. Called once a step.
+    std::function<std::optional<double>(const Step&)> suspect = nullptr;
 };
 
-/// y' = rhs(t, y), y(start_time) = initial_state. Functions may throw: the solve then fails with the exception's text.
+/// y' = rhs(t, y), y(start_time) = initial_state. Functions may throw: the solve then fails with the
+/// exception's text. A right-hand side that is not finite makes the solver try a shorter step first. It is
+/// never called beyond the last output time.
 struct OdeProblem {
     std::vector<double> initial_state;
     double start_time = 0.0;
     std::function<void(double t, State y, std::span<double> ydot)> rhs;
-    /// d rhs_i / d y_j into J(i, j), used by BDF. Empty: difference quotients.
+    /// d rhs_i / d y_j into J(i, j), all zero on entry; used by BDF. Empty: difference quotients.
     std::function<void(double t, State y, Eigen::Ref<Eigen::MatrixXd> jacobian)> jacobian;
     std::vector<Event> events;
     /// Name of component i in messages ("rods[3].theta"). Empty: "y[i]".
@@ -37,8 +50,9 @@ struct OdeProblem {
 
 enum class Method {
     bdf,   ///< CVODES, backward differentiation, order 1 to 5, dense Newton; for stiff problems
-    adams, ///< CVODES, Adams-Moulton, order 1 to 12, fixed-point iteration; fewest right-hand sides when not stiff
-    erk    ///< ARKODE, explicit Runge-Kutta: Dormand-Prince 5(4) for rtol > 1e-6, Verner 8(6) below
+    adams, ///< CVODES, Adams-Moulton, order 1 to 12, fixed-point iteration; fewest right-hand sides when not
+           ///< stiff
+    erk    ///< ARKODE, explicit Runge-Kutta: Dormand-Prince 5(4) for rtol > 1e-6, from there down Verner 6(5)
 };
 
 /// State at the end of an accepted internal step.
@@ -56,17 +70,19 @@ struct Segment {
 
 struct OdeOptions {
     Method method = Method::adams;
-    double rtol = 1e-8;  ///< relative tolerance of the local error, each component
-    double atol = 1e-10; ///< absolute tolerance, unit of the component
+    double rtol = 1e-8;         ///< relative tolerance of the local error, each component; 1e-14 to 0.1
+    double atol = 1e-10;        ///< absolute tolerance, unit of the component; > 0
     long max_steps = 1'000'000; ///< ceiling on internal steps of the whole solve
-    double initial_step = 0.0;  ///< 0: chosen by the solver
+    double initial_step = 0.0;  ///< of each segment; 0: chosen by the solver
     double max_step = 0.0;      ///< 0: none
-    /// The method's history is discarded every so many steps, interrupted or not, so that a solve resumed from such a
-    /// point repeats the uninterrupted one bit for bit.
-    long segment_steps = 2000;
-    std::function<bool()> stop_requested;               ///< polled once a step; true ends the solve as `interrupted`
-    std::function<void(const Step&)> on_step;           ///< after each accepted step
-    std::function<void(const Segment&)> on_segment;     ///< after each completed segment
+    /// The method's history is discarded every so many steps, interrupted or not, so that a solve resumed
+    /// from such a point repeats the uninterrupted one bit for bit.
+    long segment_steps = 5000;
+    // Exceptions of these three reach the caller of solve().
+    std::function<bool()> stop_requested; ///< polled once a step; true ends the solve as `interrupted`
+    std::function<void(const Step&)>
+        on_step; ///< after each accepted step; a terminal event cuts its step short
+    std::function<void(const Segment&)> on_segment; ///< after each completed segment but the last
 };
 
 enum class Outcome { reached_end, stopped_at_event, interrupted, failed };
@@ -82,12 +98,12 @@ struct Status {
     double step = 0.0;                  ///< last step size
     int order = 0;                      ///< last order
     std::string flag;                   ///< the solver's name for the failure, "CV_ERR_FAILURE"
-    std::vector<Component> worst;       ///< worst first, at most ten
-    std::string cause;                  ///< likely cause
-    std::string advice;                 ///< a key to try
+    std::vector<Component> worst; ///< worst first, at most ten; none if a function of the problem failed
+    std::string cause;            ///< likely cause
+    std::string advice;           ///< a key to try
 
     bool ok() const { return outcome != Outcome::failed; }
-    /// All of it in words, several lines.
+    /// All of it in words, in one line.
     std::string message() const;
 };
 
@@ -106,16 +122,18 @@ struct Solution {
     std::vector<double> times;               ///< the requested times that were reached, exactly as requested
     std::vector<std::vector<double>> states; ///< states[k] at times[k]
     std::vector<EventHit> hits;              ///< in order of time
-    double final_time = 0.0;                 ///< where it ended: last output time, terminal event, or point of failure
+    double final_time = 0.0; ///< where it ended: last output time, terminal event, or point of failure
     std::vector<double> final_state;
     Status status;
     Statistics statistics;
 };
 
-/// Integrates to the last of output_times (increasing, >= start_time). Never throws for a failure of the solve: see
-/// Solution::status. Throws InputError for a malformed problem (sizes, tolerances, times, non-finite initial state).
-/// Global accuracy: the local error is held below rtol |y_i| + atol a step; the result's error is typically 1 to 100
-/// times that (docs/validation.md has the measured ratio). Thread-safe: each call owns its SUNContext.
+/// Integrates to the last of output_times (at least one, increasing, >= start_time). The steps, and so the
+/// final state, do not depend on the output times before the last. Never throws for a failure of the solve:
+/// see Solution::status. Throws InputError for a malformed problem (sizes, tolerances, times, non-finite
+/// initial state). Global accuracy: the local error is held below rtol |y_i| + atol a step; the result's
+/// error is typically 1 to 100 times that for erk, 1 to 1000 times for adams and bdf (docs/validation.md has
+/// the measured ratio). Thread-safe: each call owns its SUNContext.
 Solution solve(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times);
 
 /// Names for messages and files: "bdf", "adams", "erk".

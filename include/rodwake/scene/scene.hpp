@@ -1,9 +1,10 @@
 #pragma once
 // A scene: what the user wants modelled, after units are resolved and every value is checked.
-// A table that is absent from the file is absent here (std::optional, empty vector): that physics does not exist.
+// A table that is absent from the file is absent here (std::optional, empty vector): that physics does not
+// exist.
 //
-// Inside, everything is reduced: lengths in f/mu, times in f/(mu v0), angles in rad. Units exist only at the door
-// (reading: scene/read.hpp; writing results: Scales below).
+// Inside, everything is reduced: lengths in f/mu, times in f/(mu v0), angles in rad. Units exist only at the
+// door (reading: scene/read.hpp; writing results: Scales below).
 
 #include <optional>
 #include <string>
@@ -18,39 +19,50 @@ struct Scales {
     double f_over_mu = 0.0;      ///< m, the unit of length
     double v0 = 0.0;             ///< m/s, self-propulsion speed; the unit of time is f_over_mu / v0
     double bead_radius = 0.4e-3; ///< m, what "a" means in "2.2 a"
+
+    bool operator==(const Scales&) const = default;
 };
 
 enum class FieldBackend { exact };
 enum class PolarBasis { laplacian, divergence };
 enum class RodMethod { bdf, adams, erk, automatic };
 
-/// [medium]: the elastic continuum. eta = (lambda_L + mu)/mu = K/mu, coefficient of grad div over mu; xi = mu/(zeta v0).
+/// [medium]: the elastic continuum. eta = (lambda_L + mu)/mu = K/mu, coefficient of grad div over mu; xi =
+/// mu/(zeta v0).
 struct Medium {
     double eta = 1.0; ///< > -1
     double xi = 1.0;  ///< > 0, in f/mu; alpha = 1/xi
     FieldBackend field = FieldBackend::exact;
+
+    bool operator==(const Medium&) const = default;
 };
 
 /// [coupling]: kappa in v0 mu/f, gamma in v0, as written in the scene (polar_basis says which basis).
 struct Coupling {
     double kappa = 0.0, gamma1 = 0.0, gamma2 = 0.0;
     PolarBasis polar_basis = PolarBasis::laplacian;
+
+    bool operator==(const Coupling&) const = default;
 };
 
 /// [[rods]]
 struct Rod {
     std::vector<double> position; ///< x, y
     double heading = 0.0;         ///< rad, counter-clockwise from +x
+
+    bool operator==(const Rod&) const = default;
 };
 
 /// [rods_run]
 struct RodsRun {
-    double t_end = 0.0;                 ///< > 0
-    std::vector<double> output_times;   ///< increasing, within (0, t_end]; ends with t_end (resolved)
+    double t_end = 0.0;                     ///< > 0
+    std::vector<double> output_times;       ///< increasing, within (0, t_end]; ends with t_end (resolved)
     std::optional<double> contact_distance; ///< stop there; absent: no stop
     RodMethod method = RodMethod::automatic;
     double rtol = 1e-8, atol = 1e-10;
     long max_steps = 1'000'000;
+
+    bool operator==(const RodsRun&) const = default;
 };
 
 /// [[field.cuts]]: the field along a line parallel to an axis.
@@ -59,6 +71,8 @@ struct Cut {
     double at = 0.0;             ///< the other coordinate
     double from = 0.0, to = 0.0; ///< range of the varying coordinate
     long count = 401;
+
+    bool operator==(const Cut&) const = default;
 };
 
 /// [field]: the field of one rod at the origin heading along +x, on a grid and along cuts.
@@ -66,18 +80,22 @@ struct Field {
     std::vector<double> x, y; ///< [min, max] of the grid; empty: no grid
     long nx = 161, ny = 161;
     std::vector<Cut> cuts;
+
+    bool operator==(const Field&) const = default;
 };
 
 /// [[figures]]: what `rodwake plot` draws from the results.
 struct Figure {
-    std::string name;  ///< file name without ending
-    std::string kind;  ///< extensional_axis | polar_streamlines | cut | trajectories
-    std::string title; ///< empty: made from the data
-    long cut = 0;      ///< kind cut: index into field.cuts
-    std::string component = "Ux"; ///< kind cut: Ux | Uy
-    bool sqrt_scaled = false;     ///< kind cut: draw |s|^(1/2) U instead of U
+    std::string name;                        ///< file name without ending
+    std::string kind;                        ///< extensional_axis | polar_streamlines | cut | trajectories
+    std::string title;                       ///< empty: made from the data
+    long cut = 0;                            ///< kind cut: index into field.cuts
+    std::string component = "Ux";            ///< kind cut: Ux | Uy
+    bool sqrt_scaled = false;                ///< kind cut: draw |s|^(1/2) U instead of U
     std::vector<std::vector<double>> gammas; ///< kind polar_streamlines: a panel for each [gamma1, gamma2]
-    std::vector<double> x, y;     ///< window [min, max]; empty: fit to the data
+    std::vector<double> x, y;                ///< window [min, max]; empty: fit to the data
+
+    bool operator==(const Figure&) const = default;
 };
 
 /// [[variants]]: the rods run again with some keys changed; drawn beside the scene as written.
@@ -85,10 +103,12 @@ struct Variant {
     std::string name;             ///< file-name safe
     std::string label;            ///< for the legend; empty: name
     std::vector<std::string> set; ///< "coupling.kappa=-100", as for -s
+
+    bool operator==(const Variant&) const = default;
 };
 
 struct Scene {
-    std::string path;             ///< file it came from
+    std::string path; ///< file it came from
     long schema = 1;
     UnitSystem units = UnitSystem::reduced;
     std::string title;
@@ -100,6 +120,8 @@ struct Scene {
     std::optional<Field> field;
     std::vector<Figure> figures;
     std::vector<Variant> variants;
+
+    bool operator==(const Scene&) const = default;
 };
 
 } // namespace rodwake::scene

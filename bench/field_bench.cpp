@@ -1,0 +1,129 @@
+// Time per point of the field of one rod, beside the closed form written straight from the paper with Boost's
+// Bessel functions (which overflows far behind the rod and cancels near it: compare the speed, not the
+// digits).
+//
+//   build/release/bench/bench_field --benchmark_min_time=0.5
+
+#include "rodwake/core/rng.hpp"
+#include "rodwake/elastic/field.hpp"
+
+#include <benchmark/benchmark.h>
+#include <boost/math/special_functions/bessel.hpp>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace {
+
+using rodwake::RandomStream;
+using namespace rodwake::elastic;
+
+constexpr Medium medium{.eta = 1.3, .xi = 1.0};
+
+struct Place {
+    double x, y;
+};
+using Places = std::vector<Place>;
+
+constexpr int points = 4096; // fits the first cache, far beyond what a branch predictor remembers
+
+Places near_points() { // r/xi from 1e-3 to 1
+    RandomStream random(1);
+    Places set;
+    for (int k = 0; k < points; ++k) {
+        const double r = random.log_uniform(1e-3, 1.0), angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+        set.push_back({r * std::cos(angle), r * std::sin(angle)});
+    }
+    return set;
+}
+
+Places box(double left, double right, double half_height) {
+    RandomStream random(2);
+    Places set;
+    for (int k = 0; k < points; ++k)
+        set.push_back({random.uniform(left, right), random.uniform(-half_height, half_height)});
+    return set;
+}
+
+Places mid_points() { return box(-5.0, 5.0, 5.0); }
+Places wake_points() { return box(-1e3, -10.0, 30.0); }
+
+using NoPromotion = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+using Promotion = boost::math::policies::policy<>;
+
+/// K0 and K1 of both potentials with their exponentials, as printed.
+template<class Policy>
+struct Plain {
+    double nu = medium.nu(), c = 0.5 / medium.xi, r, t0, t1, l0, l1;
+    explicit Plain(Place p) : r(std::hypot(p.x, p.y)) {
+        const double shear = std::exp(-c * p.x), longitudinal = std::exp(-nu * c * p.x);
+        t0 = shear * boost::math::cyl_bessel_k(0, c * r, Policy());
+        t1 = shear * boost::math::cyl_bessel_k(1, c * r, Policy());
+        l0 = longitudinal * boost::math::cyl_bessel_k(0, nu * c * r, Policy());
+        l1 = longitudinal * boost::math::cyl_bessel_k(1, nu * c * r, Policy());
+    }
+};
+
+constexpr double unit = 0.5 * std::numbers::inv_pi;
+
+template<class Policy>
+double plain_displacement(Place p) {
+    const Plain<Policy> k(p);
+    const double spread = k.t1 - k.nu * k.l1;
+    const double ux = 0.5 * (k.t0 + k.nu * k.l0 - p.x / k.r * spread), uy = -0.5 * p.y / k.r * spread;
+    return unit * (ux + uy);
+}
+
+template<class Policy>
+double plain_strain(Place p) {
+    const Plain<Policy> k(p);
+    const double cosine = p.x / k.r, sine = p.y / k.r, cc = cosine * cosine, ss = sine * sine;
+    const auto yy = [&](double c, double k0, double k1) {
+        return c * c * ss * k0 + (ss - cc) * c * k1 / k.r;
+    };
+    const auto xy = [&](double c, double k0, double k1) {
+        return c * c * sine * k1 + cosine * sine * (c * c * k0 + 2.0 * c * k1 / k.r);
+    };
+    const double cl = k.nu * k.c, d_yy = yy(k.c, k.t0, k.t1) - yy(cl, k.l0, k.l1);
+    const double d_xy = xy(k.c, k.t0, k.t1) - xy(cl, k.l0, k.l1);
+    const double eyy = medium.xi * d_yy, exx = -k.nu * cl * (k.l0 + cosine * k.l1) - eyy;
+    return unit * (exx + eyy + 0.5 * (-k.c * sine * k.t1 + 2.0 * medium.xi * d_xy));
+}
+
+using Formula = double (*)(Place);
+
+void run_plain(benchmark::State& state, Formula formula, Places (*make)()) {
+    const Places set = make();
+    for (auto _ : state)
+        for (const Place& p : set)
+            benchmark::DoNotOptimize(formula(p));
+    state.SetItemsProcessed(state.iterations() * points);
+}
+
+void run_field(benchmark::State& state, Wanted wanted, Places (*make)()) {
+    const Places set = make();
+    const Field field(medium);
+    for (auto _ : state)
+        for (const Place& p : set)
+            benchmark::DoNotOptimize(field.at(p.x, p.y, wanted));
+    state.SetItemsProcessed(state.iterations() * points);
+}
+
+constexpr Wanted displacement{.displacement = true}, strain{.strain = true},
+    polar{.strain = true, .polar = true}, slopes{.strain = true, .slopes = true};
+
+#define ON_EACH_SET(run, label, what)                                                                        \
+    BENCHMARK_CAPTURE(run, label / near, what, near_points);                                                 \
+    BENCHMARK_CAPTURE(run, label / mid, what, mid_points);                                                   \
+    BENCHMARK_CAPTURE(run, label / wake, what, wake_points)
+
+ON_EACH_SET(run_field, displacement, displacement);
+ON_EACH_SET(run_field, strain, strain);
+ON_EACH_SET(run_field, strain + polar, polar);
+ON_EACH_SET(run_field, strain + slopes, slopes);
+ON_EACH_SET(run_plain, displacement, plain_displacement<Promotion>);
+ON_EACH_SET(run_plain, displacement / double, plain_displacement<NoPromotion>);
+ON_EACH_SET(run_plain, strain, plain_strain<Promotion>);
+ON_EACH_SET(run_plain, strain / double, plain_strain<NoPromotion>);
+
+} // namespace

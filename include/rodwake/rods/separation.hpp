@@ -1,0 +1,32 @@
+#pragma once
+// Distances between rods along a trajectory. Rods move at speed 1, so the rate of change of a separation is
+// known exactly from the headings: within a step it is followed by cubic Hermite interpolation of its square.
+
+#include "rodwake/integrate/ode.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+namespace rodwake::rods {
+
+/// A pair (first < second) and how far apart it is. Unit of the positions.
+struct Separation {
+    std::size_t first = 0, second = 0;
+    double distance = 0.0;
+};
+
+/// The closest pair; needs two rods or more. O(N^2).
+Separation closest_pair(integrate::State y);
+
+/// Rate of change of the distance of two rods, (R_a - R_b).(n_a - n_b)/r; between -2 and 2.
+double separation_rate(integrate::State y, std::size_t a, std::size_t b);
+
+/// The closest approach of a pair inside a step, if it comes closer there than at both ends.
+struct Approach {
+    double time;
+    Separation pair;
+};
+std::optional<Approach> closest_approach(const integrate::Step& step);
+
+} // namespace rodwake::rods

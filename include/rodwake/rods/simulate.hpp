@@ -1,0 +1,51 @@
+#pragma once
+// One run of N rods: problem, options, result. The result of a failed solve is a value: see
+// RodResult::solution.status.
+
+#include "rodwake/rods/model.hpp"
+#include "rodwake/rods/outcome.hpp"
+#include "rodwake/rods/separation.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::rods {
+
+/// Reduced units: lengths f/mu, times f/(mu v0).
+struct RodProblem {
+    std::optional<elastic::Medium> medium; ///< absent: rods walk straight
+    Couplings couplings;
+    std::vector<Pose> rods;
+    double t_end = 0.0;
+    std::vector<double> output_times;       ///< increasing, in [0, t_end]; t_end is added if missing
+    std::optional<double> contact_distance; ///< stop when two rods come this close
+};
+
+struct RodOptions {
+    integrate::OdeOptions ode;
+    EndingCriteria criteria;
+};
+
+struct RodOutcome {
+    Ending ending = Ending::undecided;
+    double time = 0.0; ///< of contact, else the time reached
+    Separation pair;   ///< the pair it is about: in contact, in pursuit, else the closest at any time
+    double min_separation = 0.0; ///< smallest separation of any pair at any time; infinite for a single rod
+    std::vector<double> turn;    ///< theta(end) - theta(0) of each rod, rad
+    std::string reason;          ///< in words, with the numbers
+};
+
+struct RodResult {
+    integrate::Solution solution; ///< states as in model.hpp
+    RodOutcome outcome;
+};
+
+/// Runs to t_end or to contact. Throws InputError for an ill-posed problem: no rods, coincident rods, a
+/// contact distance at or above a starting separation, times out of order. Deterministic; thread-safe.
+RodResult simulate(const RodProblem& problem, const RodOptions& options);
+
+/// The initial-value problem by itself, for those who want to integrate it their own way.
+integrate::OdeProblem to_ode(const RodProblem& problem);
+
+} // namespace rodwake::rods

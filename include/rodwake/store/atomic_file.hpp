@@ -1,0 +1,32 @@
+#pragma once
+// Files appear whole or not at all: written beside their place under a temporary name, synced, renamed.
+
+#include <filesystem>
+#include <string_view>
+
+namespace rodwake::store {
+
+/// Temporary name in the same folder, made this file's by commit() and removed if commit() never comes.
+class PendingFile {
+public:
+    /// Throws RunError if the folder is not writable.
+    explicit PendingFile(std::filesystem::path target);
+    ~PendingFile();
+    PendingFile(const PendingFile&) = delete;
+    PendingFile& operator=(const PendingFile&) = delete;
+    PendingFile(PendingFile&&) = delete;
+    PendingFile& operator=(PendingFile&&) = delete;
+
+    const std::filesystem::path& temporary() const { return temporary_; }
+    /// fsync, rename, fsync of the folder. Throws RunError.
+    void commit();
+
+private:
+    std::filesystem::path target_, temporary_;
+    bool committed_ = false;
+};
+
+/// Throws RunError naming the file and the system's reason.
+void write_atomically(const std::filesystem::path& target, std::string_view content);
+
+} // namespace rodwake::store

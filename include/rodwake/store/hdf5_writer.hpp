@@ -1,0 +1,42 @@
+#pragma once
+// Writes one HDF5 file of doubles with attributes; it appears under its name only when committed.
+
+#include "rodwake/store/atomic_file.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rodwake::store {
+
+class Hdf5Writer {
+public:
+    /// Throws RunError if the file cannot be made.
+    explicit Hdf5Writer(const std::filesystem::path& target);
+    ~Hdf5Writer();
+    Hdf5Writer(const Hdf5Writer&) = delete;
+    Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+    Hdf5Writer(Hdf5Writer&&) = delete;
+    Hdf5Writer& operator=(Hdf5Writer&&) = delete;
+
+    /// Dataset of doubles in C order at an absolute path ("/field/grid/Ux"); groups on the way are made.
+    /// `unit` becomes its attribute of that name.
+    void dataset(const std::string& path, std::span<const double> values,
+                 const std::vector<std::size_t>& shape, const std::string& unit);
+
+    /// Attribute of a group ("/" or "/medium"), which is made if missing.
+    void attribute(const std::string& group, const std::string& name, double value);
+    void attribute(const std::string& group, const std::string& name, std::int64_t value);
+    void attribute(const std::string& group, const std::string& name, const std::string& value);
+
+    /// Closes and renames the file into place. Throws RunError.
+    void commit();
+
+private:
+    PendingFile pending_;
+    std::int64_t file_; ///< HDF5 handle
+};
+
+} // namespace rodwake::store

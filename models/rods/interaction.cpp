@@ -1,0 +1,60 @@
+#include "interaction.hpp"
+
+namespace rodwake::rods {
+
+namespace {
+
+using elastic::SymmetricTensor;
+using elastic::Vector;
+
+/// z.[n x eps.n] = eps_xy cos 2phi + (eps_yy - eps_xx)/2 sin 2phi: only the traceless part turns a rod.
+double axis_torque(const SymmetricTensor& e, RelativeHeading n) {
+    const double cos2 = n.cosine * n.cosine - n.sine * n.sine, sin2 = 2.0 * n.cosine * n.sine;
+    return e.xy * cos2 + 0.5 * (e.yy - e.xx) * sin2;
+}
+
+double axis_torque_by_phi(const SymmetricTensor& e, RelativeHeading n) {
+    const double cos2 = n.cosine * n.cosine - n.sine * n.sine, sin2 = 2.0 * n.cosine * n.sine;
+    return (e.yy - e.xx) * cos2 - 2.0 * e.xy * sin2;
+}
+
+/// z.[n x v]
+double vector_torque(const Vector& v, RelativeHeading n) { return n.cosine * v.y - n.sine * v.x; }
+
+double vector_torque_by_phi(const Vector& v, RelativeHeading n) { return -n.sine * v.y - n.cosine * v.x; }
+
+Vector polar_vector(const Couplings& c, const Vector& laplacian, const Vector& gradient) {
+    return {c.gamma1 * laplacian.x + c.gamma2 * gradient.x, c.gamma1 * laplacian.y + c.gamma2 * gradient.y};
+}
+
+} // namespace
+
+elastic::Wanted wanted_by(const Couplings& couplings, bool slopes) {
+    return {.strain = couplings.apolar(), .polar = couplings.polar(), .slopes = slopes};
+}
+
+double turning_rate(const elastic::FieldValues& f, const Couplings& c, RelativeHeading n) {
+    double rate = 0.0;
+    if (c.apolar())
+        rate += c.kappa * axis_torque(f.strain, n);
+    if (c.polar())
+        rate += vector_torque(polar_vector(c, f.laplacian, f.gradient_of_trace), n);
+    return rate;
+}
+
+TurningRate turning_rate_derivatives(const elastic::FieldValues& f, const Couplings& c, RelativeHeading n) {
+    TurningRate rate{turning_rate(f, c, n), 0.0, 0.0, 0.0};
+    if (c.apolar()) {
+        rate.by_x += c.kappa * axis_torque(f.strain_x, n);
+        rate.by_y += c.kappa * axis_torque(f.strain_y, n);
+        rate.by_phi += c.kappa * axis_torque_by_phi(f.strain, n);
+    }
+    if (c.polar()) {
+        rate.by_x += vector_torque(polar_vector(c, f.laplacian_x, f.gradient_of_trace_x), n);
+        rate.by_y += vector_torque(polar_vector(c, f.laplacian_y, f.gradient_of_trace_y), n);
+        rate.by_phi += vector_torque_by_phi(polar_vector(c, f.laplacian, f.gradient_of_trace), n);
+    }
+    return rate;
+}
+
+} // namespace rodwake::rods

@@ -1,0 +1,106 @@
+#include "rodwake/rods/model.hpp"
+
+#include "interaction.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace rodwake::rods {
+
+namespace {
+
+struct Direction {
+    double cosine, sine;
+};
+
+Direction direction(integrate::State y, std::size_t rod) {
+    return {std::cos(y[3 * rod + 2]), std::sin(y[3 * rod + 2])};
+}
+
+/// Rod a as rod b sees it.
+struct View {
+    double x, y; ///< place of a in b's frame
+    RelativeHeading heading;
+};
+
+View view(integrate::State y, std::size_t a, std::size_t b, Direction na, Direction nb) {
+    const double dx = y[3 * a] - y[3 * b], dy = y[3 * a + 1] - y[3 * b + 1];
+    return {nb.cosine * dx + nb.sine * dy,
+            nb.cosine * dy - nb.sine * dx,
+            {na.cosine * nb.cosine + na.sine * nb.sine, na.sine * nb.cosine - na.cosine * nb.sine}};
+}
+
+} // namespace
+
+RodModel::RodModel(std::optional<elastic::Medium> medium, const Couplings& couplings, std::size_t rods)
+    : couplings_(couplings), rods_(rods) {
+    if (medium && couplings.any() && rods > 1)
+        field_.emplace(*medium);
+}
+
+void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
+    for (std::size_t a = 0; a < rods_; ++a) {
+        const Direction n = direction(y, a);
+        ydot[3 * a] = n.cosine;
+        ydot[3 * a + 1] = n.sine;
+        ydot[3 * a + 2] = 0.0;
+    }
+    if (!field_)
+        return;
+    const elastic::Wanted wanted = wanted_by(couplings_, false);
+    for (std::size_t a = 0; a < rods_; ++a)
+        for (std::size_t b = 0; b < rods_; ++b) {
+            if (a == b)
+                continue;
+            const View at = view(y, a, b, {ydot[3 * a], ydot[3 * a + 1]}, {ydot[3 * b], ydot[3 * b + 1]});
+            ydot[3 * a + 2] += turning_rate(field_->at(at.x, at.y, wanted), couplings_, at.heading);
+        }
+}
+
+void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
+    jacobian.setZero();
+    for (std::size_t a = 0; a < rods_; ++a) {
+        const Direction na = direction(y, a);
+        const auto row = static_cast<Eigen::Index>(3 * a);
+        jacobian(row, row + 2) = -na.sine;
+        jacobian(row + 1, row + 2) = na.cosine;
+        if (!field_)
+            continue;
+        for (std::size_t b = 0; b < rods_; ++b) {
+            if (a == b)
+                continue;
+            const Direction nb = direction(y, b);
+            const View at = view(y, a, b, na, nb);
+            const auto rate = turning_rate_derivatives(field_->at(at.x, at.y, wanted_by(couplings_, true)),
+                                                       couplings_, at.heading);
+            const auto column = static_cast<Eigen::Index>(3 * b);
+            // The gradient in b's frame, turned to the lab; moving a one way is moving b the other.
+            const double by_x = nb.cosine * rate.by_x - nb.sine * rate.by_y;
+            const double by_y = nb.sine * rate.by_x + nb.cosine * rate.by_y;
+            jacobian(row + 2, row) += by_x;
+            jacobian(row + 2, row + 1) += by_y;
+            jacobian(row + 2, row + 2) += rate.by_phi;
+            jacobian(row + 2, column) -= by_x;
+            jacobian(row + 2, column + 1) -= by_y;
+            // Turning b carries its frame along: d(x, y)/d theta_b = (y, -x), d phi/d theta_b = -1.
+            jacobian(row + 2, column + 2) += at.y * rate.by_x - at.x * rate.by_y - rate.by_phi;
+        }
+    }
+}
+
+std::string RodModel::component_name(std::size_t component) {
+    static constexpr std::array names = {"x", "y", "theta"};
+    return "rods[" + std::to_string(component / 3) + "]." + names[component % 3];
+}
+
+std::vector<double> to_state(std::span<const Pose> rods) {
+    std::vector<double> y;
+    y.reserve(3 * rods.size());
+    for (const Pose& rod : rods)
+        y.insert(y.end(), {rod.x, rod.y, rod.heading});
+    return y;
+}
+
+Pose pose(integrate::State y, std::size_t rod) { return {y[3 * rod], y[3 * rod + 1], y[3 * rod + 2]}; }
+
+} // namespace rodwake::rods

@@ -1,0 +1,83 @@
+"""The parts of the report that are words and tables."""
+
+from . import scene_table, words
+from .trajectories import outcome_words, parameters as run_parameters
+
+
+def table(heads, rows):
+    """Cells are HTML already."""
+    if not rows:
+        return ""
+    head = "".join(f"<th>{name}</th>" for name in heads)
+    body = "\n".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows)
+    kind = ' class="keys"' if len(heads) == 4 else ""
+    return f'<div class="scroll"><table{kind}>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
+
+
+def flat(record, prefix=""):
+    """(name, value as HTML) of a nested record, names joined by spaces."""
+    for key, value in record.items():
+        name = f"{prefix} {key}".strip().replace("_", " ")
+        if isinstance(value, dict):
+            yield from flat(value, name)
+        elif isinstance(value, list):
+            yield name, words.escape(" ".join(map(str, value)))
+        else:
+            yield name, words.number(value, 6)
+
+
+def header(run):
+    units = "SI units" if run.result.units.si else ("reduced units: lengths in <i>f</i>/<i>μ</i>, times in "
+                                                    "<i>f</i>/(<i>μv</i><sub>0</sub>)")
+    head = f'<header>\n<h1>{words.escape(run.title)}</h1>\n<div class="sub">rodwake {words.escape(run.result.version)}, {units}</div>'
+    return f"{head}\n{outcome(run)}\n</header>"
+
+
+def outcome(run):
+    if not run.outcome:
+        return '<p class="outcome">The field of one rod; no rods were integrated.</p>'
+    name = str(run.outcome.get("outcome", "undecided"))
+    return f'<p class="outcome"><span class="tag">{words.escape(name)}</span>{sentence(run, name)}</p>'
+
+
+def sentence(run, name):
+    units = run.result.units
+    time = words.equation("<i>t</i>", run.outcome.get("time", "?"), units.time_html(), digits=6)
+    nearest = f"{words.number(run.outcome.get('min_separation', '?'), 6)} {units.length_html()}"
+    pair = run.outcome.get("pair") or []
+    who = f"rods {pair[0] + 1} and {pair[1] + 1}" if len(pair) == 2 else "the rods"
+    return {
+        "contact": f"Contact: {who} met at {time}, {nearest} apart.",
+        "pursuit": f"Pursuit: the headings of {who} locked and their separation stayed bounded until {time}; closest approach {nearest}.",
+        "escape": f"Escape: {who} went apart; closest approach {nearest}, followed until {time}.",
+    }.get(name, f"No outcome was decided until {time}; closest approach {nearest}.")
+
+
+def runs(run):
+    """Scene and variants side by side; a single run is told in the header."""
+    found = run.result.runs()
+    if len(found) < 2:
+        return ""
+    rows = [(words.label_html(one.label), outcome_words(run.result.units, one), run_parameters(one).rstrip(".")) for one in found]
+    return table(("Run", "Outcome", "Parameters"), rows)
+
+
+def parameters(run):
+    return "\n".join(f"<h3>{name}</h3>\n{table(heads, rows)}" for name, heads, rows in scene_table.tables(run.scene, run.result.units))
+
+
+def solver(run):
+    statistics = (run.outcome or {}).get("solver") or {}
+    return table(("Quantity", "Value"), [(words.escape(name), value) for name, value in flat(statistics)])
+
+
+def texts(run):
+    scene = f"<details>\n<summary>Resolved scene</summary>\n<pre>{words.escape(run.scene_text)}</pre>\n</details>"
+    log = f"<details>\n<summary>Log</summary>\n<pre>{words.escape(run.log)}</pre>\n</details>" if run.log.strip() else ""
+    return scene + log
+
+
+def provenance(run):
+    if run.provenance is None:
+        return "<p>provenance.json is missing from this run directory.</p>"
+    return table(("Item", "Value"), [(words.escape(name), f"<code>{value}</code>") for name, value in flat(run.provenance)])

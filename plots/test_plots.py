@@ -1,0 +1,132 @@
+"""Tests of the plots on a small made-up result: /usr/bin/python3 plots/test_plots.py"""
+
+import contextlib
+import io
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import matplotlib.image
+
+import rodwake_plot
+from made_up_result import ALL_KINDS, LINE, PATHS, SCENE, write_result
+
+PROGRAM = Path(__file__).with_name("rodwake_plot.py")
+
+
+class PlotsTest(unittest.TestCase):
+    def setUp(self):
+        keeper = tempfile.TemporaryDirectory()
+        self.addCleanup(keeper.cleanup)
+        self.folder = Path(keeper.name)
+        self.build()
+
+    def build(self, figures=ALL_KINDS, **result):
+        (self.folder / "scene.toml").write_text(SCENE + figures)
+        outcome = {"outcome": "contact", "time": 40.5953, "min_separation": 0.1, "pair": [0, 1], "solver": {"steps": 321}}
+        (self.folder / "outcome.json").write_text(json.dumps(outcome))
+        (self.folder / "provenance.json").write_text(json.dumps({"version": "0.1.0", "libraries": {"HDF5": "1.10"}}))
+        write_result(self.folder, **result)
+
+    def edit(self, change):
+        with h5py.File(self.folder / "result.h5", "r+") as file:
+            change(file)
+
+    def plot(self, *options):
+        """In this process, which spares an interpreter a test; test_as_a_program runs the real thing."""
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = rodwake_plot.main([str(self.folder), *options])
+        return subprocess.CompletedProcess([], code, out.getvalue(), err.getvalue())
+
+    def test_as_a_program(self):
+        done = subprocess.run([sys.executable, PROGRAM, self.folder / "nowhere"], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertRegex(done.stderr, r"\Arodwake plot: .*nowhere: no such run directory\n\Z")
+
+    def assert_drawn(self, *names):
+        done = self.plot()
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(sorted(path.name for path in (self.folder / "figures").iterdir()), sorted(f"{n}.png" for n in names))
+        for name in names:
+            self.assert_picture(matplotlib.image.imread(self.folder / "figures" / f"{name}.png"))
+
+    def assert_picture(self, pixels):
+        height, width = pixels.shape[:2]
+        self.assertTrue(500 < width < 1700 and 250 < height < 2200, (width, height))
+        self.assertGreater(pixels[..., :3].var(), 0.005)
+
+    def assert_fails(self, *words):
+        done = self.plot()
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+        for word in words:
+            self.assertIn(word, done.stderr)
+
+    def test_every_kind(self):
+        self.assert_drawn("axis", "streams", "line", "scaled", "paths")
+
+    def test_defaults_without_figures_and_variants_in_si(self):
+        self.build(figures="", variants=2, units="si")
+        self.assert_drawn("trajectories", "extensional_axis", "polar_streamlines", "cut0_Ux")
+
+    def test_field_alone_needs_no_outcome(self):
+        self.edit(lambda file: file.pop("rods"))
+        (self.folder / "scene.toml").write_text('title = "field"\n')
+        (self.folder / "outcome.json").unlink()
+        self.assert_drawn("extensional_axis", "polar_streamlines", "cut0_Ux")
+
+    def test_pdf_and_report_only(self):
+        self.build(figures=LINE)
+        self.assertEqual(self.plot("--pdf").returncode, 0)
+        self.assertTrue((self.folder / "figures/line.pdf").read_bytes().startswith(b"%PDF"))
+        (self.folder / "report.html").unlink()
+        before = (self.folder / "figures/line.png").stat().st_mtime_ns
+        self.assertEqual(self.plot("--report-only").returncode, 0)
+        self.assertEqual(before, (self.folder / "figures/line.png").stat().st_mtime_ns)
+        self.assertTrue((self.folder / "report.html").is_file())
+
+    def test_report_is_self_contained(self):
+        self.build(figures=LINE + PATHS)
+        self.assertEqual(self.plot().returncode, 0)
+        page = (self.folder / "report.html").read_text()
+        self.assertNotIn("http", page)
+        self.assertNotIn("<script", page)
+        sources = re.findall(r'(?:src|href)="([^"]{0,22})', page)
+        self.assertEqual(sources, ["data:image/png;base64,"] * 2)
+        for part in ("Rods &amp; &lt;wakes&gt;", "40.5953", "rods 1 and 2", "321", "HDF5", "[[figures]]"):
+            self.assertIn(part, page)
+
+    def test_missing_parts_are_named(self):
+        self.edit(lambda file: file["field/grid"].pop("axis_angle"))
+        self.assert_fails("/field/grid/axis_angle", "missing")
+        self.build(figures='[[figures]]\nname = "c"\nkind = "cut"\ncut = 7\n')
+        self.assert_fails("/field/cuts/7")
+        self.edit(lambda file: file.attrs.__delitem__("units"))
+        self.assert_fails("units")
+
+    def test_missing_files_are_named(self):
+        for name in ("outcome.json", "scene.toml", "result.h5"):
+            self.build()
+            (self.folder / name).unlink()
+            self.assert_fails(name)
+
+    def test_wrong_input(self):
+        self.edit(lambda file: file.attrs.__setitem__("schema", 2))
+        self.assert_fails("schema 2")
+        self.build(figures='[[figures]]\nname = "a"\nkind = "pie"\n')
+        self.assert_fails("pie", "trajectories")
+        self.build(figures='[[figures]]\nname = "../a"\nkind = "cut"\n')
+        self.assert_fails("../a")
+        (self.folder / "result.h5").write_bytes(b"not hdf5")
+        self.assert_fails("HDF5")
+
+
+if __name__ == "__main__":
+    unittest.main()

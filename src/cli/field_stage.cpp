@@ -1,0 +1,141 @@
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/elastic/field.hpp"
+#include "rodwake/elastic/principal.hpp"
+#include "rodwake/store/csv.hpp"
+#include "signals.hpp"
+#include "stages.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+namespace rodwake::cli {
+
+namespace {
+
+using elastic::FieldValues;
+
+std::vector<double> evenly_spaced(double from, double to, std::size_t count) {
+    std::vector<double> values(count);
+    for (std::size_t i = 0; i < count; ++i)
+        values[i] = i + 1 == count
+                        ? to
+                        : from + (to - from) * static_cast<double>(i) / static_cast<double>(count - 1);
+    return values;
+}
+
+/// The field, NaN at the rod itself, where it is singular: figures leave that point out.
+FieldValues field_or_nan(const elastic::Field& field, double x, double y, elastic::Wanted wanted) {
+    if (x != 0.0 || y != 0.0)
+        return field.at(x, y, wanted);
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return {{nan, nan}, {nan, nan, nan}, {nan, nan}, {nan, nan}, {nan, nan}, {}, {}, {}, {}, {}, {}};
+}
+
+/// A stored quantity of the grid: name, power of the length unit it scales with, and how to get it.
+struct Quantity {
+    const char* name;
+    int length_power;
+    double (*of)(const FieldValues&);
+};
+
+constexpr Quantity quantities[] = {
+    {"Ux", 1, [](const FieldValues& f) { return f.displacement.x; }},
+    {"Uy", 1, [](const FieldValues& f) { return f.displacement.y; }},
+    {"exx", 0, [](const FieldValues& f) { return f.strain.xx; }},
+    {"exy", 0, [](const FieldValues& f) { return f.strain.xy; }},
+    {"eyy", 0, [](const FieldValues& f) { return f.strain.yy; }},
+    {"lapx", -1, [](const FieldValues& f) { return f.laplacian.x; }},
+    {"lapy", -1, [](const FieldValues& f) { return f.laplacian.y; }},
+    {"gradx_tr", -1, [](const FieldValues& f) { return f.gradient_of_trace.x; }},
+    {"grady_tr", -1, [](const FieldValues& f) { return f.gradient_of_trace.y; }},
+    {"axis_value", 0, [](const FieldValues& f) { return elastic::extensional_axis(f.strain).value; }},
+    {"axis_angle", 0, [](const FieldValues& f) { return elastic::extensional_axis(f.strain).angle; }},
+};
+
+double factor(int length_power, const OutputUnits& units) {
+    return length_power == 0 ? 1.0 : (length_power > 0 ? units.length : 1.0 / units.length);
+}
+
+std::string unit_name(const Quantity& quantity, const OutputUnits& units) {
+    if (std::string_view(quantity.name) == "axis_angle")
+        return "rad";
+    return quantity.length_power == 0
+               ? "1"
+               : (quantity.length_power > 0 ? units.length_name : "1/(" + units.length_name + ")");
+}
+
+std::vector<double> scaled(std::vector<double> values, double by) {
+    for (double& value : values)
+        value *= by;
+    return values;
+}
+
+std::vector<FieldValues> evaluate_grid(const elastic::Field& field, const std::vector<double>& x,
+                                       const std::vector<double>& y, std::size_t threads) {
+    std::vector<FieldValues> values(x.size() * y.size());
+    parallel_for(y.size(), threads, [&](std::size_t row) {
+        for (std::size_t column = 0; column < x.size() && !stop_signal(); ++column)
+            values[row * x.size() + column] =
+                field_or_nan(field, x[column], y[row], {.displacement = true, .strain = true, .polar = true});
+    });
+    return values;
+}
+
+void store_grid(Session& session, const elastic::Field& field) {
+    const scene::Field& table = *session.scene.field;
+    const auto x = evenly_spaced(table.x[0], table.x[1], static_cast<std::size_t>(table.nx));
+    const auto y = evenly_spaced(table.y[0], table.y[1], static_cast<std::size_t>(table.ny));
+    const auto values = evaluate_grid(field, x, y, session.options.threads);
+    const OutputUnits& units = session.units;
+    session.results.dataset("/field/grid/x", scaled(x, units.length), {x.size()}, units.length_name);
+    session.results.dataset("/field/grid/y", scaled(y, units.length), {y.size()}, units.length_name);
+    std::vector<double> column(values.size());
+    for (const Quantity& quantity : quantities) {
+        for (std::size_t i = 0; i < values.size(); ++i)
+            column[i] = quantity.of(values[i]) * factor(quantity.length_power, units);
+        session.results.dataset(std::string("/field/grid/") + quantity.name, column, {y.size(), x.size()},
+                                unit_name(quantity, units));
+    }
+}
+
+void store_cut(Session& session, const elastic::Field& field, std::size_t index) {
+    const scene::Cut& cut = session.scene.field->cuts[index];
+    const OutputUnits& units = session.units;
+    const std::vector<double> s = evenly_spaced(cut.from, cut.to, static_cast<std::size_t>(cut.count));
+    std::vector<double> ux, uy;
+    for (const double value : s) {
+        const auto [x, y] = cut.along == "x" ? std::pair(value, cut.at) : std::pair(cut.at, value);
+        const FieldValues f = field_or_nan(field, x, y, {.displacement = true});
+        ux.push_back(f.displacement.x * units.length);
+        uy.push_back(f.displacement.y * units.length);
+    }
+    const auto position = scaled(s, units.length);
+    const std::string group = fmt::format("/field/cuts/{}", index);
+    session.results.dataset(group + "/s", position, {s.size()}, units.length_name);
+    session.results.dataset(group + "/Ux", ux, {s.size()}, units.length_name);
+    session.results.dataset(group + "/Uy", uy, {s.size()}, units.length_name);
+    session.results.attribute(group, "along", cut.along);
+    session.results.attribute(group, "at", cut.at * units.length);
+    const std::vector<std::string> names = {cut.along, "Ux", "Uy"};
+    const std::vector<std::vector<double>> columns = {position, ux, uy};
+    session.directory.write(fmt::format("field_cut_{}.csv", index), store::to_csv(names, columns));
+}
+
+} // namespace
+
+StageEnd run_field_stage(Session& session) {
+    const scene::Field& table = *session.scene.field;
+    const elastic::Field field({session.scene.medium->eta, session.scene.medium->xi});
+    if (!table.x.empty())
+        store_grid(session, field);
+    for (std::size_t i = 0; i < table.cuts.size() && !stop_signal(); ++i)
+        store_cut(session, field, i);
+    if (stop_signal())
+        return StageEnd::interrupted;
+    session.log->info("field: {} grid points, {} cuts", table.x.empty() ? 0 : table.nx * table.ny,
+                      table.cuts.size());
+    return StageEnd::finished;
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,53 @@
+#include "options.hpp"
+#include "rodwake/core/error.hpp"
+#include "signals.hpp"
+#include "verbs.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+
+namespace rodwake::cli {
+
+namespace {
+
+int dispatch(const Options& options) {
+    switch (options.verb) {
+    case Verb::check:
+        return verb_check(options);
+    case Verb::field:
+        return options.points.empty() ? verb_stages(options) : verb_field_points(options);
+    case Verb::rods:
+    case Verb::run:
+        return verb_stages(options);
+    case Verb::plot:
+        return verb_plot(options);
+    case Verb::info:
+        return verb_info(options);
+    }
+    return 2;
+}
+
+int fail(const std::exception& error, int code) {
+    fmt::print(stderr, "rodwake: {}\n", error.what());
+    return code;
+}
+
+} // namespace
+
+} // namespace rodwake::cli
+
+int main(int argc, char** argv) {
+    using namespace rodwake::cli;
+    const Parsed parsed = parse_command_line(argc, argv);
+    if (parsed.exit_now)
+        return parsed.exit_code;
+    install_signal_handlers();
+    try {
+        return dispatch(parsed.options);
+    } catch (const rodwake::InputError& error) {
+        return fail(error, 2);
+    } catch (const std::exception& error) {
+        return fail(error, 1);
+    }
+}

@@ -1,0 +1,102 @@
+#include "options.hpp"
+
+#include "rodwake/core/build_info.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+namespace rodwake::cli {
+
+namespace {
+
+constexpr const char* exit_codes =
+    "Exit codes: 0 ok, 1 runtime failure, 2 usage or scene error, 3 finished with failed points,\n"
+    "            130/143 stopped by Ctrl-C/SIGTERM.\n";
+
+void add_common(CLI::App& verb, Options& options) {
+    verb.add_option("-o,--output", options.output, "folder for the results [results/<scene name>]");
+    verb.add_option("-s,--set", options.overrides, "change a key of the scene: table.key=value; repeatable")
+        ->allow_extra_args(false);
+    verb.add_option("-j,--threads", options.threads, "threads")->check(CLI::Range(1, 1024));
+    verb.add_option("--seed", options.seed, "seed of everything random");
+    verb.add_flag("--dry-run", options.dry_run, "say what would be done, do nothing");
+    verb.add_flag("--quiet", options.quiet, "no progress, no summary; errors only");
+    verb.add_flag("-v,--verbose", options.verbose, "more detail");
+    verb.add_flag("--force", options.force, "replace a finished run");
+    verb.add_option("--log-json", options.json_log, "also log to FILE, one JSON object a line");
+}
+
+CLI::App* add_verb(CLI::App& app, Options& options, Verb verb, const std::string& name,
+                   const std::string& does, const std::string& examples) {
+    CLI::App* sub = app.add_subcommand(name, does);
+    sub->footer("Examples:\n" + examples + "\n" + exit_codes);
+    sub->callback([&options, verb] { options.verb = verb; });
+    add_common(*sub, options);
+    return sub;
+}
+
+void add_verbs(CLI::App& app, Options& options) {
+    const auto scene = [&](CLI::App* verb) {
+        verb->add_option("SCENE", options.target, "scene file (TOML)")->required();
+    };
+    scene(add_verb(app, options, Verb::check, "check",
+                   "validate a scene; say what will be modelled and what not",
+                   "  rodwake check scenes/quickstart.toml\n"
+                   "  rodwake check scenes/quickstart.toml -s coupling.kappa=100"));
+    CLI::App* field =
+        add_verb(app, options, Verb::field, "field", "field of one rod, at points or on a scene's grid",
+                 "  rodwake field --points points.csv > field.csv\n"
+                 "  rodwake field scenes/ufield.toml -o results/ufield");
+    field->add_option("SCENE", options.target, "scene file with a [field] table");
+    field->add_option("--points", options.points,
+                      "CSV with columns x,y,xi,eta; the field goes to standard output");
+    field->add_option("--backend", options.backend, "evaluation: exact")
+        ->check(CLI::IsMember({"exact", "table"}));
+    scene(add_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
+                   "  rodwake rods scenes/quickstart.toml -o results/pair\n"
+                   "  rodwake rods scenes/quickstart.toml -s coupling.kappa=100 -s rods_run.method=bdf"));
+    scene(add_verb(app, options, Verb::run, "run",
+                   "every stage the scene names, then figures and report.html",
+                   "  rodwake run scenes/quickstart.toml\n"
+                   "  rodwake run scenes/attraction.toml -o results/attraction --force"));
+    CLI::App* plot =
+        add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
+                 "  rodwake plot results/quickstart --pdf");
+    plot->add_option("RESULT", options.target, "run directory, or its result.h5")->required();
+    plot->add_flag("--pdf", options.pdf, "PDF beside each PNG");
+    CLI::App* info =
+        add_verb(app, options, Verb::info, "info", "versions and CPU; or what a result file holds",
+                 "  rodwake info\n  rodwake info results/quickstart/result.h5");
+    info->add_option("FILE", options.target, "result file or run directory");
+    info->add_flag("--scene-reference", options.scene_reference,
+                   "print docs/scene.md: every key a scene may have");
+}
+
+std::string joined(int argc, const char* const* argv) {
+    return fmt::format("{}", fmt::join(argv, argv + argc, " "));
+}
+
+} // namespace
+
+Parsed parse_command_line(int argc, const char* const* argv) {
+    Parsed parsed;
+    parsed.options.command = joined(argc, argv);
+    CLI::App app("rodwake: motile rods in an elastic medium", "rodwake");
+    app.set_version_flag("--version", "rodwake " + build_info().version);
+    app.require_subcommand(1);
+    app.footer("Start with:  rodwake run scenes/quickstart.toml\nHelp on a verb:  rodwake run --help\n" +
+               std::string(exit_codes));
+    add_verbs(app, parsed.options);
+    try {
+        app.parse(argc, argv);
+        if (parsed.options.verb == Verb::field &&
+            parsed.options.target.empty() == parsed.options.points.empty())
+            throw CLI::ValidationError("field", "give either a SCENE or --points FILE");
+    } catch (const CLI::ParseError& error) {
+        parsed.exit_now = true;
+        parsed.exit_code = app.exit(error) == 0 ? 0 : 2;
+    }
+    return parsed;
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,63 @@
+#include "stages.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace rodwake::cli {
+
+namespace {
+
+const char* status_name(integrate::Outcome outcome) {
+    switch (outcome) {
+    case integrate::Outcome::reached_end:
+        return "reached_end";
+    case integrate::Outcome::stopped_at_event:
+        return "stopped_at_event";
+    case integrate::Outcome::interrupted:
+        return "interrupted";
+    case integrate::Outcome::failed:
+        break;
+    }
+    return "failed";
+}
+
+nlohmann::ordered_json solver_json(const rods::RodResult& result, const scene::RodsRun& run) {
+    const integrate::Statistics& n = result.solution.statistics;
+    nlohmann::ordered_json solver;
+    solver["method"] = integrate::to_string(ode_options(run).method);
+    solver["rtol"] = run.rtol;
+    solver["atol"] = run.atol;
+    solver["status"] = status_name(result.solution.status.outcome);
+    solver["steps"] = n.steps;
+    solver["rhs_evaluations"] = n.rhs_evaluations;
+    solver["jacobian_evaluations"] = n.jacobian_evaluations;
+    solver["error_test_failures"] = n.error_test_failures;
+    solver["convergence_failures"] = n.convergence_failures;
+    if (!result.solution.status.ok())
+        solver["message"] = result.solution.status.message();
+    return solver;
+}
+
+} // namespace
+
+std::string outcome_json(const rods::RodResult& result, const scene::RodsRun& run, const OutputUnits& units) {
+    const rods::RodOutcome& outcome = result.outcome;
+    nlohmann::ordered_json json;
+    json["outcome"] = rods::to_string(outcome.ending);
+    json["time"] = outcome.time * units.time;
+    if (std::isfinite(outcome.min_separation)) {
+        json["min_separation"] = outcome.min_separation * units.length;
+        json["pair"] = {outcome.pair.first, outcome.pair.second};
+    } else {
+        json["min_separation"] = nullptr;
+        json["pair"] = nullptr;
+    }
+    json["turn"] = outcome.turn;
+    json["reason"] = outcome.reason;
+    json["units"] = {{"length", units.length_name}, {"time", units.time_name}, {"turn", "rad"}};
+    json["solver"] = solver_json(result, run);
+    return json.dump(2) + "\n";
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,23 @@
+#pragma once
+// From a scene's tables to the problems of the parts. No physics: names and units only.
+
+#include "rodwake/rods/simulate.hpp"
+#include "rodwake/scene/scene.hpp"
+
+#include <string>
+
+namespace rodwake::cli {
+
+rods::Couplings couplings_of(const scene::Scene& scene);
+rods::RodProblem rod_problem(const scene::Scene& scene);
+integrate::OdeOptions ode_options(const scene::RodsRun& run);
+
+/// What one reduced unit is worth in the results, and its name: reduced scenes report reduced numbers, SI
+/// scenes SI.
+struct OutputUnits {
+    double length = 1.0, time = 1.0;
+    std::string system = "reduced", length_name = "f/mu", time_name = "f/(mu v0)";
+};
+OutputUnits output_units(const scene::Scene& scene);
+
+} // namespace rodwake::cli

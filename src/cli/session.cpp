@@ -1,0 +1,64 @@
+#include "session.hpp"
+
+#include "rodwake/core/build_info.hpp"
+#include "rodwake/scene/write.hpp"
+
+namespace rodwake::cli {
+
+namespace {
+
+void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const OutputUnits& units) {
+    results.attribute("/", "schema", std::int64_t{1});
+    results.attribute("/", "rodwake_version", build_info().version);
+    results.attribute("/", "title", scene.title);
+    results.attribute("/", "units", units.system);
+    results.attribute("/", "length_unit", units.length_name);
+    results.attribute("/", "time_unit", units.time_name);
+    if (scene.medium) {
+        const elastic::Medium medium{scene.medium->eta, scene.medium->xi};
+        results.attribute("/medium", "eta", medium.eta);
+        results.attribute("/medium", "nu", medium.nu());
+        results.attribute("/medium", "alpha", 1.0 / medium.xi);
+        results.attribute("/medium", "xi", medium.xi * units.length);
+    }
+    if (scene.coupling) {
+        const rods::Couplings c = couplings_of(scene);
+        results.attribute("/coupling", "kappa", c.kappa);
+        results.attribute("/coupling", "gamma1", c.gamma1);
+        results.attribute("/coupling", "gamma2", c.gamma2);
+    }
+}
+
+} // namespace
+
+std::filesystem::path output_folder(const Options& options) {
+    return options.output.empty()
+               ? std::filesystem::path("results") / std::filesystem::path(options.target).stem()
+               : std::filesystem::path(options.output);
+}
+
+Session::Session(const Options& given, scene::Scene read)
+    : options(given), scene(std::move(read)), directory(output_folder(given), given.force),
+      log(make_logger(given, directory.file("log.txt"))), units(output_units(scene)),
+      results(directory.file("result.h5")), start_(std::chrono::steady_clock::now()) {
+    log->debug("{}", options.command);
+    if (directory.resumed())
+        log->info("{}: an earlier run did not finish; starting it again", directory.path().string());
+    write_provenance("unfinished");
+    directory.write("scene.toml", scene::to_toml(scene));
+    write_header(results, scene, units);
+}
+
+void Session::close(StageEnd end) {
+    results.commit();
+    write_provenance(end == StageEnd::finished ? "finished"
+                                               : (end == StageEnd::failed ? "failed" : "interrupted"));
+}
+
+void Session::write_provenance(const std::string& status) const {
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    directory.write("provenance.json",
+                    store::provenance_json({options.command, scene.path, status, options.seed, wall}));
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,14 @@
+#pragma once
+// Ctrl-C and SIGTERM ask the running stage to stop at its next step; a second one ends the program at once.
+
+namespace rodwake::cli {
+
+void install_signal_handlers();
+
+/// 0, or the number of the signal that asked to stop.
+int stop_signal();
+
+/// 128 + signal: 130 for SIGINT, 143 for SIGTERM.
+int signal_exit_code(int signal);
+
+} // namespace rodwake::cli

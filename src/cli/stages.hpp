@@ -1,0 +1,22 @@
+#pragma once
+// The stages of a run: each computes from the scene and stores its results.
+
+#include "session.hpp"
+
+#include <string>
+
+namespace rodwake::cli {
+
+/// [field]: grid and cuts into result.h5 (/field) and field_cut_<i>.csv.
+StageEnd run_field_stage(Session& session);
+
+/// [[rods]] and [[variants]]: rods.csv, outcome.json, variants/<name>/..., and /rods in result.h5.
+StageEnd run_rods_stage(Session& session);
+
+/// Content of outcome.json. Lengths and times in the session's output units.
+std::string outcome_json(const rods::RodResult& result, const scene::RodsRun& run, const OutputUnits& units);
+
+/// Figures and report.html by the plotting program. Throws RunError if it cannot be run or fails.
+void make_figures(const std::filesystem::path& run_directory, bool pdf, bool quiet);
+
+} // namespace rodwake::cli

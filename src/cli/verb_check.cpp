@@ -1,0 +1,96 @@
+// rodwake check: the resolved scene, what will be modelled and what not and why, and what it will cost.
+
+#include "problems.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/scene/write.hpp"
+#include "verbs.hpp"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+namespace rodwake::cli {
+
+namespace {
+
+/// One part of the physics and why it is in or out.
+struct Line {
+    bool modelled;
+    std::string text;
+};
+
+void add_field_lines(const scene::Scene& scene, std::vector<Line>& lines) {
+    if (!scene.field) {
+        lines.push_back({false, "field maps: no [field] table"});
+        return;
+    }
+    const long points = scene.field->x.empty() ? 0 : scene.field->nx * scene.field->ny;
+    lines.push_back(
+        {true, fmt::format("field of one rod: {} grid points, {} cuts", points, scene.field->cuts.size())});
+}
+
+void add_rod_lines(const scene::Scene& scene, std::vector<Line>& lines) {
+    if (!scene.rods_run) {
+        lines.push_back({false, "rod dynamics: no [[rods]] and [rods_run]"});
+        return;
+    }
+    const rods::RodProblem problem = rod_problem(scene);
+    const rods::Couplings& c = problem.couplings;
+    const bool interacting = problem.medium && c.any() && problem.rods.size() > 1;
+    lines.push_back({true, fmt::format("{} rods to t = {:g}, {} variants", problem.rods.size(), problem.t_end,
+                                       scene.variants.size())});
+    if (!interacting)
+        lines.push_back({false, problem.rods.size() < 2
+                                    ? "interaction: a single rod feels no other; no field is evaluated"
+                                : problem.medium ? "interaction: no coupling, so no field is evaluated"
+                                                 : "interaction: no [medium]; rods walk straight"});
+    lines.push_back({interacting && c.apolar(),
+                     c.apolar() ? "alignment with the strain axis (kappa)"
+                                : "alignment with the strain axis: kappa is 0, strain is not evaluated"});
+    lines.push_back({interacting && c.polar(),
+                     c.polar()
+                         ? "polar turning (gamma1, gamma2)"
+                         : "polar turning: gamma1 and gamma2 are 0, strain gradients are not evaluated"});
+    lines.push_back({problem.contact_distance.has_value(),
+                     problem.contact_distance
+                         ? fmt::format("contact stops the run at {:g}", *problem.contact_distance)
+                         : "contact: no rods_run.contact_distance"});
+}
+
+std::string cost(const scene::Scene& scene) {
+    constexpr double point_seconds = 1.2e-7; // bench/: strain at one point
+    std::string text;
+    if (scene.field && !scene.field->x.empty())
+        text += fmt::format("  field maps: about {:.2g} s\n",
+                            2.0 * point_seconds * static_cast<double>(scene.field->nx * scene.field->ny));
+    if (scene.rods_run) {
+        const double n = static_cast<double>(scene.rods.size()), pairs = n * (n - 1.0);
+        text += fmt::format(
+            "  one right-hand side: {:.0f} field points, about {:.2g} us; a pair run takes some hundred to a "
+            "few thousand of them\n",
+            pairs, 1e6 * (pairs * point_seconds + 5e-8 * n));
+    }
+    return text.empty() ? "  nothing to compute\n" : text;
+}
+
+} // namespace
+
+int verb_check(const Options& options) {
+    const scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    std::vector<Line> lines;
+    add_field_lines(scene, lines);
+    add_rod_lines(scene, lines);
+    fmt::print("{}\n# modelled\n", scene::to_toml(scene));
+    for (const Line& line : lines)
+        if (line.modelled)
+            fmt::print("  {}\n", line.text);
+    fmt::print("\n# not modelled\n");
+    for (const Line& line : lines)
+        if (!line.modelled)
+            fmt::print("  {}\n", line.text);
+    fmt::print("\n# expected cost\n{}\n{}: ok\n", cost(scene), options.target);
+    return 0;
+}
+
+} // namespace rodwake::cli

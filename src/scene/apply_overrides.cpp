@@ -1,0 +1,118 @@
+#include "apply_overrides.hpp"
+
+#include "nesting.hpp"
+#include "toml.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+/// A word or phrase that is meant as a string; a broken array or quoted string is not.
+bool is_bare_string(const std::string& text) {
+    const bool starts_toml = text.empty() || std::string("\"'[{").find(text.front()) != std::string::npos;
+    const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20; };
+    return !starts_toml && std::none_of(text.begin(), text.end(), control);
+}
+
+std::string trimmed(const std::string& text) {
+    const auto first = text.find_first_not_of(' ');
+    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+bool is_path(const std::string& path) {
+    const auto segments = split_path(path);
+    const auto empty = [](const std::string& s) { return s.empty(); };
+    return segments.size() <= static_cast<std::size_t>(max_key_dots) &&
+           std::none_of(segments.begin(), segments.end(), empty);
+}
+
+/// Goes through the document one path segment at a time.
+class Walker {
+public:
+    Walker(Node& root, const Override& item, Problems& problems)
+        : at_(&root), item_(item), problems_(problems) {}
+
+    void put() {
+        if (!is_path(item_.path)) {
+            fail(fmt::format("{} is not a key such as \"coupling.kappa\"",
+                             describe_value(Node{{}, item_.path})));
+            return;
+        }
+        for (const auto& segment : split_path(item_.path))
+            if (!step(segment))
+                return;
+        *at_ = item_.value;
+    }
+
+private:
+    bool step(const std::string& segment) {
+        const bool moved = at_->as<Node::List>() ? into_list(segment) : into_table(segment);
+        walked_ += (walked_.empty() ? "" : ".") + segment;
+        return moved;
+    }
+
+    bool into_list(const std::string& segment) {
+        auto& list = *at_->as<Node::List>();
+        const long index = list_index(segment);
+        if (index < 0)
+            return fail(
+                fmt::format("{} is a list: give an index from 0 after it, not {}", walked_, quoted(segment)));
+        if (static_cast<std::size_t>(index) >= list.size())
+            return fail(
+                fmt::format("no entry {}: {} has {} (numbered from 0)", segment, walked_, list.size()));
+        at_ = &list[static_cast<std::size_t>(index)];
+        return true;
+    }
+
+    bool into_table(const std::string& segment) {
+        auto* table = at_->as<Node::Table>();
+        if (!table)
+            return fail(fmt::format("{} is not a table: {}", walked_, describe(*at_)));
+        Entry* entry = at_->find(segment);
+        if (!entry && list_index(segment) >= 0)
+            return fail(fmt::format("no entry {}: the scene has no such list", segment));
+        if (!entry)
+            entry = &table->emplace_back(Entry{segment, item_.place, Node{item_.place, Node::Table{}}});
+        at_ = &entry->value;
+        return true;
+    }
+
+    bool fail(const std::string& message) {
+        problems_.add(item_.place, item_.path, message);
+        return false;
+    }
+
+    Node* at_;
+    std::string walked_;
+    const Override& item_;
+    Problems& problems_;
+};
+
+} // namespace
+
+std::optional<Override> parse_override(const std::string& text, Problems& problems) {
+    const Place place{std::make_shared<const std::string>("-s " + text), 0, 0, true};
+    const auto equals = text.find('=');
+    const std::string path = trimmed(text.substr(0, equals));
+    if (equals == std::string::npos || !is_path(path)) {
+        problems.add(place, path, "expected table.key=value, for example coupling.kappa=0.5");
+        return std::nullopt;
+    }
+    const std::string value = trimmed(text.substr(equals + 1));
+    std::string why;
+    if (auto node = parse_toml_value(value, place, why))
+        return Override{path, *node, place};
+    if (is_bare_string(value))
+        return Override{path, Node{place, value}, place};
+    problems.add(place, path, "the value is not valid TOML: " + why);
+    return std::nullopt;
+}
+
+void apply_override(Node& root, const Override& item, Problems& problems) {
+    Walker(root, item, problems).put();
+}
+
+} // namespace rodwake::scene

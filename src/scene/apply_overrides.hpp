@@ -1,0 +1,27 @@
+#pragma once
+
+#include "node.hpp"
+#include "problems.hpp"
+
+#include <optional>
+#include <string>
+
+namespace rodwake::scene {
+
+/// One "table.key=value", read.
+struct Override {
+    std::string path; ///< "rods.1.position"
+    Node value;
+    Place place;
+
+    /// "coupling.kappa=-100.0"
+    std::string text() const { return path + "=" + to_inline(value); }
+};
+
+/// Reads "table.key=value" as given to -s; nothing, and a problem, if it has no such form.
+std::optional<Override> parse_override(const std::string& text, Problems& problems);
+
+/// Puts the value into the document. Missing tables are made; list entries must exist.
+void apply_override(Node& root, const Override& item, Problems& problems);
+
+} // namespace rodwake::scene

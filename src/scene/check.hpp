@@ -1,0 +1,13 @@
+#pragma once
+
+#include "node.hpp"
+#include "problems.hpp"
+#include "rodwake/scene/scene.hpp"
+
+namespace rodwake::scene {
+
+/// Reports tables and values that do not fit each other. `root` gives the places. Comparisons of values are
+/// left out while `problems` holds any: the values may be stand-ins.
+void check(const Scene& scene, const Node& root, Problems& problems);
+
+} // namespace rodwake::scene

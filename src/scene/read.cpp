@@ -1,0 +1,112 @@
+#include "rodwake/scene/read.hpp"
+
+#include "apply_overrides.hpp"
+#include "check.hpp"
+#include "fields.hpp"
+#include "reader.hpp"
+#include "rodwake/scene/write.hpp"
+#include "toml.hpp"
+#include "variants.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+
+namespace rodwake::scene {
+
+namespace {
+
+Scene resolve(const Node& root, Problems& problems) {
+    Scene scene;
+    Reader reader(root, problems);
+    fields(reader, scene);
+    reader.finish();
+    check(scene, root, problems);
+    return scene;
+}
+
+void remove_key(Node& root, const std::string& key) {
+    std::erase_if(*root.as<Node::Table>(), [&](const Entry& entry) { return entry.key == key; });
+}
+
+/// Applies one variant to the document and reports what is wrong with it beyond what is wrong already.
+void check_variant(Node root, const Node& variant, const std::string& path, Problems& problems) {
+    const Entry* set = variant.find("set");
+    if (!set)
+        return;
+    Problems own;
+    for (const auto& item : variant_overrides(set->value))
+        apply_override(root, item, own);
+    resolve(root, own);
+    const std::vector<Problem> known = problems.list();
+    for (Problem problem : own.list())
+        if (std::find(known.begin(), known.end(), problem) == known.end()) {
+            problem.message = fmt::format("with {} applied: {}", path, problem.message);
+            problems.add(problem);
+        }
+}
+
+void check_variants(const Node& root, const Scene& scene, Problems& problems) {
+    if (scene.variants.empty()) // none, or too many: reported
+        return;
+    const auto& variants = *root.find("variants")->value.as<Node::List>();
+    Node base = root;
+    remove_key(base, "variants");
+    remove_key(base, "figures");
+    for (std::size_t i = 0; i < variants.size(); ++i)
+        check_variant(base, variants[i], fmt::format("variants[{}]", i), problems);
+}
+
+void check_size(std::size_t bytes, const std::string& name) {
+    if (bytes > max_scene_bytes)
+        throw SceneError(
+            {{name, 0, 0, "",
+              fmt::format("larger than {} MiB, the most a scene may have", max_scene_bytes >> 20)}});
+}
+
+std::string read_text(const std::filesystem::path& path) {
+    const auto fail = [&](const char* why) { throw SceneError({{path.string(), 0, 0, "", why}}); };
+    std::error_code error;
+    const auto type = std::filesystem::status(path, error).type();
+    if (type == std::filesystem::file_type::not_found)
+        fail("no such file");
+    if (type == std::filesystem::file_type::directory)
+        fail("is a directory, not a scene file");
+    std::ifstream in(path, std::ios::binary);
+    std::string text(max_scene_bytes + 1, '\0');
+    if (!in.is_open() || in.read(text.data(), static_cast<std::streamsize>(text.size())).bad())
+        fail("cannot be read");
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    return text;
+}
+
+} // namespace
+
+Scene read_scene(const std::filesystem::path& path, std::span<const std::string> overrides) {
+    return parse_scene(read_text(path), path.string(), overrides);
+}
+
+Scene parse_scene(std::string_view text, std::string name, std::span<const std::string> overrides) {
+    check_size(text.size(), name);
+    Problems problems;
+    auto root = parse_toml(text, name, problems);
+    for (const auto& override_text : overrides)
+        if (const auto item = parse_override(override_text, problems); item && root)
+            apply_override(*root, *item, problems);
+    if (!root)
+        problems.throw_if_any();
+    Scene scene = resolve(*root, problems);
+    check_variants(*root, scene, problems);
+    problems.throw_if_any();
+    scene.path = std::move(name);
+    return scene;
+}
+
+Scene apply_variant(const Scene& scene, const Variant& variant) {
+    Scene base = scene;
+    base.variants.clear();
+    base.figures.clear();
+    return parse_scene(to_toml(base), scene.path, variant.set);
+}
+
+} // namespace rodwake::scene

@@ -1,0 +1,252 @@
+// Reader: the value of one key, its type and its range.
+
+#include "reader.hpp"
+#include "suggest.hpp"
+#include "variants.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <iterator>
+#include <set>
+
+namespace rodwake::scene {
+
+namespace {
+
+constexpr std::size_t max_text_bytes = 300;
+
+/// Letters, digits, '_', '-' and inner '.', so that it is the same file on every system.
+bool is_file_name(const std::string& text) {
+    const auto plain = [](unsigned char c) {
+        return (c < 128 && std::isalnum(c)) || c == '_' || c == '-' || c == '.';
+    };
+    return !text.empty() && text.size() <= 64 && text.front() != '.' && text.front() != '-' &&
+           std::all_of(text.begin(), text.end(), plain);
+}
+
+bool has_control_characters(const std::string& text) {
+    return std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+}
+
+std::string expected_number(Dimension dimension) {
+    static constexpr const char* examples[] = {"", "0.4 mm", "5 s", "2.8 mm/s", "0.5 1/s", "30 deg"};
+    if (dimension == Dimension::none)
+        return "expected a number";
+    return fmt::format("expected {} (a number, or a string such as \"{}\")", name_of(dimension),
+                       examples[static_cast<std::size_t>(dimension)]);
+}
+
+const Override* repeated(const std::vector<Override>& overrides) {
+    std::set<std::string> seen;
+    for (const auto& item : overrides)
+        if (!seen.insert(item.path).second)
+            return &item;
+    return nullptr;
+}
+
+} // namespace
+
+void Reader::operator()(const Key& key, double& value) {
+    if (const Entry* entry = find(key))
+        value = quantity(key, entry->value, path_of(key.name)).value_or(value);
+}
+
+void Reader::operator()(const Key& key, std::optional<double>& value) {
+    const Entry* entry = find(key);
+    value = entry ? quantity(key, entry->value, path_of(key.name)) : std::nullopt;
+}
+
+void Reader::operator()(const Key& key, long& value) {
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const auto* integer = entry->value.as<std::int64_t>();
+    const std::string path = path_of(key.name);
+    if (!integer)
+        wrong_type(entry->value, path, "expected an integer");
+    else if (!key.range.contains(static_cast<double>(*integer)))
+        wrong(entry->value, path, "must be " + key.range.text());
+    else
+        value = *integer;
+}
+
+void Reader::operator()(const Key& key, bool& value) {
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    if (const auto* flag = entry->value.as<bool>())
+        value = *flag;
+    else
+        wrong_type(entry->value, path_of(key.name), "expected true or false");
+}
+
+void Reader::operator()(const Key& key, std::string& value) {
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const std::string path = path_of(key.name);
+    const auto* found = text(key, entry->value, path);
+    if (found && (key.choices.empty() || is_choice(key, key.choices, entry->value, path)))
+        value = *found;
+}
+
+void Reader::operator()(const Key& key, const Choice& value) {
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const std::string path = path_of(key.name);
+    const auto* found = text(key, entry->value, path);
+    if (found && is_choice(key, value.names, entry->value, path))
+        value.set(static_cast<std::size_t>(
+            std::distance(value.names.begin(), std::find(value.names.begin(), value.names.end(), *found))));
+}
+
+void Reader::operator()(const Key& key, std::vector<double>& value) {
+    value.clear();
+    if (const Entry* entry = find(key))
+        if (auto found = numbers(key, entry->value, path_of(key.name)))
+            value = std::move(*found);
+}
+
+void Reader::operator()(const Key& key, std::vector<std::vector<double>>& value) {
+    value.clear();
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const std::string path = path_of(key.name);
+    const auto* list = list_of(key, entry->value, path, "pairs of numbers");
+    Key pair = key;
+    pair.items(2, 2);
+    for (std::size_t i = 0; list && i < list->size(); ++i)
+        if (auto found = numbers(pair, (*list)[i], fmt::format("{}[{}]", path, i)))
+            value.push_back(std::move(*found));
+}
+
+void Reader::settings(const Key& key, std::vector<std::string>& value) {
+    value.clear();
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const std::string path = path_of(key.name);
+    if (!entry->value.as<Node::Table>()) {
+        wrong_type(entry->value, path, "expected a table such as " + key.example_value);
+        return;
+    }
+    const auto overrides = variant_overrides(entry->value);
+    if (overrides.size() < key.min_items || overrides.size() > key.max_items)
+        wrong(entry->value, path,
+              fmt::format("expected {}, found {}", key.count_text("keys"), overrides.size()));
+    else if (const auto* twice = repeated(overrides))
+        problems_.add(twice->place, path, fmt::format("{}: {} is set twice", path, quoted(twice->path)));
+    else
+        std::transform(overrides.begin(), overrides.end(), std::back_inserter(value),
+                       [](const Override& item) { return item.text(); });
+}
+
+std::optional<double> Reader::number(const Key& key, const Node& node, const std::string& path) {
+    if (const auto* integer = node.as<std::int64_t>())
+        return to_reduced(static_cast<double>(*integer), key.dimension, units_);
+    if (const auto* real = node.as<double>())
+        return to_reduced(*real, key.dimension, units_);
+    const auto* word = node.as<std::string>();
+    if (!word || key.dimension == Dimension::none) {
+        wrong_type(node, path, expected_number(key.dimension));
+        return std::nullopt;
+    }
+    const Quantity found = parse_quantity(*word, key.dimension, units_);
+    if (found.needs_scales)
+        missing_scales(node, path, fmt::format("{} = {}: a physical unit", path, describe_value(node)));
+    else if (!found.value)
+        wrong_type(node, path, fmt::format("expected {}", name_of(key.dimension)), found.why);
+    return found.value;
+}
+
+std::optional<double> Reader::quantity(const Key& key, const Node& node, const std::string& path) {
+    const auto value = number(key, node, path);
+    if (!value)
+        return std::nullopt;
+    if (!std::isfinite(*value))
+        wrong(node, path, "must be a finite number");
+    else if (!key.range.contains(*value))
+        wrong(node, path,
+              fmt::format("must be {}{}{}", key.range.text(), key.reason.empty() ? "" : ": ", key.reason));
+    else
+        return value;
+    return std::nullopt;
+}
+
+const Node::List* Reader::list_of(const Key& key, const Node& node, const std::string& path,
+                                  const std::string& of) {
+    const auto* list = node.as<Node::List>();
+    if (!list)
+        wrong_type(node, path, "expected " + key.count_text(of));
+    else if (list->size() < key.min_items || list->size() > key.max_items)
+        problems_.add(node.place, path,
+                      fmt::format("{}: expected {}, found {}", path, key.count_text(of), list->size()));
+    else
+        return list;
+    return nullptr;
+}
+
+std::optional<std::vector<double>> Reader::numbers(const Key& key, const Node& node,
+                                                   const std::string& path) {
+    const auto* list = list_of(key, node, path, "numbers");
+    if (!list)
+        return std::nullopt;
+    std::vector<double> values;
+    values.reserve(list->size());
+    for (std::size_t i = 0; i < list->size(); ++i)
+        if (const auto value = quantity(key, (*list)[i], fmt::format("{}[{}]", path, i)))
+            values.push_back(*value);
+    return values.size() == list->size() ? std::optional(std::move(values)) : std::nullopt;
+}
+
+const std::string* Reader::text(const Key& key, const Node& node, const std::string& path) {
+    const auto* found = node.as<std::string>();
+    if (!found)
+        wrong_type(node, path, "expected a string");
+    else if (key.is_file_name && !is_file_name(*found))
+        wrong(node, path, "must be usable as a file name: letters, digits, _ - . and at most 64 of them");
+    else if (found->size() > max_text_bytes || has_control_characters(*found))
+        wrong(node, path, fmt::format("must be one line of at most {} bytes", max_text_bytes));
+    else
+        return found;
+    return nullptr;
+}
+
+bool Reader::is_choice(const Key& key, const std::vector<std::string>& names, const Node& node,
+                       const std::string& path) {
+    const std::string& found = *node.as<std::string>();
+    if (contains(names, found))
+        return true;
+    if (contains(key.planned, found))
+        problems_.add(node.place, path,
+                      fmt::format("{} = {} is not available in this version; available: {}", path,
+                                  describe_value(node), comma_list(names)));
+    else
+        wrong(node, path, fmt::format("must be one of {}{}", comma_list(names), did_you_mean(found, names)));
+    return false;
+}
+
+void Reader::missing_scales(const Node& node, const std::string& path, const std::string& what) {
+    if (scales_reported_)
+        return;
+    scales_reported_ = true;
+    problems_.add(
+        node.place, path,
+        what + " needs [scales] with f_over_mu and v0, what one reduced unit of length and speed is worth");
+}
+
+void Reader::wrong(const Node& node, const std::string& path, const std::string& message) {
+    problems_.add(node.place, path, fmt::format("{} = {}: {}", path, describe_value(node), message));
+}
+
+void Reader::wrong_type(const Node& node, const std::string& path, const std::string& expected,
+                        const std::string& why) {
+    problems_.add(
+        node.place, path,
+        fmt::format("{}: {}, found {}{}{}", path, expected, describe(node), why.empty() ? "" : ": ", why));
+}
+
+} // namespace rodwake::scene

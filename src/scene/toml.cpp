@@ -1,0 +1,92 @@
+#include "toml.hpp"
+
+#include "nesting.hpp"
+
+#include <toml++/toml.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+using Source = std::shared_ptr<const std::string>;
+
+/// Turns toml++ nodes into ours. With `fixed`, every node stands at that place.
+struct Converter {
+    Source source;
+    const Place* fixed = nullptr;
+
+    Place place(const toml::source_region& region) const {
+        return fixed ? *fixed : Place{source, region.begin.line, region.begin.column, false};
+    }
+
+    Node convert(const toml::node& from) const {
+        Node node{place(from.source()), Node::Date{}};
+        if (const auto* table = from.as_table())
+            node.value = convert_table(*table);
+        else if (const auto* array = from.as_array())
+            node.value = convert_array(*array);
+        else if (const auto* text = from.as_string())
+            node.value = text->get();
+        else if (const auto* integer = from.as_integer())
+            node.value = integer->get();
+        else if (const auto* real = from.as_floating_point())
+            node.value = real->get();
+        else if (const auto* flag = from.as_boolean())
+            node.value = flag->get();
+        return node;
+    }
+
+    Node::Table convert_table(const toml::table& from) const {
+        Node::Table table;
+        table.reserve(from.size());
+        for (const auto& [key, value] : from)
+            table.push_back({std::string(key.str()), place(key.source()), convert(value)});
+        return table;
+    }
+
+    Node::List convert_array(const toml::array& from) const {
+        Node::List list;
+        list.reserve(from.size());
+        for (const auto& item : from)
+            list.push_back(convert(item));
+        return list;
+    }
+};
+
+} // namespace
+
+std::optional<Node> parse_toml(std::string_view text, const std::string& name, Problems& problems) {
+    const auto source = std::make_shared<const std::string>(name);
+    if (const auto deep = find_deep_key(text)) {
+        problems.add({source, deep->line, deep->column}, "", "key nested too deeply");
+        return std::nullopt;
+    }
+    try {
+        return Converter{source}.convert(toml::parse(text));
+    } catch (const toml::parse_error& error) {
+        const auto at = error.source().begin;
+        problems.add({source, at.line, at.column}, "", "not valid TOML: " + std::string(error.description()));
+        return std::nullopt;
+    }
+}
+
+std::optional<Node> parse_toml_value(std::string_view text, const Place& place, std::string& why) {
+    if (text.find_first_of("\r\n") != std::string_view::npos) {
+        why = "a value is one line";
+        return std::nullopt;
+    }
+    const std::string document = "value = " + std::string(text);
+    if (find_deep_key(document)) {
+        why = "nested too deeply";
+        return std::nullopt;
+    }
+    try {
+        const toml::table parsed = toml::parse(document);
+        return Converter{nullptr, &place}.convert(*parsed.get("value"));
+    } catch (const toml::parse_error& error) {
+        why = error.description();
+        return std::nullopt;
+    }
+}
+
+} // namespace rodwake::scene

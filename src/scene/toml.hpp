@@ -1,0 +1,19 @@
+#pragma once
+
+#include "node.hpp"
+#include "problems.hpp"
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace rodwake::scene {
+
+/// The document as a tree with places in `name`; nothing, and one problem, if it is not TOML.
+std::optional<Node> parse_toml(std::string_view text, const std::string& name, Problems& problems);
+
+/// One TOML value ("-2.5", "[1, 2]", "{ a = 1 }"), every node of it at `place`. Nothing, and the reason in
+/// `why`, if it is not one.
+std::optional<Node> parse_toml_value(std::string_view text, const Place& place, std::string& why);
+
+} // namespace rodwake::scene

@@ -1,0 +1,177 @@
+#include "units.hpp"
+
+#include "node.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace rodwake::scene {
+
+namespace {
+
+enum class Kind { physical, beads, reduced };
+
+/// One word is worth numerator/denominator SI units; two numbers, so that "0.4 mm" is 0.4/1000 correctly
+/// rounded.
+struct UnitWord {
+    const char* word;
+    Dimension dimension;
+    double numerator = 1.0, denominator = 1.0;
+    Kind kind = Kind::physical;
+};
+
+constexpr std::array words{
+    UnitWord{"m", Dimension::length},
+    UnitWord{"cm", Dimension::length, 1.0, 1e2},
+    UnitWord{"mm", Dimension::length, 1.0, 1e3},
+    UnitWord{"um", Dimension::length, 1.0, 1e6},
+    UnitWord{"a", Dimension::length, 1.0, 1.0, Kind::beads},
+    UnitWord{"f/mu", Dimension::length, 1.0, 1.0, Kind::reduced},
+    UnitWord{"s", Dimension::time},
+    UnitWord{"ms", Dimension::time, 1.0, 1e3},
+    UnitWord{"us", Dimension::time, 1.0, 1e6},
+    UnitWord{"min", Dimension::time, 60.0},
+    UnitWord{"f/(mu v0)", Dimension::time, 1.0, 1.0, Kind::reduced},
+    UnitWord{"m/s", Dimension::speed},
+    UnitWord{"cm/s", Dimension::speed, 1.0, 1e2},
+    UnitWord{"mm/s", Dimension::speed, 1.0, 1e3},
+    UnitWord{"um/s", Dimension::speed, 1.0, 1e6},
+    UnitWord{"a/s", Dimension::speed, 1.0, 1.0, Kind::beads},
+    UnitWord{"v0", Dimension::speed, 1.0, 1.0, Kind::reduced},
+    UnitWord{"1/s", Dimension::rate},
+    UnitWord{"1/ms", Dimension::rate, 1e3},
+    UnitWord{"1/min", Dimension::rate, 1.0, 60.0},
+    UnitWord{"Hz", Dimension::rate},
+    UnitWord{"mu v0/f", Dimension::rate, 1.0, 1.0, Kind::reduced},
+    UnitWord{"rad", Dimension::angle, 1.0, 1.0, Kind::reduced},
+    UnitWord{"deg", Dimension::angle, std::numbers::pi, 180.0, Kind::reduced},
+};
+
+bool usable(const UnitWord& unit, const Units& units) {
+    return units.reduced_words || unit.kind != Kind::reduced || unit.dimension == Dimension::angle;
+}
+
+const UnitWord* find_word(const std::string& word, const Units& units) {
+    for (const auto& unit : words)
+        if (word == unit.word && usable(unit, units))
+            return &unit;
+    return nullptr;
+}
+
+std::string known_words(Dimension dimension, const Units& units) {
+    std::string text;
+    for (const auto& unit : words)
+        if (unit.dimension == dimension && usable(unit, units))
+            text += (text.empty() ? "" : ", ") + std::string(unit.word);
+    return text;
+}
+
+double si_to_reduced(double value, Dimension dimension, const Scales& scales) {
+    switch (dimension) {
+    case Dimension::length:
+        return value / scales.f_over_mu;
+    case Dimension::time:
+        return value / (scales.f_over_mu / scales.v0);
+    case Dimension::speed:
+        return value / scales.v0;
+    case Dimension::rate:
+        return value * (scales.f_over_mu / scales.v0);
+    case Dimension::none:
+    case Dimension::angle:
+        break;
+    }
+    return value;
+}
+
+double reduced_to_si(double value, Dimension dimension, const Scales& scales) {
+    switch (dimension) {
+    case Dimension::length:
+        return value * scales.f_over_mu;
+    case Dimension::time:
+        return value * (scales.f_over_mu / scales.v0);
+    case Dimension::speed:
+        return value * scales.v0;
+    case Dimension::rate:
+        return value / (scales.f_over_mu / scales.v0);
+    case Dimension::none:
+    case Dimension::angle:
+        break;
+    }
+    return value;
+}
+
+/// "12.5 mm" into 12.5 and "mm"; false if it does not start with a finite number.
+bool split_quantity(const std::string& text, double& number, std::string& word) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || !std::isfinite(number))
+        return false;
+    word.assign(end, text.data() + text.size());
+    word.erase(0, word.find_first_not_of(' '));
+    word.erase(word.find_last_not_of(' ') + 1);
+    return true;
+}
+
+Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}; }
+
+} // namespace
+
+std::string name_of(Dimension dimension) {
+    static constexpr const char* names[] = {"a number", "a length", "a time",
+                                            "a speed",  "a rate",   "an angle"};
+    return names[static_cast<std::size_t>(dimension)];
+}
+
+std::string reduced_unit(Dimension dimension) {
+    static constexpr const char* names[] = {"", "f/mu", "f/(mu v0)", "v0", "mu v0/f", "rad"};
+    return names[static_cast<std::size_t>(dimension)];
+}
+
+std::string si_unit(Dimension dimension) {
+    static constexpr const char* names[] = {"", "m", "s", "m/s", "1/s", "rad"};
+    return names[static_cast<std::size_t>(dimension)];
+}
+
+Quantity parse_quantity(const std::string& text, Dimension dimension, const Units& units) {
+    double number = 0.0;
+    std::string word;
+    const std::string known = known_words(dimension, units);
+    if (!split_quantity(text, number, word))
+        return failure("a string must be a finite number and a unit: " + known);
+    if (word.empty())
+        return failure("a string needs a unit: " + known);
+    const UnitWord* unit = find_word(word, units);
+    if (!unit)
+        return failure(fmt::format("unknown unit {}; known: {}", quoted(word), known));
+    if (unit->dimension != dimension)
+        return failure(fmt::format("{} is {}; known: {}", quoted(word), name_of(unit->dimension), known));
+    double value = number * unit->numerator / unit->denominator;
+    if (unit->kind == Kind::reduced)
+        return {value, false, ""};
+    if (!units.scales)
+        return {std::nullopt, true, ""};
+    if (unit->kind == Kind::beads)
+        value *= units.scales->bead_radius;
+    return {si_to_reduced(value, dimension, *units.scales), false, ""};
+}
+
+double to_reduced(double value, Dimension dimension, const Units& units) {
+    return units.system == UnitSystem::si && units.scales ? si_to_reduced(value, dimension, *units.scales)
+                                                          : value;
+}
+
+std::string quantity_text(double reduced, Dimension dimension, const Units& units) {
+    if (units.system == UnitSystem::reduced || !units.scales || dimension == Dimension::none ||
+        dimension == Dimension::angle)
+        return number_text(reduced);
+    // Multiplying and dividing by a scale may end one unit in the last place away: try the neighbours.
+    const double middle = reduced_to_si(reduced, dimension, *units.scales);
+    for (const double si : {middle, std::nextafter(middle, -HUGE_VAL), std::nextafter(middle, HUGE_VAL)})
+        if (si_to_reduced(si, dimension, *units.scales) == reduced)
+            return number_text(si);
+    return quoted(fmt::format("{} {}", reduced, reduced_unit(dimension)));
+}
+
+} // namespace rodwake::scene

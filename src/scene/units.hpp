@@ -1,0 +1,43 @@
+#pragma once
+// Values with units: numbers in the scene's unit system, or strings such as "0.4 mm". All become reduced
+// here.
+
+#include "rodwake/scene/scene.hpp"
+
+#include <optional>
+#include <string>
+
+namespace rodwake::scene {
+
+enum class Dimension { none, length, time, speed, rate, angle };
+
+/// How numbers and unit words of a scene are to be understood.
+struct Units {
+    UnitSystem system = UnitSystem::reduced;
+    std::optional<Scales> scales;
+    bool reduced_words = true; ///< "f/mu", "v0" may be used; not inside [scales], which defines them
+};
+
+/// "a length"
+std::string name_of(Dimension dimension);
+/// "f/mu", SI unit "m": what a plain number means.
+std::string reduced_unit(Dimension dimension);
+std::string si_unit(Dimension dimension);
+
+/// A value read from a string: reduced, or the reason why it could not be.
+struct Quantity {
+    std::optional<double> value;
+    bool needs_scales = false; ///< the unit is physical and there is no [scales]
+    std::string why;           ///< "unknown unit \"parsec\"..."
+};
+
+/// Reads "78 a", "2.8 mm/s", "30 deg", "2.2 f/mu".
+Quantity parse_quantity(const std::string& text, Dimension dimension, const Units& units);
+
+/// A plain number of the scene's unit system, reduced.
+double to_reduced(double value, Dimension dimension, const Units& units);
+
+/// TOML for a reduced value in the scene's unit system; reading it gives the same double.
+std::string quantity_text(double reduced, Dimension dimension, const Units& units);
+
+} // namespace rodwake::scene

@@ -1,0 +1,72 @@
+#pragma once
+// A field list is a function that shows every key of a struct to a visitor. Visitors read, write and
+// document.
+
+#include "key.hpp"
+#include "rodwake/scene/scene.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::scene {
+
+/// Key names that give the same thing in different ways: {{"alpha"}, {"xi"}}, {{"eta"}, {"lame_lambda",
+/// "mu"}}.
+using Forms = std::vector<std::vector<std::string>>;
+
+class Visitor {
+public:
+    virtual ~Visitor() = default;
+
+    virtual void operator()(const Key& key, double& value) = 0;
+    /// Reading sets the value to nothing when the key is absent.
+    virtual void operator()(const Key& key, std::optional<double>& value) = 0;
+    virtual void operator()(const Key& key, long& value) = 0;
+    virtual void operator()(const Key& key, bool& value) = 0;
+    virtual void operator()(const Key& key, std::string& value) = 0;
+    virtual void operator()(const Key& key, std::vector<double>& value) = 0;
+    virtual void operator()(const Key& key, std::vector<std::vector<double>>& value) = 0;
+    virtual void operator()(const Key& key, const Choice& value) = 0;
+    /// A table of "path.to.key" = value, held as "path.to.key=value".
+    virtual void settings(const Key& key, std::vector<std::string>& value) = 0;
+
+    template<class T>
+    void table(const Key& key, std::optional<T>& value) {
+        if (!enter_table(key, value.has_value()))
+            return;
+        if (!value)
+            value.emplace();
+        fields(*this, *value);
+        leave();
+    }
+
+    template<class T>
+    void list(const Key& key, std::vector<T>& values) {
+        values.resize(enter_list(key, values.size()));
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (enter_entry(key, i)) {
+                fields(*this, values[i]);
+                leave();
+            }
+    }
+
+    /// A table of the contract that this version does not have.
+    virtual void planned(const std::string& name) = 0;
+    /// Unit system for the keys that follow.
+    virtual void use_units(const Units& units) = 0;
+    /// Of these forms at most one may be given, exactly one if `required`. Reading calls resolve with its
+    /// index, or with -1 for none; other visitors do not call it.
+    virtual void one_form(bool required, const Forms& forms, const std::function<void(int)>& resolve) = 0;
+    /// A key of the present table has a value that is wrong beside others. Called only from `resolve`.
+    virtual void complain(const std::string& key, const std::string& message) = 0;
+
+protected:
+    virtual bool enter_table(const Key& key, bool present) = 0;
+    virtual std::size_t enter_list(const Key& key, std::size_t count) = 0; ///< number of entries to visit
+    virtual bool enter_entry(const Key& key, std::size_t index) = 0;
+    virtual void leave() = 0;
+};
+
+} // namespace rodwake::scene

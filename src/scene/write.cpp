@@ -1,0 +1,106 @@
+#include "rodwake/scene/write.hpp"
+
+#include "fields.hpp"
+#include "node.hpp"
+#include "variants.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+class Writer : public Visitor {
+public:
+    const std::string& text() const { return text_; }
+
+    void operator()(const Key& key, double& value) override {
+        line(key, quantity_text(value, key.dimension, units_));
+    }
+    void operator()(const Key& key, std::optional<double>& value) override {
+        if (value)
+            line(key, quantity_text(*value, key.dimension, units_));
+        else
+            absent(key);
+    }
+    void operator()(const Key& key, long& value) override { line(key, std::to_string(value)); }
+    void operator()(const Key& key, bool& value) override { line(key, value ? "true" : "false"); }
+    void operator()(const Key& key, const Choice& value) override {
+        line(key, quoted(value.names[value.current]));
+    }
+    void operator()(const Key& key, std::string& value) override {
+        if (value.empty())
+            absent(key);
+        else
+            line(key, quoted(value));
+    }
+    void operator()(const Key& key, std::vector<double>& value) override {
+        if (value.empty())
+            absent(key);
+        else
+            line(key, list_text(key, value));
+    }
+    void operator()(const Key& key, std::vector<std::vector<double>>& value) override {
+        std::string inner;
+        for (const auto& item : value)
+            inner += (inner.empty() ? "" : ", ") + list_text(key, item);
+        if (!value.empty())
+            line(key, "[" + inner + "]");
+    }
+    void settings(const Key& key, std::vector<std::string>& value) override {
+        line(key, settings_text(value));
+    }
+
+    void planned(const std::string&) override {}
+    void use_units(const Units& units) override { units_ = units; }
+    void one_form(bool, const Forms&, const std::function<void(int)>&) override {}
+    void complain(const std::string&, const std::string&) override {}
+
+protected:
+    bool enter_table(const Key& key, bool present) override {
+        if (present)
+            open(key, "\n[{}]\n");
+        return present;
+    }
+    std::size_t enter_list(const Key&, std::size_t count) override { return count; }
+    bool enter_entry(const Key& key, std::size_t) override {
+        open(key, "\n[[{}]]\n");
+        return true;
+    }
+    void leave() override { path_.pop_back(); }
+
+private:
+    void open(const Key& key, const char* header) {
+        path_.push_back(path_.empty() ? key.name : path_.back() + "." + key.name);
+        text_ += fmt::format(fmt::runtime(header), path_.back());
+    }
+
+    void line(const Key& key, const std::string& value) { text_ += key.name + " = " + value + "\n"; }
+
+    void absent(const Key& key) {
+        if (!key.absent_text.empty())
+            text_ += fmt::format("# {}: {}\n", key.name, key.absent_text);
+    }
+
+    std::string list_text(const Key& key, const std::vector<double>& values) const {
+        std::string inner;
+        for (const double value : values)
+            inner += (inner.empty() ? "" : ", ") + quantity_text(value, key.dimension, units_);
+        return "[" + inner + "]";
+    }
+
+    std::string text_;
+    std::vector<std::string> path_;
+    Units units_;
+};
+
+} // namespace
+
+std::string to_toml(const Scene& scene) {
+    Scene copy = scene; // a field list may change what it visits; writing does not
+    Writer writer;
+    fields(writer, copy);
+    return writer.text();
+}
+
+} // namespace rodwake::scene

@@ -1,0 +1,142 @@
+#include "rodwake/store/csv.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <string_view>
+
+namespace rodwake::store {
+
+namespace {
+
+/// Where in the file we are, for messages.
+struct Place {
+    std::string file;
+    std::size_t line = 0;
+    std::size_t column = 1;
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(fmt::format("{}:{}:{}: {}", file, line, column, what));
+    }
+};
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos)
+        return {};
+    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+template<class Use>
+void for_each_field(std::string_view line, Place& at, Use use) {
+    for (std::size_t start = 0, index = 0; start <= line.size(); ++index) {
+        const std::size_t end = std::min(line.find(',', start), line.size());
+        at.column = start + 1;
+        use(index, trimmed(line.substr(start, end - start)));
+        start = end + 1;
+    }
+}
+
+double parse_number(std::string_view field, const std::string& name, bool required, const Place& at) {
+    if (field.empty() && !required)
+        return std::numeric_limits<double>::quiet_NaN();
+    double value = 0.0;
+    const char* begin = field.data() + (field.starts_with('+') ? 1 : 0);
+    const auto [end, error] = std::from_chars(begin, field.data() + field.size(), value);
+    if (error == std::errc::result_out_of_range)
+        at.fail(fmt::format("{} = \"{}\": too large or too small for a double", name, field));
+    if (error != std::errc{} || end != field.data() + field.size())
+        at.fail(fmt::format("{}: expected a number, found \"{}\"", name, field.substr(0, 40)));
+    if (!std::isfinite(value))
+        at.fail(fmt::format("{} = {}: must be finite", name, field));
+    return value;
+}
+
+void read_header(std::string_view line, Place& at, std::span<const std::string> required, Table& table) {
+    for_each_field(line, at, [&](std::size_t, std::string_view name) {
+        if (name.empty())
+            at.fail("empty column name in the header");
+        if (std::ranges::find(table.names, name) != table.names.end())
+            at.fail(fmt::format("column \"{}\" stands twice in the header", name));
+        table.names.emplace_back(name);
+    });
+    at.column = 1;
+    for (const std::string& name : required)
+        if (std::ranges::find(table.names, name) == table.names.end())
+            at.fail(fmt::format("no column \"{}\"; the header must have at least {}", name,
+                                fmt::join(required, ",")));
+    table.columns.resize(table.names.size());
+}
+
+void read_row(std::string_view line, Place& at, const std::vector<char>& is_required, Table& table) {
+    std::size_t fields = 0;
+    for_each_field(line, at, [&](std::size_t index, std::string_view field) {
+        ++fields;
+        if (index < table.names.size())
+            table.columns[index].push_back(
+                parse_number(field, table.names[index], is_required[index] != 0, at));
+    });
+    if (fields != table.names.size())
+        at.fail(fmt::format("{} fields, but the header has {}", fields, table.names.size()));
+    table.lines.push_back(at.line);
+}
+
+std::ifstream open(const std::filesystem::path& path) {
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error))
+        throw InputError(path.string() + ": is a folder, expected a CSV file");
+    std::ifstream file(path);
+    if (!file)
+        throw InputError(path.string() + ": cannot read the file (does it exist?)");
+    return file;
+}
+
+} // namespace
+
+const std::vector<double>* Table::find(const std::string& name) const {
+    const auto at = std::ranges::find(names, name);
+    return at == names.end() ? nullptr : &columns[static_cast<std::size_t>(at - names.begin())];
+}
+
+Table read_csv(const std::filesystem::path& path, std::span<const std::string> required) {
+    std::ifstream file = open(path);
+    Table table;
+    Place at{path.string()};
+    std::vector<char> is_required;
+    for (std::string line; std::getline(file, line);) {
+        ++at.line;
+        if (trimmed(line).empty() || line.front() == '#')
+            continue;
+        if (table.names.empty()) {
+            read_header(line, at, required, table);
+            for (const std::string& name : table.names)
+                is_required.push_back(std::ranges::find(required, name) != required.end());
+        } else {
+            read_row(line, at, is_required, table);
+        }
+    }
+    if (table.names.empty())
+        throw InputError(
+            fmt::format("{}: no header line; expected at least {}", path.string(), fmt::join(required, ",")));
+    return table;
+}
+
+std::string to_csv(std::span<const std::string> names, std::span<const std::vector<double>> columns) {
+    fmt::memory_buffer out;
+    fmt::format_to(std::back_inserter(out), "{}\n", fmt::join(names, ","));
+    const std::size_t rows = columns.empty() ? 0 : columns.front().size();
+    for (std::size_t row = 0; row < rows; ++row) {
+        for (std::size_t column = 0; column < columns.size(); ++column)
+            fmt::format_to(std::back_inserter(out), "{}{:.17g}", column ? "," : "", columns[column][row]);
+        out.push_back('\n');
+    }
+    return fmt::to_string(out);
+}
+
+} // namespace rodwake::store

@@ -1,0 +1,32 @@
+#pragma once
+// RAII over HDF5's C handles.
+
+#include "rodwake/core/error.hpp"
+
+#include <hdf5.h>
+
+#include <string>
+
+namespace rodwake::store {
+
+class Hdf5Handle {
+public:
+    using Close = herr_t (*)(hid_t);
+    /// Throws RunError saying what could not be done if the handle is not valid.
+    Hdf5Handle(hid_t id, Close close, const std::string& doing) : id_(id), close_(close) {
+        if (id_ < 0)
+            throw RunError("HDF5: cannot " + doing);
+    }
+    ~Hdf5Handle() { close_(id_); }
+    Hdf5Handle(const Hdf5Handle&) = delete;
+    Hdf5Handle& operator=(const Hdf5Handle&) = delete;
+    Hdf5Handle(Hdf5Handle&&) = delete;
+    Hdf5Handle& operator=(Hdf5Handle&&) = delete;
+    hid_t get() const { return id_; }
+
+private:
+    hid_t id_;
+    Close close_;
+};
+
+} // namespace rodwake::store

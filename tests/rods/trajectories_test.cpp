@@ -1,0 +1,63 @@
+// Trajectories against 34-digit references, for each method and over seven decades of tolerance.
+
+#include "reference.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+using namespace rodwake;
+using test::ReferenceCase;
+
+namespace {
+
+rods::RodOptions options(integrate::Method method, double rtol) {
+    rods::RodOptions chosen;
+    chosen.ode.method = method;
+    chosen.ode.rtol = rtol;
+    chosen.ode.atol = rtol * 1e-2; // coordinates are of order 1 to 10
+    return chosen;
+}
+
+constexpr integrate::Method methods[] = {integrate::Method::bdf, integrate::Method::adams,
+                                         integrate::Method::erk};
+
+} // namespace
+
+TEST_CASE("every reference trajectory and contact time is met by every method at rtol 1e-11") {
+    const auto method = GENERATE(from_range(methods));
+    for (const ReferenceCase& reference : test::reference_cases()) {
+        const auto result = rods::simulate(reference.problem, options(method, 1e-11));
+        INFO(reference.name << ", " << integrate::to_string(method) << ": "
+                            << result.solution.status.message());
+        CHECK(test::worst_error(reference, result) <= 1e-8); // required; 1000 rtol
+    }
+}
+
+TEST_CASE("the error falls in step with rtol from 1e-4 to 1e-11") {
+    const auto method = GENERATE(from_range(methods));
+    for (const ReferenceCase& reference : test::reference_cases()) {
+        const double loose =
+            test::worst_error(reference, rods::simulate(reference.problem, options(method, 1e-4)));
+        const double tight =
+            test::worst_error(reference, rods::simulate(reference.problem, options(method, 1e-11)));
+        INFO(reference.name << ", " << integrate::to_string(method) << ": " << loose << " -> " << tight);
+        // Error per unit step of order p goes as rtol^(p/(p+1)) to rtol: at least 5 of the 7 decades, unless
+        // the loose run is already near the floor of rounding (1e-12 of coordinates of order 10).
+        CHECK(tight <= std::max(1e-5 * loose, 1e-9));
+        // A loose tolerance may lose an encounter at kappa = 1e4, but never silently: errors stay below 1e4
+        // rtol.
+        CHECK(loose <= 1.0);
+    }
+}
+
+TEST_CASE("the comparison with the reference can fail") {
+    auto reference = test::reference_cases().front();
+    const auto result = rods::simulate(reference.problem, options(integrate::Method::adams, 1e-11));
+    REQUIRE(test::worst_error(reference, result) < 1e-8);
+    reference.points[0].state[1] += 1e-6;
+    CHECK(test::worst_error(reference, result) > 1e-8);
+    reference.points[0].time += 0.5;
+    CHECK(std::isinf(test::worst_error(reference, result)));
+    CHECK_THROWS(test::reference_cases("no such file"));
+}

@@ -1,0 +1,106 @@
+#pragma once
+// Shared by the scene tests: a scene that uses every table, and ways to look at what is wrong with a changed
+// one.
+
+#include "rodwake/scene/document.hpp"
+#include "rodwake/scene/read.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace scene_test {
+
+using rodwake::scene::KeyInfo;
+using rodwake::scene::Problem;
+using rodwake::scene::Scene;
+
+inline const std::string complete = R"(schema = 1
+title = "complete"
+[scales]
+f_over_mu = "2.2 a"
+v0 = "2.8 mm/s"
+[medium]
+eta = 1.0
+alpha = 0.5
+[coupling]
+kappa = 0.5
+[[rods]]
+position = [0.0, 2.5]
+[[rods]]
+position = [0.0, -2.5]
+heading = 0.25
+[rods_run]
+t_end = 30.0
+contact_distance = 0.1
+[field]
+x = [-5.0, 5.0]
+y = [-4.0, 4.0]
+[[field.cuts]]
+from = -20.0
+to = 5.0
+[[figures]]
+name = "wake"
+kind = "cut"
+[[figures]]
+name = "streams"
+kind = "polar_streamlines"
+gammas = [[1.0, 0.0]]
+[[variants]]
+name = "repelled"
+set = { "coupling.kappa" = -100.0 }
+)";
+
+/// Smallest scene with two rods; lines are appended.
+inline std::string two_rods(const std::string& more = "") {
+    return "schema = 1\n[[rods]]\nposition = [0.0, 0.0]\n[[rods]]\nposition = [0.0, 1.0]\n[rods_run]\nt_end "
+           "= 2.0\n" +
+           more;
+}
+
+inline Scene parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    return rodwake::scene::parse_scene(text, "x.toml", overrides);
+}
+
+/// What is wrong with the scene; empty if it is right.
+inline std::vector<Problem> problems_of(const std::string& text,
+                                        const std::vector<std::string>& overrides = {}) {
+    try {
+        parse(text, overrides);
+    } catch (const rodwake::scene::SceneError& error) {
+        return error.problems();
+    }
+    return {};
+}
+
+/// The text of the error; empty if the scene is right.
+inline std::string error_text(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    try {
+        parse(text, overrides);
+    } catch (const rodwake::scene::SceneError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+/// Some problem at this key has this in its text.
+inline bool mentions(const std::vector<Problem>& problems, const std::string& key, const std::string& part) {
+    return std::any_of(problems.begin(), problems.end(), [&](const Problem& p) {
+        return p.key == key && p.text().find(part) != std::string::npos;
+    });
+}
+
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+        text.replace(at, from.size(), to);
+    return text;
+}
+
+/// "field.cuts[]" and "at": "field.cuts.0.at" for -s, "field.cuts[0].at" in messages.
+inline std::string full_name(const KeyInfo& info) {
+    return info.table.empty() ? info.name : info.table + "." + info.name;
+}
+inline std::string override_path(const KeyInfo& info) { return replaced(full_name(info), "[]", ".0"); }
+inline std::string message_path(const KeyInfo& info) { return replaced(full_name(info), "[]", "[0]"); }
+
+} // namespace scene_test

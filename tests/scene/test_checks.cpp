@@ -1,0 +1,95 @@
+// Tables and values that do not fit each other.
+
+#include "support.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace scene_test;
+
+namespace {
+
+bool says(const std::string& text, const std::string& part) {
+    const std::string message = error_text(text);
+    INFO(message);
+    CHECK(message.find(part) != std::string::npos);
+    return message.find(part) != std::string::npos;
+}
+
+std::string with_figure(const std::string& lines) {
+    return two_rods(
+        "[medium]\neta = 1\nxi = 1\n[field]\nx = [-1, 1]\ny = [-1, 1]\n[[field.cuts]]\nfrom = 0\nto = 1\n"
+        "[[figures]]\nname = \"f\"\n" +
+        lines);
+}
+
+} // namespace
+
+TEST_CASE("tables that need each other") {
+    says("schema = 1\n", "x.toml:1:1: nothing to do: give [[rods]] with [rods_run], or [field]");
+    says("schema = 1\n[medium]\neta = 1\nxi = 1\n", "nothing to do");
+    says("schema = 1\n[[rods]]\nposition = [0, 0]\n", "[[rods]] need [rods_run] with t_end");
+    says("schema = 1\n[rods_run]\nt_end = 1\n", "x.toml:2:1: [rods_run] needs [[rods]]");
+    says("schema = 1\nrods = []\n[rods_run]\nt_end = 1\n", "[rods_run] needs [[rods]]");
+    says("schema = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n", "x.toml:2:1: [field] needs [medium]");
+    says(two_rods("[coupling]\nkappa = 1\n"), "x.toml:8:1: [coupling] of two or more rods needs [medium]");
+    says(
+        "schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[[variants]]\nname = \"v\"\n"
+        "set = { \"medium.eta\" = 2 }\n",
+        "[[variants]] run the rods again: they need [[rods]]");
+    CHECK(error_text(
+              "schema = 1\n[coupling]\nkappa = 1\n[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\n") ==
+          "");
+}
+
+TEST_CASE("starts that coincide or touch") {
+    says("schema = 1\n[[rods]]\nposition = [1, 2]\n[[rods]]\nposition = [0, 0]\n[[rods]]\nposition = [1.0, "
+         "2.0]\n"
+         "[rods_run]\nt_end = 1\n",
+         "x.toml:7:12: rods[0] (line 3) and rods[2] (line 7) start at the same point");
+    says(two_rods("contact_distance = 1.0\n"),
+         "x.toml:8:20: rods_run.contact_distance is 1 f/mu, but rods[0] and rods[1] start only 1 apart");
+    CHECK(error_text(two_rods("contact_distance = 0.99\n")) == "");
+}
+
+TEST_CASE("field grids and cuts") {
+    const std::string medium = "schema = 1\n[medium]\neta = 1\nxi = 1\n";
+    says(medium + "[field]\nx = [0, 1]\n", "field.x and field.y come together");
+    says(medium + "[field]\ny = [0, 1]\n", "field.x and field.y come together");
+    says(medium + "[field]\n", "neither a grid (x and y) nor [[field.cuts]]");
+    says(medium + "[field]\nx = [1, 1]\ny = [0, 1]\n", "x.toml:6:5: field.x: min = 1 must be below max = 1");
+    says(medium + "[field]\nx = [0, 1]\ny = [0, 1]\nnx = 4000\nny = 4000\n",
+         "nx * ny is 16000000; at most 4000000");
+    says(medium + "[[field.cuts]]\nfrom = 2\nto = 1\n",
+         "x.toml:7:6: field.cuts[0]: from = 2 must be below to = 1");
+    CHECK(error_text(medium + "[[field.cuts]]\nfrom = 1\nto = 2\n") == "");
+}
+
+TEST_CASE("figures") {
+    CHECK(error_text(with_figure("kind = \"cut\"\n")) == "");
+    CHECK(error_text(with_figure("kind = \"trajectories\"\n")) == "");
+    says(with_figure("kind = \"cut\"\ncut = 1\n"), "there is no cut 1: field.cuts has 1 (numbered from 0)");
+    says(two_rods("[[figures]]\nname = \"f\"\nkind = \"cut\"\n"),
+         "a figure of kind cut needs [[field.cuts]]");
+    says(two_rods("[[figures]]\nname = \"f\"\nkind = \"extensional_axis\"\n"),
+         "a figure of kind extensional_axis needs [field] with x and y");
+    says(with_figure("kind = \"polar_streamlines\"\n"), "needs gammas = ");
+    says(with_figure("kind = \"cut\"\ngammas = [[1, 0]]\n"), "gammas belong to kind polar_streamlines only");
+    says(with_figure("kind = \"cut\"\ngammas = [[1, 0], [1]]\n"),
+         "figures[0].gammas[1]: expected 2 numbers, found 1");
+    says(with_figure("kind = \"trajectories\"\nsqrt_scaled = true\n"),
+         "sqrt_scaled belongs to kind cut only");
+    says(with_figure("kind = \"trajectories\"\ncomponent = \"Uy\"\n"), "component belongs to kind cut only");
+    says(with_figure("kind = \"trajectories\"\ncut = 3\n"), "cut belongs to kind cut only");
+    says(with_figure("kind = \"cut\"\nx = [2, 1]\n"), "min = 2 must be below max = 1");
+    says("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[[figures]]\nname = \"f\"\n"
+         "kind = \"trajectories\"\n",
+         "a figure of kind trajectories needs [[rods]]");
+}
+
+TEST_CASE("names are unique") {
+    says(with_figure("kind = \"cut\"\n[[figures]]\nname = \"f\"\nkind = \"cut\"\n"),
+         "the name \"f\" is taken by figures[0] (line 18)");
+    says(two_rods("[[variants]]\nname = \"v\"\nset = { \"rods_run.t_end\" = 3 }\n[[variants]]\nname = \"v\"\n"
+                  "set = { \"rods_run.t_end\" = 4 }\n"),
+         "the name \"v\" is taken by variants[0] (line 9)");
+}

@@ -1,0 +1,170 @@
+// Every key of the scene, taken from the field lists: a new key without tests here fails.
+
+#include "support.hpp"
+
+#include <catch2/catch.hpp>
+#include <map>
+
+using namespace scene_test;
+
+namespace {
+
+/// A value outside the legal range for each key, and a part of the message.
+struct Illegal {
+    std::string value, part;
+};
+
+const std::map<std::string, Illegal> illegal_values{
+    {"schema", {"2", "must be 1"}},
+    {"units", {"\"imperial\"", "must be one of reduced, si"}},
+    {"title", {"\"two\\nlines\"", "one line"}},
+    {"scales.bead_radius", {"0.0", "must be > 0"}},
+    {"scales.f_over_mu", {"-1.0", "must be > 0"}},
+    {"scales.v0", {"0", "must be > 0"}},
+    {"medium.eta", {"-1.0", "must be > -1"}},
+    {"medium.poisson_ratio", {"1.0", "must be > -1 and <= 0.999"}},
+    {"medium.lame_lambda", {"1e13", "within +-1e+12"}},
+    {"medium.bulk_modulus", {"0.0", "must be > 0"}},
+    {"medium.mu", {"0.0", "must be > 0"}},
+    {"medium.xi", {"0.0", "must be >= 1e-12"}},
+    {"medium.alpha", {"-0.1", "must be >= 1e-12"}},
+    {"medium.field", {"\"exakt\"", "must be one of exact (did you mean \"exact\"?)"}},
+    {"coupling.kappa", {"1e13", "within +-1e+12"}},
+    {"coupling.gamma1", {"-1e13", "within +-1e+12"}},
+    {"coupling.gamma2", {"1e300", "within +-1e+12"}},
+    {"coupling.polar_basis", {"\"laplace\"", "must be one of laplacian, divergence"}},
+    {"rods[].position", {"[0.0, 1.0, 2.0]", "expected 2 numbers, found 3"}},
+    {"rods[].heading", {"1e13", "within +-1e+12"}},
+    {"rods_run.t_end", {"0.0", "must be > 0"}},
+    {"rods_run.output_times", {"[1.0, 0.0]", "must be > 0"}},
+    {"rods_run.output_interval", {"-0.5", "must be > 0"}},
+    {"rods_run.contact_distance", {"0", "must be > 0"}},
+    {"rods_run.method", {"\"rk4\"", "must be one of auto, bdf, adams, erk"}},
+    {"rods_run.form", {"\"angel\"", "did you mean \"angle\"?"}},
+    {"rods_run.rtol", {"1e-14", "must be >= 1e-13 and <= 0.1"}},
+    {"rods_run.atol", {"1.5", "must be > 0 and <= 1"}},
+    {"rods_run.max_steps", {"0", "must be >= 1"}},
+    {"field.x", {"[1.0]", "expected 2 numbers, found 1"}},
+    {"field.y", {"[-1e13, 0.0]", "within +-1e+12"}},
+    {"field.nx", {"1", "must be >= 2 and <= 4000"}},
+    {"field.ny", {"4001", "must be >= 2 and <= 4000"}},
+    {"field.cuts[].along", {"\"z\"", "must be one of x, y"}},
+    {"field.cuts[].at", {"1e13", "within +-1e+12"}},
+    {"field.cuts[].from", {"-1e13", "within +-1e+12"}},
+    {"field.cuts[].to", {"1e13", "within +-1e+12"}},
+    {"field.cuts[].count", {"1", "must be >= 2"}},
+    {"figures[].name", {"\"../etc/passwd\"", "file name"}},
+    {"figures[].kind", {"\"plot\"", "must be one of extensional_axis"}},
+    {"figures[].title", {"\"a\\tb\"", "one line"}},
+    {"figures[].cut", {"-1", "must be >= 0"}},
+    {"figures[].component", {"\"Uz\"", "must be one of Ux, Uy"}},
+    {"figures[].sqrt_scaled", {"1", "expected true or false"}},
+    {"figures[].gammas", {"[]", "expected 1 to 16 pairs"}},
+    {"figures[].x", {"[1.0]", "expected 2 numbers"}},
+    {"figures[].y", {"[0.0, 1e13]", "within +-1e+12"}},
+    {"variants[].name", {"\"\"", "file name"}},
+    {"variants[].label", {"\"a\\u0007\"", "one line"}},
+    {"variants[].set", {"{}", "expected 1 to 100 keys, found 0"}},
+};
+
+bool takes_units(const KeyInfo& info) { return !info.unit.empty(); }
+
+} // namespace
+
+TEST_CASE("every key refuses a value of the wrong type") {
+    for (const auto& info : rodwake::scene::scene_keys()) {
+        INFO(full_name(info));
+        CHECK(mentions(problems_of(complete, {override_path(info) + "=1979-05-27"}), message_path(info),
+                       "expected"));
+        CHECK(mentions(problems_of(complete, {override_path(info) + "={ a = 1 }"}), message_path(info),
+                       info.name == "set" ? "unknown" : "found a table") == (info.name != "set"));
+    }
+}
+
+TEST_CASE("every key refuses a value out of its range") {
+    for (const auto& info : rodwake::scene::scene_keys()) {
+        INFO(full_name(info));
+        const auto it = illegal_values.find(full_name(info));
+        REQUIRE(it != illegal_values.end()); // a new key needs an illegal value in the table above
+        const auto problems = problems_of(complete, {override_path(info) + "=" + it->second.value});
+        const auto about_key = [&](const Problem& p) {
+            return p.key.starts_with(message_path(info)) &&
+                   p.message.find(it->second.part) != std::string::npos;
+        };
+        CAPTURE(problems.empty() ? "no problem" : problems.front().text());
+        CHECK(std::any_of(problems.begin(), problems.end(), about_key));
+    }
+    CHECK(illegal_values.size() == rodwake::scene::scene_keys().size());
+}
+
+TEST_CASE("every misspelt key is refused with the right one named") {
+    for (const auto& info : rodwake::scene::scene_keys()) {
+        INFO(full_name(info));
+        KeyInfo misspelt = info;
+        misspelt.name = info.name.size() > 2 ? info.name + "q" : info.name + "_";
+        const auto problems = problems_of(complete, {override_path(misspelt) + "=1"});
+        CHECK(mentions(problems, message_path(misspelt), "unknown"));
+        CHECK(mentions(problems, message_path(misspelt), "Known keys: "));
+        CHECK(mentions(problems, message_path(misspelt), "did you mean \"" + info.name + "\"?"));
+    }
+}
+
+TEST_CASE("every number refuses nan and inf") {
+    for (const auto& info : rodwake::scene::scene_keys())
+        for (const std::string value : {"nan", "-inf", "inf"}) {
+            INFO(full_name(info));
+            const bool list = info.type.find("numbers") != std::string::npos;
+            const bool pairs = info.type.find("pairs") != std::string::npos;
+            const std::string wrapped = pairs  ? "[[" + value + ", 0.0]]"
+                                        : list ? "[" + value + ", 1.0]"
+                                               : value;
+            CHECK_FALSE(problems_of(complete, {override_path(info) + "=" + wrapped}).empty());
+        }
+}
+
+TEST_CASE("every dimensional key refuses a unit of another dimension") {
+    for (const auto& info : rodwake::scene::scene_keys()) {
+        if (!takes_units(info))
+            continue;
+        INFO(full_name(info));
+        const std::string wrong = info.unit.find("rad") == 0 ? "5 s" : "30 deg";
+        const bool list = info.type.find("numbers") != std::string::npos;
+        const bool pairs = info.type.find("pairs") != std::string::npos;
+        const std::string value = pairs  ? "[[\"" + wrong + "\", 0]]"
+                                  : list ? "[\"" + wrong + "\", 1]"
+                                         : wrong;
+        const auto text = error_text(complete, {override_path(info) + "=" + value});
+        CHECK(text.find("found \"" + wrong + "\" (string)") != std::string::npos);
+    }
+}
+
+TEST_CASE("the example of every key is legal") {
+    for (const auto& info : rodwake::scene::scene_keys()) {
+        INFO(full_name(info));
+        REQUIRE_FALSE(info.example.empty());
+        REQUIRE_FALSE(info.meaning.empty());
+        std::vector<std::string> overrides{override_path(info) + "=" + info.example};
+        if (info.name == "lame_lambda" || info.name == "bulk_modulus")
+            overrides.push_back("medium.mu=1.0");
+        if (info.name == "mu")
+            overrides.push_back("medium.lame_lambda=1.0");
+        if (full_name(info) == "figures[].gammas")
+            overrides.push_back("figures.0.kind=polar_streamlines");
+        CHECK(error_text(complete, overrides) == "");
+    }
+}
+
+TEST_CASE("every table of later versions is refused as such") {
+    for (const std::string table : {"noise", "granular", "measure", "fit", "scan"})
+        CHECK(error_text(complete + "[" + table + "]\nx = 1\n")
+                  .find("[" + table + "] is not available in this version") != std::string::npos);
+    CHECK(error_text(complete, {"medium.table.tolerance=1e-8"}).find("[medium.table] is not available") !=
+          std::string::npos);
+    for (const std::string form : {"director", "dae"})
+        CHECK(error_text(complete, {"rods_run.form=" + form}) ==
+              "-s rods_run.form=" + form + ": rods_run.form = \"" + form +
+                  "\" is not available in this version; available: angle");
+    for (const std::string field : {"table", "measured", "dynamic"})
+        CHECK(error_text(complete, {"medium.field=" + field})
+                  .find("is not available in this version; available: exact") != std::string::npos);
+}

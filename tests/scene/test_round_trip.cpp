@@ -1,0 +1,111 @@
+// to_toml and back gives the same Scene, bit for bit.
+
+#include "rodwake/scene/write.hpp"
+#include "scene/node.hpp"
+#include "support.hpp"
+
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+using namespace scene_test;
+using rodwake::scene::to_toml;
+
+namespace {
+
+/// The text is a fixed point, too: what is written once is written the same again.
+void check_round_trip(const Scene& scene) {
+    const std::string written = to_toml(scene);
+    INFO(written);
+    const Scene again = rodwake::scene::parse_scene(written, scene.path);
+    CHECK(again == scene);
+    CHECK(to_toml(again) == written);
+}
+
+std::string number(std::mt19937_64& random) {
+    std::uniform_real_distribution<double> mantissa(1.0, 10.0);
+    std::uniform_int_distribution<int> exponent(-4, 3);
+    return rodwake::scene::number_text(mantissa(random) * std::pow(10.0, exponent(random)));
+}
+
+} // namespace
+
+TEST_CASE("the complete scene survives, in every unit system") {
+    check_round_trip(parse(complete));
+    check_round_trip(parse(complete, {"units=si", "rods_run.contact_distance=0.01", "medium.alpha=0.3"}));
+    check_round_trip(
+        parse(complete, {"rods_run.output_times=[1.0, 2.5, 29]", "title=\"\\\"quoted\\\" \\\\ \u00e9\""}));
+    check_round_trip(parse(complete, {"rods_run.output_interval=0.7", "variants.0.label=x"}));
+    check_round_trip(parse(two_rods()));
+}
+
+TEST_CASE("equality notices a change") {
+    const Scene scene = parse(complete);
+    Scene other = scene;
+    other.field->cuts[0].count += 1;
+    CHECK_FALSE(other == scene);
+    other = scene;
+    other.variants[0].set[0] += "0";
+    CHECK_FALSE(other == scene);
+}
+
+TEST_CASE("random numbers survive in SI scenes and mixed units") {
+    std::mt19937_64 random(1);
+    for (int i = 0; i < 200; ++i) {
+        const std::string scales =
+            "[scales]\nf_over_mu = " + number(random) + "\nv0 = " + number(random) + "\n";
+        const std::string text =
+            "schema = 1\nunits = \"si\"\n" + scales + "[medium]\nalpha = " + number(random) +
+            "\nlame_lambda = " + number(random) + "\nmu = " + number(random) +
+            "\n[coupling]\nkappa = " + number(random) + "\ngamma1 = -" + number(random) + "\ngamma2 = \"" +
+            number(random) + " a/s\"\n[[rods]]\nposition = [" + number(random) + ", \"" + number(random) +
+            " a\"]\nheading = \"" + number(random) + " deg\"\n[rods_run]\nt_end = " + number(random) + "\n";
+        check_round_trip(parse(text));
+    }
+}
+
+TEST_CASE("a resolved scene is readable: units kept, defaults written, absences said") {
+    const std::string text = to_toml(parse(complete, {"units=si", "rods_run.contact_distance=0.01 mm"}));
+    for (const std::string part :
+         {"units = \"si\"", "[scales]", "kappa = 0.5\n", "rtol = 1e-08", "form = \"angle\"",
+          "# output_interval: t_end / 200", "set = { \"coupling.kappa\" = -100.0 }"})
+        CHECK(text.find(part) != std::string::npos);
+    CHECK(to_toml(parse(two_rods())).find("# contact_distance: no stop") != std::string::npos);
+}
+
+TEST_CASE("numbers are written as TOML floats and read back exactly") {
+    using rodwake::scene::number_text;
+    CHECK(number_text(5.0) == "5.0");
+    CHECK(number_text(-0.0) == "-0.0");
+    CHECK(number_text(1e300) == "1e+300");
+    CHECK(number_text(0.1) == "0.1");
+    CHECK(number_text(1.0 / 3.0) == "0.3333333333333333");
+    std::mt19937_64 random(2);
+    for (int i = 0; i < 1000; ++i) {
+        const double value = std::bit_cast<double>(random());
+        if (std::isfinite(value))
+            CHECK(std::stod(number_text(value)) == value);
+    }
+}
+
+TEST_CASE("output times: i * interval, t_end exact and last") {
+    const auto times = [](const std::string& more) { return parse(two_rods(more)).rods_run->output_times; };
+    CHECK(times("").size() == 200);
+    CHECK(times("")[2] == 3 * (2.0 / 200.0));
+    CHECK(times("").back() == 2.0);
+    CHECK(times("output_interval = 0.75\n") == std::vector{0.75, 1.5, 2.0});
+    CHECK(times("output_interval = 0.1\n").size() == 20);
+    CHECK(times("output_interval = 0.1\n").back() == 2.0);
+    CHECK(times("output_interval = 2\n") == std::vector{2.0});
+    CHECK(times("output_times = [0.5]\n") == std::vector{0.5, 2.0});
+    CHECK(times("output_times = [0.5, 2]\n") == std::vector{0.5, 2.0});
+    CHECK(times("output_interval = 2e-6\n").size() == 1000000);
+    const auto wrong = [](const std::string& more) { return error_text(two_rods(more)); };
+    CHECK(wrong("output_interval = 3\n").find("must be between t_end/1000000 and t_end = 2") !=
+          std::string::npos);
+    CHECK(wrong("output_interval = 1e-6\n").find("must be between") != std::string::npos);
+    CHECK(wrong("output_times = [1.0, 1.0]\n").find("entry 1 is 1") != std::string::npos);
+    CHECK(wrong("output_times = [1.0, 2.5]\n").find("entry 1 is 2.5") != std::string::npos);
+    CHECK(wrong("output_times = []\n").find("expected 1 to 1000000 numbers, found 0") != std::string::npos);
+}

@@ -1,0 +1,88 @@
+#include "support.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace scene_test;
+using rodwake::scene::apply_variant;
+
+namespace {
+
+std::string with_set(const std::string& set) {
+    return two_rods(
+        "contact_distance = 0.5\n[coupling]\nkappa = 1.0\n[medium]\neta = 1\nalpha = 0.5\n[[variants]]\n"
+        "name = \"v\"\nset = " +
+        set + "\n");
+}
+
+} // namespace
+
+TEST_CASE("settings are held as overrides, dotted or quoted, in order of writing") {
+    const Scene scene =
+        parse(with_set("{ \"coupling.kappa\" = -100.0, rods_run.t_end = 5, \"rods_run.method\" = \"bdf\", "
+                       "\"rods.1.position\" = [0.0, 2.0] }"));
+    REQUIRE(scene.variants.size() == 1);
+    CHECK(scene.variants[0].set == std::vector<std::string>{"coupling.kappa=-100.0", "rods_run.t_end=5",
+                                                            "rods_run.method=\"bdf\"",
+                                                            "rods.1.position=[0.0, 2.0]"});
+}
+
+TEST_CASE("a variant applies to the resolved scene") {
+    const Scene scene =
+        parse(with_set("{ \"coupling.kappa\" = -100.0, \"medium.alpha\" = 0.25, \"rods_run.t_end\" = 4 }"));
+    const Scene varied = apply_variant(scene, scene.variants[0]);
+    CHECK(varied.coupling->kappa == -100.0);
+    CHECK(varied.medium->xi == 4.0); // the resolved scene is written with xi: the variant's alpha wins
+    CHECK(varied.rods_run->t_end == 4.0);
+    CHECK(varied.rods_run->output_times.size() == 200); // the default grid follows t_end
+    CHECK(varied.variants.empty());
+    Scene rest = varied;
+    rest.coupling = scene.coupling;
+    rest.medium = scene.medium;
+    rest.rods_run = scene.rods_run;
+    rest.variants = scene.variants;
+    CHECK(rest == scene);
+}
+
+TEST_CASE("applying a variant gives what the overrides give") {
+    const std::string set =
+        "{ \"coupling.kappa\" = -100.0, \"medium.xi\" = 3, \"rods.1.position.1\" = 0.75 }";
+    const Scene scene = parse(with_set(set));
+    Scene direct = parse(with_set(set), scene.variants[0].set);
+    direct.variants.clear();
+    CHECK(apply_variant(scene, scene.variants[0]) == direct);
+}
+
+TEST_CASE("a variant that is wrong by itself is reported where it stands") {
+    CHECK(error_text(with_set("{ \"coupling.kapa\" = 1 }"))
+              .starts_with(
+                  "x.toml:16:9: with variants[0] applied: [coupling] unknown key \"kapa\" (did you mean"));
+    CHECK(error_text(with_set("{ \"medium.eta\" = -2 }"))
+              .starts_with("x.toml:16:9: with variants[0] applied: medium.eta"));
+    CHECK(error_text(with_set("{ \"rods.1.position\" = [0.0, 0.25] }"))
+              .find("with variants[0] applied: rods_run.contact_distance is 0.5 f/mu, but rods[0] and "
+                    "rods[1] start only "
+                    "0.25 apart") != std::string::npos);
+    CHECK(error_text(with_set("{ \"rods.5.heading\" = 1 }")).find("no entry 5: rods has 2") !=
+          std::string::npos);
+    CHECK(error_text(with_set("{ \"granular.phi_b\" = 1 }")).find("[granular] is not available") !=
+          std::string::npos);
+    CHECK(error_text(with_set("{ \"a..b\" = 1 }")).find("is not a key") != std::string::npos);
+    CHECK(error_text(with_set("{ \"coupling.kappa\" = nan }")).find("must be a finite number") !=
+          std::string::npos);
+    CHECK(error_text(with_set("{ \"coupling.kappa\" = 1, coupling.kappa = 2 }"))
+              .find("\"coupling.kappa\" is set twice") != std::string::npos);
+    CHECK(error_text(with_set("[\"coupling.kappa=1\"]")).find("expected a table such as") !=
+          std::string::npos);
+}
+
+TEST_CASE("an error of the scene is not repeated for its variants") {
+    const auto problems =
+        problems_of(replaced(with_set("{ \"medium.eta\" = 3 }"), "kappa = 1.0", "kappa = true"));
+    CHECK(problems.size() == 1);
+}
+
+TEST_CASE("a hand-made variant that is wrong throws SceneError") {
+    const Scene scene = parse(with_set("{ \"coupling.kappa\" = 2 }"));
+    CHECK_THROWS_AS(apply_variant(scene, {"bad", "", {"coupling.kapa=1"}}), rodwake::scene::SceneError);
+    CHECK_THROWS_AS(apply_variant(scene, {"bad", "", {"nonsense"}}), rodwake::scene::SceneError);
+}
