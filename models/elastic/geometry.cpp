@@ -72,6 +72,9 @@ constexpr double small_exponent = 8.0;
 /// Beyond this exp() comes near the smallest double.
 constexpr double huge_exponent = 500.0;
 
+/// Beyond this it is 0, boosted or not, and its tail no longer matters.
+constexpr double vanishing_exponent = 1e4;
+
 /// s where the squares of the coordinates overflow or underflow; there too every illegal point ends up.
 double extreme_distance(double X, double Y) {
     const double s = std::hypot(X, Y);
@@ -108,8 +111,9 @@ Geometry::Geometry(const Field::Constants& medium, double x, double y) {
 }
 
 DoubleDouble times(DoubleDouble a, DoubleDouble b) {
-    if (a.high * b.high < small_exponent)
-        return {a.high * b.high, 0.0};
+    const double plain = a.high * b.high;
+    if (plain < small_exponent || plain > vanishing_exponent)
+        return {std::min(plain, vanishing_exponent), 0.0};
     const DoubleDouble product = exact_product(a.high, b.high);
     return quick_sum(product.high, product.low + (a.high * b.low + a.low * b.high));
 }

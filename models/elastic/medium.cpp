@@ -3,6 +3,7 @@
 #include "rodwake/core/error.hpp"
 
 #include <cmath>
+#include <sstream>
 #include <string>
 
 namespace rodwake::elastic {
@@ -10,8 +11,11 @@ namespace rodwake::elastic {
 namespace {
 
 void require(bool legal, const std::string& name, double value, const std::string& range) {
-    if (!legal)
-        throw InputError(name + " = " + std::to_string(value) + ": must be " + range);
+    if (legal)
+        return;
+    std::ostringstream message;
+    message << name << " = " << value << ": must be " << range;
+    throw InputError(message.str());
 }
 
 } // namespace
@@ -19,7 +23,8 @@ void require(bool legal, const std::string& name, double value, const std::strin
 void validate(const Medium& medium) {
     require(medium.eta > -1.0 && medium.eta <= Medium::max_eta, "eta", medium.eta,
             "> -1 (the longitudinal modulus (1 + eta) mu must be positive) and at most 1e12");
-    require(medium.xi > 0.0 && std::isfinite(medium.xi), "xi", medium.xi, "> 0 and finite");
+    require(medium.xi >= Medium::min_xi && medium.xi <= Medium::max_xi, "xi", medium.xi,
+            "> 0, in [1e-30, 1e30]");
 }
 
 double eta_from_lame(double lame_lambda, double mu) {
@@ -46,6 +51,7 @@ double poisson_ratio(double eta) {
 
 double xi_from_alpha(double alpha, double f_over_mu) {
     require(alpha > 0.0 && std::isfinite(alpha), "alpha", alpha, "> 0 and finite");
+    require(f_over_mu > 0.0 && std::isfinite(f_over_mu), "f_over_mu", f_over_mu, "> 0 and finite");
     return f_over_mu / alpha;
 }
 

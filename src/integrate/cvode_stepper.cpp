@@ -3,6 +3,7 @@
 #include "step_failure.hpp"
 #include "stepper.hpp"
 
+#include <cstdlib>
 #include <cvodes/cvodes_ls.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>

@@ -1,6 +1,7 @@
 #include "erk_table.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace rodwake::integrate {
 

@@ -10,7 +10,7 @@ namespace rodwake::integrate {
 
 namespace {
 
-/// The ten largest, by name; zeros say nothing and non-finite ones are the worst of all.
+/// The ten largest, by name; those a thousand times below the largest say nothing, NaN is the worst of all.
 std::vector<Status::Component> worst_components(const std::vector<double>& errors,
                                                 const ProblemCalls& calls) {
     auto rank = [&](std::size_t i) { return std::isnan(errors[i]) ? HUGE_VAL : errors[i]; };
@@ -18,9 +18,10 @@ std::vector<Status::Component> worst_components(const std::vector<double>& error
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return rank(a) > rank(b); });
+    const double least = order.empty() || std::isinf(rank(order[0])) ? 0.0 : 1e-3 * rank(order[0]);
     std::vector<Status::Component> worst;
     for (std::size_t i : order)
-        if (rank(i) > 0.0 && worst.size() < 10)
+        if (rank(i) > least && worst.size() < 10)
             worst.push_back({calls.component_name(i), errors[i]});
     return worst;
 }

@@ -8,6 +8,7 @@
 #include <nvector/nvector_serial.h>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <sundials/sundials_context.h>
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>

@@ -93,6 +93,30 @@ void resolve_interval(Visitor& v, RodsRun& run, std::optional<double> interval) 
     run.output_times = output_grid(step, run.t_end);
 }
 
+void solver_fields(Visitor& v, RodsRun& run) {
+    std::string form = "angle"; // the only one so far
+    v(key("method")
+          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta, or chosen by tolerance")
+          .example("\"bdf\""),
+      choice(run.method, {{"auto", RodMethod::automatic},
+                          {"bdf", RodMethod::bdf},
+                          {"adams", RodMethod::adams},
+                          {"erk", RodMethod::erk}}));
+    v(key("form")
+          .one_of({"angle"})
+          .not_yet({"director", "dae"})
+          .doc("form of the equations")
+          .example("\"angle\""),
+      form);
+    v(key("rtol").within(1e-13, 1e-1).doc("relative tolerance of the local error").example("1e-8"), run.rtol);
+    v(key("atol")
+          .above(0.0, 1.0)
+          .doc("absolute tolerance of the local error, reduced units")
+          .example("1e-10"),
+      run.atol);
+    v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
+}
+
 void window_fields(Visitor& v, std::vector<double>& x, std::vector<double>& y, const std::string& what,
                    const std::string& absent) {
     v(key("x").unit(length).items(2, 2).absent(absent).doc(what + ", [min, max] of x").example("[-5.0, 5.0]"),
@@ -177,7 +201,6 @@ void fields(Visitor& v, RodsRun& run) {
     const bool is_default = grid && *grid == run.t_end / default_outputs;
     std::vector<double> times = grid ? std::vector<double>{} : run.output_times;
     std::optional<double> interval = is_default ? std::nullopt : grid;
-    std::string form = "angle";
     v(key("t_end").required().unit(time).above(0.0).doc("end of the run").example("30.0"), run.t_end);
     v(key("output_times")
           .unit(time)
@@ -200,26 +223,7 @@ void fields(Visitor& v, RodsRun& run) {
           .doc("stop when two rods are this near")
           .example("0.1"),
       run.contact_distance);
-    v(key("method")
-          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta, or chosen by tolerance")
-          .example("\"bdf\""),
-      choice(run.method, {{"auto", RodMethod::automatic},
-                          {"bdf", RodMethod::bdf},
-                          {"adams", RodMethod::adams},
-                          {"erk", RodMethod::erk}}));
-    v(key("form")
-          .one_of({"angle"})
-          .not_yet({"director", "dae"})
-          .doc("form of the equations")
-          .example("\"angle\""),
-      form);
-    v(key("rtol").within(1e-13, 1e-1).doc("relative tolerance of the local error").example("1e-8"), run.rtol);
-    v(key("atol")
-          .above(0.0, 1.0)
-          .doc("absolute tolerance of the local error, reduced units")
-          .example("1e-10"),
-      run.atol);
-    v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
+    solver_fields(v, run);
     v.one_form(false, {{"output_times"}, {"output_interval"}}, [&](int given) {
         if (run.t_end > 0.0) // else reported already
             given == 0 ? resolve_times(v, run, times) : resolve_interval(v, run, interval);

@@ -3,6 +3,7 @@
 #include "problems.hpp"
 
 #include <catch2/catch.hpp>
+#include <limits>
 
 using namespace rodwake::integrate;
 using namespace rodwake::integrate::test;

@@ -60,7 +60,8 @@ double output_error(const ReferencePoint& point, const integrate::Solution& solu
 std::vector<ReferenceCase> reference_cases(const std::string& file) {
     std::ifstream in(file);
     std::vector<ReferenceCase> cases;
-    for (const json& c : json::parse(in).at("cases")) {
+    const json document = json::parse(in);
+    for (const json& c : document.at("cases")) {
         ReferenceCase one{c.at("name").get<std::string>(), problem_of(c), {}};
         for (const json& output : c.at("output"))
             one.points.push_back(point_of(output));

@@ -12,17 +12,19 @@ namespace rodwake::elastic {
 /// Steady medium as seen by a rod of speed v0. Lengths in the caller's unit (reduced: f/mu).
 struct Medium {
     double eta = 1.0; ///< lambda/mu = (lambda_L + mu)/mu = K/mu, dimensionless; -1 < eta <= max_eta
-    double xi = 1.0;  ///< screening length mu/(zeta v0) > 0
+    double xi = 1.0;  ///< screening length mu/(zeta v0), min_xi <= xi <= max_xi
 
     /// Beyond this the medium is incompressible to every digit.
     static constexpr double max_eta = 1e12;
+    /// Units so far off that powers of xi would overflow.
+    static constexpr double min_xi = 1e-30, max_xi = 1e30;
 
     /// nu = 1/(1 + eta), ratio of shear to longitudinal modulus. (The paper prints 1 + 1/eta, which does not
     /// solve its own equation; docs/physics.md, slip 1.)
     double nu() const { return 1.0 / (1.0 + eta); }
 };
 
-/// Throws InputError unless -1 < eta <= max_eta and xi > 0, both finite.
+/// Throws InputError unless -1 < eta <= max_eta and min_xi <= xi <= max_xi.
 void validate(const Medium& medium);
 
 /// eta from the Lame coefficients of the free energy: (lambda_L + mu)/mu. mu > 0, lambda_L > -2 mu.
@@ -39,7 +41,8 @@ double eta_from_poisson_ratio(double poisson_ratio);
 double poisson_ratio(double eta);
 
 /// xi from alpha = (f/mu)/xi = f zeta v0/mu^2. The paper never defines alpha; with its fit f/mu = 2.2 a,
-/// alpha = 0.1 this reading gives xi = 22 a, beside xi = 16 a of its other fit. alpha > 0.
+/// alpha = 0.1 this reading gives xi = 22 a, beside xi = 16 a of its other fit. alpha > 0,
+/// f_over_mu > 0.
 double xi_from_alpha(double alpha, double f_over_mu = 1.0);
 
 } // namespace rodwake::elastic

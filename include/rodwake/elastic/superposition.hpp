@@ -2,7 +2,8 @@
 // Fields of rods anywhere in the plane: the rod-frame field turned to a rod's heading, and the sum over rods
 // (the medium is linear and each rod's field steady in its own frame).
 //
-//   u(R) = S U(S^T (R - R_b)),  S = rotation by the heading; tensors turn as S eps S^T       (docs/physics.md Eq. 12)
+//   u(R) = S U(S^T (R - R_b)),  S = rotation by the heading; tensors turn as S eps S^T       (docs/physics.md
+//   Eq. 12)
 
 #include "rodwake/elastic/field.hpp"
 
@@ -15,8 +16,8 @@ struct Source {
     double x = 0.0, y = 0.0, heading = 0.0;
 };
 
-/// Field of one source at (x, y), in lab components. Throws InputError at the source. Slopes are not turned: ask for
-/// them in the rod's frame (Field::at).
+/// Field of one source at (x, y), in lab components. Throws InputError at the source. Slopes are not turned:
+/// ask for them in the rod's frame (Field::at).
 FieldValues lab_field(const Field& field, const Source& source, double x, double y, Wanted wanted);
 
 /// Sum of lab_field over the sources, in their order.

@@ -79,10 +79,12 @@ struct OdeOptions {
     /// from such a point repeats the uninterrupted one bit for bit.
     long segment_steps = 5000;
     // Exceptions of these three reach the caller of solve().
-    std::function<bool()> stop_requested; ///< polled once a step; true ends the solve as `interrupted`
-    std::function<void(const Step&)>
-        on_step; ///< after each accepted step; a terminal event cuts its step short
-    std::function<void(const Segment&)> on_segment; ///< after each completed segment but the last
+    /// Polled once a step; true ends the solve as `interrupted`.
+    std::function<bool()> stop_requested;
+    /// After each accepted step. A terminal event cuts its step short.
+    std::function<void(const Step&)> on_step;
+    /// After each completed segment but the last.
+    std::function<void(const Segment&)> on_segment;
 };
 
 enum class Outcome { reached_end, stopped_at_event, interrupted, failed };

@@ -1,0 +1,156 @@
+// The Bessel functions in every binade, beside their oracle, in units in the last place.
+
+#include "multiprecision.hpp"
+
+#include "elastic/bessel.hpp"
+#include "rodwake/core/rng.hpp"
+
+#include <algorithm>
+#include <boost/math/constants/constants.hpp>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdio>
+
+using namespace rodwake;
+using namespace rodwake::oracle;
+
+namespace {
+
+double ulps(double got, const Real& exact) {
+    const double nearest = std::abs(static_cast<double>(exact));
+    const double spacing = std::nextafter(nearest, INFINITY) - nearest;
+    return std::abs(static_cast<double>((got - exact) / spacing));
+}
+
+/// Exact values in the order of elastic::Bessel. Beyond 1e60 d2 would cancel 120 of the digits: there the
+/// leading term is exact to 60.
+struct Exact {
+    Real k0, k1, d1, d2;
+};
+Exact exact_scaled(const Real& z) {
+    if (z > 1e60) {
+        const Real k = sqrt(boost::math::constants::half_pi<Real>() / z);
+        return {k, k, k / (2 * z), 3 * k / (4 * z * z)};
+    }
+    const auto [k0, k1] = scaled_bessel(z);
+    return {k0, k1, k1 - k0, k1 / z - 2 * (k1 - k0)};
+}
+
+struct WorstUlps {
+    double k0 = 0, k1 = 0, d1 = 0, d2 = 0, kappa1 = 0;
+    void include(const elastic::Bessel& got, const Exact& exact) {
+        k0 = std::max(k0, ulps(got.k0, exact.k0));
+        k1 = std::max(k1, ulps(got.k1, exact.k1));
+        d1 = std::max(d1, ulps(got.d1, exact.d1));
+        if (exact.d2 > 1e-300) // else it underflows
+            d2 = std::max(d2, ulps(got.d2, exact.d2));
+    }
+};
+
+void add_scaled(WorstUlps& worst, double z) { worst.include(elastic::scaled_bessel(z), exact_scaled(z)); }
+
+void add_plain(WorstUlps& worst, double z) {
+    const Real e = exp(Real(-z));
+    const Exact s = exact_scaled(z);
+    worst.include(elastic::plain_bessel(z), {e * s.k0, e * s.k1, e * s.d1, e * s.d2});
+}
+
+void add_core(WorstUlps& worst, double z) {
+    const Exact s = exact_scaled(z);
+    const double log_half = std::log(0.5 * z);
+    const elastic::CoreBessel k =
+        elastic::core_bessel(elastic::Pair{0.1, z}, elastic::Pair{std::log(0.05), log_half});
+    const Real e = exp(Real(-z));
+    worst.k0 = std::max(worst.k0, ulps(k.k0[1], e * s.k0));
+    // K1 - 1/z would cancel z^2 of its parts; the next term of its series is z^2 log z smaller than the
+    // first.
+    const Real leading =
+        Real(z) / 2 * (log(Real(z) / 2) + boost::math::constants::euler<Real>() - Real(1) / 2);
+    worst.kappa1 = std::max(worst.kappa1, ulps(k.kappa1[1], z < 1e-30 ? leading : e * s.k1 - 1 / Real(z)));
+}
+
+/// Points in each binade of [2^low, 2^high), within (from, to].
+template<class Visit>
+void each_binade(int low, int high, int points, double from, double to, Visit visit) {
+    RandomStream random(71);
+    for (int binade = low; binade < high; ++binade)
+        for (int k = 0; k < points; ++k) {
+            const double z = std::ldexp(random.uniform(1.0, 2.0), binade);
+            if (z > from && z <= to)
+                visit(z);
+        }
+}
+
+template<class Visit>
+void around(double z, double from, double to, Visit visit) {
+    for (int k = 0; k < 4; ++k)
+        z = std::nextafter(z, 0.0);
+    for (int k = -4; k <= 4; ++k, z = std::nextafter(z, INFINITY))
+        if (z > from && z <= to)
+            visit(z);
+}
+
+constexpr int lowest = -996, highest = 996; // 1e-300 .. 1e300
+
+WorstUlps scaled_worst(int points) {
+    WorstUlps worst;
+    const auto visit = [&](double z) { add_scaled(worst, z); };
+    each_binade(-1, highest, points, elastic::series_end, INFINITY, visit);
+    for (double octave = 0.0625; octave <= 2.0; octave *= 2.0) { // edges of the fitted pieces
+        around(1.0 / octave, elastic::series_end, INFINITY, visit);
+        around(1.0 / (1.5 * octave), elastic::series_end, INFINITY, visit);
+    }
+    return worst;
+}
+
+void check_scaled(const WorstUlps& worst) {
+    CAPTURE(worst.k0, worst.k1, worst.d1, worst.d2);
+    CHECK(worst.k0 <= 4.0); // the header's claims
+    CHECK(worst.k1 <= 4.0);
+    CHECK(worst.d1 <= 4.0);
+    CHECK(worst.d2 <= 4.0);
+}
+
+} // namespace
+
+TEST_CASE("scaled Bessel functions in every binade and around every edge") { check_scaled(scaled_worst(3)); }
+
+TEST_CASE("scaled Bessel functions, many points", "[.][long]") {
+    const WorstUlps worst = scaled_worst(400);
+    std::printf("scaled: k0 %.2f, k1 %.2f, d1 %.2f, d2 %.2f ulp\n", worst.k0, worst.k1, worst.d1, worst.d2);
+    check_scaled(worst);
+}
+
+TEST_CASE("plain Bessel functions down to z = 1e-120") {
+    WorstUlps worst;
+    const auto visit = [&](double z) { add_plain(worst, z); };
+    each_binade(-399, 0, 4, 0.0, elastic::series_end, visit);
+    each_binade(-8, 0, 60, 0.0, elastic::series_end, visit);
+    around(elastic::series_end, 0.0, elastic::series_end, visit);
+    CAPTURE(worst.k0, worst.k1, worst.d1, worst.d2);
+    CHECK(worst.k0 <= 3.0); // the header's claims
+    CHECK(worst.k1 <= 3.0);
+    CHECK(worst.d1 <= 6.0);
+    CHECK(worst.d2 <= 6.0);
+}
+
+TEST_CASE("core Bessel functions in every binade") {
+    WorstUlps worst;
+    const auto visit = [&](double z) { add_core(worst, z); };
+    each_binade(lowest, 0, 1, 0.0, elastic::series_end, visit);
+    each_binade(-8, 0, 60, 0.0, elastic::series_end, visit);
+    around(elastic::series_end, 0.0, elastic::series_end, visit);
+    CAPTURE(worst.k0, worst.kappa1);
+    CHECK(worst.k0 <= 3.0);
+    CHECK(worst.kappa1 <= 4.0);
+}
+
+TEST_CASE("a count of ulps can fail") {
+    CHECK(ulps(1.0, 1) == 0.0);
+    CHECK(ulps(std::nextafter(1.0, 2.0), 1) == 1.0);
+    CHECK(ulps(1.0 + 0x1p-46, 1) == 64.0);
+    WorstUlps worst;
+    worst.include({1.0, 2.0, 1.0, 0.5}, {1, 2, 1, Real(0.5) + Real(0x1p-40)});
+    CHECK(worst.k0 == 0.0);
+    CHECK(worst.d2 > 1e3);
+}
