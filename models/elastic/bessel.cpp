@@ -79,11 +79,9 @@ Bessel plain_bessel(double z) {
     return {k0, k1, d1, k1 * inverse - 2.0 * d1};
 }
 
-Bessel scaled_bessel(double z) {
-    const double t = 1.0 / z;
+Bessel scaled_bessel(double t, double root) {
     const TailPiece& at = piece(t);
     const Pair sum = polynomial(at, at.slope * t + at.offset);
-    const double root = std::sqrt(0.5 * std::numbers::pi * t); // K0 and K1 far out
     const double d1 = 0.5 * t * root * sum[0], d2 = 0.75 * t * t * root * sum[1];
     const double k1 = root * (sum[0] + 0.75 * t * sum[1]);
     return {k1 - d1, k1, d1, d2};

@@ -13,6 +13,8 @@ struct Difference {
     double x = 0, y = 0, xx = 0, xy = 0, yy = 0;
 };
 
+WaveNumber wave_number(double a) { return {{a, 0.0}, 1.0 / a, std::sqrt(1.0 / a)}; }
+
 /// D for nearly equal potentials as the integral of dG_a/da from nu to 1 (4-point Gauss-Legendre, two nodes
 /// at a time): direct subtraction would lose 1/|1 - nu|. By homogeneity a dG_a/da = (X d_X + Y d_Y) G_a.
 Difference difference_by_integral(const Geometry& at, const Field::Constants& medium, bool core) {
@@ -25,7 +27,7 @@ Difference difference_by_integral(const Geometry& at, const Field::Constants& me
     for (int k = 0; k < 2; ++k) {
         const double a0 = 1.0 - node[k] * medium.delta, a1 = 1.0 - (1.0 - node[k]) * medium.delta;
         const Pair part = weight[k] * medium.delta / Pair{a0, a1};
-        const Derivatives d = potentials(at, {a0, 0.0}, {a1, 0.0}, core, Order::third).d;
+        const Derivatives d = potentials(at, wave_number(a0), wave_number(a1), core, Order::third).d;
         sum.x += sum_of(part * (d.x + at.X * d.xx + at.Y * d.xy));
         sum.y += sum_of(part * (d.y + at.X * d.xy + at.Y * d.yy));
         sum.xx += sum_of(part * (2.0 * d.xx + at.X * d.xxx + at.Y * d.xxy));

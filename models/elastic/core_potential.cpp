@@ -31,10 +31,10 @@ Pair exp_remainder(Pair X) {
     return X2 * (even + X * odd);
 }
 
-/// Derivatives of the radial function phi = K0(s) + ln s.
-Derivatives regular_part(const Geometry& at, Pair s, const CoreBessel& k, Order order) {
+/// Derivatives of the radial function phi = K0(s) + ln s, u = 1/s.
+Derivatives regular_part(const Geometry& at, Pair u, const CoreBessel& k, Order order) {
     const double c = at.c, q = at.q;
-    const Pair u = 1.0 / s, f1 = -k.kappa1, f1_u = f1 * u, f2 = k.k0 - f1_u;
+    const Pair f1 = -k.kappa1, f1_u = f1 * u, f2 = k.k0 - f1_u;
     Derivatives d{};
     d.x = c * f1;
     d.y = q * f1;
@@ -52,9 +52,8 @@ Derivatives regular_part(const Geometry& at, Pair s, const CoreBessel& k, Order 
 }
 
 /// Derivatives of ln s: the real part of the powers of 1/(X + iY).
-Derivatives log_part(const Geometry& at, Pair s) {
+Derivatives log_part(const Geometry& at, Pair u) {
     const double c = at.c, q = at.q;
-    const Pair u = 1.0 / s;
     Derivatives d{};
     d.x = c * u;
     d.y = q * u;
@@ -69,11 +68,12 @@ Derivatives log_part(const Geometry& at, Pair s) {
 
 // In Z = a X: G = e (phi - L), e = exp(-Z), L = ln; with m = e - 1 and m2 = e - 1 + Z the singular parts that
 // stay are G + L = e phi - m L, and of second order G + L - Z L.
-Potentials core_potentials(const Geometry& at, Pair a, Order order) {
+Potentials core_potentials(const Geometry& at, const WaveNumber& a0, const WaveNumber& a1, Order order) {
+    const Pair a{a0.a.high, a1.a.high}, u = at.inverse * Pair{a0.inverse, a1.inverse};
     const Pair Z = a * at.X, s = a * at.s;
     const CoreBessel k = core_bessel(s, Pair{std::log(0.5 * s[0]), std::log(0.5 * s[1])});
     const Pair m2 = exp_remainder(Z), m = m2 - Z, e = 1.0 + m;
-    const Derivatives phi = regular_part(at, s, k, order), log = log_part(at, s);
+    const Derivatives phi = regular_part(at, u, k, order), log = log_part(at, u);
     Potentials result;
     Derivatives& d = result.d;
     d.x = a * (e * (phi.x - k.k0) - m * log.x);

@@ -60,19 +60,22 @@ Field::Field(const Medium& medium) : medium_(medium) {
                  sum_low = medium.eta >= 1.0 ? 1.0 - (sum - medium.eta) : medium.eta - (sum - 1.0);
     const double nu = 1.0 / sum;
     const double nu_low = (std::fma(-nu, sum, 1.0) - nu * sum_low) / sum;
-    constants_ = {nu, nu_low, medium.eta / sum, 0.5 / medium.xi, 2.0 * medium.xi};
+    constants_ = {nu, nu_low, medium.eta / sum, sum, std::sqrt(sum), 0.5 / medium.xi, 2.0 * medium.xi};
 }
 
 FieldValues Field::at(double x, double y, Wanted wanted) const {
     const Constants& m = constants_;
     const Geometry at(m, x, y);
+    const WaveNumber shear{{1.0, 0.0}, 1.0, 1.0},
+        longitudinal{{m.nu, m.nu_low}, m.inverse_nu, m.inverse_root_nu};
     const bool core = in_core(at, m.nu);
-    const Potentials g = potentials(at, {1.0, 0.0}, {m.nu, m.nu_low}, core, highest_order(wanted));
+    const Potentials g = potentials(at, shear, longitudinal, core, highest_order(wanted));
     Combination sum = combine(at, m, g, core);
     if (core)
         add_singular(sum, at, m);
 
-    const double unit = 0.5 * std::numbers::inv_pi / at.boost, third = unit * m.c_shear * m.c_shear;
+    const double unit = 0.5 * std::numbers::inv_pi * (at.boost > 1.0 ? 1.0 / at.boost : 1.0),
+                 third = unit * m.c_shear * m.c_shear;
     FieldValues f = plain_values(sum, wanted, unit, m.c_shear);
     if (wanted.slopes)
         add_slopes(f, slopes(at, m, g, core), wanted, third, third * m.c_shear);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace rodwake::elastic {
 
@@ -75,17 +76,32 @@ constexpr double huge_exponent = 500.0;
 /// Beyond this it is 0, boosted or not, and its tail no longer matters.
 constexpr double vanishing_exponent = 1e4;
 
-/// s where the squares of the coordinates overflow or underflow; there too every illegal point ends up.
-double extreme_distance(double X, double Y) {
-    const double s = std::hypot(X, Y);
+/// s and its parts where the squares of the coordinates overflow or underflow; every illegal point ends up
+/// here.
+struct Distances {
+    double s, inverse; ///< 1/s
+    double far, near;  ///< s + |X|, s - |X|
+};
+
+Distances extreme_distances(double X, double Y) {
+    const double s = std::hypot(X, Y), far = s + std::abs(X);
     if (!(s < 1e300))
         throw InputError(
-            "the field is known at finite points only, r/xi < 1e300: got a coordinate that is not a number, "
-            "infinite or beyond");
+            "the field is known at finite points only, r/xi < 1e300: got a coordinate that is not "
+            "a number, infinite or beyond");
     if (s <= 0.5e-100)
         throw InputError(
             "the field is singular at the rod itself (r <= 1e-100 xi): move the point off the rod");
-    return s;
+    return {s, 1.0 / s, far, Y * (Y / far)};
+}
+
+/// One division for both quotients: it and the square roots are what a point costs most.
+Distances distances(double X, double Y) {
+    const double square = X * X + Y * Y;
+    if (!(square > 1e-190 && square < 1e280))
+        return extreme_distances(X, Y);
+    const double s = std::sqrt(square), far = s + std::abs(X), u = 1.0 / (s * far);
+    return {s, far * u, far, Y * Y * (s * u)};
 }
 
 } // namespace
@@ -93,20 +109,20 @@ double extreme_distance(double X, double Y) {
 Geometry::Geometry(const Field::Constants& medium, double x, double y) {
     X = x * medium.c_shear;
     Y = y * medium.c_shear;
-    const double square = X * X + Y * Y;
-    s = square > 1e-190 && square < 1e280 ? std::sqrt(square) : extreme_distance(X, Y);
-    inverse = 1.0 / s;
+    const Distances d = distances(X, Y);
+    s = d.s;
+    inverse = d.inverse;
+    root = std::sqrt(0.5 * std::numbers::pi * inverse);
     c = X * inverse;
     q = Y * inverse;
-    const double far = s + std::abs(X);
-    const double both[] = {Y * (Y / far), far}; // picked by index: a branch here would be taken at random
+    const double both[] = {d.near, d.far}; // picked by index: a branch here would be taken at random
     const bool ahead = X >= 0.0;
     w = {both[ahead], 0.0};
     p = both[ahead] * inverse;
     n = both[!ahead] * inverse;
-    const double fastest = w.high * std::max(1.0, medium.nu);
+    const double fastest = w.high * std::max(1.0, medium.nu), slowest = w.high * std::min(1.0, medium.nu);
     boost = fastest > huge_exponent ? 0x1p200 : 1.0;
-    if (fastest > small_exponent)
+    if (fastest > small_exponent && slowest < vanishing_exponent)
         w = precise_exponent(medium, x, y);
 }
 

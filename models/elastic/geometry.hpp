@@ -15,6 +15,7 @@ struct DoubleDouble {
 struct Geometry {
     double X, Y, s;
     double inverse; ///< 1/s
+    double root;    ///< sqrt(pi/(2 s)), K0 and K1 far out
     double c, q;    ///< X/s = cos, Y/s = sin of the angle from the heading
     double p, n;    ///< 1 + c and 1 - c, each accurate where it is small: on the wake axis, on the axis ahead
     DoubleDouble w; ///< s + X, the shear exponent; Y^2/(s - X) behind
@@ -23,6 +24,12 @@ struct Geometry {
 
     /// Throws InputError unless the point is finite and off the rod.
     Geometry(const Field::Constants& medium, double x, double y);
+};
+
+/// A wave number a of a potential in units of c_T, with what of it costs a division or a root.
+struct WaveNumber {
+    DoubleDouble a;
+    double inverse, inverse_root; ///< 1/a, 1/sqrt(a)
 };
 
 DoubleDouble times(DoubleDouble a, DoubleDouble b);

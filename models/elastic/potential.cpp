@@ -15,17 +15,17 @@ struct Lane {
     double e;
 };
 
-Lane lane(const Geometry& at, DoubleDouble a) {
-    const double z =
-        std::min(a.high * at.s, 1e300); // beyond, products overflow; a medium with nu > 1e8 at 1e300 xi
+Lane lane(const Geometry& at, const WaveNumber& wave) {
+    const double a = wave.a.high, z = a * at.s;
     if (z > series_end)
-        return {scaled_bessel(z), exp_minus(times(a, at.w), at.boost)};
-    return {plain_bessel(z), at.boost * std::exp(-a.high * at.X)};
+        return {scaled_bessel(at.inverse * wave.inverse, at.root * wave.inverse_root),
+                exp_minus(times(wave.a, at.w), at.boost)};
+    return {plain_bessel(z), at.boost * std::exp(-a * at.X)};
 }
 
-void add_third(Derivatives& d, const Geometry& at, Pair z, Pair k0, Pair k1, Pair d1, Pair d2, Pair scale) {
+void add_third(Derivatives& d, const Geometry& at, Pair t, Pair k0, Pair k1, Pair d1, Pair d2, Pair scale) {
     const double p = at.p, q = at.q, qq = at.p * at.n;
-    const Pair t = 1.0 / z, ratio = d2 + 2.0 * d1, k2 = k0 + 2.0 * ratio, step = 2.0 * ratio - d1; // k2 - k1
+    const Pair ratio = d2 + 2.0 * d1, k2 = k0 + 2.0 * ratio, step = 2.0 * ratio - d1; // k2 - k1
     const Pair k2_t = k2 * t, k3 = k1 + 4.0 * k2_t;
     d.xyy = scale * (qq * (4.0 * k2_t - step) - step * t + p * (k2_t - qq * k3));
     d.yyy = scale * q * (3.0 * k2_t - qq * k3);
@@ -41,10 +41,10 @@ void add_third(Derivatives& d, const Geometry& at, Pair z, Pair k0, Pair k1, Pai
 
 } // namespace
 
-Potentials scaled_potentials(const Geometry& at, DoubleDouble a0, DoubleDouble a1, Order order) {
+Potentials scaled_potentials(const Geometry& at, const WaveNumber& a0, const WaveNumber& a1, Order order) {
     const auto [f, e_f] = lane(at, a0);
     const auto [g, e_g] = lane(at, a1);
-    const Pair a{a0.high, a1.high}, first = a * Pair{e_f, e_g};
+    const Pair a{a0.a.high, a1.a.high}, first = a * Pair{e_f, e_g};
     const Pair k0{f.k0, g.k0}, k1{f.k1, g.k1}, d1{f.d1, g.d1}, d2{f.d2, g.d2};
     const double p = at.p, q = at.q;
     Potentials result;
@@ -60,14 +60,15 @@ Potentials scaled_potentials(const Geometry& at, DoubleDouble a0, DoubleDouble a
     d.xy = second * (q * (p * k1 + (p - 1.0) * e1));
     d.yy = second * (p * at.n * (k0 + 2.0 * ratio) - ratio);
     if (order == Order::third)
-        add_third(d, at, a * at.s, k0, k1, d1, d2, a * second);
+        add_third(d, at, at.inverse * Pair{a0.inverse, a1.inverse}, k0, k1, d1, d2, a * second);
     return result;
 }
 
 bool in_core(const Geometry& at, double largest_a) { return at.s * std::max(1.0, largest_a) <= series_end; }
 
-Potentials potentials(const Geometry& at, DoubleDouble a0, DoubleDouble a1, bool core, Order order) {
-    return core ? core_potentials(at, Pair{a0.high, a1.high}, order) : scaled_potentials(at, a0, a1, order);
+Potentials potentials(const Geometry& at, const WaveNumber& a0, const WaveNumber& a1, bool core,
+                      Order order) {
+    return core ? core_potentials(at, a0, a1, order) : scaled_potentials(at, a0, a1, order);
 }
 
 } // namespace rodwake::elastic

@@ -25,14 +25,14 @@ struct Potentials {
 
 /// Away from the core. Relative error of each derivative a few ulp of its largest part, which on the axis is
 /// the derivative itself, ahead and behind.
-Potentials scaled_potentials(const Geometry& at, DoubleDouble a0, DoubleDouble a1, Order order);
+Potentials scaled_potentials(const Geometry& at, const WaveNumber& a0, const WaveNumber& a1, Order order);
 
 /// The core, a s <= series_end: first derivatives of G_a + ln s, higher ones of G_a + (1 - a X) ln s. What is
 /// left grows like ln s and no faster, third derivatives like ln(s)/s.
-Potentials core_potentials(const Geometry& at, Pair a, Order order);
+Potentials core_potentials(const Geometry& at, const WaveNumber& a0, const WaveNumber& a1, Order order);
 
 /// Both by the rule above: core if both a s <= series_end.
 bool in_core(const Geometry& at, double largest_a);
-Potentials potentials(const Geometry& at, DoubleDouble a0, DoubleDouble a1, bool core, Order order);
+Potentials potentials(const Geometry& at, const WaveNumber& a0, const WaveNumber& a1, bool core, Order order);
 
 } // namespace rodwake::elastic

@@ -173,6 +173,7 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
     ode.rhs = [model](double, State y, std::span<double> ydot) { model->rhs(y, ydot); };
     ode.jacobian = [model](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { model->jacobian(y, j); };
     ode.component_name = RodModel::component_name;
+    ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
     if (problem.contact_distance && problem.rods.size() > 1)
         ode.events.push_back(contact_event(*problem.contact_distance));
     return ode;

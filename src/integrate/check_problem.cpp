@@ -10,7 +10,7 @@ namespace rodwake::integrate {
 namespace {
 
 /// Below this CVODES finds its own round-off; above the other the error estimate means nothing.
-constexpr double min_rtol = 1e-14, max_rtol = 0.1;
+constexpr double min_rtol = 1e-13, max_rtol = 0.1;
 
 void require(bool legal, const std::string& message) {
     if (!legal)

@@ -26,6 +26,11 @@ int call_jacobian(double t, N_Vector y, N_Vector, SUNMatrix matrix, void* calls,
     return static_cast<ProblemCalls*>(calls)->jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
 }
 
+int call_error_weights(N_Vector y, N_Vector weights, void* calls) {
+    static_cast<ProblemCalls*>(calls)->error_weights(elements(y), elements(weights));
+    return 0;
+}
+
 class CvodeStepper final : public Stepper {
 public:
     using Stepper::Stepper;
@@ -62,7 +67,7 @@ void CvodeStepper::start(double t, State y) {
     require(CVodeSetErrHandlerFn(cvode, keep_text, static_cast<Stepper*>(this)));
     require(CVodeInit(cvode, call_rhs, t, after_.get()));
     require(CVodeSetUserData(cvode, &calls_));
-    require(CVodeSStolerances(cvode, options_.rtol, options_.atol));
+    require(CVodeWFtolerances(cvode, call_error_weights));
     require(CVodeSetMaxHnilWarns(cvode, -1));
     require(CVodeSetInitStep(cvode, initial_step(t)));
     require(CVodeSetMaxStep(cvode, options_.max_step));

@@ -18,6 +18,11 @@ int call_rhs(double t, N_Vector y, N_Vector ydot, void* calls) {
     return static_cast<ProblemCalls*>(calls)->rhs(t, elements(y), elements(ydot));
 }
 
+int call_error_weights(N_Vector y, N_Vector weights, void* calls) {
+    static_cast<ProblemCalls*>(calls)->error_weights(elements(y), elements(weights));
+    return 0;
+}
+
 class ErkStepper final : public Stepper {
 public:
     ErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
@@ -53,7 +58,7 @@ void ErkStepper::start(double t, State y, double first_step) {
     require(ERKStepSetErrHandlerFn(erk, keep_text, static_cast<Stepper*>(this)));
     require(ERKStepSetUserData(erk, &calls_));
     require(ERKStepSetTable(erk, table_.get()));
-    require(ERKStepSStolerances(erk, options_.rtol, options_.atol));
+    require(ERKStepWFtolerances(erk, call_error_weights));
     require(ERKStepSetMaxHnilWarns(erk, -1));
     require(ERKStepSetInitStep(erk, first_step));
     require(ERKStepSetMaxStep(erk, options_.max_step));

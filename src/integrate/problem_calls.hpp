@@ -11,12 +11,14 @@ public:
     /// What a callback returns to SUNDIALS.
     enum Result : int { fine = 0, try_shorter_step = 1, give_up = -1 };
 
-    explicit ProblemCalls(const OdeProblem& problem) : problem_(problem) {}
+    ProblemCalls(const OdeProblem& problem, const OdeOptions& options);
 
     /// Once it has thrown it is not called again: CVODES' fixed-point iteration takes `give_up` for a failure
     /// to converge and retries.
     Result rhs(double t, State y, std::span<double> ydot) noexcept;
     Result jacobian(double t, State y, double* column_major) noexcept;
+    /// One over the tolerance of each component.
+    void error_weights(State y, std::span<double> weights) const noexcept;
     /// Throws StepFailure when the event throws or is not finite.
     double event(std::size_t index, double t, State y);
     /// Throws StepFailure when the function throws.
@@ -39,6 +41,7 @@ public:
 
 private:
     const OdeProblem& problem_;
+    double rtol_, atol_;
     long rhs_evaluations_ = 0, event_evaluations_ = 0;
     double last_time_ = 0.0;
     bool rhs_threw_ = false;

@@ -21,7 +21,7 @@ std::unique_ptr<Stepper> make_stepper(ProblemCalls& calls, const OdeOptions& opt
 class Run {
 public:
     Run(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times)
-        : options_(options), output_times_(output_times), calls_(problem),
+        : options_(options), output_times_(output_times), calls_(problem, options),
           stepper_(make_stepper(calls_, options, output_times.back())) {}
 
     Solution execute();

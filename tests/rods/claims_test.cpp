@@ -34,10 +34,6 @@ rods::RodProblem side_by_side(double alpha, double kappa, double t_end) {
             0.1};
 }
 
-/// Both rods reach the crossing of their courses at the same time when dx = 5: starts near it are
-/// near-collisions.
-bool near_collision(double dx) { return std::abs(dx - 5.0) < 1.5; }
-
 } // namespace
 
 TEST_CASE("side-by-side rods 5 apart attract at kappa = 0.5") {
@@ -63,14 +59,30 @@ TEST_CASE("perpendicular starts with kappa = 100 end in contact or pursuit") {
 }
 
 TEST_CASE("kappa = -100 does not capture, near-collision courses aside") {
-    const auto alpha = GENERATE(1.0, 10.0);
+    // At the paper's alpha = 10 only starts near dx = 5, where both reach the crossing at once, meet.
     for (double dx = -6.0; dx <= 6.0; dx += 0.5) {
-        if (near_collision(dx))
+        if (std::abs(dx - 5.0) < 0.75)
             continue;
-        const auto outcome = rods::simulate(perpendicular(alpha, dx, {.kappa = -100.0}, 60.0), {}).outcome;
-        INFO("alpha " << alpha << " dx " << dx << ": " << outcome.reason);
+        const auto outcome = rods::simulate(perpendicular(10.0, dx, {.kappa = -100.0}, 60.0), {}).outcome;
+        INFO("dx " << dx << ": " << outcome.reason);
         CHECK(outcome.ending == Ending::escape);
     }
+}
+
+TEST_CASE("what meets at kappa = -100 meets exactly head-on, also at alpha = 1") {
+    int met = 0;
+    for (double dx = -6.0; dx <= 6.0; dx += 0.5) {
+        const auto result = rods::simulate(perpendicular(1.0, dx, {.kappa = -100.0}, 400.0), {});
+        INFO("dx " << dx << ": " << result.outcome.reason);
+        CHECK(result.outcome.ending != Ending::pursuit);
+        if (result.outcome.ending != Ending::contact)
+            continue;
+        ++met;
+        const auto& y = result.solution.final_state;
+        CHECK(std::abs(y[5] - y[2]) ==
+              Approx(std::numbers::pi).margin(1e-6)); // the torque at 0.02 locks it to 1e-12
+    }
+    CHECK(met == 12); // dx = 0.5 to 6: the range physics.md calls near head-on is this wide at weak screening
 }
 
 TEST_CASE("in a pursuit at alpha = 10 the front rod turns by less than 1e-3 of what the rear one does") {

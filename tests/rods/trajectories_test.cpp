@@ -34,17 +34,15 @@ TEST_CASE("every reference trajectory and contact time is met by every method at
 TEST_CASE("the error falls in step with rtol from 1e-4 to 1e-11") {
     const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
     for (const ReferenceCase& reference : test::reference_cases()) {
-        const double loose =
-            test::worst_error(reference, rods::simulate(reference.problem, options(method, 1e-4)));
-        const double tight =
-            test::worst_error(reference, rods::simulate(reference.problem, options(method, 1e-11)));
-        INFO(reference.name << ", " << integrate::to_string(method) << ": " << loose << " -> " << tight);
-        // Error per unit step of order p goes as rtol^(p/(p+1)) to rtol: at least 5 of the 7 decades, unless
-        // the loose run is already near the floor of rounding (1e-12 of coordinates of order 10).
-        CHECK(tight <= std::max(1e-5 * loose, 1e-9));
-        // A loose tolerance may lose an encounter at kappa = 1e4, but never silently: errors stay below 1e4
-        // rtol.
-        CHECK(loose <= 1.0);
+        double first = 0.0, last = 0.0;
+        for (double rtol = 1e-4; rtol > 0.5e-11; rtol *= 0.1) {
+            last = test::worst_error(reference, rods::simulate(reference.problem, options(method, rtol)));
+            first = rtol == 1e-4 ? last : first;
+            INFO(reference.name << ", " << integrate::to_string(method) << ", rtol " << rtol << ": " << last);
+            CHECK(last <= 500.0 * rtol); // measured worst 320, the weakly attracted pair that meets at t = 40
+        }
+        INFO(reference.name << ", " << integrate::to_string(method) << ": " << first << " -> " << last);
+        CHECK(last <= 1e-4 * first); // 7 decades of rtol; a lucky loose run may hide two of them
     }
 }
 

@@ -12,8 +12,10 @@
 //
 // Accuracy: relative error in the vector or tensor norm <= 1e-14 typical, 2e-13 guaranteed by test for r/xi
 // in [1e-12, 1e8] and eta in [1e-6, 1e6] wherever the value exceeds 1e-290; smaller values underflow to 0,
-// never to NaN. Close to a curve on which a whole vector nearly vanishes the bound is relative to its largest
-// part. Domain: finite x, y with r > 0; the rod itself, r <= 1e-100 xi, throws InputError.
+// never to NaN. Close to a point or curve on which a whole vector nearly vanishes the bound is relative to
+// its largest part. The slopes and -1 < eta < 0 keep the same bound. Domain: finite x, y with 1e-100 < r/xi <
+// 1e300; any other point, the rod itself and NaN among them, throws InputError. Within 1e-90 xi of the rod
+// slopes may overflow.
 
 #include "rodwake/elastic/medium.hpp"
 
@@ -56,16 +58,17 @@ public:
     explicit Field(const Medium& medium);
 
     /// The field at (x, y) in the rod's frame: rod at the origin, heading along +x. Lengths in the unit of
-    /// medium.xi. Throws InputError at the rod itself.
+    /// medium.xi. Throws InputError outside the domain above.
     FieldValues at(double x, double y, Wanted wanted) const;
 
     const Medium& medium() const { return medium_; }
 
     struct Constants {
-        double nu;      ///< 1/(1 + eta) = c_L/c_T
-        double nu_low;  ///< what rounding nu left out
-        double delta;   ///< 1 - nu = eta/(1 + eta), without cancellation
-        double c_shear; ///< c_T = 1/(2 xi), 1/length
+        double nu;                          ///< 1/(1 + eta) = c_L/c_T
+        double nu_low;                      ///< what rounding nu left out
+        double delta;                       ///< 1 - nu = eta/(1 + eta), without cancellation
+        double inverse_nu, inverse_root_nu; ///< 1/nu, 1/sqrt(nu)
+        double c_shear;                     ///< c_T = 1/(2 xi), 1/length
         double two_xi;
     };
 

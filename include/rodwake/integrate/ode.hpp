@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +47,9 @@ struct OdeProblem {
     std::vector<Event> events;
     /// Name of component i in messages ("rods[3].theta"). Empty: "y[i]".
     std::function<std::string(std::size_t)> component_name;
+    /// The tolerance of component i is rtol min(|y_i|, relative_cap) + atol. Finite for coordinates whose origin means
+    /// nothing: the scale on which they matter, so that the result does not depend on where the origin is.
+    double relative_cap = std::numeric_limits<double>::infinity();
 };
 
 enum class Method {
@@ -70,14 +74,14 @@ struct Segment {
 
 struct OdeOptions {
     Method method = Method::adams;
-    double rtol = 1e-8;         ///< relative tolerance of the local error, each component; 1e-14 to 0.1
+    double rtol = 1e-8;         ///< relative tolerance of the local error, each component; 1e-13 to 0.1
     double atol = 1e-10;        ///< absolute tolerance, unit of the component; > 0
     long max_steps = 1'000'000; ///< ceiling on internal steps of the whole solve
     double initial_step = 0.0;  ///< of each segment; 0: chosen by the solver
     double max_step = 0.0;      ///< 0: none
     /// The method's history is discarded every so many steps, interrupted or not, so that a solve resumed
     /// from such a point repeats the uninterrupted one bit for bit.
-    long segment_steps = 5000;
+    long segment_steps = 10000;
     // Exceptions of these three reach the caller of solve().
     /// Polled once a step; true ends the solve as `interrupted`.
     std::function<bool()> stop_requested;
