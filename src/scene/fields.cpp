@@ -1,6 +1,8 @@
 #include "fields.hpp"
 
 #include "output_grid.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/elastic/medium.hpp"
 
 #include <fmt/format.h>
 
@@ -20,11 +22,11 @@ struct EtaForms {
         case 0:
             return eta.value_or(1.0);
         case 1:
-            return (1.0 + poisson_ratio.value_or(0.0)) / (1.0 - poisson_ratio.value_or(0.0));
+            return elastic::eta_from_poisson_ratio(poisson_ratio.value_or(0.0));
         case 2:
-            return (lame_lambda.value_or(0.0) + mu.value_or(1.0)) / mu.value_or(1.0);
+            return elastic::eta_from_lame(lame_lambda.value_or(0.0), mu.value_or(1.0));
         case 3:
-            return bulk_modulus.value_or(1.0) / mu.value_or(1.0);
+            return elastic::eta_from_bulk_modulus(bulk_modulus.value_or(1.0), mu.value_or(1.0));
         default:
             return 1.0;
         }
@@ -59,17 +61,14 @@ void eta_keys(Visitor& v, EtaForms& k) {
       k.mu);
 }
 
-void resolve_eta(Visitor& v, const EtaForms& keys, int form, Medium& medium) {
+void resolve_eta(Visitor& v, const EtaForms& keys, int form, Medium& medium) try {
     const double eta = keys.value(form);
-    if (eta > -1.0 && eta <= 1e12)
-        medium.eta = eta;
-    else if (form > 0)
-        v.complain(
-            form == 1 ? "poisson_ratio" : "mu",
-            fmt::format(
-                "gives eta = {}, which must be > -1 and <= 1e+12: the longitudinal modulus 1 + eta must "
-                "be positive",
-                eta));
+    elastic::validate({eta, 1.0});
+    medium.eta = eta;
+} catch (const InputError& error) { // a bad eta by itself has been reported by its range
+    constexpr const char* names[] = {"eta", "poisson_ratio", "lame_lambda", "bulk_modulus"};
+    if (form > 0)
+        v.complain(names[form], fmt::format("is not usable: {}", error.what()));
 }
 
 void resolve_times(Visitor& v, RodsRun& run, const std::vector<double>& times) {
@@ -93,6 +92,9 @@ void resolve_interval(Visitor& v, RodsRun& run, std::optional<double> interval) 
     run.output_times = output_grid(step, run.t_end);
 }
 
+/// Coordinates matter on the scale of f/mu, headings on that of a radian.
+double default_atol(double rtol) { return 0.01 * rtol; }
+
 void solver_fields(Visitor& v, RodsRun& run) {
     std::string form = "angle"; // the only one so far
     v(key("method")
@@ -109,11 +111,14 @@ void solver_fields(Visitor& v, RodsRun& run) {
           .example("\"angle\""),
       form);
     v(key("rtol").within(1e-13, 1e-1).doc("relative tolerance of the local error").example("1e-8"), run.rtol);
+    std::optional<double> atol = run.atol == default_atol(run.rtol) ? std::nullopt : std::optional(run.atol);
     v(key("atol")
           .above(0.0, 1.0)
+          .absent("rtol / 100")
           .doc("absolute tolerance of the local error, reduced units")
           .example("1e-10"),
-      run.atol);
+      atol);
+    v.one_form(false, {{"atol"}}, [&](int) { run.atol = atol.value_or(default_atol(run.rtol)); });
     v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
 }
 

@@ -59,7 +59,7 @@ struct RodsRun {
     std::vector<double> output_times;       ///< increasing, within (0, t_end]; ends with t_end (resolved)
     std::optional<double> contact_distance; ///< stop there; absent: no stop
     RodMethod method = RodMethod::automatic;
-    double rtol = 1e-8, atol = 1e-10;
+    double rtol = 1e-8, atol = 1e-10; ///< atol: rtol / 100 if not given
     long max_steps = 1'000'000;
 
     bool operator==(const RodsRun&) const = default;
