@@ -52,8 +52,11 @@ Potentials scaled_potentials(const Geometry& at, const WaveNumber& a0, const Wav
     result.drift = first * (at.n * k1 - d1);
     d.x = first * (d1 - p * k1);
     d.y = -first * (q * k1);
-    if (order == Order::first)
+    if (order == Order::first) {
+        d.xx = d.xy = d.yy =
+            Pair{}; // combined like the others, to no use: what is on the stack may be subnormal
         return result;
+    }
 
     const Pair ratio = d2 + 2.0 * d1, e1 = 2.0 * d2 + 3.0 * d1, second = a * first; // k1/z; k1/z - dk1/dz
     d.xx = second * (p * p * k0 + (1.0 - p) * d2 - p * (3.0 - 2.0 * p) * ratio);
