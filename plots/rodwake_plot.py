@@ -1,6 +1,7 @@
 """Draw the figures of a run directory and write its report: rodwake_plot.py RUN_DIR [--pdf] [--quiet] [--report-only]."""
 
 import argparse
+import contextlib
 import logging
 import os
 import sys
@@ -36,7 +37,8 @@ def plot(options):
 def main(argv=None):
     options = arguments(argv)
     try:
-        plot(options)
+        with contextlib.redirect_stdout(None if options.quiet else sys.stdout):
+            plot(options)
     except PlotError as error:
         message = str(error)
     except ImportError as error:

@@ -54,51 +54,6 @@ std::vector<double> output_times(const RodProblem& problem) {
     return times;
 }
 
-/// Follows the separations along the run: the smallest of all, and each pair's range over the last part.
-class SeparationRecord {
-public:
-    SeparationRecord(State start, double late_from) : late_from_(late_from) {
-        if (start.size() > 3) {
-            rods_ = start.size() / 3;
-            smallest_ = closest_pair(start);
-            late_.assign(rods_ * rods_, {std::numeric_limits<double>::infinity(), 0.0});
-        }
-    }
-
-    void add(const integrate::Step& step) {
-        if (rods_ == 0)
-            return;
-        keep_smaller(closest_pair(step.state));
-        if (const auto approach = closest_approach(step))
-            keep_smaller(approach->pair);
-        if (step.time >= late_from_)
-            add_late(step.state);
-    }
-
-    void keep_smaller(const Separation& pair) {
-        if (pair.distance < smallest_.distance)
-            smallest_ = pair;
-    }
-
-    void add_late(State y) {
-        for (std::size_t a = 0; a < rods_; ++a)
-            for (std::size_t b = a + 1; b < rods_; ++b) {
-                const double r = std::hypot(y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1]);
-                PairHistory& range = late_[a * rods_ + b];
-                range = {std::min(range.min_late, r), std::max(range.max_late, r)};
-            }
-    }
-
-    const Separation& smallest() const { return smallest_; }
-    const PairHistory& late(std::size_t a, std::size_t b) const { return late_[a * rods_ + b]; }
-
-private:
-    std::size_t rods_ = 0;
-    double late_from_;
-    Separation smallest_{0, 0, std::numeric_limits<double>::infinity()};
-    std::vector<PairHistory> late_;
-};
-
 void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& status) {
     if (!status.ok())
         outcome.reason = "the integration stopped early";
@@ -130,7 +85,7 @@ void classify(RodOutcome& outcome, const RodModel& model, State y, const Separat
     bool all_escape = true;
     for (std::size_t a = 0; a < model.rods(); ++a)
         for (std::size_t b = a + 1; b < model.rods(); ++b) {
-            const Ending ending = classify_pair(y, ydot, a, b, record.late(a, b), criteria);
+            const Ending ending = classify_pair(y, ydot, a, b, record.late[a * model.rods() + b], criteria);
             all_escape = all_escape && ending == Ending::escape;
             if (ending == Ending::pursuit && outcome.ending != Ending::pursuit) {
                 outcome.ending = Ending::pursuit;
@@ -150,10 +105,10 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
         outcome.turn.push_back(y[3 * a + 2] - problem.rods[a].heading);
     const bool contact = solution.status.outcome == integrate::Outcome::stopped_at_event;
     if (model.rods() > 1) {
-        record.add_late(y);
-        outcome.pair = contact ? closest_pair(y) : record.smallest();
+        add_late(record, y);
+        outcome.pair = contact ? closest_pair(y) : record.smallest;
     }
-    outcome.min_separation = contact ? outcome.pair.distance : record.smallest().distance;
+    outcome.min_separation = contact ? outcome.pair.distance : record.smallest.distance;
     if (contact)
         outcome.ending = Ending::contact;
     else if (solution.status.outcome == integrate::Outcome::reached_end && model.rods() > 1)
@@ -179,17 +134,71 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
     return ode;
 }
 
+namespace {
+
+/// Segments short enough that a checkpoint comes every few seconds: a step costs N (N - 1) field points.
+long segment_steps(std::size_t rods) {
+    const double steps = 2e7 / static_cast<double>(std::max<std::size_t>(rods * rods, 1));
+    return static_cast<long>(std::clamp(steps, 200.0, 10000.0));
+}
+
+integrate::Statistics operator+(integrate::Statistics a, const integrate::Statistics& b) {
+    a.steps += b.steps;
+    a.rhs_evaluations += b.rhs_evaluations;
+    a.jacobian_evaluations += b.jacobian_evaluations;
+    a.error_test_failures += b.error_test_failures;
+    a.convergence_failures += b.convergence_failures;
+    a.event_evaluations += b.event_evaluations;
+    return a;
+}
+
+RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& problem,
+                        const EndingCriteria& criteria) {
+    const double late_from = (1.0 - criteria.steady_fraction) * problem.t_end;
+    return {ode.start_time, ode.initial_state, {}, start_record(ode.initial_state, late_from), {}};
+}
+
+/// The outputs of the run as a whole: those before the checkpoint, then those of the part just solved.
+void prepend(integrate::Solution& part, const RodCheckpoint& from, const std::vector<double>& times) {
+    const auto done = static_cast<std::ptrdiff_t>(from.outputs.size());
+    part.times.insert(part.times.begin(), times.begin(), times.begin() + done);
+    part.states.insert(part.states.begin(), from.outputs.begin(), from.outputs.end());
+    part.statistics = from.statistics + part.statistics;
+}
+
+} // namespace
+
 RodResult simulate(const RodProblem& problem, const RodOptions& options) {
-    const integrate::OdeProblem ode = to_ode(problem);
-    SeparationRecord record(ode.initial_state, (1.0 - options.criteria.steady_fraction) * problem.t_end);
+    integrate::OdeProblem ode = to_ode(problem);
+    const RodCheckpoint from =
+        options.resume_from ? *options.resume_from : beginning(ode, problem, options.criteria);
+    ode.start_time = from.time;
+    ode.initial_state = from.state;
+    SeparationRecord record = from.record;
+
     integrate::OdeOptions solver = options.ode;
+    solver.segment_steps = std::min(solver.segment_steps, segment_steps(problem.rods.size()));
     solver.on_step = [&](const integrate::Step& step) {
-        record.add(step);
+        add_step(record, step);
         if (options.ode.on_step)
             options.ode.on_step(step);
     };
+    solver.on_segment = [&](const integrate::Segment& segment) {
+        if (!options.on_checkpoint)
+            return;
+        std::vector<std::vector<double>> outputs = from.outputs;
+        outputs.insert(outputs.end(), segment.outputs.begin(), segment.outputs.end());
+        options.on_checkpoint({segment.time,
+                               {segment.state.begin(), segment.state.end()},
+                               std::move(outputs),
+                               record,
+                               from.statistics + segment.statistics});
+    };
+
+    const std::vector<double> times = output_times(problem);
     RodResult result;
-    result.solution = integrate::solve(ode, solver, output_times(problem));
+    result.solution = integrate::solve(ode, solver, std::span(times).subspan(from.outputs.size()));
+    prepend(result.solution, from, times);
     const RodModel model(problem.medium, problem.couplings, problem.rods.size());
     result.outcome = conclude(problem, model, result.solution, record, options.criteria);
     return result;

@@ -87,6 +87,8 @@ void store_grid(Session& session, const elastic::Field& field) {
     const auto x = evenly_spaced(table.x[0], table.x[1], static_cast<std::size_t>(table.nx));
     const auto y = evenly_spaced(table.y[0], table.y[1], static_cast<std::size_t>(table.ny));
     const auto values = evaluate_grid(field, x, y, session.options.threads);
+    if (stop_signal())
+        return; // part of a grid is no grid
     const OutputUnits& units = session.units;
     session.results.dataset("/field/grid/x", scaled(x, units.length), {x.size()}, units.length_name);
     session.results.dataset("/field/grid/y", scaled(y, units.length), {y.size()}, units.length_name);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <exception>
 
 namespace rodwake::cli {
@@ -28,6 +29,13 @@ int dispatch(const Options& options) {
     return 2;
 }
 
+/// What a verb prints may still be in the buffer; a full disk shows here.
+int flushed(int code) {
+    if (std::fflush(stdout) == 0)
+        return code;
+    throw RunError("cannot write to standard output");
+}
+
 int fail(const std::exception& error, int code) {
     fmt::print(stderr, "rodwake: {}\n", error.what());
     return code;
@@ -44,7 +52,7 @@ int main(int argc, char** argv) {
         return parsed.exit_code;
     install_signal_handlers();
     try {
-        return dispatch(parsed.options);
+        return flushed(dispatch(parsed.options));
     } catch (const rodwake::InputError& error) {
         return fail(error, 2);
     } catch (const std::exception& error) {

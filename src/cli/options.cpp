@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace rodwake::cli {
 
 namespace {
@@ -76,6 +78,16 @@ std::string joined(int argc, const char* const* argv) {
     return fmt::format("{}", fmt::join(argv, argv + argc, " "));
 }
 
+/// CLI11 would only say that a verb is missing.
+void refuse_unknown_verb(const CLI::App& app, int argc, const char* const* argv) {
+    std::vector<std::string> verbs;
+    for (const CLI::App* verb : app.get_subcommands({}))
+        verbs.push_back(verb->get_name());
+    if (argc < 2 || argv[1][0] == '-' || std::ranges::find(verbs, argv[1]) != verbs.end())
+        return;
+    throw CLI::ValidationError(argv[1], fmt::format("no such verb; legal: {}", fmt::join(verbs, ", ")));
+}
+
 } // namespace
 
 Parsed parse_command_line(int argc, const char* const* argv) {
@@ -88,6 +100,7 @@ Parsed parse_command_line(int argc, const char* const* argv) {
                std::string(exit_codes));
     add_verbs(app, parsed.options);
     try {
+        refuse_unknown_verb(app, argc, argv);
         app.parse(argc, argv);
         if (parsed.options.verb == Verb::field &&
             parsed.options.target.empty() == parsed.options.points.empty())

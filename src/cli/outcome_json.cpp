@@ -22,12 +22,12 @@ const char* status_name(integrate::Outcome outcome) {
     return "failed";
 }
 
-nlohmann::ordered_json solver_json(const rods::RodResult& result, const scene::RodsRun& run) {
+nlohmann::ordered_json solver_json(const rods::RodResult& result, const integrate::OdeOptions& ode) {
     const integrate::Statistics& n = result.solution.statistics;
     nlohmann::ordered_json solver;
-    solver["method"] = integrate::to_string(ode_options(run).method);
-    solver["rtol"] = run.rtol;
-    solver["atol"] = run.atol;
+    solver["method"] = integrate::to_string(ode.method);
+    solver["rtol"] = ode.rtol;
+    solver["atol"] = ode.atol;
     solver["status"] = status_name(result.solution.status.outcome);
     solver["steps"] = n.steps;
     solver["rhs_evaluations"] = n.rhs_evaluations;
@@ -41,7 +41,8 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const scene::R
 
 } // namespace
 
-std::string outcome_json(const rods::RodResult& result, const scene::RodsRun& run, const OutputUnits& units) {
+std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,
+                         const OutputUnits& units) {
     const rods::RodOutcome& outcome = result.outcome;
     nlohmann::ordered_json json;
     json["outcome"] = rods::to_string(outcome.ending);
@@ -56,7 +57,7 @@ std::string outcome_json(const rods::RodResult& result, const scene::RodsRun& ru
     json["turn"] = outcome.turn;
     json["reason"] = outcome.reason;
     json["units"] = {{"length", units.length_name}, {"time", units.time_name}, {"turn", "rad"}};
-    json["solver"] = solver_json(result, run);
+    json["solver"] = solver_json(result, ode);
     return json.dump(2) + "\n";
 }
 

@@ -1,10 +1,15 @@
 #include "rodwake/core/error.hpp"
+#include "signals.hpp"
 #include "stages.hpp"
 
+#include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <spawn.h>
+#include <thread>
 #include <vector>
 
 extern char** environ;
@@ -26,6 +31,17 @@ fs::path plotting_program() {
     return fs::path(RODWAKE_SOURCE_PLOTS) / "rodwake_plot.py";
 }
 
+/// Passes a signal that asks us to stop on to the child; Ctrl-C reaches it anyway, SIGTERM does not.
+int wait_for(pid_t child) {
+    int status = 0;
+    while (::waitpid(child, &status, WNOHANG) == 0) {
+        if (stop_signal())
+            ::kill(child, SIGTERM);
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return status;
+}
+
 int run(const std::vector<std::string>& command) {
     std::vector<char*> arguments;
     for (const std::string& word : command)
@@ -36,8 +52,7 @@ int run(const std::vector<std::string>& command) {
     if (::posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
         throw RunError(command[0] + ": cannot be run; figures need python3 with matplotlib and h5py "
                                     "(tools/quickstart --deps-only installs them)");
-    int status = 0;
-    ::waitpid(child, &status, 0);
+    const int status = wait_for(child);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
@@ -49,9 +64,10 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet) {
         command.emplace_back("--pdf");
     if (quiet)
         command.emplace_back("--quiet");
-    if (run(command) != 0)
-        throw RunError("the figures could not be made (see above); the results themselves are in " +
-                       run_directory.string());
+    if (run(command) != 0 && !stop_signal())
+        throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "
+                                   "{0}, and rodwake plot {0} tries again",
+                                   run_directory.string()));
 }
 
 } // namespace rodwake::cli

@@ -1,5 +1,7 @@
 #include "problems.hpp"
 
+#include "rodwake/rods/method.hpp"
+
 namespace rodwake::cli {
 
 rods::Couplings couplings_of(const scene::Scene& scene) {
@@ -25,21 +27,27 @@ rods::RodProblem rod_problem(const scene::Scene& scene) {
     return problem;
 }
 
-integrate::OdeOptions ode_options(const scene::RodsRun& run) {
-    integrate::OdeOptions options;
-    switch (run.method) {
+namespace {
+
+integrate::Method method_of(scene::RodMethod method, const rods::RodProblem& problem) {
+    switch (method) {
     case scene::RodMethod::bdf:
-        options.method = integrate::Method::bdf;
-        break;
+        return integrate::Method::bdf;
     case scene::RodMethod::adams:
-        options.method = integrate::Method::adams;
-        break;
+        return integrate::Method::adams;
     case scene::RodMethod::erk:
-    case scene::RodMethod::automatic: // rods are not stiff up to contact: docs/validation.md, choice of
-                                      // method
-        options.method = integrate::Method::erk;
+        return integrate::Method::erk;
+    case scene::RodMethod::automatic:
         break;
     }
+    return rods::suitable_method(problem);
+}
+
+} // namespace
+
+integrate::OdeOptions ode_options(const scene::RodsRun& run, const rods::RodProblem& problem) {
+    integrate::OdeOptions options;
+    options.method = method_of(run.method, problem);
     options.rtol = run.rtol;
     options.atol = run.atol;
     options.max_steps = run.max_steps;

@@ -10,7 +10,8 @@ namespace rodwake::cli {
 
 rods::Couplings couplings_of(const scene::Scene& scene);
 rods::RodProblem rod_problem(const scene::Scene& scene);
-integrate::OdeOptions ode_options(const scene::RodsRun& run);
+/// Method "auto" is settled here, by rods::suitable_method.
+integrate::OdeOptions ode_options(const scene::RodsRun& run, const rods::RodProblem& problem);
 
 /// What one reduced unit is worth in the results, and its name: reduced scenes report reduced numbers, SI
 /// scenes SI.

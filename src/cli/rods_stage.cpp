@@ -1,3 +1,4 @@
+#include "checkpoint.hpp"
 #include "progress.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/scene/read.hpp"
@@ -17,29 +18,47 @@ struct Case {
     std::string label;  ///< for legends
     std::string folder; ///< where its files go, "" or "variants/<name>/"
     scene::Scene scene;
+    rods::RodProblem problem;
+    rods::RodOptions options;
     rods::RodResult result;
+
+    std::string checkpoint_file() const { return folder + "checkpoint.json"; }
 };
+
+Case make_case(std::string name, std::string label, std::string folder, scene::Scene scene) {
+    Case one{std::move(name), std::move(label), std::move(folder), std::move(scene), {}, {}, {}};
+    one.problem = rod_problem(one.scene);
+    one.options.ode = ode_options(*one.scene.rods_run, one.problem);
+    return one;
+}
 
 std::vector<Case> cases_of(const scene::Scene& scene) {
     std::vector<Case> cases;
-    cases.push_back({"scene", "", "", scene, {}});
+    cases.push_back(make_case("scene", "", "", scene));
     for (const scene::Variant& variant : scene.variants)
-        cases.push_back({variant.name,
-                         variant.label.empty() ? variant.name : variant.label,
-                         "variants/" + variant.name + "/",
-                         scene::apply_variant(scene, variant),
-                         {}});
+        cases.push_back(make_case(variant.name, variant.label.empty() ? variant.name : variant.label,
+                                  "variants/" + variant.name + "/", scene::apply_variant(scene, variant)));
     return cases;
 }
 
-void solve(Session& session, Case& one, bool show_progress) {
-    Progress progress(session.log, !show_progress || session.options.quiet, "rods", one.scene.rods_run->t_end,
-                      "t");
-    rods::RodOptions options;
-    options.ode = ode_options(*one.scene.rods_run);
-    options.ode.stop_requested = [] { return stop_signal() != 0; };
-    options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
-    one.result = rods::simulate(rod_problem(one.scene), options);
+void resume(const Session& session, Case& one) {
+    const auto file = session.directory.file(one.checkpoint_file());
+    one.options.resume_from = session.options.force ? std::nullopt : read_checkpoint(file, one.scene);
+    if (one.options.resume_from)
+        session.log->info("rods: going on from the checkpoint at t = {:.6g}", one.options.resume_from->time);
+}
+
+void solve(const Session& session, Case& one, bool show_progress) {
+    Progress progress(session.log, !show_progress || session.options.quiet, "rods", one.problem.t_end, "t");
+    one.options.ode.stop_requested = [] { return stop_signal() != 0; };
+    one.options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
+    one.options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) {
+        session.directory.write(one.checkpoint_file(), checkpoint_json(checkpoint, one.scene));
+    };
+    resume(session, one);
+    one.result = rods::simulate(one.problem, one.options);
+    if (one.result.solution.status.outcome != integrate::Outcome::interrupted)
+        std::filesystem::remove(session.directory.file(one.checkpoint_file()));
 }
 
 /// Columns t, x0, y0, theta0, x1, ... in output units; the end of the run (contact, failure) is the last row.
@@ -112,7 +131,7 @@ void store(Session& session, const Case& one, std::int64_t order) {
     store_attributes(session, one, group, order);
     session.directory.write(one.folder + "rods.csv", store::to_csv(columns.names, columns.values));
     session.directory.write(one.folder + "outcome.json",
-                            outcome_json(one.result, *one.scene.rods_run, session.units));
+                            outcome_json(one.result, one.options.ode, session.units));
 }
 
 StageEnd report(const Session& session, const Case& one) {

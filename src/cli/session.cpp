@@ -3,9 +3,18 @@
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/scene/write.hpp"
 
+#include <spdlog/sinks/sink.h>
+
 namespace rodwake::cli {
 
 namespace {
+
+/// The run directory, marked before the first other file: whatever fails afterwards, it can be taken over.
+store::RunDirectory begun(const Options& options, const scene::Scene& scene) {
+    store::RunDirectory directory(output_folder(options), options.force);
+    directory.begin(store::provenance_json({options.command, scene.path, "unfinished", options.seed, 0.0}));
+    return directory;
+}
 
 void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const OutputUnits& units) {
     results.attribute("/", "schema", std::int64_t{1});
@@ -38,13 +47,12 @@ std::filesystem::path output_folder(const Options& options) {
 }
 
 Session::Session(const Options& given, scene::Scene read)
-    : options(given), scene(std::move(read)), directory(output_folder(given), given.force),
+    : options(given), scene(std::move(read)), directory(begun(given, scene)),
       log(make_logger(given, directory.file("log.txt"))), units(output_units(scene)),
       results(directory.file("result.h5")), start_(std::chrono::steady_clock::now()) {
     log->debug("{}", options.command);
     if (directory.resumed())
-        log->info("{}: an earlier run did not finish; starting it again", directory.path().string());
-    write_provenance("unfinished");
+        log->info("{}: an earlier run did not finish; going on with it", directory.path().string());
     directory.write("scene.toml", scene::to_toml(scene));
     write_header(results, scene, units);
 }
@@ -53,6 +61,17 @@ void Session::close(StageEnd end) {
     results.commit();
     write_provenance(end == StageEnd::finished ? "finished"
                                                : (end == StageEnd::failed ? "failed" : "interrupted"));
+}
+
+void Session::fail(const std::string& why) const noexcept {
+    try {
+        write_provenance("failed");
+        for (const auto& sink : log->sinks())
+            if (sink != log->sinks().front()) // the terminal hears it from main
+                sink->log({log->name(), spdlog::level::err, why});
+        log->flush();
+    } catch (const std::exception&) { // a full disk takes the record too; `unfinished` still stands there
+    }
 }
 
 void Session::write_provenance(const std::string& status) const {

@@ -28,6 +28,8 @@ public:
 
     /// Puts the result file in place and records how the run ended.
     void close(StageEnd end);
+    /// Records that an exception ended the run; its results are dropped.
+    void fail(const std::string& why) const noexcept;
 
 private:
     void write_provenance(const std::string& status) const;

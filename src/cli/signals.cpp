@@ -21,6 +21,7 @@ void request_stop(int signal) {
 void install_signal_handlers() {
     std::signal(SIGINT, request_stop);
     std::signal(SIGTERM, request_stop);
+    std::signal(SIGUSR1, SIG_IGN); // asks for a checkpoint and to go on: the stages write them on their own
 }
 
 int stop_signal() { return requested; }

@@ -14,9 +14,11 @@ StageEnd run_field_stage(Session& session);
 StageEnd run_rods_stage(Session& session);
 
 /// Content of outcome.json. Lengths and times in the session's output units.
-std::string outcome_json(const rods::RodResult& result, const scene::RodsRun& run, const OutputUnits& units);
+std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,
+                         const OutputUnits& units);
 
-/// Figures and report.html by the plotting program. Throws RunError if it cannot be run or fails.
+/// Figures and report.html by the plotting program. Throws RunError if it cannot be run or
+/// fails; a stop signal ends it early, and it returns.
 void make_figures(const std::filesystem::path& run_directory, bool pdf, bool quiet);
 
 } // namespace rodwake::cli

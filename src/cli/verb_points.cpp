@@ -18,11 +18,13 @@ constexpr const char* header = "x,y,xi,eta,Ux,Uy,exx,exy,eyy,lapx,lapy,gradx_tr,
 struct Point {
     double x, y;
     elastic::Medium medium;
+    std::size_t line; ///< of the file
 };
 
 std::vector<Point> read_points(const std::string& file) {
     const std::vector<std::string> required = {"x", "y", "xi", "eta"};
-    const store::Table table = store::read_csv(file, required);
+    const std::vector<std::string> optional = {"L"};
+    const store::Table table = store::read_csv(file, required, optional);
     if (table.find("L"))
         throw InputError(file + ": column L (periodic box) is not available in this version");
     const auto &x = *table.find("x"), &y = *table.find("y"), &xi = *table.find("xi"),
@@ -30,7 +32,7 @@ std::vector<Point> read_points(const std::string& file) {
     std::vector<Point> points;
     points.reserve(table.rows());
     for (std::size_t i = 0; i < table.rows(); ++i)
-        points.push_back({x[i], y[i], {eta[i], xi[i]}});
+        points.push_back({x[i], y[i], {eta[i], xi[i]}, table.lines[i]});
     return points;
 }
 
@@ -66,12 +68,14 @@ int verb_field_points(const Options& options) {
     // Every point is evaluated before the first is printed: a bad one leaves nothing half-written.
     fmt::memory_buffer out;
     out.append(std::string_view(header));
-    for (std::size_t i = 0; i < points.size(); ++i)
+    for (const Point& point : points)
         try {
-            out.append(row(points[i]));
+            out.append(row(point));
         } catch (const InputError& error) {
-            throw InputError(fmt::format("{}: point {}: {}", options.points, i + 1, error.what()));
+            throw InputError(fmt::format("{}:{}:1: {}", options.points, point.line, error.what()));
         }
+    if (options.dry_run)
+        return 0;
     if (std::fwrite(out.data(), 1, out.size(), stdout) != out.size() || std::fflush(stdout) != 0)
         throw RunError("cannot write to standard output");
     return 0;

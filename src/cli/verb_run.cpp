@@ -27,24 +27,37 @@ std::vector<Stage> stages_of(const Options& options, const scene::Scene& scene) 
 }
 
 StageEnd run_all(Session& session, const std::vector<Stage>& stages) {
-    for (const Stage stage : stages)
-        if (const StageEnd end = stage(session); end != StageEnd::finished)
-            return end;
-    return StageEnd::finished;
+    StageEnd end = StageEnd::finished;
+    for (auto stage = stages.begin(); stage != stages.end() && end == StageEnd::finished; ++stage)
+        end = (*stage)(session);
+    session.close(end);
+    return end;
 }
 
-int finish(Session& session, StageEnd end) {
-    session.close(end);
+/// The same, with an exception on record in the run directory.
+StageEnd run_recorded(Session& session, const std::vector<Stage>& stages) {
+    try {
+        return run_all(session, stages);
+    } catch (const std::exception& error) {
+        session.fail(error.what());
+        throw;
+    }
+}
+
+int finish(const Session& session, StageEnd end) {
     const std::string folder = session.directory.path().string();
     if (end == StageEnd::interrupted) {
-        session.log->warn("stopped by a signal; what was computed is in {}; the same command starts again",
+        session.log->warn("stopped by a signal; what was computed is in {}; the same command goes on",
                           folder);
         return signal_exit_code(stop_signal());
     }
     if (end == StageEnd::failed)
         return 1;
-    if (session.options.verb == Verb::run)
+    if (session.options.verb == Verb::run) {
         make_figures(session.directory.path(), false, session.options.quiet);
+        if (stop_signal())
+            return signal_exit_code(stop_signal());
+    }
     session.log->info("results in {}", folder);
     return 0;
 }
@@ -52,12 +65,12 @@ int finish(Session& session, StageEnd end) {
 } // namespace
 
 int verb_stages(const Options& options) {
-    if (options.dry_run)
-        return verb_check(options);
     scene::Scene scene = scene::read_scene(options.target, options.overrides);
     const std::vector<Stage> stages = stages_of(options, scene);
+    if (options.dry_run)
+        return verb_check(options);
     Session session(options, std::move(scene));
-    return finish(session, run_all(session, stages));
+    return finish(session, run_recorded(session, stages));
 }
 
 int verb_plot(const Options& options) {
@@ -68,8 +81,10 @@ int verb_plot(const Options& options) {
         throw InputError(options.target + ": not a run directory; rodwake run SCENE makes one");
     if (store::run_status(folder).empty())
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
+    if (options.dry_run)
+        return 0; // there is something to draw; that is all there is to say
     make_figures(folder, options.pdf, options.quiet);
-    return 0;
+    return stop_signal() ? signal_exit_code(stop_signal()) : 0;
 }
 
 } // namespace rodwake::cli

@@ -39,6 +39,7 @@ private:
     std::vector<double> state_at(double t);
     void report_step(const EventHit* end);
     void begin_segment();
+    Statistics statistics() const;
     bool all_stored() const { return solution_.times.size() == output_times_.size(); }
 
     const OdeOptions& options_;
@@ -56,10 +57,15 @@ Solution Run::execute() {
     bool going = start();
     while (going)
         going = advance() && digest_step() && go_on();
-    solution_.statistics = stepper_->counts();
-    solution_.statistics.rhs_evaluations = calls_.rhs_evaluations();
-    solution_.statistics.event_evaluations = calls_.event_evaluations();
+    solution_.statistics = statistics();
     return std::move(solution_);
+}
+
+Statistics Run::statistics() const {
+    Statistics counts = stepper_->counts();
+    counts.rhs_evaluations = calls_.rhs_evaluations();
+    counts.event_evaluations = calls_.event_evaluations();
+    return counts;
 }
 
 bool Run::start() {
@@ -168,7 +174,7 @@ void Run::report_step(const EventHit* end) {
 void Run::begin_segment() {
     stepper_->start(stepper_->time(), stepper_->state());
     if (options_.on_segment)
-        options_.on_segment({stepper_->time(), stepper_->state(), solution_.times.size()});
+        options_.on_segment({stepper_->time(), stepper_->state(), solution_.states, statistics()});
 }
 
 } // namespace

@@ -93,7 +93,7 @@ void resolve_interval(Visitor& v, RodsRun& run, std::optional<double> interval) 
 }
 
 /// Coordinates matter on the scale of f/mu, headings on that of a radian.
-double default_atol(double rtol) { return 0.01 * rtol; }
+double default_atol(double rtol) { return rtol / 100.0; }
 
 void solver_fields(Visitor& v, RodsRun& run) {
     std::string form = "angle"; // the only one so far

@@ -47,7 +47,7 @@ double parse_number(std::string_view field, const std::string& name, bool requir
     if (field.empty() && !required)
         return std::numeric_limits<double>::quiet_NaN();
     double value = 0.0;
-    const char* begin = field.data() + (field.starts_with('+') ? 1 : 0);
+    const char* begin = field.data() + (field.starts_with('+') && !field.starts_with("+-") ? 1 : 0);
     const auto [end, error] = std::from_chars(begin, field.data() + field.size(), value);
     if (error == std::errc::result_out_of_range)
         at.fail(fmt::format("{} = \"{}\": too large or too small for a double", name, field));
@@ -58,33 +58,62 @@ double parse_number(std::string_view field, const std::string& name, bool requir
     return value;
 }
 
-void read_header(std::string_view line, Place& at, std::span<const std::string> required, Table& table) {
+bool contains(std::span<const std::string> names, std::string_view name) {
+    return std::ranges::find(names, name) != names.end();
+}
+
+/// A column of the file: passed over, or a column of the table.
+struct FileColumn {
+    std::string name;
+    bool wanted, required;
+};
+using Header = std::vector<FileColumn>;
+
+Header read_header(std::string_view line, Place& at, std::span<const std::string> required,
+                   std::span<const std::string> optional) {
+    Header header;
     for_each_field(line, at, [&](std::size_t, std::string_view name) {
         if (name.empty())
             at.fail("empty column name in the header");
-        if (std::ranges::find(table.names, name) != table.names.end())
+        if (std::ranges::find(header, name, &FileColumn::name) != header.end())
             at.fail(fmt::format("column \"{}\" stands twice in the header", name));
-        table.names.emplace_back(name);
+        const bool is_required = contains(required, name);
+        header.push_back({std::string(name), is_required || contains(optional, name), is_required});
     });
     at.column = 1;
     for (const std::string& name : required)
-        if (std::ranges::find(table.names, name) == table.names.end())
+        if (std::ranges::find(header, name, &FileColumn::name) == header.end())
             at.fail(fmt::format("no column \"{}\"; the header must have at least {}", name,
                                 fmt::join(required, ",")));
-    table.columns.resize(table.names.size());
+    return header;
 }
 
-void read_row(std::string_view line, Place& at, const std::vector<char>& is_required, Table& table) {
-    std::size_t fields = 0;
+Table empty_table(const Header& header) {
+    Table table;
+    for (const FileColumn& column : header)
+        if (column.wanted)
+            table.names.push_back(column.name);
+    table.columns.resize(table.names.size());
+    return table;
+}
+
+void read_row(std::string_view line, Place& at, const Header& header, Table& table) {
+    std::size_t fields = 0, next = 0;
     for_each_field(line, at, [&](std::size_t index, std::string_view field) {
         ++fields;
-        if (index < table.names.size())
-            table.columns[index].push_back(
-                parse_number(field, table.names[index], is_required[index] != 0, at));
+        if (index < header.size() && header[index].wanted)
+            table.columns[next++].push_back(
+                parse_number(field, header[index].name, header[index].required, at));
     });
-    if (fields != table.names.size())
-        at.fail(fmt::format("{} fields, but the header has {}", fields, table.names.size()));
+    if (fields != header.size())
+        at.fail(fmt::format("{} fields, but the header has {}", fields, header.size()));
     table.lines.push_back(at.line);
+}
+
+/// Spreadsheets put this before UTF-8 text.
+void drop_byte_order_mark(std::string& line) {
+    if (line.starts_with("\xEF\xBB\xBF"))
+        line.erase(0, 3);
 }
 
 std::ifstream open(const std::filesystem::path& path) {
@@ -104,24 +133,25 @@ const std::vector<double>* Table::find(const std::string& name) const {
     return at == names.end() ? nullptr : &columns[static_cast<std::size_t>(at - names.begin())];
 }
 
-Table read_csv(const std::filesystem::path& path, std::span<const std::string> required) {
+Table read_csv(const std::filesystem::path& path, std::span<const std::string> required,
+               std::span<const std::string> optional) {
     std::ifstream file = open(path);
     Table table;
+    Header header;
     Place at{path.string()};
-    std::vector<char> is_required;
     for (std::string line; std::getline(file, line);) {
-        ++at.line;
-        if (trimmed(line).empty() || line.front() == '#')
+        if (++at.line == 1)
+            drop_byte_order_mark(line);
+        if (trimmed(line).empty() || trimmed(line).front() == '#')
             continue;
-        if (table.names.empty()) {
-            read_header(line, at, required, table);
-            for (const std::string& name : table.names)
-                is_required.push_back(std::ranges::find(required, name) != required.end());
+        if (header.empty()) {
+            header = read_header(line, at, required, optional);
+            table = empty_table(header);
         } else {
-            read_row(line, at, is_required, table);
+            read_row(line, at, header, table);
         }
     }
-    if (table.names.empty())
+    if (header.empty())
         throw InputError(
             fmt::format("{}: no header line; expected at least {}", path.string(), fmt::join(required, ",")));
     return table;

@@ -9,6 +9,13 @@
 
 namespace rodwake::store {
 
+/// Before the first use of HDF5 by a thread. Failures are reported by us, not printed by the library. And it
+/// must not clean up at exit: a file it could not flush (full disk) would crash it there.
+inline void set_up_hdf5() {
+    [[maybe_unused]] static const herr_t once = H5dont_atexit();
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
 class Hdf5Handle {
 public:
     using Close = herr_t (*)(hid_t);

@@ -71,7 +71,7 @@ herr_t append_object(hid_t root, const char* name, const H5O_info_t* info, void*
 } // namespace
 
 std::string list_hdf5(const std::filesystem::path& path) {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    set_up_hdf5();
     const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (id < 0)
         throw InputError(path.string() + ": not a readable HDF5 file");

@@ -7,7 +7,7 @@ namespace rodwake::store {
 namespace {
 
 hid_t create(const std::filesystem::path& path) {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // failures are reported by us, not printed by the library
+    set_up_hdf5();
     const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
     if (file < 0)
         throw RunError(path.string() + ": HDF5 cannot create the file");

@@ -37,7 +37,8 @@ std::string provenance_json(const Provenance& provenance) {
     json["build"] = build.flags;
     for (const auto& [name, version] : build.libraries)
         json["libraries"][name] = version;
-    return json.dump(2) + "\n";
+    // File names need not be UTF-8.
+    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 } // namespace rodwake::store

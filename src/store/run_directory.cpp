@@ -5,7 +5,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
+#include <vector>
 
 namespace rodwake::store {
 
@@ -29,12 +32,49 @@ void refuse_foreign(const fs::path& path, const std::string& status) {
             "write among them");
 }
 
+/// Left behind by a run that was killed: see PendingFile.
+bool is_temporary(const std::string& name) {
+    const auto end = name.rfind(".tmp");
+    return end != std::string::npos && end + 4 < name.size() &&
+           name.find_first_not_of("0123456789", end + 4) == std::string::npos;
+}
+
+bool is_result(const fs::path& file) {
+    static constexpr std::array results = {"result.h5", "rods.csv", "outcome.json", "report.html"};
+    const std::string name = file.filename().string();
+    return std::ranges::find(results, name) != results.end() ||
+           (name.starts_with("field_cut_") && name.ends_with(".csv")) || is_temporary(name) ||
+           file.parent_path().filename() == "figures";
+}
+
+/// A new run removes the results of the old one, so that no file of a folder tells of another run.
+/// Checkpoints stay: whoever wrote them knows whether they are of use.
+void remove_results(const fs::path& folder) {
+    std::vector<fs::path> old;
+    const auto add = [&](const auto& entries) {
+        for (const fs::directory_entry& entry : entries)
+            if (entry.is_regular_file() && is_result(entry.path()))
+                old.push_back(entry.path());
+    };
+    add(fs::directory_iterator(folder));
+    for (const char* sub : {"figures", "variants"})
+        if (fs::is_directory(folder / sub))
+            add(fs::recursive_directory_iterator(folder / sub));
+    std::error_code error;
+    for (const fs::path& path : old)
+        if (fs::remove(path, error); error)
+            throw RunError(path.string() +
+                           ": cannot remove this result of the earlier run: " + error.message());
+}
+
 } // namespace
 
 std::string run_status(const fs::path& folder) {
     std::ifstream file(folder / "provenance.json");
     const auto json = nlohmann::json::parse(file, nullptr, false);
-    return json.is_object() ? json.value("status", std::string()) : std::string();
+    if (!json.is_object() || !json.contains("status") || !json["status"].is_string())
+        return {};
+    return json["status"];
 }
 
 RunDirectory::RunDirectory(fs::path path, bool force) : path_(std::move(path)) {
@@ -48,6 +88,13 @@ RunDirectory::RunDirectory(fs::path path, bool force) : path_(std::move(path)) {
     if (error)
         throw RunError(path_.string() + ": cannot make the folder: " + error.message());
     resumed_ = !status.empty() && status != "finished";
+    had_run_ = !status.empty();
+}
+
+void RunDirectory::begin(std::string_view provenance) const {
+    write("provenance.json", provenance);
+    if (had_run_)
+        remove_results(path_);
 }
 
 void RunDirectory::write(std::string_view name, std::string_view content) const {

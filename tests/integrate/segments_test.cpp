@@ -48,7 +48,7 @@ bool same_tail(const Solution& whole, const Solution& tail, std::size_t first) {
 std::vector<Saved> segments_of(OdeOptions options, const std::vector<double>& times, Solution& solution) {
     std::vector<Saved> saved;
     options.on_segment = [&](const Segment& segment) {
-        saved.push_back({segment.time, {segment.state.begin(), segment.state.end()}, segment.outputs_done});
+        saved.push_back({segment.time, {segment.state.begin(), segment.state.end()}, segment.outputs.size()});
     };
     solution = solve(van_der_pol(), options, times);
     return saved;

@@ -65,11 +65,17 @@ struct Step {
     State state_before, state;
 };
 
+struct Statistics {
+    long steps = 0, rhs_evaluations = 0, jacobian_evaluations = 0;
+    long error_test_failures = 0, convergence_failures = 0, event_evaluations = 0;
+};
+
 /// A restart point: solving on from here gives the same bits as the uninterrupted run.
 struct Segment {
     double time;
     State state;
-    std::size_t outputs_done; ///< how many output times lie at or before this point
+    std::span<const std::vector<double>> outputs; ///< states at the output times at or before this point
+    Statistics statistics;
 };
 
 struct OdeOptions {
@@ -117,11 +123,6 @@ struct EventHit {
     std::size_t event; ///< index into OdeProblem::events
     double time;
     std::vector<double> state;
-};
-
-struct Statistics {
-    long steps = 0, rhs_evaluations = 0, jacobian_evaluations = 0;
-    long error_test_failures = 0, convergence_failures = 0, event_evaluations = 0;
 };
 
 struct Solution {

@@ -4,8 +4,9 @@
 
 #include "rodwake/rods/model.hpp"
 #include "rodwake/rods/outcome.hpp"
-#include "rodwake/rods/separation.hpp"
+#include "rodwake/rods/separation_record.hpp"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,9 +23,20 @@ struct RodProblem {
     std::optional<double> contact_distance; ///< stop when two rods come this close
 };
 
+/// Where a run can be taken up again; going on from here repeats the uninterrupted run to the bit.
+struct RodCheckpoint {
+    double time = 0.0;
+    std::vector<double> state;
+    std::vector<std::vector<double>> outputs; ///< states at the output times so far
+    SeparationRecord record;
+    integrate::Statistics statistics;
+};
+
 struct RodOptions {
     integrate::OdeOptions ode;
     EndingCriteria criteria;
+    std::function<void(const RodCheckpoint&)> on_checkpoint; ///< at the solver's segment ends
+    std::optional<RodCheckpoint> resume_from;                ///< of the same problem and options
 };
 
 struct RodOutcome {

@@ -8,7 +8,7 @@
 
 namespace rodwake::store {
 
-/// Columns of equal length under their names, in file order.
+/// The columns that were asked for, of equal length, in file order.
 struct Table {
     std::vector<std::string> names;
     std::vector<std::vector<double>> columns;
@@ -19,10 +19,12 @@ struct Table {
     const std::vector<double>* find(const std::string& name) const;
 };
 
-/// Reads a table. Throws InputError with file:line:column for anything that is not a finite number, a wrong
-/// number of fields, a missing required column, an empty or unreadable file. Empty fields are NaN in columns
-/// not required.
-Table read_csv(const std::filesystem::path& path, std::span<const std::string> required);
+/// Reads the required columns and those of the optional ones that are there; others may hold anything and
+/// are passed over. Throws InputError with file:line:column for anything that is not a finite number, a
+/// wrong number of fields, a missing required column, an empty or unreadable file. Empty fields are NaN in
+/// optional columns.
+Table read_csv(const std::filesystem::path& path, std::span<const std::string> required,
+               std::span<const std::string> optional = {});
 
 /// Header and rows, 17 significant digits (exact round trip).
 std::string to_csv(std::span<const std::string> names, std::span<const std::vector<double>> columns);

@@ -1,6 +1,7 @@
 #pragma once
 // A run directory: where one command's results go. provenance.json tells whether it is finished.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -30,12 +31,16 @@ public:
     /// True if an earlier run was left unfinished here.
     bool resumed() const { return resumed_; }
 
+    /// Marks the folder as this run's, before anything else is written; then removes the results of an
+    /// earlier run. Throws RunError.
+    void begin(std::string_view provenance) const;
+
     /// Writes a file atomically. Throws RunError.
     void write(std::string_view name, std::string_view content) const;
 
 private:
     std::filesystem::path path_;
-    bool resumed_ = false;
+    bool resumed_ = false, had_run_ = false;
 };
 
 /// "finished", "unfinished", ... of the run in a folder; empty if there is none.

@@ -1,0 +1,24 @@
+#pragma once
+// What a run remembers of the separations between its rods.
+
+#include "rodwake/rods/outcome.hpp"
+#include "rodwake/rods/separation.hpp"
+
+#include <vector>
+
+namespace rodwake::rods {
+
+/// The smallest separation of all pairs at any time, and each pair's range over the last part of the run.
+/// A plain value: it can be saved and taken up again.
+struct SeparationRecord {
+    Separation smallest;           ///< infinite for a single rod
+    double late_from = 0.0;        ///< time at which the last part begins
+    std::vector<PairHistory> late; ///< of pair (a, b), a < b, at a N + b; empty for a single rod
+};
+
+SeparationRecord start_record(integrate::State y, double late_from);
+void add_step(SeparationRecord& record, const integrate::Step& step);
+/// Counts the state into the last part of the run.
+void add_late(SeparationRecord& record, integrate::State y);
+
+} // namespace rodwake::rods

@@ -1,0 +1,112 @@
+"""rodwake field --points: the field at the points of a table, and what is wrong with a table."""
+
+import csv
+import math
+
+import rodwake
+from rodwake import SOURCE, ProgramTest
+
+HEADER = "x,y,xi,eta,Ux,Uy,exx,exy,eyy,lapx,lapy,gradx_tr,grady_tr,dipUx,dipUy"
+# Vectors and tensors: the components of each. A tensor's xy component counts twice in its norm.
+QUANTITIES = [("Ux", "Uy"), ("exx", "exy", "exy", "eyy"), ("lapx", "lapy"), ("gradx_tr", "grady_tr"), ("dipUx", "dipUy")]
+# What include/rodwake/elastic/field.hpp guarantees, in each quantity's norm.
+TOLERANCE = 2e-13
+
+
+def rows_of(text):
+    lines = (line for line in text.splitlines() if not line.startswith("#"))
+    return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(lines)]
+
+
+def worst_error(rows, expected):
+    """Largest relative error of any quantity of any row."""
+    worst = 0.0
+    for row, wanted in zip(rows, expected, strict=True):
+        for names in QUANTITIES:
+            norm = math.hypot(*(wanted[n] for n in names))
+            worst = max(worst, math.hypot(*(row[n] - wanted[n] for n in names)) / norm)
+    return worst
+
+
+class PointsTest(ProgramTest):
+    def points(self, text, code=0, **options):
+        self.write("points.csv", text)
+        return self.expect(code, "field", "--points", "points.csv", **options)
+
+    def refused(self, text, pattern):
+        self.write("points.csv", text)
+        return self.refuse(2, pattern, "field", "--points", "points.csv")
+
+    def test_reference_table(self):
+        table = SOURCE / "tests/data/elastic_field.csv"
+        expected = rows_of(table.read_text())
+        self.assertGreater(len(expected), 300)
+        out = self.expect(0, "field", "--points", table).stdout
+        self.assertEqual(out.splitlines()[0], HEADER)
+        rows = rows_of(out)
+        for row, wanted in zip(rows, expected, strict=True):  # inputs come back to the bit
+            self.assertEqual([row[n] for n in ("x", "y", "xi", "eta")], [wanted[n] for n in ("x", "y", "xi", "eta")])
+        self.assertLess(worst_error(rows, expected), TOLERANCE)
+
+    def test_the_comparison_can_fail(self):
+        good = {n: 1.0 for names in QUANTITIES for n in names}
+        self.assertEqual(worst_error([good], [good]), 0.0)
+        for name in good:
+            self.assertGreater(worst_error([{**good, name: 1.0 + 4 * TOLERANCE}], [good]), TOLERANCE, name)
+        with self.assertRaises(ValueError):
+            worst_error([good], [good, good])
+
+    def test_any_order_extra_columns_comments_line_ends_and_forms_of_numbers(self):
+        plain = self.points("x,y,xi,eta\n-1.5,0.25,100,0.5\n2,-3,0.1,-0.5\n").stdout
+        self.assertEqual(self.points("# comment\r\nname,eta,y,xi,Ux,x\r\nrod one,5e-1,+.25,1E2,,-1.5\r\n\r\n"
+                                     "#\r\n,-0.5, -3 ,1e-1,nan,2.0e0").stdout, plain)
+        self.assertEqual(self.points("\ufeffx,y,xi,eta\n-1.5,0.25,100,0.5\n2,-3,0.1,-0.5\n").stdout, plain)
+        self.assertEqual(len(rows_of(plain)), 2)
+
+    def test_seventeen_digits(self):
+        text = self.points("x,y,xi,eta\n0.1,0.30000000000000004,1,1\n").stdout.splitlines()[1]
+        self.assertTrue(text.startswith("0.10000000000000001,0.30000000000000004,1,1,"))
+        for field in text.split(","):
+            self.assertEqual(f"{float(field):.17g}", field)
+
+    def test_header_only(self):
+        self.assertEqual(self.points("x,y,xi,eta\n").stdout, HEADER + "\n")
+
+    def test_points_outside_the_domain(self):
+        self.refused("x,y,xi,eta\n1,1,1,1\n\n0,0,1,1\n", r"points\.csv:4:1: ")
+        self.refused("x,y,xi,eta\n1,1,0,1\n", r"points\.csv:2:1: .*xi")
+        self.refused("x,y,xi,eta\n1,1,-2,1\n", r"points\.csv:2:1: .*xi")
+        self.refused("x,y,xi,eta\n1,1,1,-1\n", r"points\.csv:2:1: .*eta")
+        self.refused("x,y,xi,eta\n1,1,1,-3\n", r"points\.csv:2:1: .*eta")
+
+    def test_tables_that_cannot_be_read(self):
+        self.refused("", r"points\.csv: no header line; expected at least x,y,xi,eta")
+        self.refused("x,y,eta\n1,1,1\n", r'points\.csv:1:1: no column "xi"')
+        self.refused("x,y,xi,eta\n1,1,1,1\n1,one,1,1\n", r'points\.csv:3:3: y: expected a number, found "one"')
+        self.refused("x,y,xi,eta\n1,1,nan,1\n", r"points\.csv:2:5: xi = nan: must be finite")
+        self.refused("x,y,xi,eta\n1,1,1\n", r"points\.csv:2:\d+: 3 fields, but the header has 4")
+        self.refused("x,y,xi,eta\n1,,1,1\n", r"points\.csv:2:3: y: expected a number")
+        self.refuse(2, "nope.csv: cannot read", "field", "--points", "nope.csv")
+        self.refuse(2, "is a folder", "field", "--points", ".")
+
+    def test_what_is_not_available_is_said(self):
+        self.refused("x,y,xi,eta,L\n1,1,1,1,10\n", "column L .* not available")
+        self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
+        self.refuse(2, "--backend table: not available", "field", "--points", "points.csv", "--backend", "table")
+        self.refuse(2, "backend", "field", "--points", "points.csv", "--backend", "magic")
+
+    def test_points_and_scene_exclude_each_other(self):
+        self.refuse(2, "either a SCENE or --points", "field")
+        self.write("points.csv", "x,y,xi,eta\n")
+        self.refuse(2, "either a SCENE or --points", "field", rodwake.QUICKSTART, "--points", "points.csv")
+
+    def test_dry_run_checks_and_prints_nothing(self):
+        self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
+        done = self.expect(0, "field", "--points", "points.csv", "--dry-run")
+        self.assertEqual(done.stdout, "")
+        self.write("points.csv", "x,y,xi,eta\n0,0,1,1\n")
+        self.refuse(2, "points.csv:2:1", "field", "--points", "points.csv", "--dry-run")
+
+
+if __name__ == "__main__":
+    rodwake.main()

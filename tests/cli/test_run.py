@@ -1,0 +1,125 @@
+"""rodwake run: what a run leaves behind, and who may write over it."""
+
+import csv
+import json
+import re
+
+import h5py
+import rodwake
+from rodwake import PAIR, QUICKSTART, ProgramTest, snapshot
+
+CONTACT_TIME = 40.595264757446582  # tests/data/rod_trajectories.json: the pair of scenes/quickstart.toml
+
+
+class RunTest(ProgramTest):
+    def test_quickstart_leaves_everything(self):
+        self.expect(0, "run", QUICKSTART, "-o", "out", "--quiet")
+        out = self.folder / "out"
+        names = {str(p.relative_to(out)) for p in out.rglob("*") if p.is_file()}
+        self.assertEqual(names, {"scene.toml", "provenance.json", "log.txt", "result.h5", "rods.csv", "outcome.json",
+                                 "field_cut_0.csv", "report.html", "figures/trajectories.png", "figures/strain.png",
+                                 "figures/wake.png"})
+        self.assert_outcome(json.loads((out / "outcome.json").read_text()))
+        self.assert_provenance(json.loads((out / "provenance.json").read_text()))
+        self.assert_self_contained((out / "report.html").read_text())
+        self.assert_csv_and_hdf5_agree(out)
+        # The resolved scene is a scene, and stands for the same thing.
+        again = self.expect(0, "check", out / "scene.toml").stdout
+        self.assertEqual(again.split("# modelled")[0], self.expect(0, "check", QUICKSTART).stdout.split("# modelled")[0])
+
+    def assert_outcome(self, outcome):
+        self.assertEqual((outcome["outcome"], outcome["pair"], outcome["solver"]["status"]), ("contact", [0, 1], "stopped_at_event"))
+        # rtol 1e-8 a step; the global error is up to 100 times that (include/rodwake/integrate/ode.hpp).
+        self.assertAlmostEqual(outcome["time"] / CONTACT_TIME, 1.0, delta=1e-6)
+        # The root is bracketed to some roundings of the time, 40 * 2^-52, and the rods close in at a speed up to 2.
+        self.assertAlmostEqual(outcome["min_separation"], 0.1, delta=1e-12)
+
+    def assert_provenance(self, record):
+        self.assertEqual((record["program"], record["status"], record["scene"]), ("rodwake", "finished", str(QUICKSTART)))
+        self.assertIn(" run ", record["command"])
+        self.assertGreater(record["wall_seconds"], 0.0)
+
+    def assert_self_contained(self, html):
+        self.assertEqual(html.count("data:image/png;base64,"), 3)
+        self.assertEqual(re.findall(r"""(?:src|href)\s*=\s*["'](?!data:|#)[^"']*""", html), [])
+
+    def assert_csv_and_hdf5_agree(self, out):
+        rows = list(csv.DictReader((out / "rods.csv").read_text().splitlines()))
+        self.assertEqual(list(rows[0]), ["t", "x0", "y0", "theta0", "x1", "y1", "theta1"])
+        with h5py.File(out / "result.h5") as file:
+            scene = file["/rods/scene"]
+            self.assertEqual(scene["t"].attrs["unit"], b"f/(mu v0)")
+            self.assertEqual([float(r["t"]) for r in rows], list(scene["t"]))
+            for rod in (0, 1):
+                for name in ("x", "y", "theta"):
+                    self.assertEqual([float(r[f"{name}{rod}"]) for r in rows], list(scene[name][:, rod]))
+            grid = file["/field/grid"]
+            self.assertEqual(grid["Ux"].shape, (121, 181))
+            self.assertEqual((grid["x"][0], grid["x"][-1], grid["y"][0], grid["y"][-1]), (-12.0, 6.0, -6.0, 6.0))
+            cut = list(csv.DictReader((out / "field_cut_0.csv").read_text().splitlines()))
+            self.assertEqual([float(r["x"]) for r in cut], list(file["/field/cuts/0/s"]))
+
+    def test_a_finished_run_is_not_written_over(self):
+        self.write("pair.toml", PAIR)
+        self.expect(0, "rods", "pair.toml")  # results/pair by default
+        self.refuse(2, "results/pair: holds a finished run.*--force", "rods", "pair.toml")
+        self.refuse(2, "holds a finished run", "run", "pair.toml", "--quiet")
+        self.expect(0, "rods", "pair.toml", "--force", "-s", "coupling.kappa=0.25")
+        self.assertIn("kappa = 0.25", (self.folder / "results/pair/scene.toml").read_text())
+        self.assert_no_temporaries()
+
+    def test_force_leaves_nothing_of_the_run_before(self):
+        variant = '[[variants]]\nname = "left"\nset = { "coupling.kappa" = -0.5 }\n'
+        cut = '[field]\n[[field.cuts]]\nfrom = -1.0\nto = 2.0\n'
+        self.write("pair.toml", PAIR + variant + cut)
+        self.expect(0, "run", "pair.toml", "-o", "out", "--quiet")
+        self.assertTrue((self.folder / "out/variants/left/rods.csv").is_file())
+        self.assertTrue((self.folder / "out/field_cut_0.csv").is_file())
+        self.write("pair.toml", PAIR)
+        self.expect(0, "rods", "pair.toml", "-o", "out", "--force")
+        self.assertEqual(set(snapshot(self.folder / "out")),
+                         {"scene.toml", "provenance.json", "log.txt", "result.h5", "rods.csv", "outcome.json"})
+
+    def test_files_of_others_are_safe(self):
+        self.write("pair.toml", PAIR)
+        self.write("out/thesis.tex", "text")
+        self.refuse(2, "not a rodwake run", "rods", "pair.toml", "-o", "out")
+        self.expect(0, "rods", "pair.toml", "-o", "out", "--force")
+        self.assertEqual((self.folder / "out/thesis.tex").read_text(), "text")
+
+    def test_an_unfinished_run_is_taken_over(self):
+        self.write("pair.toml", PAIR)
+        self.expect(0, "rods", "pair.toml", "-o", "whole")
+        for status in ("unfinished", "interrupted", "failed"):
+            self.write(f"{status}/provenance.json", json.dumps({"status": status}))
+            self.write(f"{status}/result.h5.tmp99999", "of a run that was killed")
+            done = self.expect(0, "rods", "pair.toml", "-o", status)
+            self.assertIn("did not finish", done.stderr)
+            self.assertEqual(self.status(status), "finished")
+            self.assertEqual((self.folder / status / "rods.csv").read_bytes(), (self.folder / "whole/rods.csv").read_bytes())
+        self.assert_no_temporaries()
+
+    def test_a_solve_that_fails_keeps_what_it_has_and_says_so(self):
+        self.write("pair.toml", PAIR)
+        done = self.expect(1, "rods", "pair.toml", "-o", "out", "-s", "rods_run.max_steps=5")
+        self.assertRegex(done.stderr, "stopped at t=.*max_steps")
+        self.assertEqual(self.status("out"), "failed")
+        outcome = json.loads((self.folder / "out/outcome.json").read_text())
+        self.assertEqual(outcome["solver"]["status"], "failed")
+        self.assertIn("stopped at t=", (self.folder / "out/log.txt").read_text())
+        self.expect(0, "rods", "pair.toml", "-o", "out")
+        self.assertEqual(self.status("out"), "finished")
+
+    def test_threads_do_not_change_results(self):
+        variants = "".join(f'[[variants]]\nname = "v{k}"\nset = {{ "coupling.kappa" = {k}.0 }}\n' for k in range(4))
+        self.write("pair.toml", PAIR + variants)
+        self.expect(0, "rods", "pair.toml", "-o", "one", "-j", 1)
+        self.expect(0, "rods", "pair.toml", "-o", "four", "-j", 4)
+        for path in sorted((self.folder / "one").rglob("rods.csv")):
+            other = self.folder / "four" / path.relative_to(self.folder / "one")
+            self.assertEqual(path.read_bytes(), other.read_bytes())
+        self.assertEqual(len(list((self.folder / "four").rglob("rods.csv"))), 5)
+
+
+if __name__ == "__main__":
+    rodwake.main()

@@ -1,0 +1,33 @@
+"""Every scene of scenes/ is legal, runs, and has the figures it names."""
+
+import tomllib
+
+import rodwake
+from rodwake import SCENES, ProgramTest
+
+
+class ScenesTest(ProgramTest):
+    def scenes(self):
+        found = sorted(SCENES.glob("*.toml"))
+        self.assertIn(rodwake.QUICKSTART, found)
+        return found
+
+    def test_check(self):
+        for scene in self.scenes():
+            with self.subTest(scene.name):
+                text = self.expect(0, "check", scene).stdout
+                self.assertTrue(text.endswith(f"{scene}: ok\n"))
+
+    def test_run(self):
+        for scene in self.scenes():
+            with self.subTest(scene.name):
+                self.expect(0, "run", scene, "--quiet")
+                out = self.folder / "results" / scene.stem
+                self.assertEqual(self.status(out), "finished")
+                named = {figure["name"] + ".png" for figure in tomllib.loads(scene.read_text())["figures"]}
+                self.assertEqual({path.name for path in (out / "figures").iterdir()}, named)
+                self.assertTrue((out / "report.html").is_file())
+
+
+if __name__ == "__main__":
+    rodwake.main()

@@ -1,0 +1,97 @@
+"""cmake --install, then find_package(rodwake) and the examples from the install tree alone, as a user of the library."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import rodwake
+
+CMAKE = os.environ.get("RODWAKE_CMAKE", "cmake")
+EXAMPLES = rodwake.SOURCE / "examples"
+
+
+def run(*command, **options):
+    return subprocess.run([str(word) for word in command], text=True, capture_output=True, **options)
+
+
+class InstallTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        keeper = tempfile.TemporaryDirectory(prefix="rodwake-install-")
+        cls.addClassCleanup(keeper.cleanup)
+        cls.folder = Path(keeper.name)
+        cls.prefix = cls.folder / "prefix"
+        cls.installed = run(CMAKE, "--install", os.environ["RODWAKE_BINARY_DIR"], "--prefix", cls.prefix)
+
+    def setUp(self):
+        self.assertEqual(self.installed.returncode, 0, self.installed.stderr)
+
+    def build(self, name, *, source=None, prefix=None):
+        """Configures and builds a copy of an example, far from the source tree; the last process."""
+        copy, build = self.folder / name, self.folder / f"build-{name}"
+        shutil.copytree(source or EXAMPLES / name, copy)
+        done = run(CMAKE, "-S", copy, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix or self.prefix}")
+        return done if done.returncode else run(CMAKE, "--build", build)
+
+    def output_of(self, name):
+        done = self.build(name)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        done = run(self.folder / f"build-{name}" / name)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def number_after(self, label, text):
+        for line in text.splitlines():
+            if line.startswith(label):
+                return float(line.removeprefix(label).split()[0])
+        self.fail(f"no line {label!r} in:\n{text}")
+
+    def test_every_example_is_tried(self):
+        tried = {name.removeprefix("test_example_") for name in dir(self) if name.startswith("test_example_")}
+        self.assertEqual({path.name for path in EXAMPLES.iterdir()}, tried)
+
+    def test_example_pair(self):
+        text = self.output_of("pair")
+        self.assertIn("outcome      contact", text)
+        # The example asks for rtol 1e-10; the global error is up to 100 times that (include/rodwake/integrate/ode.hpp).
+        self.assertLess(self.number_after("true error", text), 1e-8)
+
+    def test_example_own_ode(self):
+        text = self.output_of("own_ode")
+        # rtol 1e-10 again; over six flights no error grows by more than the bound above.
+        self.assertLess(self.number_after("true error", text), 1e-8)
+
+    def test_a_version_that_is_not_there_is_refused(self):
+        source = self.folder / "future"
+        source.mkdir()
+        (source / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(future LANGUAGES CXX)\n"
+                                               "find_package(rodwake 99 REQUIRED)\n")
+        done = self.build("future-copy", source=source)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("99", done.stderr)
+
+    def test_without_the_install_tree_nothing_builds(self):
+        done = self.build("own_ode_alone", source=EXAMPLES / "own_ode", prefix=self.folder / "nowhere")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("rodwake", done.stderr)
+
+    def test_the_installed_program_makes_its_own_figures(self):
+        program = self.prefix / "bin/rodwake"
+        scene = self.prefix / "share/rodwake/scenes/quickstart.toml"
+        trace = {**os.environ, "PYTHONVERBOSE": "", "PYTHONPATH": ""}
+        done = run(program, "run", scene, "-o", self.folder / "out", cwd=self.folder, env=trace)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue((self.folder / "out/report.html").is_file())
+
+    def test_installed_files_name_no_folder_of_the_source(self):
+        texts = [p for p in self.prefix.rglob("*") if p.suffix in (".hpp", ".cmake", ".py", ".toml", ".md", ".css")]
+        self.assertGreater(len(texts), 40)
+        for path in texts:
+            self.assertNotIn(str(rodwake.SOURCE), path.read_text(), path)
+
+
+if __name__ == "__main__":
+    rodwake.main()

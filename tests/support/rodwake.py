@@ -1,0 +1,127 @@
+"""Runs the program as a user does: in a fresh folder, with what it prints and leaves to look at."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = Path(os.environ.get("RODWAKE_PROGRAM", "rodwake"))
+SOURCE = Path(os.environ.get("RODWAKE_SOURCE_DIR", Path(__file__).parents[2]))
+SCENES = SOURCE / "scenes"
+QUICKSTART = SCENES / "quickstart.toml"
+
+PAIR = """schema = 1
+title = "a pair"
+[medium]
+eta = 1.0
+alpha = 1.0
+[coupling]
+kappa = 0.5
+[[rods]]
+position = [0.0, 2.5]
+[[rods]]
+position = [0.0, -2.5]
+[rods_run]
+t_end = 60.0
+output_interval = 10.0
+contact_distance = 0.1
+"""
+
+
+
+def crowd(count, spacing=3.0):
+    """A scene of many rods walking apart on a square lattice: minutes of work for some hundred."""
+    side = int(count**0.5)
+    rods = "".join(f"[[rods]]\nposition = [{spacing * (k % side)}, {spacing * (k // side)}]\nheading = {k % 7}.0\n"
+                   for k in range(count))
+    return ("schema = 1\n[medium]\neta = 1.0\nalpha = 1.0\n[coupling]\nkappa = 0.001\n"
+            "[rods_run]\nt_end = 1000.0\nrtol = 1e-12\n" + rods)
+
+
+def snapshot(folder):
+    """Content and time of change of every file below a folder, by relative name."""
+    return {str(path.relative_to(folder)): (path.read_bytes(), path.stat().st_mtime_ns)
+            for path in sorted(Path(folder).rglob("*")) if path.is_file()}
+
+
+def wait_until(condition, seconds):
+    """Returns whether the condition came true in that time."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.02)
+    return bool(condition())
+
+
+class ProgramTest(unittest.TestCase):
+    """Each test has a fresh current folder, self.folder."""
+
+    def setUp(self):
+        keeper = tempfile.TemporaryDirectory(prefix="rodwake-test-")
+        self.addCleanup(keeper.cleanup)
+        self.folder = Path(keeper.name)
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, newline="")
+        return path
+
+    def run_program(self, *arguments, env=None, **options):
+        """The finished process; never raises for an exit code."""
+        return subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True, capture_output=True, timeout=120,
+                              env={**os.environ, **(env or {})}, **options)
+
+    def expect(self, code, *arguments, **options):
+        """Runs, checks the exit code, and that an error is told on stderr and only there; returns the process."""
+        done = self.run_program(*arguments, **options)
+        self.assertEqual(done.returncode, code, f"{arguments}\nstdout: {done.stdout}\nstderr: {done.stderr}")
+        if code in (1, 2):
+            self.assertEqual(done.stdout, "", arguments)
+            self.assertNotEqual(done.stderr, "", arguments)
+        return done
+
+    def refuse(self, code, pattern, *arguments, **options):
+        """An error with this text that leaves no file behind or changed."""
+        before = snapshot(self.folder)
+        done = self.expect(code, *arguments, **options)
+        self.assertRegex(done.stderr, pattern)
+        self.assertEqual(snapshot(self.folder), before, arguments)
+        return done
+
+    def status(self, run):
+        return json.loads((self.folder / run / "provenance.json").read_text())["status"]
+
+    def assert_no_temporaries(self):
+        self.assertEqual([p for p in self.folder.rglob("*") if ".tmp" in p.name], [])
+
+    @contextlib.contextmanager
+    def started(self, *arguments, **options):
+        """The running process; killed if the block leaves it running."""
+        process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, **options)
+        try:
+            yield process
+        finally:
+            if process.poll() is None:
+                process.kill()
+            process.communicate()
+
+    def stop(self, process, number, seconds):
+        """Sends the signal; exit code, stdout and stderr, and fails if the process needs longer than `seconds`."""
+        process.send_signal(number)
+        try:
+            out, err = process.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            self.fail(f"still running {seconds} s after {signal.Signals(number).name}")
+        return process.returncode, out, err
+
+
+def main():
+    unittest.main(argv=[__file__], verbosity=1)
