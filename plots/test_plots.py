@@ -100,7 +100,7 @@ class PlotsTest(unittest.TestCase):
         self.assertNotIn("<script", page)
         sources = re.findall(r'(?:src|href)="([^"]{0,22})', page)
         self.assertEqual(sources, ["data:image/png;base64,"] * 2)
-        for part in ("Rods &amp; &lt;wakes&gt;", "40.5953", "rods 1 and 2", "321", "HDF5", "[[figures]]"):
+        for part in ("Rods &amp; &lt;wakes&gt;", "40.5953", "rods 0 and 1", "321", "HDF5", "[[figures]]"):
             self.assertIn(part, page)
 
     def test_missing_parts_are_named(self):

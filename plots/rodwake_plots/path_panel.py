@@ -77,7 +77,7 @@ def name_rod(axes, run, rod, factor):
         offset = 12 * np.array([math.cos(angle), math.sin(angle)])
         if free(axes, run, factor, start, offset):
             break
-    axes.annotate(str(rod + 1), start, offset, textcoords="offset points", ha="center", va="center", fontsize=10,
+    axes.annotate(str(rod), start, offset, textcoords="offset points", ha="center", va="center", fontsize=10,
                   annotation_clip=True, zorder=5, color=colour_of(rod),
                   path_effects=[patheffects.withStroke(linewidth=2, foreground="white")])
 

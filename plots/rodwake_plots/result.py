@@ -1,6 +1,6 @@
 """result.h5 behind plain Python types. Whatever is missing is named with its full place in the file."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import h5py
 import numpy as np
@@ -31,6 +31,15 @@ class Run:
     x: np.ndarray
     y: np.ndarray
     theta: np.ndarray
+
+
+SYMBOLS = {"kappa": r"\kappa", "gamma1": r"\gamma_1", "gamma2": r"\gamma_2", "alpha": r"\alpha", "eta": r"\eta"}
+
+
+def told_apart(run, runs):
+    """The parameters in which the runs differ, as a label for a run that has none."""
+    differing = [key for key in SYMBOLS if len({one.attrs.get(key) for one in runs}) > 1]
+    return ", ".join(f"${SYMBOLS[key]} = {run.attrs[key]:g}$" for key in differing if key in run.attrs) or "as written"
 
 
 def plain(value):
@@ -107,12 +116,13 @@ class Result:
         if not self.has("/rods"):
             return []
         names = sorted(self.file["/rods"], key=lambda name: self.attribute(f"/rods/{name}", "order", 0))
-        return [self.run(name) for name in names]
+        runs = [self.run(name) for name in names]
+        return [replace(run, label=run.label or told_apart(run, runs)) for run in runs]
 
     def run(self, name):
         place = f"/rods/{name}"
         t, x, y, theta = (self.data(f"{place}/{part}") for part in ("t", "x", "y", "theta"))
         if not (x.shape == y.shape == theta.shape and x.ndim == 2 and len(x) == len(t) > 0):
             raise PlotError(f"{self.path}: {place} holds x, y, theta of unequal or empty shape")
-        label = self.attribute(place, "label", "") or ("as written" if name == "scene" else name)
+        label = self.attribute(place, "label", "") or ("" if name == "scene" else name)
         return Run(name, label, self.attribute(place, "outcome"), self.attributes(place), t, x, y, theta)

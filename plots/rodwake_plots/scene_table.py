@@ -79,7 +79,7 @@ def listing(items, units):
     keys = list(dict.fromkeys(key for item in items for key in item))
     unit = {key: unit_of(units, COLUMNS[key]) for key in keys if key in COLUMNS}
     return (["No."] + [words.escape(key.replace("_", " ")) + (f" ({unit[key]})" if key in unit else "") for key in keys],
-            [[str(index)] + [shown(item.get(key, "")) for key in keys] for index, item in enumerate(items, 1)])
+            [[str(index)] + [shown(item.get(key, "")) for key in keys] for index, item in enumerate(items)])
 
 
 def shown(value):

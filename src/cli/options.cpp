@@ -20,7 +20,7 @@ void add_common(CLI::App& verb, Options& options) {
     verb.add_option("-s,--set", options.overrides, "change a key of the scene: table.key=value; repeatable")
         ->allow_extra_args(false);
     verb.add_option("-j,--threads", options.threads, "threads")->check(CLI::Range(1, 1024));
-    verb.add_option("--seed", options.seed, "seed of everything random");
+    verb.add_option("--seed", options.seed, "seed of everything random")->check(CLI::NonNegativeNumber);
     verb.add_flag("--dry-run", options.dry_run, "say what would be done, do nothing");
     verb.add_flag("--quiet", options.quiet, "no progress, no summary; errors only");
     verb.add_flag("-v,--verbose", options.verbose, "more detail");

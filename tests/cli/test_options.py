@@ -39,8 +39,8 @@ class HelpTest(ProgramTest):
         self.refuse(2, "--frobnicate", "--frobnicate", "run", QUICKSTART)
         self.refuse(2, "SCENE is required", "run")
         self.refuse(2, "extra", "check", QUICKSTART, "extra")
-        for option, value in (("-j", "0"), ("-j", "many"), ("-j", "1e9"), ("--seed", "-1"), ("--seed", "x")):
-            self.refuse(2, option.lstrip("-")[0], "rods", QUICKSTART, option, value)
+        for option, value in (("--threads", "0"), ("--threads", "many"), ("--threads", "1e9"), ("--seed", "-1"), ("--seed", "x")):
+            self.refuse(2, option, "rods", QUICKSTART, option, value)
 
 
 class CommonOptionsTest(ProgramTest):

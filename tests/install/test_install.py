@@ -56,13 +56,14 @@ class InstallTest(unittest.TestCase):
     def test_example_pair(self):
         text = self.output_of("pair")
         self.assertIn("outcome      contact", text)
-        # The example asks for rtol 1e-10; the global error is up to 100 times that (include/rodwake/integrate/ode.hpp).
-        self.assertLess(self.number_after("true error", text), 1e-8)
+        # rtol 1e-10; the global error of adams is up to 1000 times that (include/rodwake/integrate/ode.hpp).
+        self.assertLess(self.number_after("true error", text), 1e-7)
 
     def test_example_own_ode(self):
         text = self.output_of("own_ode")
-        # rtol 1e-10 again; over six flights no error grows by more than the bound above.
-        self.assertLess(self.number_after("true error", text), 1e-8)
+        self.assertIn("6 passes in", text)  # the quarter period is 0.83 s, the run 10 s long
+        # rtol 1e-10; the global error of adams is up to 1000 times that (the same header).
+        self.assertLess(self.number_after("true error", text), 1e-7)
 
     def test_a_version_that_is_not_there_is_refused(self):
         source = self.folder / "future"
@@ -81,10 +82,15 @@ class InstallTest(unittest.TestCase):
     def test_the_installed_program_makes_its_own_figures(self):
         program = self.prefix / "bin/rodwake"
         scene = self.prefix / "share/rodwake/scenes/quickstart.toml"
-        trace = {**os.environ, "PYTHONVERBOSE": "", "PYTHONPATH": ""}
-        done = run(program, "run", scene, "-o", self.folder / "out", cwd=self.folder, env=trace)
+        done = run(program, "run", scene, "-o", self.folder / "out")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue((self.folder / "out/report.html").is_file())
+        # Not those of the source tree it was built from: with another plotting program in place, that one is run.
+        plots = self.prefix / "share/rodwake/plots/rodwake_plot.py"
+        plots.rename(plots.with_suffix(".kept"))
+        self.addCleanup(plots.with_suffix(".kept").replace, plots)
+        plots.write_text("print('the installed one')\n")
+        self.assertEqual(run(program, "plot", self.folder / "out").stdout, "the installed one\n")
 
     def test_installed_files_name_no_folder_of_the_source(self):
         texts = [p for p in self.prefix.rglob("*") if p.suffix in (".hpp", ".cmake", ".py", ".toml", ".md", ".css")]
