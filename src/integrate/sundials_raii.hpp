@@ -65,7 +65,10 @@ inline Context make_context() {
 }
 
 inline Vector make_vector(std::size_t size, SUNContext context) {
-    return Vector(made(N_VNew_Serial(static_cast<sunindextype>(size), context)));
+    Vector vector(made(N_VNew_Serial(static_cast<sunindextype>(size), context)));
+    N_VEnableFusedOps_Serial(vector.get(),
+                             SUNTRUE); // one pass for a sum of stages: short states pay per call
+    return vector;
 }
 
 inline std::span<double> elements(N_Vector vector) {
