@@ -6,7 +6,7 @@
 namespace rodwake {
 
 std::array<std::uint32_t, 4> philox_block(std::array<std::uint32_t, 4> counter,
-                                        std::array<std::uint32_t, 2> key) {
+                                          std::array<std::uint32_t, 2> key) {
     const r123::Philox4x32::ctr_type in{{counter[0], counter[1], counter[2], counter[3]}};
     const auto out = r123::Philox4x32{}(in, {{key[0], key[1]}});
     return {out[0], out[1], out[2], out[3]};
@@ -15,8 +15,9 @@ std::array<std::uint32_t, 4> philox_block(std::array<std::uint32_t, 4> counter,
 std::uint64_t RandomStream::bits() {
     const auto low = static_cast<std::uint32_t>(index_), high = static_cast<std::uint32_t>(index_ >> 32);
     ++index_;
-    const auto word = philox_block({low, high, stream_, substream_}, {static_cast<std::uint32_t>(seed_),
-                                                                    static_cast<std::uint32_t>(seed_ >> 32)});
+    const auto word =
+        philox_block({low, high, stream_, substream_},
+                     {static_cast<std::uint32_t>(seed_), static_cast<std::uint32_t>(seed_ >> 32)});
     return (static_cast<std::uint64_t>(word[1]) << 32) | word[0];
 }
 

@@ -36,9 +36,9 @@ std::size_t first_not_finite(std::span<const double> values) {
     return i;
 }
 
-/// Multistep methods let local errors add up that Runge-Kutta steps mostly cancel: on the reference trajectories their
-/// error over tolerance is 10 to 50 times larger. These factors bring the three methods to like errors for like
-/// tolerances (docs/validation.md, work and precision).
+/// Multistep methods let local errors add up that Runge-Kutta steps mostly cancel: on the reference
+/// trajectories their error over tolerance is 10 to 50 times larger. These factors bring the three methods to
+/// like errors for like tolerances (docs/validation.md, work and precision).
 double strictness(Method method) {
     switch (method) {
     case Method::bdf:

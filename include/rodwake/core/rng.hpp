@@ -30,6 +30,6 @@ private:
 
 /// One Philox4x32-10 block, for known-answer tests.
 std::array<std::uint32_t, 4> philox_block(std::array<std::uint32_t, 4> counter,
-                                        std::array<std::uint32_t, 2> key);
+                                          std::array<std::uint32_t, 2> key);
 
 } // namespace rodwake

@@ -47,8 +47,9 @@ struct OdeProblem {
     std::vector<Event> events;
     /// Name of component i in messages ("rods[3].theta"). Empty: "y[i]".
     std::function<std::string(std::size_t)> component_name;
-    /// The tolerance of component i is rtol min(|y_i|, relative_cap) + atol. Finite for coordinates whose origin means
-    /// nothing: the scale on which they matter, so that the result does not depend on where the origin is.
+    /// The tolerance of component i is rtol min(|y_i|, relative_cap) + atol. Finite for coordinates whose
+    /// origin means nothing: the scale on which they matter, so that the result does not depend on where the
+    /// origin is.
     double relative_cap = std::numeric_limits<double>::infinity();
 };
 
