@@ -32,13 +32,15 @@ bool in_pursuit(const Pose& a, const Pose& b, const PairHistory& history, const 
            (follows(a, b, limit.lateral_offset) || follows(b, a, limit.lateral_offset));
 }
 
-bool escapes(State y, State ydot, std::size_t a, std::size_t b, const EndingCriteria& limit) {
+bool escapes(State y, State ydot, std::size_t a, std::size_t b, const PairHistory& history,
+             const EndingCriteria& limit) {
     const double rate = separation_rate(y, a, b);
     const double parting = std::hypot(ydot[3 * a] - ydot[3 * b], ydot[3 * a + 1] - ydot[3 * b + 1]);
     if (!(rate > 0.0 && parting > 0.0))
         return false;
     const double r = std::hypot(y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1]);
-    const double turning = std::max(std::abs(ydot[3 * a + 2]), std::abs(ydot[3 * b + 2]));
+    const double turning =
+        std::max({std::abs(ydot[3 * a + 2]), std::abs(ydot[3 * b + 2]), history.max_turning});
     return turning * r / parting <= limit.residual_turn;
 }
 
@@ -48,7 +50,7 @@ Ending classify_pair(State y, State ydot, std::size_t a, std::size_t b, const Pa
                      const EndingCriteria& criteria) {
     if (in_pursuit(pose(y, a), pose(y, b), history, criteria))
         return Ending::pursuit;
-    return escapes(y, ydot, a, b, criteria) ? Ending::escape : Ending::undecided;
+    return escapes(y, ydot, a, b, history, criteria) ? Ending::escape : Ending::undecided;
 }
 
 std::string to_string(Ending ending) {

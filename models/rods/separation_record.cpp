@@ -15,13 +15,29 @@ void keep_smaller(SeparationRecord& record, const Separation& pair) {
         record.smallest = pair;
 }
 
+void add_late(SeparationRecord& record, const integrate::Step& step) {
+    const integrate::State y = step.state;
+    const double duration = step.time - step.time_before;
+    const std::size_t rods = y.size() / 3;
+    const auto turning = [&](std::size_t rod) {
+        return duration > 0.0 ? std::abs(y[3 * rod + 2] - step.state_before[3 * rod + 2]) / duration : 0.0;
+    };
+    for (std::size_t a = 0; a < rods; ++a)
+        for (std::size_t b = a + 1; b < rods; ++b) {
+            const double r = std::hypot(y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1]);
+            PairHistory& range = record.late[a * rods + b];
+            range = {std::min(range.min_late, r), std::max(range.max_late, r),
+                     std::max({range.max_turning, turning(a), turning(b)})};
+        }
+}
+
 } // namespace
 
 SeparationRecord start_record(integrate::State y, double late_from) {
     const std::size_t rods = y.size() / 3;
     if (rods < 2)
         return {{0, 0, infinity}, late_from, {}};
-    return {closest_pair(y), late_from, std::vector<PairHistory>(rods * rods, {infinity, 0.0})};
+    return {closest_pair(y), late_from, std::vector<PairHistory>(rods * rods, {infinity, 0.0, 0.0})};
 }
 
 void add_step(SeparationRecord& record, const integrate::Step& step) {
@@ -31,19 +47,7 @@ void add_step(SeparationRecord& record, const integrate::Step& step) {
     if (const auto approach = closest_approach(step))
         keep_smaller(record, approach->pair);
     if (step.time >= record.late_from)
-        add_late(record, step.state);
-}
-
-void add_late(SeparationRecord& record, integrate::State y) {
-    if (record.late.empty())
-        return;
-    const std::size_t rods = y.size() / 3;
-    for (std::size_t a = 0; a < rods; ++a)
-        for (std::size_t b = a + 1; b < rods; ++b) {
-            const double r = std::hypot(y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1]);
-            PairHistory& range = record.late[a * rods + b];
-            range = {std::min(range.min_late, r), std::max(range.max_late, r)};
-        }
+        add_late(record, step);
 }
 
 } // namespace rodwake::rods

@@ -87,7 +87,7 @@ void classify(RodOutcome& outcome, const RodModel& model, State y, const Separat
         for (std::size_t b = a + 1; b < model.rods(); ++b) {
             const Ending ending = classify_pair(y, ydot, a, b, record.late[a * model.rods() + b], criteria);
             all_escape = all_escape && ending == Ending::escape;
-            if (ending == Ending::pursuit && outcome.ending != Ending::pursuit) {
+            if (ending == Ending::pursuit && model.interacting() && outcome.ending != Ending::pursuit) {
                 outcome.ending = Ending::pursuit;
                 outcome.pair = {a, b, std::hypot(y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1])};
             }
@@ -105,7 +105,6 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
         outcome.turn.push_back(y[3 * a + 2] - problem.rods[a].heading);
     const bool contact = solution.status.outcome == integrate::Outcome::stopped_at_event;
     if (model.rods() > 1) {
-        add_late(record, y);
         outcome.pair = contact ? closest_pair(y) : record.smallest;
     }
     outcome.min_separation = contact ? outcome.pair.distance : record.smallest.distance;
@@ -139,17 +138,7 @@ namespace {
 /// Segments short enough that a checkpoint comes every few seconds: a step costs N (N - 1) field points.
 long segment_steps(std::size_t rods) {
     const double steps = 2e7 / static_cast<double>(std::max<std::size_t>(rods * rods, 1));
-    return static_cast<long>(std::clamp(steps, 200.0, 10000.0));
-}
-
-integrate::Statistics operator+(integrate::Statistics a, const integrate::Statistics& b) {
-    a.steps += b.steps;
-    a.rhs_evaluations += b.rhs_evaluations;
-    a.jacobian_evaluations += b.jacobian_evaluations;
-    a.error_test_failures += b.error_test_failures;
-    a.convergence_failures += b.convergence_failures;
-    a.event_evaluations += b.event_evaluations;
-    return a;
+    return static_cast<long>(std::clamp(steps, 200.0, 20000.0));
 }
 
 RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& problem,
@@ -158,12 +147,26 @@ RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& prob
     return {ode.start_time, ode.initial_state, {}, start_record(ode.initial_state, late_from), {}};
 }
 
+/// A solve that fails with two rods nearly in one place failed because their fields are singular there.
+void explain_collision(integrate::Solution& solution) {
+    constexpr double near = 0.05; // f/mu
+    if (solution.status.ok() || solution.final_state.size() < 6)
+        return;
+    const Separation pair = closest_pair(solution.final_state);
+    if (pair.distance > near)
+        return;
+    solution.status.cause =
+        fmt::format("rods[{}] and rods[{}] are {:.3g} apart, and their fields are singular at contact",
+                    pair.first, pair.second, pair.distance);
+    solution.status.advice = "set rods_run.contact_distance, so that the run stops when two rods meet";
+}
+
 /// The outputs of the run as a whole: those before the checkpoint, then those of the part just solved.
 void prepend(integrate::Solution& part, const RodCheckpoint& from, const std::vector<double>& times) {
     const auto done = static_cast<std::ptrdiff_t>(from.outputs.size());
     part.times.insert(part.times.begin(), times.begin(), times.begin() + done);
     part.states.insert(part.states.begin(), from.outputs.begin(), from.outputs.end());
-    part.statistics = from.statistics + part.statistics;
+    part.statistics += from.statistics;
 }
 
 } // namespace
@@ -177,6 +180,7 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     SeparationRecord record = from.record;
 
     integrate::OdeOptions solver = options.ode;
+    solver.atol = std::min(solver.atol, 0.1 * solver.rtol); // of coordinates of order 1: more would undo rtol
     solver.segment_steps = std::min(solver.segment_steps, segment_steps(problem.rods.size()));
     solver.on_step = [&](const integrate::Step& step) {
         add_step(record, step);
@@ -192,13 +196,14 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
                                {segment.state.begin(), segment.state.end()},
                                std::move(outputs),
                                record,
-                               from.statistics + segment.statistics});
+                               integrate::Statistics(from.statistics) += segment.statistics});
     };
 
     const std::vector<double> times = output_times(problem);
     RodResult result;
     result.solution = integrate::solve(ode, solver, std::span(times).subspan(from.outputs.size()));
     prepend(result.solution, from, times);
+    explain_collision(result.solution);
     const RodModel model(problem.medium, problem.couplings, problem.rods.size());
     result.outcome = conclude(problem, model, result.solution, record, options.criteria);
     return result;

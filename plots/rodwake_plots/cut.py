@@ -20,8 +20,6 @@ def draw(run, spec):
     axes.axhline(0, color=style.GREY, linewidth=0.6)
     axes.plot(*broken_at_rod(cut, s, values), color=style.LINE)
     axes.set(xlim=(s.min(), s.max()), ylim=limits(cut, spec, s, values), xlabel=axis.label, ylabel=value_axis.label)
-    if spec.sqrt_scaled:
-        mark_plateau(axes, s, values)
     mark_rod(axes, cut, s)
     canvas.heading(axes, style.safe(spec.title))
     note_line(run.result.units, axes, cut)
@@ -82,14 +80,6 @@ def mark_rod(axes, cut, s):
     look = dict(textcoords="offset points", color=style.GREY, fontsize=9, xycoords=axes.get_xaxis_transform(), va="bottom")
     axes.annotate("behind", (0, 0.03), (-6, 0), ha="right", **look)
     axes.annotate("ahead", (0, 0.03), (6, 0), ha="left", **look)
-
-
-def mark_plateau(axes, s, values):
-    """The level of the far wake, drawn only where the data are flat."""
-    far = values[(s < 0.75 * s.min()) & np.isfinite(values)]
-    if s.min() >= 0 or far.size < 3 or np.ptp(far) > 0.08 * abs(far.mean()):
-        return
-    axes.plot([s.min(), 0], [far.mean()] * 2, color=style.INK, linewidth=0.8, linestyle=(0, (1, 2)))
 
 
 def note_line(units, axes, cut):

@@ -10,7 +10,8 @@ MEANINGS = {
         "eta": ("<i>η</i>", "coefficient of grad div over shear modulus, (<i>λ</i> + <i>μ</i>)/<i>μ</i>", NONE),
         "xi": ("<i>ξ</i>", "screening length <i>μ</i>/(<i>ζv</i><sub>0</sub>)", LENGTH),
         "alpha": ("<i>α</i>", "(<i>f</i>/<i>μ</i>)/<i>ξ</i>", NONE),
-        "field": ("", "how the field is evaluated", NONE),
+        "field": ("", "how the field is evaluated: <i>exact</i> sums the closed form at every point", NONE),
+        "table": ("", "interpolation of the field; not used with <i>exact</i>", NONE),
     },
     "coupling": {
         "kappa": ("<i>κ</i>", "turning towards the extensional axis of the strain", NONE),
@@ -22,10 +23,15 @@ MEANINGS = {
         "t_end": ("<i>t</i><sub>end</sub>", "end of the integration", TIME),
         "contact_distance": ("", "separation that counts as contact", LENGTH),
         "output_times": ("", "times written out", TIME),
+        "output_interval": ("", "time between rows of rods.csv", TIME),
+        "form": ("", "variables of the equations: <i>angle</i> is one heading <i>θ</i> a rod", NONE),
         "method": ("", "integration method", NONE),
         "rtol": ("", "relative tolerance", NONE),
         "atol": ("", "absolute tolerance", NONE),
         "max_steps": ("", "most steps allowed", NONE),
+    },
+    "noise": {
+        "rotational_diffusion": ("", "rotational diffusion of the headings", NONE),
     },
     "field": {
         "x": ("", "range of the grid along <i>x</i>", LENGTH),
@@ -39,7 +45,7 @@ MEANINGS = {
         "bead_radius": ("<i>a</i>", "bead radius", "m"),
     },
 }
-NAMES = {"medium": "Medium", "coupling": "Coupling", "rods_run": "Integration", "scales": "Scales", "field": "Field of one rod",
+NAMES = {"medium": "Medium", "coupling": "Coupling", "rods_run": "Integration", "noise": "Noise", "scales": "Scales", "field": "Field of one rod",
          "rods": "Rods at the start", "cuts": "Cuts of the field", "variants": "Variants"}
 COLUMNS = {"position": LENGTH, "heading": "rad", "at": LENGTH, "from": LENGTH, "to": LENGTH}  # units in listings
 SKIPPED = {"figures"}  # the figures speak for themselves

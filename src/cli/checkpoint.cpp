@@ -31,7 +31,7 @@ std::string key_of(const scene::Scene& scene) {
 json to_json(const rods::SeparationRecord& record) {
     json late = json::array();
     for (const rods::PairHistory& range : record.late)
-        late.push_back({number(range.min_late), number(range.max_late)});
+        late.push_back({number(range.min_late), number(range.max_late), range.max_turning});
     const rods::Separation& pair = record.smallest;
     return {{"smallest", {pair.first, pair.second, number(pair.distance)}},
             {"late_from", record.late_from},
@@ -44,7 +44,7 @@ rods::SeparationRecord record_of(const json& value) {
     record.smallest = {pair.at(0).get<std::size_t>(), pair.at(1).get<std::size_t>(), number(pair.at(2))};
     record.late_from = value.at("late_from").get<double>();
     for (const json& range : value.at("late"))
-        record.late.push_back({number(range.at(0)), number(range.at(1))});
+        record.late.push_back({number(range.at(0)), number(range.at(1)), range.at(2).get<double>()});
     return record;
 }
 

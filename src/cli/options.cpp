@@ -54,6 +54,8 @@ void add_verbs(CLI::App& app, Options& options) {
                       "CSV with columns x,y,xi,eta; the field goes to standard output");
     field->add_option("--backend", options.backend, "evaluation: exact")
         ->check(CLI::IsMember({"exact", "table"}));
+    field->add_option("--table-tolerance", options.table_tolerance, "relative error of --backend table [1e-8]")
+        ->check(CLI::Range(1e-14, 1e-1));
     scene(add_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
                    "  rodwake rods scenes/quickstart.toml -o results/pair\n"
                    "  rodwake rods scenes/quickstart.toml -s coupling.kappa=100 -s rods_run.method=bdf"));
@@ -88,6 +90,14 @@ void refuse_unknown_verb(const CLI::App& app, int argc, const char* const* argv)
     throw CLI::ValidationError(argv[1], fmt::format("no such verb; legal: {}", fmt::join(verbs, ", ")));
 }
 
+void check_field_options(const Options& options) {
+    if (options.target.empty() == options.points.empty())
+        throw CLI::ValidationError("field", "give either a SCENE or --points FILE");
+    if (!options.points.empty() && !options.output.empty())
+        throw CLI::ValidationError(
+            "--output", "field --points writes to standard output and makes no folder; use > FILE");
+}
+
 } // namespace
 
 Parsed parse_command_line(int argc, const char* const* argv) {
@@ -102,9 +112,8 @@ Parsed parse_command_line(int argc, const char* const* argv) {
     try {
         refuse_unknown_verb(app, argc, argv);
         app.parse(argc, argv);
-        if (parsed.options.verb == Verb::field &&
-            parsed.options.target.empty() == parsed.options.points.empty())
-            throw CLI::ValidationError("field", "give either a SCENE or --points FILE");
+        if (parsed.options.verb == Verb::field)
+            check_field_options(parsed.options);
     } catch (const CLI::ParseError& error) {
         parsed.exit_now = true;
         parsed.exit_code = app.exit(error) == 0 ? 0 : 2;

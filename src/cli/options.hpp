@@ -22,6 +22,7 @@ struct Options {
     // verb-specific
     std::string points;            ///< field --points
     std::string backend = "exact"; ///< field --backend
+    double table_tolerance = 1e-8; ///< field --table-tolerance; only for the backend table
     bool pdf = false;              ///< plot --pdf
     bool scene_reference = false;  ///< info --scene-reference
 };

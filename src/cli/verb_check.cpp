@@ -58,6 +58,16 @@ void add_rod_lines(const scene::Scene& scene, std::vector<Line>& lines) {
                          : "contact: no rods_run.contact_distance"});
 }
 
+/// What the scene names and this version leaves out.
+void add_unused_lines(const scene::Scene& scene, std::vector<Line>& lines) {
+    if (scene.medium && scene.medium->table)
+        lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
+    if (scene.noise)
+        lines.push_back({false, "noise: rotational_diffusion is 0"});
+    else if (scene.rods_run)
+        lines.push_back({false, "noise: no [noise] table"});
+}
+
 std::string cost(const scene::Scene& scene) {
     constexpr double point_seconds = 1.2e-7; // bench/: strain at one point
     std::string text;
@@ -81,6 +91,7 @@ int verb_check(const Options& options) {
     std::vector<Line> lines;
     add_field_lines(scene, lines);
     add_rod_lines(scene, lines);
+    add_unused_lines(scene, lines);
     fmt::print("{}\n# modelled\n", scene::to_toml(scene));
     for (const Line& line : lines)
         if (line.modelled)

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 
 namespace rodwake::cli {
@@ -21,12 +22,20 @@ struct Point {
     std::size_t line; ///< of the file
 };
 
+/// A column L without entries asks for no periodic box.
+void refuse_boxes(const std::string& file, const store::Table& table) {
+    const auto* boxes = table.find("L");
+    for (std::size_t i = 0; boxes && i < boxes->size(); ++i)
+        if (!std::isnan((*boxes)[i]))
+            throw InputError(fmt::format("{}:{}:1: column L (periodic box) is not available in this version",
+                                         file, table.lines[i]));
+}
+
 std::vector<Point> read_points(const std::string& file) {
     const std::vector<std::string> required = {"x", "y", "xi", "eta"};
     const std::vector<std::string> optional = {"L"};
     const store::Table table = store::read_csv(file, required, optional);
-    if (table.find("L"))
-        throw InputError(file + ": column L (periodic box) is not available in this version");
+    refuse_boxes(file, table);
     const auto &x = *table.find("x"), &y = *table.find("y"), &xi = *table.find("xi"),
                &eta = *table.find("eta");
     std::vector<Point> points;

@@ -17,18 +17,9 @@ using sundials::elements;
 using sundials::made;
 using sundials::require;
 
-int call_rhs(double t, N_Vector y, N_Vector ydot, void* calls) {
-    return static_cast<ProblemCalls*>(calls)->rhs(t, elements(y), elements(ydot));
-}
-
 int call_jacobian(double t, N_Vector y, N_Vector, SUNMatrix matrix, void* calls, N_Vector, N_Vector,
                   N_Vector) {
     return static_cast<ProblemCalls*>(calls)->jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
-}
-
-int call_error_weights(N_Vector y, N_Vector weights, void* calls) {
-    static_cast<ProblemCalls*>(calls)->error_weights(elements(y), elements(weights));
-    return 0;
 }
 
 class CvodeStepper final : public Stepper {
@@ -65,9 +56,9 @@ void CvodeStepper::start(double t, State y) {
     memory_.reset(made(CVodeCreate(bdf ? CV_BDF : CV_ADAMS, context_.get())));
     void* cvode = memory_.get();
     require(CVodeSetErrHandlerFn(cvode, keep_text, static_cast<Stepper*>(this)));
-    require(CVodeInit(cvode, call_rhs, t, after_.get()));
+    require(CVodeInit(cvode, rhs_callback, t, after_.get()));
     require(CVodeSetUserData(cvode, &calls_));
-    require(CVodeWFtolerances(cvode, call_error_weights));
+    require(CVodeWFtolerances(cvode, error_weights_callback));
     require(CVodeSetMaxHnilWarns(cvode, -1));
     require(CVodeSetInitStep(cvode, initial_step(t)));
     require(CVodeSetMaxStep(cvode, options_.max_step));
@@ -129,13 +120,7 @@ std::vector<double> CvodeStepper::weighted_errors() const {
     const bool tried = segment_counts().steps > 0 || flag_ == CV_ERR_FAILURE;
     if (!tried)
         return {};
-    sundials::Vector weights = sundials::make_vector(state().size(), context_.get());
-    sundials::Vector errors = sundials::make_vector(state().size(), context_.get());
-    CVodeGetErrWeights(memory_.get(), weights.get());
-    CVodeGetEstLocalErrors(memory_.get(), errors.get());
-    N_VProd(weights.get(), errors.get(), errors.get());
-    N_VAbs(errors.get(), errors.get());
-    return {elements(errors.get()).begin(), elements(errors.get()).end()};
+    return products(memory_.get(), CVodeGetErrWeights, CVodeGetEstLocalErrors);
 }
 
 Statistics CvodeStepper::segment_counts() const {

@@ -14,15 +14,6 @@ using sundials::elements;
 using sundials::made;
 using sundials::require;
 
-int call_rhs(double t, N_Vector y, N_Vector ydot, void* calls) {
-    return static_cast<ProblemCalls*>(calls)->rhs(t, elements(y), elements(ydot));
-}
-
-int call_error_weights(N_Vector y, N_Vector weights, void* calls) {
-    static_cast<ProblemCalls*>(calls)->error_weights(elements(y), elements(weights));
-    return 0;
-}
-
 class ErkStepper final : public Stepper {
 public:
     ErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
@@ -53,12 +44,12 @@ void ErkStepper::start(double t, State y, double first_step) {
     if (memory_)
         earlier_ = counts();
     set_start(t, y);
-    memory_.reset(made(ERKStepCreate(call_rhs, t, after_.get(), context_.get())));
+    memory_.reset(made(ERKStepCreate(rhs_callback, t, after_.get(), context_.get())));
     void* erk = memory_.get();
     require(ERKStepSetErrHandlerFn(erk, keep_text, static_cast<Stepper*>(this)));
     require(ERKStepSetUserData(erk, &calls_));
     require(ERKStepSetTable(erk, table_.get()));
-    require(ERKStepWFtolerances(erk, call_error_weights));
+    require(ERKStepWFtolerances(erk, error_weights_callback));
     require(ERKStepSetMaxHnilWarns(erk, -1));
     require(ERKStepSetInitStep(erk, first_step));
     require(ERKStepSetMaxStep(erk, options_.max_step));
@@ -110,13 +101,7 @@ std::vector<double> ErkStepper::weighted_errors() const {
     const bool tried = segment_counts().steps > 0 || flag_ == ARK_ERR_FAILURE;
     if (!tried)
         return {};
-    sundials::Vector weights = sundials::make_vector(state().size(), context_.get());
-    sundials::Vector errors = sundials::make_vector(state().size(), context_.get());
-    ERKStepGetErrWeights(memory_.get(), weights.get());
-    ERKStepGetEstLocalErrors(memory_.get(), errors.get());
-    N_VProd(weights.get(), errors.get(), errors.get());
-    N_VAbs(errors.get(), errors.get());
-    return {elements(errors.get()).begin(), elements(errors.get()).end()};
+    return products(memory_.get(), ERKStepGetErrWeights, ERKStepGetEstLocalErrors);
 }
 
 Statistics ErkStepper::segment_counts() const {

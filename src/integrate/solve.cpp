@@ -119,7 +119,7 @@ bool Run::digest_step() {
 bool Run::go_on() {
     if (all_stored())
         return end(Outcome::reached_end, stepper_->time(), stepper_->state());
-    if (steps_ % options_.segment_steps == 0)
+    if (steps_ % options_.segment_steps == 0 && steps_ < options_.max_steps)
         begin_segment();
     if (!options_.stop_requested || !options_.stop_requested())
         return true;

@@ -8,6 +8,16 @@
 
 namespace rodwake::integrate {
 
+Statistics& Statistics::operator+=(const Statistics& other) {
+    steps += other.steps;
+    rhs_evaluations += other.rhs_evaluations;
+    jacobian_evaluations += other.jacobian_evaluations;
+    error_test_failures += other.error_test_failures;
+    convergence_failures += other.convergence_failures;
+    event_evaluations += other.event_evaluations;
+    return *this;
+}
+
 namespace {
 
 /// The ten largest, by name; those a thousand times below the largest say nothing, NaN is the worst of all.

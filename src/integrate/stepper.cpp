@@ -23,13 +23,27 @@ void Stepper::set_start(double t, State y) {
 }
 
 Statistics Stepper::counts() const {
-    const Statistics now = segment_counts();
     Statistics sum = earlier_;
-    sum.steps += now.steps;
-    sum.jacobian_evaluations += now.jacobian_evaluations;
-    sum.error_test_failures += now.error_test_failures;
-    sum.convergence_failures += now.convergence_failures;
-    return sum;
+    return sum += segment_counts();
+}
+
+int Stepper::rhs_callback(double t, N_Vector y, N_Vector ydot, void* calls) {
+    return static_cast<ProblemCalls*>(calls)->rhs(t, sundials::elements(y), sundials::elements(ydot));
+}
+
+int Stepper::error_weights_callback(N_Vector y, N_Vector weights, void* calls) {
+    static_cast<ProblemCalls*>(calls)->error_weights(sundials::elements(y), sundials::elements(weights));
+    return 0;
+}
+
+std::vector<double> Stepper::products(void* memory, Getter a, Getter b) const {
+    const sundials::Vector first = sundials::make_vector(state().size(), context_.get());
+    const sundials::Vector second = sundials::make_vector(state().size(), context_.get());
+    a(memory, first.get());
+    b(memory, second.get());
+    N_VProd(first.get(), second.get(), second.get());
+    N_VAbs(second.get(), second.get());
+    return {sundials::elements(second.get()).begin(), sundials::elements(second.get()).end()};
 }
 
 StepFailure Stepper::failure() const {

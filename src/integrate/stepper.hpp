@@ -53,6 +53,12 @@ protected:
     double initial_step(double t) const;
     /// The shortest step worth trying at t: shorter ones may not change t.
     static double shortest_step(double t);
+    // The problem's functions as SUNDIALS calls them; the user data are the ProblemCalls.
+    static int rhs_callback(double t, N_Vector y, N_Vector ydot, void* calls);
+    static int error_weights_callback(N_Vector y, N_Vector weights, void* calls);
+    /// |a b| of two vectors that an integrator hands out.
+    using Getter = int (*)(void* memory, N_Vector);
+    std::vector<double> products(void* memory, Getter a, Getter b) const;
     static void keep_text(int flag, const char* module, const char* function, char* text, void* stepper);
 
     ProblemCalls& calls_;

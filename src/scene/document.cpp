@@ -60,7 +60,7 @@ public:
         planned_.push_back(path_.empty() ? name : path_.back() + "." + name);
     }
     void use_units(const Units& units) override { units_ = units; }
-    void one_form(bool required, const Forms& forms, const std::function<void(int)>&) override {
+    void one_form(const Forms& forms, const std::function<void(int)>&) override {
         std::string text;
         for (const auto& form : forms) {
             std::string keys;
@@ -68,8 +68,9 @@ public:
                 keys += (keys.empty() ? "`" : " with `") + name + "`";
             text += (text.empty() ? "" : "; ") + keys;
         }
-        current().notes.push_back(fmt::format("{} of: {}.", required ? "Exactly one" : "At most one", text));
+        current().notes.push_back(fmt::format("Exactly one of: {}.", text));
     }
+    void derive(const std::function<void()>&) override {}
     void complain(const std::string&, const std::string&) override {}
 
 protected:

@@ -53,7 +53,6 @@ void eta_keys(Visitor& v, EtaForms& k) {
           .example("0.5"),
       k.lame_lambda);
     v(key("bulk_modulus")
-          .above(0.0)
           .doc("2-D bulk modulus K = lambda_L + mu, any unit, the same as mu; eta = K/mu")
           .example("1.5"),
       k.bulk_modulus);
@@ -71,16 +70,27 @@ void resolve_eta(Visitor& v, const EtaForms& keys, int form, Medium& medium) try
         v.complain(names[form], fmt::format("is not usable: {}", error.what()));
 }
 
-void resolve_times(Visitor& v, RodsRun& run, const std::vector<double>& times) {
+/// Whether the times are in order; if not, it is reported.
+bool increasing(Visitor& v, const RodsRun& run, const std::vector<double>& times) {
     for (std::size_t i = 0; i < times.size(); ++i)
-        if (times[i] > run.t_end || (i > 0 && times[i] <= times[i - 1]))
-            return v.complain("output_times",
-                              fmt::format("entry {} is {} f/(mu v0): times must increase strictly "
-                                          "within 0 < t <= t_end = {}",
-                                          i, times[i], run.t_end));
-    run.output_times = times;
-    if (!times.empty() && times.back() < run.t_end)
-        run.output_times.push_back(run.t_end);
+        if (times[i] > run.t_end || (i > 0 && times[i] <= times[i - 1])) {
+            v.complain("output_times",
+                       fmt::format("entry {} is {} f/(mu v0): times must increase strictly "
+                                   "within 0 <= t <= t_end = {}",
+                                   i, times[i], run.t_end));
+            return false;
+        }
+    return true;
+}
+
+void resolve_times(Visitor& v, RodsRun& run, std::vector<double> times) {
+    if (!increasing(v, run, times))
+        return;
+    if (!times.empty() && times.front() == 0.0)
+        times.erase(times.begin()); // the start is stored in any case
+    if (times.empty() || times.back() < run.t_end)
+        times.push_back(run.t_end);
+    run.output_times = std::move(times);
 }
 
 void resolve_interval(Visitor& v, RodsRun& run, std::optional<double> interval) {
@@ -92,13 +102,35 @@ void resolve_interval(Visitor& v, RodsRun& run, std::optional<double> interval) 
     run.output_times = output_grid(step, run.t_end);
 }
 
+/// The ways to say how long a run is and when it is stored, in the order of resolve_run's cases.
+const Forms run_forms = {
+    {"t_end"}, {"t_end", "output_interval"}, {"t_end", "output_times"}, {"output_times"}};
+constexpr int without_t_end = 3;
+
+struct RunTimes {
+    std::optional<double> t_end, interval;
+    std::vector<double> times;
+};
+
+void resolve_run(Visitor& v, RodsRun& run, const RunTimes& given, int form) {
+    run.t_end_from_outputs = form == without_t_end;
+    const double last = given.times.empty() ? 0.0 : given.times.back();
+    run.t_end = run.t_end_from_outputs ? last : given.t_end.value_or(0.0);
+    if (run.t_end_from_outputs && given.times == std::vector{0.0})
+        return v.complain("output_times", "has no entry above 0, so the run has no end: give t_end");
+    if (!(run.t_end > 0.0)) // reported already
+        return;
+    form < 2 ? resolve_interval(v, run, given.interval) : resolve_times(v, run, given.times);
+}
+
 /// Coordinates matter on the scale of f/mu, headings on that of a radian.
 double default_atol(double rtol) { return rtol / 100.0; }
 
 void solver_fields(Visitor& v, RodsRun& run) {
     std::string form = "angle"; // the only one so far
     v(key("method")
-          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta, or chosen by tolerance")
+          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta; auto: explicit Runge-Kutta, or BDF for "
+               "stiff headings")
           .example("\"bdf\""),
       choice(run.method, {{"auto", RodMethod::automatic},
                           {"bdf", RodMethod::bdf},
@@ -118,7 +150,7 @@ void solver_fields(Visitor& v, RodsRun& run) {
           .doc("absolute tolerance of the local error, reduced units")
           .example("1e-10"),
       atol);
-    v.one_form(false, {{"atol"}}, [&](int) { run.atol = atol.value_or(default_atol(run.rtol)); });
+    v.derive([&] { run.atol = atol.value_or(default_atol(run.rtol)); });
     v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
 }
 
@@ -149,6 +181,11 @@ void fields(Visitor& v, Scales& scales) {
       scales.v0);
 }
 
+void fields(Visitor& v, FieldTable& table) {
+    v(key("tolerance").within(1e-14, 1e-1).doc("relative error of the tabulated field").example("1e-8"),
+      table.tolerance);
+}
+
 void fields(Visitor& v, Medium& medium) {
     EtaForms elastic{medium.eta, {}, {}, {}, {}};
     std::optional<double> xi = medium.xi, alpha;
@@ -166,10 +203,10 @@ void fields(Visitor& v, Medium& medium) {
           .doc("how the field is evaluated")
           .example("\"exact\""),
       choice(medium.field, {{"exact", FieldBackend::exact}}));
-    v.planned("table");
-    v.one_form(true, {{"eta"}, {"poisson_ratio"}, {"lame_lambda", "mu"}, {"bulk_modulus", "mu"}},
+    v.table(key("table").doc("Interpolation of the field; not used with field = \"exact\"."), medium.table);
+    v.one_form({{"eta"}, {"poisson_ratio"}, {"lame_lambda", "mu"}, {"bulk_modulus", "mu"}},
                [&](int form) { resolve_eta(v, elastic, form, medium); });
-    v.one_form(true, {{"xi"}, {"alpha"}},
+    v.one_form({{"xi"}, {"alpha"}},
                [&](int form) { medium.xi = form == 1 ? 1.0 / alpha.value_or(1.0) : xi.value_or(1.0); });
 }
 
@@ -193,6 +230,16 @@ void fields(Visitor& v, Coupling& coupling) {
              {{"laplacian", PolarBasis::laplacian}, {"divergence", PolarBasis::divergence}}));
 }
 
+void fields(Visitor& v, Noise& noise) {
+    v(key("rotational_diffusion")
+          .unit(rate)
+          .within(0.0, 0.0)
+          .because("noise is not available in this version")
+          .doc("diffusion coefficient of the headings, rad^2 per time")
+          .example("0.0"),
+      noise.rotational_diffusion);
+}
+
 void fields(Visitor& v, Rod& rod) {
     v(key("position").required().unit(length).items(2, 2).doc("start, [x, y]").example("[0.0, 2.5]"),
       rod.position);
@@ -204,23 +251,34 @@ void fields(Visitor& v, RodsRun& run) {
     // Written as an interval where the times are a grid; the default grid is left to follow t_end.
     const auto grid = grid_interval(run.output_times, run.t_end);
     const bool is_default = grid && *grid == run.t_end / default_outputs;
-    std::vector<double> times = grid ? std::vector<double>{} : run.output_times;
-    std::optional<double> interval = is_default ? std::nullopt : grid;
-    v(key("t_end").required().unit(time).above(0.0).doc("end of the run").example("30.0"), run.t_end);
-    v(key("output_times")
+    RunTimes given;
+    if (!run.t_end_from_outputs && run.t_end > 0.0)
+        given.t_end = run.t_end;
+    if (run.t_end_from_outputs || !grid)
+        given.times = run.output_times;
+    else if (!is_default)
+        given.interval = grid;
+    v(key("t_end")
           .unit(time)
           .above(0.0)
+          .absent("the last of output_times")
+          .doc("end of the run; needed unless output_times are given")
+          .example("30.0"),
+      given.t_end);
+    v(key("output_times")
+          .unit(time)
+          .within(0.0, 1e12)
           .items(1, static_cast<std::size_t>(max_outputs))
-          .doc("times to store, strictly increasing up to t_end, which is added if missing")
+          .doc("times to store, strictly increasing up to t_end; 0 and t_end are stored in any case")
           .example("[10.0, 20.0, 30.0]"),
-      times);
+      given.times);
     v(key("output_interval")
           .unit(time)
           .above(0.0)
-          .absent(times.empty() ? "t_end / 200" : "")
+          .absent(given.times.empty() ? "t_end / 200" : "")
           .doc("store i * output_interval and t_end; at most 1000000 times")
           .example("0.5"),
-      interval);
+      given.interval);
     v(key("contact_distance")
           .unit(length)
           .above(0.0)
@@ -229,10 +287,7 @@ void fields(Visitor& v, RodsRun& run) {
           .example("0.1"),
       run.contact_distance);
     solver_fields(v, run);
-    v.one_form(false, {{"output_times"}, {"output_interval"}}, [&](int given) {
-        if (run.t_end > 0.0) // else reported already
-            given == 0 ? resolve_times(v, run, times) : resolve_interval(v, run, interval);
-    });
+    v.one_form(run_forms, [&](int form) { resolve_run(v, run, given, form); });
 }
 
 void fields(Visitor& v, Cut& cut) {
@@ -251,6 +306,7 @@ void fields(Visitor& v, Field& field) {
 }
 
 void fields(Visitor& v, Figure& figure) {
+    const auto is_kind = [&](const char* kind) { return figure.kind == kind; };
     v(key("name").required().file_name().doc("file name without ending").example("\"wake\""), figure.name);
     v(key("kind")
           .required()
@@ -260,11 +316,25 @@ void fields(Visitor& v, Figure& figure) {
           .example("\"cut\""),
       figure.kind);
     v(key("title").absent("made from the data").doc("title").example("\"Wake\""), figure.title);
-    v(key("cut").within(0, 99).doc("kind cut: index into field.cuts, from 0").example("0"), figure.cut);
-    v(key("component").one_of({"Ux", "Uy"}).doc("kind cut: displacement component").example("\"Uy\""),
+    v(key("cut")
+          .within(0, 99)
+          .written_if(is_kind("cut"))
+          .doc("kind cut: index into field.cuts, from 0")
+          .example("0"),
+      figure.cut);
+    v(key("component")
+          .one_of({"Ux", "Uy"})
+          .written_if(is_kind("cut"))
+          .doc("kind cut: displacement component")
+          .example("\"Uy\""),
       figure.component);
-    v(key("sqrt_scaled").doc("kind cut: draw |s|^(1/2) U instead of U").example("true"), figure.sqrt_scaled);
+    v(key("sqrt_scaled")
+          .written_if(is_kind("cut"))
+          .doc("kind cut: draw |s|^(1/2) U instead of U")
+          .example("true"),
+      figure.sqrt_scaled);
     v(key("gammas")
+          .written_if(is_kind("polar_streamlines"))
           .unit(speed)
           .items(1, 16)
           .doc("kind polar_streamlines: a panel for each [gamma1, gamma2]")
@@ -300,6 +370,7 @@ void fields(Visitor& v, Scene& scene) {
     v.use_units({scene.units, scene.scales, true});
     v.table(key("medium").doc("The elastic continuum."), scene.medium);
     v.table(key("coupling").doc("How a rod turns in the strain of the others."), scene.coupling);
+    v.table(key("noise").doc("Random turning of the rods."), scene.noise);
     v.list(key("rods").items(0, max_rods).doc("One entry for each rod."), scene.rods);
     v.table(key("rods_run").doc("Integration of the rods."), scene.rods_run);
     v.table(
@@ -307,7 +378,7 @@ void fields(Visitor& v, Scene& scene) {
         scene.field);
     v.list(key("figures").items(0, 100).doc("What `rodwake plot` draws."), scene.figures);
     v.list(key("variants").items(0, 100).doc("The rods run again with some keys changed."), scene.variants);
-    for (const char* name : {"noise", "granular", "measure", "fit", "scan"})
+    for (const char* name : {"granular", "measure", "fit", "scan"})
         v.planned(name);
 }
 

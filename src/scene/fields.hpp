@@ -8,8 +8,10 @@ namespace rodwake::scene {
 inline constexpr std::size_t max_rods = 1000;
 
 void fields(Visitor& v, Scales& scales);
+void fields(Visitor& v, FieldTable& table);
 void fields(Visitor& v, Medium& medium);
 void fields(Visitor& v, Coupling& coupling);
+void fields(Visitor& v, Noise& noise);
 void fields(Visitor& v, Rod& rod);
 void fields(Visitor& v, RodsRun& run);
 void fields(Visitor& v, Cut& cut);

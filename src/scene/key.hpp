@@ -28,6 +28,7 @@ struct Key {
     std::string reason;      ///< why the range is what it is, for the message
     std::string absent_text; ///< what the absence of an optional key means
     bool is_required = false, is_file_name = false;
+    bool is_written = true; ///< false: the key means nothing beside the other values, a written scene omits it
     std::size_t min_items = 0, max_items = 0; ///< for lists
     std::vector<std::string> choices;         ///< for strings; empty: any
     std::vector<std::string> planned;         ///< choices that are not available in this version
@@ -41,6 +42,7 @@ struct Key {
     Key& items(std::size_t min, std::size_t max) { return min_items = min, max_items = max, *this; }
     Key& one_of(std::vector<std::string> names) { return choices = std::move(names), *this; }
     Key& not_yet(std::vector<std::string> names) { return planned = std::move(names), *this; }
+    Key& written_if(bool belongs) { return is_written = belongs, *this; }
     Key& file_name() { return is_file_name = true, *this; }
     Key& doc(std::string text) { return meaning = std::move(text), *this; }
     Key& example(std::string toml) { return example_value = std::move(toml), *this; }

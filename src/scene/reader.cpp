@@ -157,17 +157,12 @@ void Reader::use_units(const Units& units) {
         missing_scales(system->value, "units", "units = \"si\"");
 }
 
-void Reader::one_form(bool required, const Forms& forms, const std::function<void(int)>& resolve) {
+void Reader::one_form(const Forms& forms, const std::function<void(int)>& resolve) {
     const Node& table = *frames_.back().table;
     const auto given = effective_names(table, forms);
-    if (given.empty()) {
-        if (required)
-            problems_.add(table.place, frames_.back().path,
-                          fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
-        else
-            resolve(-1);
-        return;
-    }
+    if (given.empty())
+        return problems_.add(table.place, frames_.back().path,
+                             fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
     for (std::size_t i = 0; i < forms.size(); ++i)
         if (std::is_permutation(given.begin(), given.end(), forms[i].begin(), forms[i].end()))
             return resolve(static_cast<int>(i));

@@ -26,7 +26,8 @@ public:
     void settings(const Key& key, std::vector<std::string>& value) override;
     void planned(const std::string& name) override;
     void use_units(const Units& units) override;
-    void one_form(bool required, const Forms& forms, const std::function<void(int)>& resolve) override;
+    void one_form(const Forms& forms, const std::function<void(int)>& resolve) override;
+    void derive(const std::function<void()>& resolve) override { resolve(); }
     void complain(const std::string& key, const std::string& message) override;
 
 protected:

@@ -56,9 +56,11 @@ public:
     virtual void planned(const std::string& name) = 0;
     /// Unit system for the keys that follow.
     virtual void use_units(const Units& units) = 0;
-    /// Of these forms at most one may be given, exactly one if `required`. Reading calls resolve with its
-    /// index, or with -1 for none; other visitors do not call it.
-    virtual void one_form(bool required, const Forms& forms, const std::function<void(int)>& resolve) = 0;
+    /// Of these forms exactly one must be given. Reading calls resolve with its index; other visitors do not
+    /// call it.
+    virtual void one_form(const Forms& forms, const std::function<void(int)>& resolve) = 0;
+    /// What follows from the keys before it. Reading calls it; other visitors do not.
+    virtual void derive(const std::function<void()>& resolve) = 0;
     /// A key of the present table has a value that is wrong beside others. Called only from `resolve`.
     virtual void complain(const std::string& key, const std::string& message) = 0;
 

@@ -53,7 +53,8 @@ public:
 
     void planned(const std::string&) override {}
     void use_units(const Units& units) override { units_ = units; }
-    void one_form(bool, const Forms&, const std::function<void(int)>&) override {}
+    void one_form(const Forms&, const std::function<void(int)>&) override {}
+    void derive(const std::function<void()>&) override {}
     void complain(const std::string&, const std::string&) override {}
 
 protected:
@@ -75,10 +76,13 @@ private:
         text_ += fmt::format(fmt::runtime(header), path_.back());
     }
 
-    void line(const Key& key, const std::string& value) { text_ += key.name + " = " + value + "\n"; }
+    void line(const Key& key, const std::string& value) {
+        if (key.is_written)
+            text_ += key.name + " = " + value + "\n";
+    }
 
     void absent(const Key& key) {
-        if (!key.absent_text.empty())
+        if (key.is_written && !key.absent_text.empty())
             text_ += fmt::format("# {}: {}\n", key.name, key.absent_text);
     }
 

@@ -33,13 +33,42 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
+/// One field of a line and where the next one starts.
+struct Field {
+    std::string text;
+    std::size_t next;
+};
+
+Field plain_field(std::string_view line, std::size_t start) {
+    const std::size_t end = std::min(line.find(',', start), line.size());
+    return {std::string(trimmed(line.substr(start, end - start))), end + 1};
+}
+
+/// The field whose opening quote stands at `quote`; a quote within is doubled.
+Field quoted_field(std::string_view line, std::size_t quote, const Place& at) {
+    std::string text;
+    std::size_t i = quote + 1;
+    for (; i < line.size() && (line[i] != '"' || line.substr(i, 2) == "\"\""); ++i) {
+        i += line[i] == '"';
+        text += line[i];
+    }
+    if (i >= line.size())
+        at.fail("a quote is opened and not closed on this line");
+    const Field rest = plain_field(line, i + 1);
+    if (!rest.text.empty())
+        at.fail(fmt::format("\"{}\" follows the closing quote", rest.text.substr(0, 40)));
+    return {std::string(trimmed(text)), rest.next};
+}
+
 template<class Use>
 void for_each_field(std::string_view line, Place& at, Use use) {
     for (std::size_t start = 0, index = 0; start <= line.size(); ++index) {
-        const std::size_t end = std::min(line.find(',', start), line.size());
         at.column = start + 1;
-        use(index, trimmed(line.substr(start, end - start)));
-        start = end + 1;
+        const std::size_t first = std::min(line.find_first_not_of(" \t", start), line.size());
+        const bool is_quoted = line.substr(first).starts_with('"');
+        const Field field = is_quoted ? quoted_field(line, first, at) : plain_field(line, start);
+        use(index, std::string_view(field.text));
+        start = field.next;
     }
 }
 

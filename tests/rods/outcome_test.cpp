@@ -20,7 +20,7 @@ Ending classify(const std::vector<rods::Pose>& pair, double turning, rods::PairH
     return rods::classify_pair(y, ydot, 0, 1, history);
 }
 
-const rods::PairHistory steady{2.9, 3.0}, changing{1.0, 3.0};
+const rods::PairHistory steady{2.9, 3.0, 0.0}, changing{1.0, 3.0, 0.0}, turned_lately{1.0, 3.0, 0.1};
 
 rods::RodProblem straight(std::vector<rods::Pose> rods, double t_end, std::optional<double> contact) {
     return {std::nullopt, {}, std::move(rods), t_end, {}, contact};
@@ -42,6 +42,8 @@ TEST_CASE("escape needs growing distance and torques too weak to turn back") {
     CHECK(classify({{3, 0, 0}, {-3, 0, M_PI}}, 0.0, changing) == Ending::escape);
     CHECK(classify({{3, 0, 0}, {-3, 0, M_PI}}, 0.1, changing) ==
           Ending::undecided); // turns 0.3 rad meanwhile
+    CHECK(classify({{3, 0, 0}, {-3, 0, M_PI}}, 0.0, turned_lately) ==
+          Ending::undecided); // the rate only crosses 0
     CHECK(classify({{-3, 0, 0}, {3, 0, M_PI}}, 0.0, changing) == Ending::undecided); // approaching
 }
 
@@ -95,11 +97,31 @@ TEST_CASE("ill-posed problems are refused with the reason") {
 }
 
 TEST_CASE("rods that run into each other without a contact distance fail with an explanation, not with NaN") {
-    const rods::RodProblem head_on{
-        elastic::Medium{}, {.kappa = 1.0}, {{-5, 0, 0}, {5, 0, M_PI}}, 20.0, {}, {}};
-    const auto result = rods::simulate(head_on, {});
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    const rods::RodProblem attracted{
+        elastic::Medium{}, {.kappa = 0.5}, {{0, 2.5, 0}, {0, -2.5, 0}}, 60.0, {}, {}};
+    rods::RodOptions options;
+    options.ode.method = method;
+    options.ode.max_steps = 20000;
+    const auto result = rods::simulate(attracted, options);
     for (const double value : result.solution.final_state)
         CHECK(std::isfinite(value));
-    if (!result.solution.status.ok())
-        CHECK_THAT(result.solution.status.message(), Catch::Matchers::Contains("contact_distance"));
+    REQUIRE_FALSE(result.solution.status.ok());
+    CHECK_THAT(result.solution.status.message(), Catch::Matchers::Contains("rods_run.contact_distance"));
+}
+
+TEST_CASE("rods that do not interact do not pursue each other") {
+    const auto result = rods::simulate(straight({{0, 0, 0}, {3, 0, 0}}, 10.0, std::nullopt), {});
+    CHECK(result.outcome.ending == Ending::undecided);
+}
+
+TEST_CASE("an escape stays one when the run goes on") {
+    // Separation grows from t = 10 on; at t = 40 the turning rate happens to cross zero.
+    for (const double t_end : {200.0, 400.0, 800.0}) {
+        const rods::RodProblem problem{
+            elastic::Medium{}, {.kappa = -100.0}, {{0, 0, 0}, {-6, -5, M_PI / 2}}, t_end, {}, {}};
+        const auto outcome = rods::simulate(problem, {}).outcome;
+        INFO("t_end " << t_end << ": " << outcome.reason);
+        CHECK(outcome.ending == Ending::escape);
+    }
 }

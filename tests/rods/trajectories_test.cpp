@@ -31,6 +31,30 @@ TEST_CASE("every reference trajectory and contact time is met by every method at
     }
 }
 
+TEST_CASE("an absolute tolerance above rtol/10 does not undo rtol") {
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    for (const ReferenceCase& reference : test::reference_cases()) {
+        rods::RodOptions coarse = options(method, 1e-11);
+        coarse.ode.atol = 1e-10;
+        INFO(reference.name << ", " << integrate::to_string(method));
+        CHECK(test::worst_error(reference, rods::simulate(reference.problem, coarse)) <=
+              1e-8); // required; 1000 rtol
+    }
+}
+
+TEST_CASE("tight tolerances far from the origin are met as near it") {
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    ReferenceCase reference = test::reference_cases().front();
+    for (rods::Pose& rod : reference.problem.rods)
+        rod.x += 1000.0;
+    for (test::ReferencePoint& point : reference.points)
+        for (std::size_t i = 0; i < point.state.size(); i += 3)
+            point.state[i] += 1000.0;
+    const auto result = rods::simulate(reference.problem, options(method, 1e-13));
+    INFO(integrate::to_string(method) << ": " << result.solution.status.message());
+    CHECK(test::worst_error(reference, result) <= 1e-9); // a thousand steps of 4 ulp at 1000, 1e-12
+}
+
 TEST_CASE("the error falls in step with rtol from 1e-4 to 1e-11") {
     const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
     for (const ReferenceCase& reference : test::reference_cases()) {

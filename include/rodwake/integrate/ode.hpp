@@ -47,7 +47,7 @@ struct OdeProblem {
     std::vector<Event> events;
     /// Name of component i in messages ("rods[3].theta"). Empty: "y[i]".
     std::function<std::string(std::size_t)> component_name;
-    /// The tolerance of component i is rtol min(|y_i|, relative_cap) + atol. Finite for coordinates whose
+    /// The tolerance of component i is rtol min(|y_i|, relative_cap) + atol, at least a few ulp of y_i. Finite for coordinates whose
     /// origin means nothing: the scale on which they matter, so that the result does not depend on where the
     /// origin is.
     double relative_cap = std::numeric_limits<double>::infinity();
@@ -69,6 +69,8 @@ struct Step {
 struct Statistics {
     long steps = 0, rhs_evaluations = 0, jacobian_evaluations = 0;
     long error_test_failures = 0, convergence_failures = 0, event_evaluations = 0;
+
+    Statistics& operator+=(const Statistics& other);
 };
 
 /// A restart point: solving on from here gives the same bits as the uninterrupted run.
@@ -88,7 +90,7 @@ struct OdeOptions {
     double max_step = 0.0;      ///< 0: none
     /// The method's history is discarded every so many steps, interrupted or not, so that a solve resumed
     /// from such a point repeats the uninterrupted one bit for bit.
-    long segment_steps = 10000;
+    long segment_steps = 20000;
     // Exceptions of these three reach the caller of solve().
     /// Polled once a step; true ends the solve as `interrupted`.
     std::function<bool()> stop_requested;

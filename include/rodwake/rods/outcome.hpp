@@ -10,10 +10,11 @@
 // Criteria, for a pair at the end of the run, with r the separation and r' its rate (v0 = 1):
 //   pursuit    |angle between headings| <= 0.1, the rear rod within 0.2 r of the other's axis and behind it,
 //   and r
-//              varied by at most 5 % of its mean over the last fifth of the run
+//              varied by at most 5 % of its mean over the last fifth of the run; rods that do not interact
+//              cannot pursue each other
 //   escape     r' > 0, and in the time r/|n_a - n_b| in which the separation doubles at the present
 //   velocities neither
-//              heading turns by more than 0.05 rad at its present rate
+//              heading turns by more than 0.05 rad, at the largest rate of the last fifth of the run
 // Of several pairs: contact wins over pursuit, pursuit over undecided; escape means that every pair escapes.
 
 #include "rodwake/integrate/ode.hpp"
@@ -36,7 +37,8 @@ struct EndingCriteria {
 
 /// What is known of a pair when the run has ended.
 struct PairHistory {
-    double min_late, max_late; ///< range of the separation over the last part of the run
+    double min_late = 0.0, max_late = 0.0; ///< range of the separation over the last part of the run
+    double max_turning = 0.0; ///< largest |theta'| of either rod over that part, mean over a step
 };
 
 /// Ending of the pair (a, b) from the final state and its time derivative; never `contact`.

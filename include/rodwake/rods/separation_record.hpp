@@ -18,7 +18,5 @@ struct SeparationRecord {
 
 SeparationRecord start_record(integrate::State y, double late_from);
 void add_step(SeparationRecord& record, const integrate::Step& step);
-/// Counts the state into the last part of the run.
-void add_late(SeparationRecord& record, integrate::State y);
 
 } // namespace rodwake::rods

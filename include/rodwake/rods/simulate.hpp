@@ -33,7 +33,8 @@ struct RodCheckpoint {
 };
 
 struct RodOptions {
-    integrate::OdeOptions ode;
+    integrate::OdeOptions
+        ode; ///< atol counts up to rtol/10: coordinates matter on the scale of f/mu and a radian
     EndingCriteria criteria;
     std::function<void(const RodCheckpoint&)> on_checkpoint; ///< at the solver's segment ends
     std::optional<RodCheckpoint> resume_from;                ///< of the same problem and options

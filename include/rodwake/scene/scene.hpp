@@ -27,12 +27,20 @@ enum class FieldBackend { exact };
 enum class PolarBasis { laplacian, divergence };
 enum class RodMethod { bdf, adams, erk, automatic };
 
+/// [medium.table]: for backends that interpolate the field. The exact one has no use for it.
+struct FieldTable {
+    double tolerance = 1e-8;
+
+    bool operator==(const FieldTable&) const = default;
+};
+
 /// [medium]: the elastic continuum. eta = (lambda_L + mu)/mu = K/mu, coefficient of grad div over mu; xi =
 /// mu/(zeta v0).
 struct Medium {
     double eta = 1.0; ///< > -1
     double xi = 1.0;  ///< > 0, in f/mu; alpha = 1/xi
     FieldBackend field = FieldBackend::exact;
+    std::optional<FieldTable> table;
 
     bool operator==(const Medium&) const = default;
 };
@@ -45,6 +53,13 @@ struct Coupling {
     bool operator==(const Coupling&) const = default;
 };
 
+/// [noise]: in this version only its absence can be asked for.
+struct Noise {
+    double rotational_diffusion = 0.0; ///< rad^2 mu v0/f
+
+    bool operator==(const Noise&) const = default;
+};
+
 /// [[rods]]
 struct Rod {
     std::vector<double> position; ///< x, y
@@ -55,7 +70,8 @@ struct Rod {
 
 /// [rods_run]
 struct RodsRun {
-    double t_end = 0.0;                     ///< > 0
+    double t_end = 0.0;                     ///< > 0 (resolved)
+    bool t_end_from_outputs = false;        ///< t_end was not given: it is the last output time
     std::vector<double> output_times;       ///< increasing, within (0, t_end]; ends with t_end (resolved)
     std::optional<double> contact_distance; ///< stop there; absent: no stop
     RodMethod method = RodMethod::automatic;
@@ -115,6 +131,7 @@ struct Scene {
     std::optional<Scales> scales;
     std::optional<Medium> medium;
     std::optional<Coupling> coupling;
+    std::optional<Noise> noise;
     std::vector<Rod> rods;
     std::optional<RodsRun> rods_run;
     std::optional<Field> field;
