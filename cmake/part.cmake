@@ -1,5 +1,5 @@
 # Warnings, and arithmetic that does not depend on the compiler's contraction choices. GCC 12 at -O3 sees overlapping copies
-# in std::string that are none (GCC bug 105651), hence no -Wrestrict.
+# in std::string that are none (GCC bug 105329), hence no -Wrestrict.
 set(RODWAKE_FLAGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
     $<$<BOOL:${RODWAKE_WERROR}>:-Werror>)

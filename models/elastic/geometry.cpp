@@ -10,36 +10,6 @@ namespace rodwake::elastic {
 
 namespace {
 
-// Dekker/Knuth building blocks; see Hida, Li, Bailey (2001), "Library for double-double and quad-double
-// arithmetic".
-
-DoubleDouble quick_sum(double a, double b) { // |a| >= |b|
-    const double sum = a + b;
-    return {sum, b - (sum - a)};
-}
-
-DoubleDouble exact_sum(double a, double b) {
-    const double sum = a + b, virtual_b = sum - a;
-    return {sum, (a - (sum - virtual_b)) + (b - virtual_b)};
-}
-
-DoubleDouble exact_product(double a, double b) {
-    const double product = a * b;
-    return {product, std::fma(a, b, -product)};
-}
-
-DoubleDouble add(DoubleDouble a, double b) {
-    const DoubleDouble sum = exact_sum(a.high, b);
-    return quick_sum(sum.high, sum.low + a.low);
-}
-
-DoubleDouble divide(DoubleDouble a, DoubleDouble b) {
-    const double quotient = a.high / b.high;
-    const DoubleDouble back = exact_product(quotient, b.high);
-    const double remainder = ((a.high - back.high) - back.low) + a.low - quotient * b.low;
-    return quick_sum(quotient, remainder / b.high);
-}
-
 /// r = sqrt(x^2 + y^2) for operands whose squares neither overflow nor lose bits that matter.
 DoubleDouble distance(double x, double y) {
     const DoubleDouble xx = exact_product(x, x), yy = exact_product(y, y);
@@ -106,7 +76,7 @@ Distances distances(double X, double Y) {
 
 } // namespace
 
-Geometry::Geometry(const Field::Constants& medium, double x, double y) {
+Geometry::Geometry(const Field::Constants& medium, double given_x, double given_y) : x(given_x), y(given_y) {
     X = x * medium.c_shear;
     Y = y * medium.c_shear;
     const Distances d = distances(X, Y);
@@ -130,8 +100,7 @@ DoubleDouble times(DoubleDouble a, DoubleDouble b) {
     const double plain = a.high * b.high;
     if (plain < small_exponent || plain > vanishing_exponent)
         return {std::min(plain, vanishing_exponent), 0.0};
-    const DoubleDouble product = exact_product(a.high, b.high);
-    return quick_sum(product.high, product.low + (a.high * b.low + a.low * b.high));
+    return multiply(a, b);
 }
 
 double exp_minus(DoubleDouble exponent, double boost) {

@@ -2,17 +2,14 @@
 // Where a point lies relative to the rod, in the variables of the closed form. Decay exponents are carried in
 // double-double where they are large: an exponent of 600 rounded to double would cost exp() three digits.
 
+#include "double_double.hpp"
 #include "rodwake/elastic/field.hpp"
 
 namespace rodwake::elastic {
 
-/// Unevaluated sum high + low, |low| <= ulp(high)/2.
-struct DoubleDouble {
-    double high, low;
-};
-
 /// A point in units of 1/c_T = 2 xi: X = x c_T, Y = y c_T, s = r c_T > 0.
 struct Geometry {
+    double x, y; ///< as given
     double X, Y, s;
     double inverse; ///< 1/s
     double root;    ///< sqrt(pi/(2 s)), K0 and K1 far out
@@ -32,6 +29,7 @@ struct WaveNumber {
     double inverse, inverse_root; ///< 1/a, 1/sqrt(a)
 };
 
+/// Product of an exponent and a wave number; rounded to double where that is enough.
 DoubleDouble times(DoubleDouble a, DoubleDouble b);
 
 /// boost exp(-exponent), relative error <= 4 ulp however large the exponent.

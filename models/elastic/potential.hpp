@@ -17,7 +17,7 @@ struct Derivatives {
 /// How many derivatives are wanted.
 enum class Order { first = 1, second = 2, third = 3 };
 
-/// Two potentials at one point. In the core `d` lacks the singular parts of singular.hpp.
+/// Two potentials at one point. In the core `d` lacks the singular parts of add_singular (combination.hpp).
 struct Potentials {
     Pair drift; ///< 2 a G_a + d_X G_a, the x displacement a shear potential makes; small on the axis ahead
     Derivatives d;

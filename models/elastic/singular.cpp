@@ -4,7 +4,33 @@
 
 #include "combination.hpp"
 
+#include <cmath>
+
 namespace rodwake::elastic {
+
+namespace {
+
+/// Singular part of the laplacian's x component to twice the precision, for points where its two terms
+/// cancel: it is (2 xi/r^2) [2 xi delta h + x (2 nu^2 - (1 - nu^2) h)], h = (y^2 - x^2)/r^2, over 4 xi^2. On
+/// the axis ahead that happens at r = 2 delta xi/(1 + nu^2), near eta xi.
+double precise_laplacian_x(const Geometry& at, const Field::Constants& medium) {
+    const DoubleDouble xx = exact_product(at.x, at.x), yy = exact_product(at.y, at.y), square = add(xx, yy);
+    const DoubleDouble h = divide(add(yy, DoubleDouble{-xx.high, -xx.low}), square);
+    const DoubleDouble nu{medium.nu, medium.nu_low}, nu_squared = multiply(nu, nu);
+    const DoubleDouble delta = add(exact_sum(1.0, -medium.nu), -medium.nu_low);
+    const DoubleDouble rest = multiply(delta, add(nu, 1.0)); // 1 - nu^2
+    const DoubleDouble rest_h = multiply(rest, h), two_xi{medium.two_xi, 0.0};
+    const DoubleDouble turning = add(DoubleDouble{2.0 * nu_squared.high, 2.0 * nu_squared.low},
+                                     DoubleDouble{-rest_h.high, -rest_h.low});
+    const DoubleDouble bracket = add(multiply(two_xi, multiply(delta, h)), multiply({at.x, 0.0}, turning));
+    const DoubleDouble sum = divide(multiply(two_xi, bracket), square);
+    return sum.high;
+}
+
+/// Below this part of its largest term the sum has lost two digits.
+constexpr double cancels = 1e-2;
+
+} // namespace
 
 void add_singular(Combination& sum, const Geometry& at, const Field::Constants& medium) {
     const double nu = medium.nu, delta = medium.delta, u = at.inverse, c = at.c, q = at.q;
@@ -18,7 +44,10 @@ void add_singular(Combination& sum, const Geometry& at, const Field::Constants& 
     sum.dipole += (0.5 * delta * h + nu) * q * u;
     sum.trace_slope.x += nu * (nu * k_xx - l_xx);
     sum.trace_slope.y += nu * (nu * k_xy - l_xy);
-    sum.laplacian.x += delta * l_xx + one_less_nu_squared * k_yy + 2.0 * nu * nu * c * u;
+    const double laplacian_x = delta * l_xx + one_less_nu_squared * k_yy + 2.0 * nu * nu * c * u;
+    sum.laplacian.x += std::abs(laplacian_x) < cancels * std::abs(delta * l_xx)
+                           ? precise_laplacian_x(at, medium)
+                           : laplacian_x;
     sum.laplacian.y += delta * l_xy - one_less_nu_squared * k_xy;
 }
 

@@ -47,8 +47,10 @@ StageEnd run_recorded(Session& session, const std::vector<Stage>& stages) {
 int finish(const Session& session, StageEnd end) {
     const std::string folder = session.directory.path().string();
     if (end == StageEnd::interrupted) {
-        session.log->warn("stopped by a signal; what was computed is in {}; the same command goes on",
-                          folder);
+        session.log->warn(
+            "stopped by a signal; what was computed is in {}; the same command goes on from the last "
+            "checkpoint, or starts again where there is none yet",
+            folder);
         return signal_exit_code(stop_signal());
     }
     if (end == StageEnd::failed)

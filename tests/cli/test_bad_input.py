@@ -54,7 +54,7 @@ class BadInputTest(ProgramTest):
     def test_a_million_rods(self):
         self.write("million.toml", "schema = 1\n[rods_run]\nt_end = 1.0\n"
                    + "".join(f"[[rods]]\nposition = [{k}, 0]\n" for k in range(10**6)))
-        self.refuse(2, "larger than 16 MiB", "rods", "million.toml")
+        self.refuse(2, "larger than 16 MiB; a scene may have at most 1000 rods", "rods", "million.toml")
         self.write("many.toml", rodwake.crowd(2000))
         self.refuse(2, "rods: 2000 entries; at most 1000", "rods", "many.toml")
 

@@ -63,6 +63,25 @@ class PointsTest(ProgramTest):
         self.assertEqual(self.points("\ufeffx,y,xi,eta\n-1.5,0.25,100,0.5\n2,-3,0.1,-0.5\n").stdout, plain)
         self.assertEqual(len(rows_of(plain)), 2)
 
+    def test_quotes_and_an_empty_column_of_boxes(self):
+        plain = self.points("x,y,xi,eta\n1,2,3,4\n5,6,7,8\n").stdout
+        self.assertEqual(self.points('"x","y",xi,"eta"\n"1","2",3,4\n5,6,"7",8\n').stdout, plain)
+        self.assertEqual(self.points('x,y,xi,eta,L\n1,2,3,4,\n5,6,7,8,""\n').stdout, plain)
+        self.refused('"x",y,xi,eta\n"1,2,3,4\n', r"points\.csv:2:1: a quote is opened and not closed")
+
+    def test_tolerance_of_the_table(self):
+        self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
+        plain = self.expect(0, "field", "--points", "points.csv").stdout
+        self.assertEqual(self.expect(0, "field", "--points", "points.csv", "--table-tolerance", "1e-8").stdout, plain)
+        for value in ("1e-15", "0.2", "-1", "nan", "small"):
+            self.refuse(2, "--table-tolerance", "field", "--points", "points.csv", "--table-tolerance", value)
+        self.refuse(2, "--backend table: not available", "field", "--points", "points.csv", "--backend", "table",
+                    "--table-tolerance", "1e-8")
+
+    def test_points_go_to_standard_output_only(self):
+        self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
+        self.refuse(2, "--output: field --points writes to standard output", "field", "--points", "points.csv", "-o", "out")
+
     def test_seventeen_digits(self):
         text = self.points("x,y,xi,eta\n0.1,0.30000000000000004,1,1\n").stdout.splitlines()[1]
         self.assertTrue(text.startswith("0.10000000000000001,0.30000000000000004,1,1,"))
@@ -90,7 +109,7 @@ class PointsTest(ProgramTest):
         self.refuse(2, "is a folder", "field", "--points", ".")
 
     def test_what_is_not_available_is_said(self):
-        self.refused("x,y,xi,eta,L\n1,1,1,1,10\n", "column L .* not available")
+        self.refused("x,y,xi,eta,L\n1,1,1,1,\n1,1,1,1,10\n", r"points\.csv:3:1: column L .* not available")
         self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
         self.refuse(2, "--backend table: not available", "field", "--points", "points.csv", "--backend", "table")
         self.refuse(2, "backend", "field", "--points", "points.csv", "--backend", "magic")

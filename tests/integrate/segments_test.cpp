@@ -69,7 +69,8 @@ TEST_CASE("resuming from any segment gives the same bits", "[integrate]") {
     const double initial_step = GENERATE(0.0, 1e-5);
     INFO(to_string(method) << " rtol " << rtol);
     OdeOptions options = options_for(method, rtol);
-    options.segment_steps = 37;
+    // BDF starts each segment at order 1, whose steps are tiny at tight tolerances.
+    options.segment_steps = method == Method::bdf && rtol < 1e-6 ? 401 : 37;
     options.initial_step = initial_step;
     const std::vector<double> times = evenly(0.0, 20.0, 113);
     Solution whole;

@@ -86,6 +86,17 @@ TEST_CASE("figures") {
          "a figure of kind trajectories needs [[rods]]");
 }
 
+TEST_CASE("a tolerance of the table and no noise are accepted, dotted or as tables") {
+    const std::string medium = "[medium]\neta = 1\nxi = 1\nfield = \"exact\"\n";
+    CHECK(parse(two_rods(medium + "table.tolerance = 1e-6\n")).medium->table->tolerance == 1e-6);
+    CHECK(parse(two_rods(medium + "[medium.table]\ntolerance = 1e-6\n")).medium->table->tolerance == 1e-6);
+    says(two_rods(medium + "table.tolerance = 0.2\n"), "x.toml:12:19: medium.table.tolerance = 0.2: must be");
+    says(two_rods(medium + "table.tolerence = 1e-8\n"), "did you mean \"tolerance\"?");
+    CHECK(parse(two_rods("[noise]\nrotational_diffusion = 0.0\n")).noise->rotational_diffusion == 0.0);
+    says(two_rods("[noise]\nrotational_diffusion = 0.01\n"),
+         "noise.rotational_diffusion = 0.01: must be 0: noise is not available in this version");
+}
+
 TEST_CASE("names are unique") {
     says(with_figure("kind = \"cut\"\n[[figures]]\nname = \"f\"\nkind = \"cut\"\n"),
          "the name \"f\" is taken by figures[0] (line 18)");

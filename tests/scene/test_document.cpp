@@ -27,9 +27,17 @@ TEST_CASE("the reference names every key once and every table") {
         CHECK_FALSE(info.legal.empty());
     }
     CHECK(names.size() == rodwake::scene::scene_keys().size());
-    for (const std::string table : {"[scales]", "[medium]", "[coupling]", "[[rods]]", "[rods_run]", "[field]",
-                                    "[[field.cuts]]", "[[figures]]", "[[variants]]"})
+    for (const std::string table :
+         {"[scales]", "[medium]", "[medium.table]", "[coupling]", "[noise]", "[[rods]]", "[rods_run]",
+          "[field]", "[[field.cuts]]", "[[figures]]", "[[variants]]"})
         CHECK(text.find("## `" + table + "`") != std::string::npos);
+}
+
+TEST_CASE("alternatives are documented as such, defaults that follow from other keys are not") {
+    const std::string text = rodwake::scene::scene_reference();
+    CHECK(text.find("Exactly one of: `xi`; `alpha`.") != std::string::npos);
+    CHECK(text.find("of: `atol`") == std::string::npos);
+    CHECK(text.find("| `atol` | number |  | rtol / 100 |") != std::string::npos);
 }
 
 TEST_CASE("[scales] is documented in SI") {

@@ -78,7 +78,7 @@ TEST_CASE("a file that is too large") {
     const Scratch scratch;
     const fs::path large = scratch.path / "large.toml";
     std::ofstream(large) << repeated("[[rods]]\nposition = [0.0, 1.0]\n", 1'000'000);
-    CHECK(read_error(large) == large.string() + ": larger than 16 MiB, the most a scene may have");
+    CHECK(read_error(large) == large.string() + ": larger than 16 MiB; a scene may have at most 1000 rods");
 }
 
 TEST_CASE("empty and binary files") {

@@ -70,7 +70,8 @@ TEST_CASE("conflicting and missing forms name all places") {
     CHECK(error_text(start + "xi = 1\nmu = 1\n").find("medium gives mu (line 7): give one of") !=
           std::string::npos);
     CHECK(error_text(two_rods("output_interval = 0.1\noutput_times = [1.0]\n"))
-              .find("gives output_times (line 9) and output_interval (line 8)") != std::string::npos);
+              .find("gives t_end (line 7) and output_interval (line 8) and output_times (line 9): give one "
+                    "of ") != std::string::npos);
 }
 
 TEST_CASE("elastic forms that give an impossible eta are refused") {
@@ -79,7 +80,10 @@ TEST_CASE("elastic forms that give an impossible eta are refused") {
           "x.toml:7:15: medium.lame_lambda is not usable: lame_lambda = -2: must be > -2 mu");
     CHECK(error_text(start + "bulk_modulus = 1e12\nmu = 1e-12\n").find("eta = 1e+24: must be > -1") !=
           std::string::npos);
+    CHECK(error_text(start + "bulk_modulus = -1.0\nmu = 1.0\n") ==
+          "x.toml:7:16: medium.bulk_modulus is not usable: bulk_modulus = -1: must be > -mu");
     CHECK(error_text(start + "lame_lambda = -1.9\nmu = 1.0\n") == "");
+    CHECK(parse(start + "bulk_modulus = -0.5\nmu = 1.0\n").medium->eta == -0.5);
 }
 
 TEST_CASE("a key in the wrong table is sent to the right one") {

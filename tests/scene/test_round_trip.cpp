@@ -29,6 +29,9 @@ std::string number(std::mt19937_64& random) {
     return rodwake::scene::number_text(mantissa(random) * std::pow(10.0, exponent(random)));
 }
 
+/// Two rods without t_end.
+const std::string open_end = replaced(two_rods(), "t_end = 2.0\n", "");
+
 } // namespace
 
 TEST_CASE("the complete scene survives, in every unit system") {
@@ -37,7 +40,10 @@ TEST_CASE("the complete scene survives, in every unit system") {
     check_round_trip(
         parse(complete, {"rods_run.output_times=[1.0, 2.5, 29]", "title=\"\\\"quoted\\\" \\\\ \u00e9\""}));
     check_round_trip(parse(complete, {"rods_run.output_interval=0.7", "variants.0.label=x"}));
+    check_round_trip(parse(complete, {"medium.table.tolerance=1e-6", "noise.rotational_diffusion=0"}));
     check_round_trip(parse(two_rods()));
+    check_round_trip(parse(open_end + "output_times = [0, 5, 10]\n")); // an even grid, and one that is not
+    check_round_trip(parse(open_end + "output_times = [0, 5, 11]\n"));
 }
 
 TEST_CASE("equality notices a change") {
@@ -74,6 +80,28 @@ TEST_CASE("a resolved scene is readable: units kept, defaults written, absences 
     CHECK(to_toml(parse(two_rods())).find("# contact_distance: no stop") != std::string::npos);
 }
 
+TEST_CASE("figures are written with the keys of their kind only") {
+    const auto figure = [](const std::string& kind, const std::string& more) {
+        const std::string text =
+            to_toml(parse("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n"
+                          "[[field.cuts]]\nfrom = 0\nto = 1\n[[figures]]\nname = \"f\"\nkind = \"" +
+                          kind + "\"\n" + more));
+        return text.substr(text.find("[[figures]]"));
+    };
+    const auto has = [](const std::string& text, const std::string& key) {
+        return text.find("\n" + key + " = ") != std::string::npos;
+    };
+    for (const std::string key : {"cut", "component", "sqrt_scaled"}) {
+        INFO(key);
+        CHECK(has(figure("cut", ""), key));
+        CHECK_FALSE(has(figure("extensional_axis", ""), key));
+    }
+    CHECK(has(figure("polar_streamlines", "gammas = [[1, 0]]\n"), "gammas"));
+    CHECK(figure("extensional_axis", "") ==
+          "[[figures]]\nname = \"f\"\nkind = \"extensional_axis\"\n# title: made from the data\n"
+          "# x: fit to the data\n# y: fit to the data\n");
+}
+
 TEST_CASE("numbers are written as TOML floats and read back exactly") {
     using rodwake::scene::number_text;
     CHECK(number_text(5.0) == "5.0");
@@ -100,6 +128,8 @@ TEST_CASE("output times: i * interval, t_end exact and last") {
     CHECK(times("output_interval = 2\n") == std::vector{2.0});
     CHECK(times("output_times = [0.5]\n") == std::vector{0.5, 2.0});
     CHECK(times("output_times = [0.5, 2]\n") == std::vector{0.5, 2.0});
+    CHECK(times("output_times = [0, 0.5, 2]\n") == std::vector{0.5, 2.0}); // the start is stored in any case
+    CHECK(times("output_times = [0]\n") == std::vector{2.0});
     CHECK(times("output_interval = 2e-6\n").size() == 1000000);
     const auto wrong = [](const std::string& more) { return error_text(two_rods(more)); };
     CHECK(wrong("output_interval = 3\n").find("must be between t_end/1000000 and t_end = 2") !=
@@ -107,5 +137,33 @@ TEST_CASE("output times: i * interval, t_end exact and last") {
     CHECK(wrong("output_interval = 1e-6\n").find("must be between") != std::string::npos);
     CHECK(wrong("output_times = [1.0, 1.0]\n").find("entry 1 is 1") != std::string::npos);
     CHECK(wrong("output_times = [1.0, 2.5]\n").find("entry 1 is 2.5") != std::string::npos);
+    CHECK(wrong("output_times = [0.5, 0]\n").find("entry 1 is 0") != std::string::npos);
     CHECK(wrong("output_times = []\n").find("expected 1 to 1000000 numbers, found 0") != std::string::npos);
+}
+
+TEST_CASE("without t_end the run ends with the last of output_times") {
+    const auto run = [](const std::string& more) { return *parse(open_end + more).rods_run; };
+    CHECK(run("output_times = [0, 5, 10]\n").t_end == 10.0);
+    CHECK(run("output_times = [0, 5, 10]\n").output_times == std::vector{5.0, 10.0});
+    const auto wrong = [](const std::string& more) { return error_text(open_end + more); };
+    const std::string forms = "t_end | t_end + output_interval | t_end + output_times | output_times";
+    CHECK(wrong("") == "x.toml:6:1: rods_run needs one of " + forms);
+    CHECK(wrong("output_interval = 1\n") ==
+          "x.toml:7:1: rods_run gives output_interval (line 7): give one of " + forms);
+    CHECK(wrong("output_times = [0]\n") ==
+          "x.toml:7:16: rods_run.output_times has no entry above 0, so the run has no end: give t_end");
+    CHECK(wrong("output_times = [5, 1]\n").find("entry 0 is 5") != std::string::npos);
+    CHECK(wrong("output_times = [-5]\n").find("must be >= 0") != std::string::npos);
+    CHECK(problems_of(open_end + "output_times = [-5]\n").size() == 1);
+    CHECK(problems_of(open_end + "t_end = -1\n").size() == 1);
+}
+
+TEST_CASE("a variant of a run without t_end may change the times") {
+    const auto t_end = [](const std::string& setting) {
+        const Scene scene = parse(open_end + "output_times = [5, 10]\n[[variants]]\nname = \"v\"\nset = { " +
+                                  setting + " }\n");
+        return rodwake::scene::apply_variant(scene, scene.variants[0]).rods_run->t_end;
+    };
+    CHECK(t_end("\"rods_run.output_times\" = [5, 20]") == 20.0);
+    CHECK(t_end("\"rods_run.t_end\" = 30") == 30.0);
 }

@@ -72,6 +72,18 @@ TEST_CASE("Columns that nobody asked for may hold anything") {
     CHECK(*table.find("y") == std::vector<double>{2.0, 4.0});
 }
 
+TEST_CASE("Fields may be quoted") {
+    const store::Table table =
+        read("\"x\", \"y\" ,\"the \"\"name\"\", quoted\"\n\"1\",2,\"a,b\"\n 3 , \"-4e1\" ,\"\"\n");
+    CHECK(*table.find("x") == std::vector<double>{1.0, 3.0});
+    CHECK(*table.find("y") == std::vector<double>{2.0, -40.0});
+    CHECK(read("x,y\n1,2\n\"1\",\"2\"\r\n").rows() == 2);
+    CHECK(error("x,y\n1,\"2\n") == "t.csv:2:3: a quote is opened and not closed on this line");
+    CHECK(error("x,y\n\"1\"2,2\n") == "t.csv:2:1: \"2\" follows the closing quote");
+    CHECK(error("x,y\n\"one\",2\n") == "t.csv:2:1: x: expected a number, found \"one\"");
+    CHECK(error("\"x\",\"x\"\n") == "t.csv:1:5: column \"x\" stands twice in the header");
+}
+
 TEST_CASE("Optional columns may be absent or have gaps, but no nonsense") {
     CHECK(read("x,y\n1,2\n", {"x", "y"}, {"L"}).find("L") == nullptr);
     const store::Table table = read("L,x,y\n,1,2\n5,1,2\n", {"x", "y"}, {"L"});
@@ -84,7 +96,7 @@ TEST_CASE("Optional columns may be absent or have gaps, but no nonsense") {
 TEST_CASE("What is not a finite number is told with its place") {
     CHECK(has(error("x,y\n1,2\n3,four\n"), "t.csv:3:3: y: expected a number, found \"four\""));
     CHECK(has(error("# one\nx,y\n1 2,3\n"), "t.csv:3:1: x: expected a number, found \"1 2\""));
-    for (const char* wrong : {"", " ", "1.5e", "0x10", "1,5", "--1", "+-1", "1d3", "\"1\"", "1;2", "nan",
+    for (const char* wrong : {"", " ", "1.5e", "0x10", "1,5", "--1", "+-1", "1d3", "\"1\"2", "1;2", "nan",
                               "inf", "-inf", "1e400"}) {
         CAPTURE(wrong);
         CHECK(has(error("y,x\n0," + std::string(wrong) + "\n"), "t.csv:2:"));
