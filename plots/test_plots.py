@@ -15,6 +15,7 @@ import matplotlib.image
 
 import rodwake_plot
 from made_up_result import ALL_KINDS, LINE, PATHS, SCENE, write_result
+from rodwake_plots import cut, draw, run_dir, scene_table, units
 
 PROGRAM = Path(__file__).with_name("rodwake_plot.py")
 
@@ -102,6 +103,21 @@ class PlotsTest(unittest.TestCase):
         self.assertEqual(sources, ["data:image/png;base64,"] * 2)
         for part in ("Rods &amp; &lt;wakes&gt;", "40.5953", "rods 0 and 1", "321", "HDF5", "[[figures]]"):
             self.assertIn(part, page)
+
+    def test_a_cut_shows_the_data_and_no_level_drawn_from_it(self):
+        with run_dir.RunDir(self.folder) as run:
+            specs = [spec for spec in draw.figures_of(run) if spec.kind == "cut"]
+            self.assertEqual([spec.sqrt_scaled for spec in specs], [False, True])
+            for spec in specs:
+                lines = cut.draw(run, spec).axes[0].lines
+                self.assertEqual([len(line.get_xdata()) > 2 for line in lines], [False, True, False], spec.name)  # axes: zero
+
+    def test_the_report_explains_the_keys_of_a_resolved_scene(self):
+        values = {"rods_run": {"output_interval": 0.25, "form": "angle"}, "medium": {"field": "exact"}}
+        rows = {row[0]: row for _, _, rows in scene_table.tables(values, units.Units("si")) for row in rows}
+        self.assertEqual(rows["<code>output_interval</code>"][2], "0.25 s")
+        for key in ("output_interval", "form", "field"):
+            self.assertTrue(rows[f"<code>{key}</code>"][3], key)
 
     def test_missing_parts_are_named(self):
         self.edit(lambda file: file["field/grid"].pop("axis_angle"))

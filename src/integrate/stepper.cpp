@@ -43,6 +43,7 @@ std::vector<double> Stepper::products(void* memory, Getter a, Getter b) const {
     b(memory, second.get());
     N_VProd(first.get(), second.get(), second.get());
     N_VAbs(second.get(), second.get());
+    N_VScale(1.0 / std::sqrt(static_cast<double>(state().size())), second.get(), second.get());
     return {sundials::elements(second.get()).begin(), sundials::elements(second.get()).end()};
 }
 

@@ -56,7 +56,7 @@ protected:
     // The problem's functions as SUNDIALS calls them; the user data are the ProblemCalls.
     static int rhs_callback(double t, N_Vector y, N_Vector ydot, void* calls);
     static int error_weights_callback(N_Vector y, N_Vector weights, void* calls);
-    /// |a b| of two vectors that an integrator hands out.
+    /// Error over tolerance of each component, from the weights and errors that an integrator hands out.
     using Getter = int (*)(void* memory, N_Vector);
     std::vector<double> products(void* memory, Getter a, Getter b) const;
     static void keep_text(int flag, const char* module, const char* function, char* text, void* stepper);

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import signal
+import time
 
 import h5py
 import rodwake
@@ -37,6 +38,19 @@ class SignalTest(ProgramTest):
             self.assertEqual(self.status("out"), "interrupted")
             self.assert_results_kept()
             self.assert_no_temporaries()
+
+    def test_a_second_signal_soon_after_the_first_changes_nothing(self):
+        """Terminals and `timeout` signal a program and its group, so one wish to stop may arrive twice."""
+        self.write("crowd.toml", rodwake.crowd(200))
+        with self.begin("rods", "crowd.toml") as process:
+            self.wait_for_start(process)
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.2)
+            returned, _, err = self.stop(process, signal.SIGINT, SECONDS)
+        self.assertEqual(returned, 130, err)
+        self.assertEqual(self.status("out"), "interrupted")
+        self.assert_results_kept()
+        self.assert_no_temporaries()
 
     def assert_results_kept(self):
         outcome = json.loads((self.folder / "out/outcome.json").read_text())

@@ -23,7 +23,7 @@ TEST_CASE("work and precision of the three methods on the reference trajectories
                 const auto result = rods::simulate(reference.problem, options);
                 const double error = test::worst_error(reference, result);
                 std::printf(" %.1e/%ld", error / rtol, result.solution.statistics.rhs_evaluations);
-                CHECK(error <= 500.0 * rtol); // as in trajectories_test.cpp
+                CHECK(error <= 200.0 * rtol); // as in trajectories_test.cpp
             }
         }
         std::printf("\n");

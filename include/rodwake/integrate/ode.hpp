@@ -47,9 +47,10 @@ struct OdeProblem {
     std::vector<Event> events;
     /// Name of component i in messages ("rods[3].theta"). Empty: "y[i]".
     std::function<std::string(std::size_t)> component_name;
-    /// The tolerance of component i is rtol min(|y_i|, relative_cap) + atol, at least a few ulp of y_i. Finite for coordinates whose
-    /// origin means nothing: the scale on which they matter, so that the result does not depend on where the
-    /// origin is.
+    /// The tolerance of component i is rtol min(|y_i|, relative_cap) + atol, at least a few ulp of y_i; a
+    /// step is accepted if the squares of the errors over the tolerances add up to at most 1. Finite for
+    /// coordinates whose origin means nothing: the scale on which they matter, so that the result does not
+    /// depend on where the origin is.
     double relative_cap = std::numeric_limits<double>::infinity();
 };
 
@@ -142,8 +143,8 @@ struct Solution {
 /// final state, do not depend on the output times before the last. Never throws for a failure of the solve:
 /// see Solution::status. Throws InputError for a malformed problem (sizes, tolerances, times, non-finite
 /// initial state). Global accuracy: the local error is held below rtol |y_i| + atol a step; the result's
-/// error is typically 1 to 100 times that for erk, 1 to 1000 times for adams and bdf (docs/validation.md has
-/// the measured ratio). Thread-safe: each call owns its SUNContext.
+/// error was 0.005 to 100 times rtol for each method on the reference trajectories (docs/validation.md);
+/// where trajectories diverge it grows as they do. Thread-safe: each call owns its SUNContext.
 Solution solve(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times);
 
 /// Names for messages and files: "bdf", "adams", "erk".
