@@ -18,6 +18,8 @@ namespace {
 using namespace rodwake;
 using State = std::vector<double>;
 
+constexpr double first_step = 1e-2; // of the explicit methods, the one rods::simulate takes
+
 struct Encounter {
     const char* name;
     double kappa;
@@ -42,6 +44,8 @@ State final_state(const Encounter& encounter, integrate::Method method, double r
     options.method = method;
     options.rtol = rtol;
     options.atol = rtol;
+    if (method == integrate::Method::erk)
+        options.initial_step = first_step;
     const double end[] = {problem.t_end};
     const auto solution = integrate::solve(rods::to_ode(problem), options, end);
     evaluations = solution.statistics.rhs_evaluations;
@@ -58,7 +62,7 @@ State odeint_state(const Encounter& encounter, double tolerance, long& evaluatio
         model.rhs(at, ydot);
     };
     const auto stepper = odeint::make_controlled(tolerance, tolerance, odeint::runge_kutta_dopri5<State>());
-    odeint::integrate_adaptive(stepper, rhs, y, 0.0, encounter.t_end, 1e-2);
+    odeint::integrate_adaptive(stepper, rhs, y, 0.0, encounter.t_end, first_step);
     return y;
 }
 

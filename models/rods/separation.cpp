@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rodwake::rods {
 
@@ -61,6 +62,18 @@ Separation closest_pair(State y) {
 
 double separation_rate(State y, std::size_t a, std::size_t b) {
     return 0.5 * square_rate(y, a, b) / std::sqrt(square_distance(y, a, b));
+}
+
+double encounter_step(State y) {
+    const std::size_t rods = y.size() / 3;
+    double limit = std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < rods; ++a)
+        for (std::size_t b = a + 1; b < rods; ++b) {
+            const double relative_speed = 2.0 * std::abs(std::sin(0.5 * (y[3 * a + 2] - y[3 * b + 2])));
+            limit =
+                std::min(limit, std::sqrt(square_distance(y, a, b)) / (3.0 * std::max(relative_speed, 0.5)));
+        }
+    return limit;
 }
 
 std::optional<Approach> closest_approach(const integrate::Step& step) {

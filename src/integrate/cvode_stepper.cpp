@@ -61,7 +61,7 @@ void CvodeStepper::start(double t, State y) {
     require(CVodeWFtolerances(cvode, error_weights_callback));
     require(CVodeSetMaxHnilWarns(cvode, -1));
     require(CVodeSetInitStep(cvode, initial_step(t)));
-    require(CVodeSetMaxStep(cvode, options_.max_step));
+    require(CVodeSetMaxStep(cvode, longest_step()));
     require(CVodeSetStopTime(cvode, end_time_));
     bdf ? attach_newton() : attach_fixed_point();
 }
@@ -86,6 +86,7 @@ bool CvodeStepper::advance() {
     before_.swap(after_);
     const double from = time_;
     double to = from;
+    CVodeSetMaxStep(memory_.get(), longest_step());
     CVodeSetMinStep(memory_.get(),
                     shortest_step(from)); // refused if above max_step: solve() notices stalled steps
     flag_ = CVode(memory_.get(), end_time_, after_.get(), &to, CV_ONE_STEP);

@@ -52,7 +52,7 @@ void ErkStepper::start(double t, State y, double first_step) {
     require(ERKStepWFtolerances(erk, error_weights_callback));
     require(ERKStepSetMaxHnilWarns(erk, -1));
     require(ERKStepSetInitStep(erk, first_step));
-    require(ERKStepSetMaxStep(erk, options_.max_step));
+    require(ERKStepSetMaxStep(erk, longest_step()));
     require(ERKStepSetStopTime(erk, end_time_));
 }
 
@@ -78,6 +78,7 @@ bool ErkStepper::advance() {
 
 int ErkStepper::evolve(double from) {
     double to = from;
+    ERKStepSetMaxStep(memory_.get(), longest_step());
     ERKStepSetMinStep(memory_.get(),
                       shortest_step(from)); // refused if above max_step: solve() notices stalled steps
     const int flag = ERKStepEvolve(memory_.get(), end_time_, after_.get(), &to, ARK_ONE_STEP);

@@ -63,6 +63,14 @@ double Stepper::initial_step(double t) const {
     return std::min(options_.initial_step, left);
 }
 
+double Stepper::longest_step() const {
+    const auto& limit = calls_.problem().step_limit;
+    if (!limit)
+        return options_.max_step;
+    const double here = limit(time_, state_before());
+    return options_.max_step > 0.0 ? std::min(here, options_.max_step) : here;
+}
+
 double Stepper::shortest_step(double t) { return 2.0 * std::numeric_limits<double>::epsilon() * std::abs(t); }
 
 void Stepper::keep_text(int flag, const char*, const char*, char* text, void* stepper) {

@@ -51,6 +51,8 @@ protected:
     void set_start(double t, State y);
     /// The initial step to ask for at t; 0: the solver's choice.
     double initial_step(double t) const;
+    /// The longest step to take from state_before(), where a step begins; 0: no limit.
+    double longest_step() const;
     /// The shortest step worth trying at t: shorter ones may not change t.
     static double shortest_step(double t);
     // The problem's functions as SUNDIALS calls them; the user data are the ProblemCalls.

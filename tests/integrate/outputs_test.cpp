@@ -3,6 +3,7 @@
 #include "problems.hpp"
 
 #include <catch2/catch.hpp>
+#include <numbers>
 
 using namespace rodwake::integrate;
 using namespace rodwake::integrate::test;
@@ -84,4 +85,20 @@ TEST_CASE("on_step sees the steps join up", "[integrate]") {
     CHECK(steps == solution.statistics.steps);
     CHECK(last_time == 5.0);
     CHECK(last_state == solution.final_state);
+}
+
+TEST_CASE("a step limit keeps a quiet right-hand side from stepping over a bump", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    constexpr double at = 100.3, width = 0.05; // y' = normalised bump: y rises from 0 to 1 at t = 100.3
+    OdeProblem problem;
+    problem.initial_state = {0.0};
+    problem.rhs = [](double t, State, std::span<double> ydot) {
+        const double u = (t - at) / width;
+        ydot[0] = std::exp(-u * u) / (width * std::sqrt(std::numbers::pi));
+    };
+    const std::vector<double> end{200.0};
+    const OdeOptions options = options_for(method, 1e-8);
+    CHECK(solve(problem, options, end).final_state[0] < 0.5); // stepped over: why the limit is there
+    problem.step_limit = [](double t, State) { return std::max(0.01, 0.2 * std::abs(t - at)); };
+    CHECK(std::abs(solve(problem, options, end).final_state[0] - 1.0) < 1e-6); // 100 times rtol
 }

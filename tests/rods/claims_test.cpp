@@ -85,6 +85,21 @@ TEST_CASE("what meets at kappa = -100 meets exactly head-on, also at alpha = 1")
     CHECK(met == 12); // dx = 0.5 to 6: the range physics.md calls near head-on is this wide at weak screening
 }
 
+TEST_CASE("polar couplings alone do not capture, but (10, -10) does for dx >= 4") {
+    const auto signs = GENERATE(table<double, double>({{10, 10}, {10, -10}, {-10, 10}, {-10, -10}}));
+    const auto [gamma1, gamma2] = signs;
+    for (double dx = -6.0; dx <= 6.0; dx += 1.0) {
+        const bool near_collision = dx == 5.0; // both reach the crossing at once
+        const rods::Couplings polar{.gamma1 = gamma1, .gamma2 = gamma2};
+        const auto outcome = rods::simulate(perpendicular(10.0, dx, polar, 100.0), {}).outcome;
+        INFO("gamma " << gamma1 << ", " << gamma2 << ", dx " << dx << ": " << outcome.reason);
+        if (gamma1 > 0.0 && gamma2 < 0.0 && dx >= 4.0)
+            CHECK(outcome.ending == Ending::contact); // the paper: no capture in all cases
+        else if (!near_collision)
+            CHECK(outcome.ending == Ending::escape);
+    }
+}
+
 TEST_CASE("in a pursuit at alpha = 10 the front rod turns by less than 1e-3 of what the rear one does") {
     const auto result = rods::simulate(perpendicular(10.0, 1.0, {.kappa = 100.0}, 16.0), {});
     REQUIRE(result.outcome.ending == Ending::pursuit);

@@ -52,6 +52,10 @@ struct OdeProblem {
     /// coordinates whose origin means nothing: the scale on which they matter, so that the result does not
     /// depend on where the origin is.
     double relative_cap = std::numeric_limits<double>::infinity();
+    /// Longest step worth taking from (t, y), > 0; empty: none. For right-hand sides that are quiet until
+    /// something happens: error control sees only the ends and stages of a step, and can step over it. The
+    /// solver may lag one step behind.
+    std::function<double(double t, State y)> step_limit = nullptr;
 };
 
 enum class Method {

@@ -22,6 +22,11 @@ Separation closest_pair(integrate::State y);
 /// Rate of change of the distance of two rods, (R_a - R_b).(n_a - n_b)/r; between -2 and 2.
 double separation_rate(integrate::State y, std::size_t a, std::size_t b);
 
+/// Longest step in which no pair can meet and part unseen: the smallest of r/(3 max(|n_a - n_b|, 1/2)). At
+/// most a third of the separation is closed in it, two thirds if the limit is one step old; rods that walk
+/// abreast close in only by turning, which error control sees.
+double encounter_step(integrate::State y);
+
 /// The closest approach of a pair inside a step, if it comes closer there than at both ends.
 struct Approach {
     double time;

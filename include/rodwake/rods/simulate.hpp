@@ -58,7 +58,8 @@ struct RodResult {
 /// contact distance at or above a starting separation, times out of order. Deterministic; thread-safe.
 RodResult simulate(const RodProblem& problem, const RodOptions& options);
 
-/// The initial-value problem by itself, for those who want to integrate it their own way.
+/// The initial-value problem by itself, for those who want to integrate it their own way. Steps are limited
+/// by encounter_step, so that no encounter is stepped over however quiet the field before it.
 integrate::OdeProblem to_ode(const RodProblem& problem);
 
 } // namespace rodwake::rods

@@ -1,5 +1,6 @@
 #pragma once
-// Tables of numbers as CSV: one header line, comma-separated, fields may be quoted, '#' starts a comment line.
+// Tables of numbers as CSV: one header line, comma-separated, fields may be quoted, '#' starts a comment
+// line.
 
 #include <filesystem>
 #include <span>
