@@ -1,0 +1,134 @@
+// Field lists of the physics: [medium], [coupling], [noise].
+
+#include "fields.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/elastic/medium.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+using enum Dimension;
+
+/// The keys of [medium] that give eta. A resolved scene has eta itself.
+struct EtaForms {
+    std::optional<double> eta, poisson_ratio, lame_lambda, bulk_modulus, mu;
+
+    /// eta of the given form; the forms are in the order of Forms below.
+    double value(int form) const {
+        switch (form) {
+        case 0:
+            return eta.value_or(1.0);
+        case 1:
+            return elastic::eta_from_poisson_ratio(poisson_ratio.value_or(0.0));
+        case 2:
+            return elastic::eta_from_lame(lame_lambda.value_or(0.0), mu.value_or(1.0));
+        case 3:
+            return elastic::eta_from_bulk_modulus(bulk_modulus.value_or(1.0), mu.value_or(1.0));
+        default:
+            return 1.0;
+        }
+    }
+};
+
+void eta_keys(Visitor& v, EtaForms& k) {
+    v(key("eta")
+          .above(-1.0)
+          .because("the longitudinal modulus 1 + eta must be positive")
+          .doc("(lambda_L + mu)/mu, the coefficient of grad div over mu; in 2-D also K/mu")
+          .example("1.0"),
+      k.eta);
+    v(key("poisson_ratio")
+          .above(-1.0, 1.0 - 1e-12)
+          .because("the bulk modulus of a 2-D medium is positive and finite only for -1 < nu < 1")
+          .doc("2-D Poisson ratio nu = lambda_L/(lambda_L + 2 mu); eta = (1 + nu)/(1 - nu)")
+          .example("0.3"),
+      k.poisson_ratio);
+    v(key("lame_lambda")
+          .doc("lambda_L of the free energy F = int [lambda_L (tr eps)^2/2 + mu tr(eps^2)], any unit, the "
+               "same as mu; "
+               "eta = (lambda_L + mu)/mu")
+          .example("0.5"),
+      k.lame_lambda);
+    v(key("bulk_modulus")
+          .doc("2-D bulk modulus K = lambda_L + mu, any unit, the same as mu; eta = K/mu")
+          .example("1.5"),
+      k.bulk_modulus);
+    v(key("mu").above(0.0).doc("shear modulus, any unit, beside lame_lambda or bulk_modulus").example("1.0"),
+      k.mu);
+}
+
+void resolve_eta(Visitor& v, const EtaForms& keys, int form, Medium& medium) try {
+    const double eta = keys.value(form);
+    elastic::validate({eta, 1.0});
+    medium.eta = eta;
+} catch (const InputError& error) { // a bad eta by itself has been reported by its range
+    constexpr const char* names[] = {"eta", "poisson_ratio", "lame_lambda", "bulk_modulus"};
+    if (form > 0)
+        v.complain(names[form], fmt::format("is not usable: {}", error.what()));
+}
+
+} // namespace
+
+void fields(Visitor& v, FieldTable& table) {
+    v(key("tolerance").within(1e-14, 1e-1).doc("relative error of the tabulated field").example("1e-8"),
+      table.tolerance);
+}
+
+void fields(Visitor& v, Medium& medium) {
+    EtaForms elastic{medium.eta, {}, {}, {}, {}};
+    std::optional<double> xi = medium.xi, alpha;
+    eta_keys(v, elastic);
+    v(key("xi").unit(length).within(1e-12, 1e12).doc("screening length mu/(zeta v0)").example("1.0"), xi);
+    v(key("alpha")
+          .within(1e-12, 1e12)
+          .doc("(f/mu)/xi = f zeta v0/mu^2, the reading taken here of the paper's alpha, which it does not "
+               "define")
+          .example("1.0"),
+      alpha);
+    v(key("field")
+          .one_of({"exact"})
+          .not_yet({"table", "measured", "dynamic"})
+          .doc("how the field is evaluated")
+          .example("\"exact\""),
+      choice(medium.field, {{"exact", FieldBackend::exact}}));
+    v.table(key("table").doc("Interpolation of the field; not used with field = \"exact\"."), medium.table);
+    v.one_form({{"eta"}, {"poisson_ratio"}, {"lame_lambda", "mu"}, {"bulk_modulus", "mu"}},
+               [&](int form) { resolve_eta(v, elastic, form, medium); });
+    v.one_form({{"xi"}, {"alpha"}},
+               [&](int form) { medium.xi = form == 1 ? 1.0 / alpha.value_or(1.0) : xi.value_or(1.0); });
+}
+
+void fields(Visitor& v, Coupling& coupling) {
+    v(key("kappa").unit(rate).doc("turning by strain, kappa n x (eps n)").example("0.5"), coupling.kappa);
+    v(key("gamma1")
+          .unit(speed)
+          .doc("polar turning by lap u (basis laplacian) or div eps (divergence)")
+          .example("10.0"),
+      coupling.gamma1);
+    v(key("gamma2")
+          .unit(speed)
+          .doc("polar turning by grad div u (laplacian) or grad tr eps (divergence)")
+          .example("-10.0"),
+      coupling.gamma2);
+    v(key("polar_basis")
+          .doc("what gamma1 and gamma2 multiply; gamma1_lap = gamma1_div/2, gamma2_lap = gamma2_div + "
+               "gamma1_div/2")
+          .example("\"laplacian\""),
+      choice(coupling.polar_basis,
+             {{"laplacian", PolarBasis::laplacian}, {"divergence", PolarBasis::divergence}}));
+}
+
+void fields(Visitor& v, Noise& noise) {
+    v(key("rotational_diffusion")
+          .unit(rate)
+          .within(0.0, 0.0)
+          .because("noise is not available in this version")
+          .doc("diffusion coefficient of the headings, rad^2 per time")
+          .example("0.0"),
+      noise.rotational_diffusion);
+}
+
+} // namespace rodwake::scene

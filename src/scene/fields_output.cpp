@@ -1,0 +1,86 @@
+// Field lists of what is shown: [field] and its cuts, [[figures]], [[variants]].
+
+#include "fields.hpp"
+
+namespace rodwake::scene {
+
+namespace {
+
+using enum Dimension;
+
+void window_fields(Visitor& v, std::vector<double>& x, std::vector<double>& y, const std::string& what,
+                   const std::string& absent) {
+    v(key("x").unit(length).items(2, 2).absent(absent).doc(what + ", [min, max] of x").example("[-5.0, 5.0]"),
+      x);
+    v(key("y").unit(length).items(2, 2).absent(absent).doc(what + ", [min, max] of y").example("[-5.0, 5.0]"),
+      y);
+}
+
+} // namespace
+
+void fields(Visitor& v, Cut& cut) {
+    v(key("along").one_of({"x", "y"}).doc("the coordinate that varies").example("\"x\""), cut.along);
+    v(key("at").unit(length).doc("the other coordinate").example("0.0"), cut.at);
+    v(key("from").required().unit(length).doc("start of the cut").example("-20.0"), cut.from);
+    v(key("to").required().unit(length).doc("end of the cut, above from").example("5.0"), cut.to);
+    v(key("count").within(2, 1e6).doc("number of points").example("401"), cut.count);
+}
+
+void fields(Visitor& v, Field& field) {
+    window_fields(v, field.x, field.y, "grid", "no grid");
+    v(key("nx").within(2, 4000).doc("grid points in x").example("161"), field.nx);
+    v(key("ny").within(2, 4000).doc("grid points in y").example("161"), field.ny);
+    v.list(key("cuts").items(0, 100).doc("The field along lines parallel to an axis."), field.cuts);
+}
+
+void fields(Visitor& v, Figure& figure) {
+    const auto is_kind = [&](const char* kind) { return figure.kind == kind; };
+    v(key("name").required().file_name().doc("file name without ending").example("\"wake\""), figure.name);
+    v(key("kind")
+          .required()
+          .one_of({"extensional_axis", "polar_streamlines", "cut", "trajectories"})
+          .doc("what is drawn: the first two need the grid of [field], cut one of field.cuts, trajectories "
+               "[[rods]]")
+          .example("\"cut\""),
+      figure.kind);
+    v(key("title").absent("made from the data").doc("title").example("\"Wake\""), figure.title);
+    v(key("cut")
+          .within(0, 99)
+          .written_if(is_kind("cut"))
+          .doc("kind cut: index into field.cuts, from 0")
+          .example("0"),
+      figure.cut);
+    v(key("component")
+          .one_of({"Ux", "Uy"})
+          .written_if(is_kind("cut"))
+          .doc("kind cut: displacement component")
+          .example("\"Uy\""),
+      figure.component);
+    v(key("sqrt_scaled")
+          .written_if(is_kind("cut"))
+          .doc("kind cut: draw |s|^(1/2) U instead of U")
+          .example("true"),
+      figure.sqrt_scaled);
+    v(key("gammas")
+          .written_if(is_kind("polar_streamlines"))
+          .unit(speed)
+          .items(1, 16)
+          .doc("kind polar_streamlines: a panel for each [gamma1, gamma2]")
+          .example("[[10.0, 0.0], [0.0, 10.0]]"),
+      figure.gammas);
+    window_fields(v, figure.x, figure.y, "window", "fit to the data");
+}
+
+void fields(Visitor& v, Variant& variant) {
+    v(key("name").required().file_name().doc("name in results and file names").example("\"repelled\""),
+      variant.name);
+    v(key("label").absent("the name").doc("text in the legend").example("\"kappa = -100\""), variant.label);
+    v.settings(key("set")
+                   .required()
+                   .items(1, 100)
+                   .doc("keys to change, as for -s on the command line")
+                   .example("{ \"coupling.kappa\" = -100.0 }"),
+               variant.set);
+}
+
+} // namespace rodwake::scene

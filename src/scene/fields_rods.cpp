@@ -1,0 +1,149 @@
+// Field lists of [[rods]] and [rods_run].
+
+#include "fields.hpp"
+#include "output_grid.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+using enum Dimension;
+
+/// Whether the times are in order; if not, it is reported.
+bool increasing(Visitor& v, const RodsRun& run, const std::vector<double>& times) {
+    for (std::size_t i = 0; i < times.size(); ++i)
+        if (times[i] > run.t_end || (i > 0 && times[i] <= times[i - 1])) {
+            v.complain("output_times", fmt::format("entry {} is {} f/(mu v0): times must increase strictly "
+                                                   "within 0 <= t <= t_end = {}",
+                                                   i, times[i], run.t_end));
+            return false;
+        }
+    return true;
+}
+
+void resolve_times(Visitor& v, RodsRun& run, std::vector<double> times) {
+    if (!increasing(v, run, times))
+        return;
+    if (!times.empty() && times.front() == 0.0)
+        times.erase(times.begin()); // the start is stored in any case
+    if (times.empty() || times.back() < run.t_end)
+        times.push_back(run.t_end);
+    run.output_times = std::move(times);
+}
+
+void resolve_interval(Visitor& v, RodsRun& run, std::optional<double> interval) {
+    const double step = interval.value_or(run.t_end / default_outputs);
+    if (step > run.t_end || run.t_end / step > max_outputs)
+        return v.complain(
+            "output_interval",
+            fmt::format("is {} f/(mu v0): must be between t_end/1000000 and t_end = {}", step, run.t_end));
+    run.output_times = output_grid(step, run.t_end);
+}
+
+/// The ways to say how long a run is and when it is stored, in the order of resolve_run's cases.
+const Forms run_forms = {
+    {"t_end"}, {"t_end", "output_interval"}, {"t_end", "output_times"}, {"output_times"}};
+constexpr int without_t_end = 3;
+
+struct RunTimes {
+    std::optional<double> t_end, interval;
+    std::vector<double> times;
+};
+
+void resolve_run(Visitor& v, RodsRun& run, const RunTimes& given, int form) {
+    run.t_end_from_outputs = form == without_t_end;
+    const double last = given.times.empty() ? 0.0 : given.times.back();
+    run.t_end = run.t_end_from_outputs ? last : given.t_end.value_or(0.0);
+    if (run.t_end_from_outputs && given.times == std::vector{0.0})
+        return v.complain("output_times", "has no entry above 0, so the run has no end: give t_end");
+    if (!(run.t_end > 0.0)) // reported already
+        return;
+    form < 2 ? resolve_interval(v, run, given.interval) : resolve_times(v, run, given.times);
+}
+
+/// Coordinates matter on the scale of f/mu, headings on that of a radian.
+double default_atol(double rtol) { return rtol / 100.0; }
+
+void solver_fields(Visitor& v, RodsRun& run) {
+    std::string form = "angle"; // the only one so far
+    v(key("method")
+          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta; auto: explicit Runge-Kutta, or BDF for "
+               "stiff headings")
+          .example("\"bdf\""),
+      choice(run.method, {{"auto", RodMethod::automatic},
+                          {"bdf", RodMethod::bdf},
+                          {"adams", RodMethod::adams},
+                          {"erk", RodMethod::erk}}));
+    v(key("form")
+          .one_of({"angle"})
+          .not_yet({"director", "dae"})
+          .doc("form of the equations")
+          .example("\"angle\""),
+      form);
+    v(key("rtol").within(1e-13, 1e-1).doc("relative tolerance of the local error").example("1e-8"), run.rtol);
+    std::optional<double> atol = run.atol == default_atol(run.rtol) ? std::nullopt : std::optional(run.atol);
+    v(key("atol")
+          .above(0.0, 1.0)
+          .absent("rtol / 100")
+          .doc("absolute tolerance of the local error, reduced units")
+          .example("1e-10"),
+      atol);
+    v.derive([&] { run.atol = atol.value_or(default_atol(run.rtol)); });
+    v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
+}
+
+} // namespace
+
+void fields(Visitor& v, Rod& rod) {
+    v(key("position").required().unit(length).items(2, 2).doc("start, [x, y]").example("[0.0, 2.5]"),
+      rod.position);
+    v(key("heading").unit(angle).doc("start direction, counter-clockwise from +x").example("\"90 deg\""),
+      rod.heading);
+}
+
+void fields(Visitor& v, RodsRun& run) {
+    // Written as an interval where the times are a grid; the default grid is left to follow t_end.
+    const auto grid = grid_interval(run.output_times, run.t_end);
+    const bool is_default = grid && *grid == run.t_end / default_outputs;
+    RunTimes given;
+    if (!run.t_end_from_outputs && run.t_end > 0.0)
+        given.t_end = run.t_end;
+    if (run.t_end_from_outputs || !grid)
+        given.times = run.output_times;
+    else if (!is_default)
+        given.interval = grid;
+    v(key("t_end")
+          .unit(time)
+          .above(0.0)
+          .absent("the last of output_times")
+          .doc("end of the run; needed unless output_times are given")
+          .example("30.0"),
+      given.t_end);
+    v(key("output_times")
+          .unit(time)
+          .within(0.0, 1e12)
+          .items(1, static_cast<std::size_t>(max_outputs))
+          .doc("times to store, strictly increasing up to t_end; 0 and t_end are stored in any case")
+          .example("[10.0, 20.0, 30.0]"),
+      given.times);
+    v(key("output_interval")
+          .unit(time)
+          .above(0.0)
+          .absent(given.times.empty() ? "t_end / 200" : "")
+          .doc("store i * output_interval and t_end; at most 1000000 times")
+          .example("0.5"),
+      given.interval);
+    v(key("contact_distance")
+          .unit(length)
+          .above(0.0)
+          .absent("no stop")
+          .doc("stop when two rods are this near")
+          .example("0.1"),
+      run.contact_distance);
+    solver_fields(v, run);
+    v.one_form(run_forms, [&](int form) { resolve_run(v, run, given, form); });
+}
+
+} // namespace rodwake::scene
