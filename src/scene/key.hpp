@@ -28,7 +28,8 @@ struct Key {
     std::string reason;      ///< why the range is what it is, for the message
     std::string absent_text; ///< what the absence of an optional key means
     bool is_required = false, is_file_name = false;
-    bool is_written = true; ///< false: the key means nothing beside the other values, a written scene omits it
+    bool is_written =
+        true; ///< false: the key means nothing beside the other values, a written scene omits it
     std::size_t min_items = 0, max_items = 0; ///< for lists
     std::vector<std::string> choices;         ///< for strings; empty: any
     std::vector<std::string> planned;         ///< choices that are not available in this version

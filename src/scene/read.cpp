@@ -59,10 +59,9 @@ void check_variants(const Node& root, const Scene& scene, Problems& problems) {
 
 void check_size(std::size_t bytes, const std::string& name) {
     if (bytes > max_scene_bytes)
-        throw SceneError(
-            {{name, 0, 0, "",
-              fmt::format("larger than {} MiB; a scene may have at most {} rods", max_scene_bytes >> 20,
-                          max_rods)}});
+        throw SceneError({{name, 0, 0, "",
+                           fmt::format("larger than {} MiB; a scene may have at most {} rods",
+                                       max_scene_bytes >> 20, max_rods)}});
 }
 
 std::string read_text(const std::filesystem::path& path) {
