@@ -46,6 +46,9 @@ void resume(const Session& session, Case& one) {
     one.options.resume_from = session.options.force ? std::nullopt : read_checkpoint(file, one.scene);
     if (one.options.resume_from)
         session.log->info("rods: going on from the checkpoint at t = {:.6g}", one.options.resume_from->time);
+    else if (std::filesystem::exists(file))
+        session.log->warn("{}: damaged, or of another scene or version; starting from the beginning",
+                          file.string());
 }
 
 void solve(const Session& session, Case& one, bool show_progress) {

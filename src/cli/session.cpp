@@ -52,7 +52,7 @@ Session::Session(const Options& given, scene::Scene read)
       results(directory.file("result.h5")), start_(std::chrono::steady_clock::now()) {
     log->debug("{}", options.command);
     if (directory.resumed())
-        log->info("{}: an earlier run did not finish; going on with it", directory.path().string());
+        log->info("{}: an earlier run did not finish; taking it up", directory.path().string());
     directory.write("scene.toml", scene::to_toml(scene));
     write_header(results, scene, units);
 }

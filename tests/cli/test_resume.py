@@ -8,7 +8,7 @@ import signal
 import rodwake
 from rodwake import ProgramTest, wait_until
 
-# Thirty-six rods turning each other need some 20000 steps of BDF at this tolerance and a checkpoint comes after 10000
+# Thirty-six rods turning each other need some 20000 steps of BDF at this tolerance and a checkpoint comes after 15000
 # (models/rods/simulate.cpp): one in every run, and seconds left after it. One bit lost shows.
 SETTINGS = ("-s", "coupling.kappa=1", "-s", "rods_run.method=bdf", "-s", "rods_run.rtol=1e-13", "-s", "rods_run.t_end=60",
             "-s", "rods_run.output_interval=1.5")
@@ -48,6 +48,15 @@ class ResumeTest(ProgramTest):
         self.nudge(self.folder / "nudged/checkpoint.json")
         self.go_on("nudged")
         self.assertNotEqual(self.results("nudged"), self.results("whole"))
+
+    def test_a_checkpoint_that_does_not_fit_is_named(self):
+        (self.folder / "out").mkdir()
+        self.write("out/provenance.json", '{"status": "interrupted"}')
+        self.write("out/checkpoint.json", "{damaged")
+        done = self.expect(0, "rods", "crowd.toml", "-s", "rods_run.t_end=0.1", "-o", "out")
+        self.assertIn("checkpoint.json: damaged, or of another scene or version; starting from the beginning", done.stderr)
+        self.assertEqual(self.status("out"), "finished")
+        self.assertFalse((self.folder / "out/checkpoint.json").exists())
 
     def nudge(self, checkpoint):
         """Changes one number of the state by its last bit."""
