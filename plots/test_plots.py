@@ -1,32 +1,22 @@
 """Tests of the plots on a small made-up result: /usr/bin/python3 plots/test_plots.py"""
 
-import contextlib
-import io
 import json
 import re
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
 import h5py
-import matplotlib.image
 
-import rodwake_plot
 from made_up_result import ALL_KINDS, LINE, PATHS, SCENE, write_result
+from plot_case import PlotCase
 from rodwake_plots import cut, draw, run_dir, scene_table, units
 
 PROGRAM = Path(__file__).with_name("rodwake_plot.py")
 
 
-class PlotsTest(unittest.TestCase):
-    def setUp(self):
-        keeper = tempfile.TemporaryDirectory()
-        self.addCleanup(keeper.cleanup)
-        self.folder = Path(keeper.name)
-        self.build()
-
+class PlotsTest(PlotCase):
     def build(self, figures=ALL_KINDS, **result):
         (self.folder / "scene.toml").write_text(SCENE + figures)
         outcome = {"outcome": "contact", "time": 40.5953, "min_separation": 0.1, "pair": [0, 1], "solver": {"steps": 321}}
@@ -38,37 +28,10 @@ class PlotsTest(unittest.TestCase):
         with h5py.File(self.folder / "result.h5", "r+") as file:
             change(file)
 
-    def plot(self, *options):
-        """In this process, which spares an interpreter a test; test_as_a_program runs the real thing."""
-        out, err = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            code = rodwake_plot.main([str(self.folder), *options])
-        return subprocess.CompletedProcess([], code, out.getvalue(), err.getvalue())
-
     def test_as_a_program(self):
         done = subprocess.run([sys.executable, PROGRAM, self.folder / "nowhere"], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stdout), (1, ""))
         self.assertRegex(done.stderr, r"\Arodwake plot: .*nowhere: no such run directory\n\Z")
-
-    def assert_drawn(self, *names):
-        done = self.plot()
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        self.assertEqual(sorted(path.name for path in (self.folder / "figures").iterdir()), sorted(f"{n}.png" for n in names))
-        for name in names:
-            self.assert_picture(matplotlib.image.imread(self.folder / "figures" / f"{name}.png"))
-
-    def assert_picture(self, pixels):
-        height, width = pixels.shape[:2]
-        self.assertTrue(500 < width < 1700 and 250 < height < 2200, (width, height))
-        self.assertGreater(pixels[..., :3].var(), 0.005)
-
-    def assert_fails(self, *words):
-        done = self.plot()
-        self.assertEqual(done.returncode, 1, done.stdout)
-        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-        self.assertNotIn("Traceback", done.stderr)
-        for word in words:
-            self.assertIn(word, done.stderr)
 
     def test_every_kind(self):
         self.assert_drawn("axis", "streams", "line", "scaled", "paths")

@@ -2,16 +2,18 @@
 
 import matplotlib
 
-from . import cut, extensional_axis, polar_streamlines, spec, trajectories
+from . import (cut, extensional_axis, granular_table, movie, polar_streamlines, rod_tracks, side_view, snapshot, spec,
+               trajectories)
 from .canvas import save
 from .errors import PlotError
 from .style import SETTINGS
 
-KINDS = {"extensional_axis": extensional_axis, "polar_streamlines": polar_streamlines, "cut": cut, "trajectories": trajectories}
+KINDS = {"extensional_axis": extensional_axis, "polar_streamlines": polar_streamlines, "cut": cut, "trajectories": trajectories,
+         "snapshot": snapshot, "rod_tracks": rod_tracks, "side_view": side_view, "movie": movie, "granular_table": granular_table}
 
 
 def figures_of(run):
-    return spec.from_scene(run.scene) or spec.defaults(run.result)
+    return spec.from_scene(run.scene) or spec.defaults(run)
 
 
 def write_all(run, figures, pdf):
@@ -25,6 +27,9 @@ def write_all(run, figures, pdf):
 
 def write_one(run, figure, endings):
     with matplotlib.rc_context(SETTINGS):
+        if figure.kind == "movie":
+            print(*movie.write(run, figure), sep="\n")
+            return
         made = KINDS[figure.kind].draw(run, figure)
         for ending in endings:
             path = run.figures_dir / (figure.name + ending)

@@ -4,10 +4,11 @@ import base64
 import struct
 from pathlib import Path
 
-from . import draw, sections, words
+from . import draw, movie, sections, words
 from .canvas import replacing
 
 STYLE = Path(__file__).with_name("report.css")
+LARGEST_FILM = 16e6  # bytes
 SCALE = 0.62  # image pixels (200 per inch) to page pixels: somewhat larger than in print
 
 
@@ -24,6 +25,7 @@ def document(run, figures):
     body = "\n".join(part for part in (
         sections.header(run),
         section("Figures", "\n".join(figure(run, one, number) for number, one in enumerate(figures, 1))),
+        section("Granular bed", sections.granular(run)),
         section("Runs", sections.runs(run)),
         section("Parameters", sections.parameters(run)),
         section("Solver", sections.solver(run)),
@@ -34,7 +36,7 @@ def document(run, figures):
             f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
             f'<meta name="color-scheme" content="light dark">\n<title>{title}</title>\n'
             f"<style>\n{STYLE.read_text(encoding='utf-8')}</style>\n</head>\n<body>\n<main>\n{body}\n"
-            f"<footer>rodwake {words.escape(run.result.version)}</footer>\n</main>\n</body>\n</html>\n")
+            f"<footer>rodwake {words.escape(run.version)}</footer>\n</main>\n</body>\n</html>\n")
 
 
 def section(name, inside):
@@ -46,5 +48,18 @@ def figure(run, spec, number):
     width, height = (round(SCALE * pixels) for pixels in struct.unpack(">II", image[16:24]))  # the PNG header
     data = base64.b64encode(image).decode("ascii")
     name = f"<b>Figure {number}.</b> " + (f"<b>{words.label_html(spec.title)}.</b> " if spec.title else "")
-    return (f'<figure>\n<div class="sheet"><img alt="{words.escape(spec.name)}" width="{width}" height="{height}" '
-            f'src="data:image/png;base64,{data}"></div>\n<figcaption>{name}{draw.caption(run, spec)}</figcaption>\n</figure>')
+    picture = (film(run, spec, width) or f'<img alt="{words.escape(spec.name)}" width="{width}" height="{height}" '
+               f'src="data:image/png;base64,{data}">')
+    return (f'<figure>\n<div class="sheet">{picture}</div>\n<figcaption>{name}{draw.caption(run, spec)}</figcaption>\n</figure>')
+
+
+def film(run, spec, width):
+    """The film inside the page; too large a one is left beside it, and the page shows its last picture."""
+    found = movie.film_of(run, spec) if spec.kind == "movie" else None
+    if not found or found[0].stat().st_size > LARGEST_FILM:
+        return ""
+    path, kind = found
+    source = f'src="data:{kind};base64,{base64.b64encode(path.read_bytes()).decode("ascii")}"'
+    if kind.startswith("video/"):
+        return f'<video controls loop muted width="{width}" {source}></video>'
+    return f'<img alt="{words.escape(spec.name)}" width="{width}" {source}>'

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-import h5py
 import numpy as np
 
+from . import hdf5
 from .errors import PlotError
 from .units import Units
 
@@ -52,12 +52,7 @@ def plain(value):
 class Result:
     def __init__(self, path):
         self.path = path
-        if not path.is_file():
-            raise PlotError(f"{path}: no such file")
-        try:
-            self.file = h5py.File(path, "r")
-        except OSError as error:
-            raise PlotError(f"{path}: not a readable HDF5 file") from error
+        self.file = hdf5.open_file(path)
         self._check_schema()
         self.units = Units(self.attribute("/", "units"))
         self.title = self.attribute("/", "title", "")

@@ -5,11 +5,13 @@ import tomllib
 from pathlib import Path
 
 from .errors import PlotError
+from .granular_run import SUMMARY, GranularRun
 from .result import Result
+from .units import Units
 
 
 class RunDir:
-    """Opens result.h5 for as long as the `with` block lasts."""
+    """Opens result.h5, unless the run is a granular one alone, for as long as the `with` block lasts."""
 
     def __init__(self, path):
         self.path = Path(path)
@@ -20,8 +22,10 @@ class RunDir:
         self.outcome = self._json("outcome.json")
         self.provenance = self._json("provenance.json")
         self.log = self._text("log.txt") if (self.path / "log.txt").is_file() else ""
-        self.result = Result(self.path / "result.h5")
-        if self.result.has("/rods") and self.outcome is None:
+        self._granular = GranularRun(self.path) if (self.path / SUMMARY).is_file() else None
+        granular_alone = self._granular and not (self.path / "result.h5").is_file()
+        self._result = None if granular_alone else Result(self.path / "result.h5")
+        if self.has_result and self.result.has("/rods") and self.outcome is None:
             self.result.close()
             raise PlotError(f"{self.path / 'outcome.json'}: missing, but result.h5 holds rods")
 
@@ -29,7 +33,36 @@ class RunDir:
         return self
 
     def __exit__(self, *_):
-        self.result.close()
+        if self.has_result:
+            self.result.close()
+
+    @property
+    def has_result(self):
+        return self._result is not None
+
+    @property
+    def has_granular(self):
+        return self._granular is not None
+
+    @property
+    def result(self):
+        if self._result is None:
+            raise PlotError(f"{self.path / 'result.h5'}: no such file: this run holds no field and no rods of the theory")
+        return self._result
+
+    @property
+    def granular(self):
+        if self._granular is None:
+            raise PlotError(f"{self.path / SUMMARY}: no such file: this run holds no beads")
+        return self._granular
+
+    @property
+    def units(self):
+        return self.result.units if self.has_result else Units("si")
+
+    @property
+    def version(self):
+        return self.result.version if self.has_result else str((self.provenance or {}).get("version", "unknown"))
 
     @property
     def figures_dir(self):
@@ -37,7 +70,7 @@ class RunDir:
 
     @property
     def title(self):
-        return self.scene.get("title") or self.result.title or self.path.resolve().name
+        return self.scene.get("title") or (self.has_result and self.result.title) or self.path.resolve().name
 
     def _text(self, name):
         path = self.path / name

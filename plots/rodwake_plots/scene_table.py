@@ -1,6 +1,7 @@
 """The resolved scene as tables: known keys with symbol and meaning, any others as they stand."""
 
-from . import words
+from . import granular_keys, words
+from .units import Units
 
 LENGTH, TIME, NONE = "length", "time", ""
 
@@ -56,11 +57,24 @@ def tables(scene, units):
     for key, value in scene.items():
         if key in SKIPPED or not value:
             continue
-        if isinstance(value, dict):
+        if key == "granular":
+            yield from granular_tables(value)
+        elif isinstance(value, dict):
             yield NAMES.get(key, key), ("Key", "Symbol", "Value", "Meaning"), rows(key, value, units)
             yield from ((NAMES.get(inner, inner), *listing(items, units)) for inner, items in value.items() if is_listing(items))
         elif is_listing(value):
             yield NAMES.get(key, key), *listing(value, units)
+
+
+def granular_tables(values):
+    si, names = Units("si"), granular_keys.NAMES
+    flat = {key: value for key, value in values.items() if not isinstance(value, dict)}
+    yield names["granular"], ("Key", "Symbol", "Value", "Meaning"), rows("granular", flat, si)
+    for key, inner in values.items():
+        if isinstance(inner, dict) and inner:
+            yield names.get(key, key), ("Key", "Symbol", "Value", "Meaning"), rows(key, inner, si)
+        elif is_listing(inner):
+            yield names.get(key, key), *listing(inner, si, granular_keys.COLUMNS)
 
 
 def rows(table, values, units):
@@ -68,7 +82,7 @@ def rows(table, values, units):
 
 
 def row(table, key, value, units):
-    symbol, meaning, unit = MEANINGS.get(table, {}).get(key, ("", "", NONE))
+    symbol, meaning, unit = (MEANINGS | granular_keys.MEANINGS).get(table, {}).get(key, ("", "", NONE))
     return f"<code>{words.escape(key)}</code>", symbol, f"{shown(value)} {unit_of(units, unit)}".strip(), meaning
 
 
@@ -80,10 +94,10 @@ def is_listing(value):
     return isinstance(value, list) and bool(value) and all(isinstance(item, dict) for item in value)
 
 
-def listing(items, units):
+def listing(items, units, columns=COLUMNS):
     """One row an item, one column a key."""
     keys = list(dict.fromkeys(key for item in items for key in item))
-    unit = {key: unit_of(units, COLUMNS[key]) for key in keys if key in COLUMNS}
+    unit = {key: unit_of(units, columns[key]) for key in keys if key in columns}
     return (["No."] + [words.escape(key.replace("_", " ")) + (f" ({unit[key]})" if key in unit else "") for key in keys],
             [[str(index)] + [shown(item.get(key, "")) for key in keys] for index, item in enumerate(items)])
 

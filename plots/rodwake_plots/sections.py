@@ -1,6 +1,6 @@
 """The parts of the report that are words and tables."""
 
-from . import scene_table, words
+from . import granular_sections, scene_table, words
 from .trajectories import outcome_words, parameters as run_parameters
 
 
@@ -27,10 +27,11 @@ def flat(record, prefix=""):
 
 
 def header(run):
-    units = "SI units" if run.result.units.si else ("reduced units: lengths in <i>f</i>/<i>μ</i>, times in "
+    units = "SI units" if run.units.si else ("reduced units: lengths in <i>f</i>/<i>μ</i>, times in "
                                                     "<i>f</i>/(<i>μv</i><sub>0</sub>)")
-    head = f'<header>\n<h1>{words.escape(run.title)}</h1>\n<div class="sub">rodwake {words.escape(run.result.version)}, {units}</div>'
-    return f"{head}\n{outcome(run)}\n</header>"
+    head = f'<header>\n<h1>{words.escape(run.title)}</h1>\n<div class="sub">rodwake {words.escape(run.version)}, {units}</div>'
+    told = granular_sections.headline(run) if run.has_granular else ""
+    return f"{head}\n{told}{outcome(run) if run.has_result else ''}\n</header>"
 
 
 def outcome(run):
@@ -55,15 +56,27 @@ def sentence(run, name):
 
 def runs(run):
     """Scene and variants side by side; a single run is told in the header."""
-    found = run.result.runs()
+    found = run.result.runs() if run.has_result else []
     if len(found) < 2:
         return ""
     rows = [(words.label_html(one.label), outcome_words(run.result.units, one), run_parameters(one).rstrip(".")) for one in found]
     return table(("Run", "Outcome", "Parameters"), rows)
 
 
+def granular(run):
+    """What was modelled, what came out, what it cost."""
+    if not run.has_granular:
+        return ""
+    parts = (("Modelled", ("What", "Value"), granular_sections.modelled(run)),
+             ("Contacts", ("Pair", "Friction", "Restitution"), granular_sections.contacts(run)),
+             ("Results", ("Quantity", "Value", "Meaning"), granular_sections.measured(run)),
+             ("Run", ("Item", "Value"), ((words.escape(name), value) for name, value in flat(granular_sections.other(run)))))
+    tables = ((name, table(heads, list(rows))) for name, heads, rows in parts)
+    return "\n".join(f"<h3>{name}</h3>\n{made}" for name, made in tables if made)
+
+
 def parameters(run):
-    return "\n".join(f"<h3>{name}</h3>\n{table(heads, rows)}" for name, heads, rows in scene_table.tables(run.scene, run.result.units))
+    return "\n".join(f"<h3>{name}</h3>\n{table(heads, rows)}" for name, heads, rows in scene_table.tables(run.scene, run.units))
 
 
 def solver(run):

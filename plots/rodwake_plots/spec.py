@@ -4,8 +4,11 @@ import re
 from dataclasses import dataclass, field
 
 from .errors import PlotError
+from .granular_run import LAST_PERIOD, TABLE, TRACKS, TRAJECTORY
 
-KINDS = ("extensional_axis", "polar_streamlines", "cut", "trajectories")
+KINDS = ("extensional_axis", "polar_streamlines", "cut", "trajectories",
+         "snapshot", "rod_tracks", "side_view", "movie", "granular_table")
+COLOURS = ("order", "orientation")
 DEFAULT_GAMMAS = ((1.0, 0.0), (0.0, 1.0), (1.0, -1.0))
 
 
@@ -18,6 +21,9 @@ class Spec:
     component: str = "Ux"
     sqrt_scaled: bool = False
     gammas: tuple = field(default=DEFAULT_GAMMAS)
+    frame: int = -1          # snapshot: from 0, or from the end
+    colour: str = "order"    # snapshot, movie: what colours the beads
+    fps: int = 20            # movie
     x: tuple = ()  # window; empty: fit to the data
     y: tuple = ()
 
@@ -45,7 +51,17 @@ def _spec(table):
     spec = Spec(**known)
     if spec.component not in ("Ux", "Uy"):
         raise PlotError(f'figure "{name}": component "{spec.component}" is neither "Ux" nor "Uy"')
+    _check_granular(spec)
     return spec
+
+
+def _check_granular(spec):
+    if spec.colour not in COLOURS:
+        raise PlotError(f'figure "{spec.name}": colour "{spec.colour}" is neither "order" nor "orientation"')
+    for key, least in (("frame", None), ("fps", 1)):
+        value = getattr(spec, key)
+        if not isinstance(value, int) or isinstance(value, bool) or (least is not None and value < least):
+            raise PlotError(f'figure "{spec.name}": {key} = {value} is not a whole number{"" if least is None else f" from {least}"}')
 
 
 def _window(name, key, value):
@@ -60,8 +76,24 @@ def _gammas(name, value):
     return tuple(tuple(pair) for pair in value) or DEFAULT_GAMMAS
 
 
-def defaults(result):
-    """A figure for everything the result holds."""
+def defaults(run):
+    """A figure for everything the run directory holds."""
+    specs = granular_defaults(run.granular) if run.has_granular else []
+    specs += result_defaults(run.result) if run.has_result else []
+    if not specs:
+        raise PlotError(f"{run.path}: holds no rods, no field, no cuts and no tables or trajectories of beads: nothing to draw")
+    return specs
+
+
+def granular_defaults(granular):
+    """The film is made only where a scene asks for it: it takes longer than all the rest."""
+    kinds = {"snapshot": TRAJECTORY, "rod_tracks": TRACKS, "side_view": LAST_PERIOD, "granular_table": TABLE}
+    if not granular.rods:
+        del kinds["rod_tracks"]
+    return [Spec(kind, kind) for kind, file in kinds.items() if granular.has(file)]
+
+
+def result_defaults(result):
     specs = []
     if result.has("/rods"):
         specs.append(Spec("trajectories", "trajectories"))
@@ -69,8 +101,6 @@ def defaults(result):
         specs += [Spec("extensional_axis", "extensional_axis"), Spec("polar_streamlines", "polar_streamlines")]
     for index in range(result.cut_count()):
         specs += [Spec(f"cut{index}_{part}", "cut", cut=index, component=part) for part in _components(result.cut(index))]
-    if not specs:
-        raise PlotError(f"{result.path}: holds no rods, no field grid and no cuts: nothing to draw")
     return specs
 
 

@@ -2,6 +2,7 @@
 // The command line, parsed.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ struct Options {
     std::string output;                 ///< -o; empty: results/<name of the scene>
     std::vector<std::string> overrides; ///< -s table.key=value
     std::size_t threads = 1;            ///< -j
-    std::uint64_t seed = 0;             ///< --seed
+    std::optional<std::uint64_t> seed;  ///< --seed; absent: that of the scene
     bool dry_run = false, quiet = false, verbose = false, force = false;
     std::string json_log; ///< --log-json FILE
     std::string command;  ///< the whole line, for provenance

@@ -9,10 +9,16 @@ namespace rodwake::cli {
 
 namespace {
 
+/// The seed of everything random; 0 where nothing is.
+std::uint64_t used_seed(const Options& options, const scene::Scene& scene) {
+    return options.seed.value_or(scene.granular ? static_cast<std::uint64_t>(scene.granular->seed) : 0);
+}
+
 /// The run directory, marked before the first other file: whatever fails afterwards, it can be taken over.
 store::RunDirectory begun(const Options& options, const scene::Scene& scene) {
     store::RunDirectory directory(output_folder(options), options.force);
-    directory.begin(store::provenance_json({options.command, scene.path, "unfinished", options.seed, 0.0}));
+    directory.begin(
+        store::provenance_json({options.command, scene.path, "unfinished", used_seed(options, scene), 0.0}));
     return directory;
 }
 
@@ -76,8 +82,8 @@ void Session::fail(const std::string& why) const noexcept {
 
 void Session::write_provenance(const std::string& status) const {
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    directory.write("provenance.json",
-                    store::provenance_json({options.command, scene.path, status, options.seed, wall}));
+    directory.write("provenance.json", store::provenance_json({options.command, scene.path, status,
+                                                               used_seed(options, scene), wall}));
 }
 
 } // namespace rodwake::cli

@@ -1,5 +1,6 @@
 // rodwake check: the resolved scene, what will be modelled and what not and why, and what it will cost.
 
+#include "check_bed.hpp"
 #include "problems.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/scene/write.hpp"
@@ -14,13 +15,7 @@ namespace rodwake::cli {
 
 namespace {
 
-/// One part of the physics and why it is in or out.
-struct Line {
-    bool modelled;
-    std::string text;
-};
-
-void add_field_lines(const scene::Scene& scene, std::vector<Line>& lines) {
+void add_field_lines(const scene::Scene& scene, std::vector<CheckLine>& lines) {
     if (!scene.field) {
         lines.push_back({false, "field maps: no [field] table"});
         return;
@@ -30,7 +25,7 @@ void add_field_lines(const scene::Scene& scene, std::vector<Line>& lines) {
         {true, fmt::format("field of one rod: {} grid points, {} cuts", points, scene.field->cuts.size())});
 }
 
-void add_rod_lines(const scene::Scene& scene, std::vector<Line>& lines) {
+void add_rod_lines(const scene::Scene& scene, std::vector<CheckLine>& lines) {
     if (!scene.rods_run) {
         lines.push_back({false, "rod dynamics: no [[rods]] and [rods_run]"});
         return;
@@ -59,7 +54,7 @@ void add_rod_lines(const scene::Scene& scene, std::vector<Line>& lines) {
 }
 
 /// What the scene names and this version leaves out.
-void add_unused_lines(const scene::Scene& scene, std::vector<Line>& lines) {
+void add_unused_lines(const scene::Scene& scene, std::vector<CheckLine>& lines) {
     if (scene.medium && scene.medium->table)
         lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
     if (scene.noise)
@@ -68,9 +63,9 @@ void add_unused_lines(const scene::Scene& scene, std::vector<Line>& lines) {
         lines.push_back({false, "noise: no [noise] table"});
 }
 
-std::string cost(const scene::Scene& scene) {
+std::string cost(const scene::Scene& scene, const BedReport& bed) {
     constexpr double point_seconds = 1.2e-7; // bench/: strain at one point
-    std::string text;
+    std::string text = bed.cost;
     if (scene.field && !scene.field->x.empty())
         text += fmt::format("  field maps: about {:.2g} s\n",
                             2.0 * point_seconds * static_cast<double>(scene.field->nx * scene.field->ny));
@@ -88,19 +83,21 @@ std::string cost(const scene::Scene& scene) {
 
 int verb_check(const Options& options) {
     const scene::Scene scene = scene::read_scene(options.target, options.overrides);
-    std::vector<Line> lines;
+    std::vector<CheckLine> lines;
     add_field_lines(scene, lines);
     add_rod_lines(scene, lines);
     add_unused_lines(scene, lines);
+    const BedReport bed = check_bed(scene, options.seed);
+    lines.insert(lines.end(), bed.lines.begin(), bed.lines.end());
     fmt::print("{}\n# modelled\n", scene::to_toml(scene));
-    for (const Line& line : lines)
+    for (const CheckLine& line : lines)
         if (line.modelled)
             fmt::print("  {}\n", line.text);
     fmt::print("\n# not modelled\n");
-    for (const Line& line : lines)
+    for (const CheckLine& line : lines)
         if (!line.modelled)
             fmt::print("  {}\n", line.text);
-    fmt::print("\n# expected cost\n{}\n{}: ok\n", cost(scene), options.target);
+    fmt::print("\n# expected cost\n{}\n{}: ok\n", cost(scene, bed), options.target);
     return 0;
 }
 

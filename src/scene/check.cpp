@@ -1,5 +1,7 @@
 #include "check.hpp"
 
+#include "check_granular.hpp"
+
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -19,8 +21,8 @@ public:
 
     void tables() {
         const bool rods = has_rods(), run = root_.find("rods_run"), field = root_.find("field");
-        if (!rods && !run && !field)
-            add("", "nothing to do: give [[rods]] with [rods_run], or [field]");
+        if (!rods && !run && !field && !root_.find("granular"))
+            add("", "nothing to do: give [[rods]] with [rods_run], or [field], or [granular]");
         if (rods && !run)
             add("rods", "[[rods]] need [rods_run] with t_end");
         if (run && !rods)
@@ -39,6 +41,8 @@ public:
             field(*scene_.field);
         for (std::size_t i = 0; i < scene_.figures.size(); ++i)
             figure(scene_.figures[i], fmt::format("figures.{}", i));
+        check_granular(scene_,
+                       [this](const std::string& path, const std::string& message) { add(path, message); });
         unique_names(scene_.figures, "figures");
         unique_names(scene_.variants, "variants");
     }

@@ -34,6 +34,9 @@ public:
     void operator()(const Key& key, long& value) override {
         add(key, "integer", key.is_required ? "required" : std::to_string(value), key.range.text());
     }
+    void operator()(const Key& key, std::optional<long>&) override {
+        add(key, "integer", key.absent_text, key.range.text());
+    }
     void operator()(const Key& key, bool& value) override {
         add(key, "boolean", value ? "true" : "false", "true, false");
     }
@@ -51,6 +54,12 @@ public:
     }
     void operator()(const Key& key, std::vector<std::vector<double>>&) override {
         add(key, key.count_text("pairs of numbers"), "", key.range.text());
+    }
+    void operator()(const Key& key, std::vector<std::string>& value) override {
+        std::string fallback;
+        for (const auto& item : value)
+            fallback += (fallback.empty() ? "" : ", ") + quoted(item);
+        add(key, key.count_text("names"), "[" + fallback + "]", names(key, key.choices));
     }
     void settings(const Key& key, std::vector<std::string>&) override {
         add(key, "table of " + key.count_text("keys"), "required", "any keys of the scene");
@@ -145,6 +154,8 @@ std::string table_text(const TableInfo& table) {
         text += "\n" + table.meaning + "\n";
     for (const auto& note : table.notes)
         text += "\n" + note + "\n";
+    if (table.keys.empty()) // tables only
+        return text;
     text += "\n| key | type | unit | default | legal | meaning | example |\n|---|---|---|---|---|---|---|\n";
     for (const auto& k : table.keys)
         text += fmt::format("| `{}` | {} | {} | {} | {} | {} | `{}` |\n", k.name, k.type, cell(k.unit),
@@ -156,17 +167,21 @@ constexpr const char* introduction = R"md(# Scene reference
 
 Made by `rodwake info --scene-reference > docs/scene.md`; do not edit.
 
-A scene is a TOML file. A table that is absent is not modelled. Unknown keys, values outside their legal range, nan
+A scene is a TOML file. A table that is absent is not modelled; where it says so, its defaults hold. Unknown keys, values outside their legal range, nan
 and inf are errors; all errors of a file are listed at once with file, line and column.
 
 Plain numbers are in the unit given below: reduced units, or SI with `units = "si"`. Any key with a unit also takes a
-string with one. Legal ranges hold for the reduced value, in `[scales]` for the SI value.
+string with one. Legal ranges hold for the reduced value, in `[scales]` and `[granular]` for the SI value.
+
+The granular bed has its own scale: plain numbers in `[granular]` and its tables, and in the windows of figures of it,
+are SI whatever `units` says, and `a` is `granular.bead_radius`. A scene with granular tables only needs no `[scales]`.
 
 * length: `"0.4 mm"` (m, cm, mm, um), `"78 a"` (bead radii, `scales.bead_radius`), `"2.2 f/mu"`
 * time: `"5 s"` (s, ms, us, min), `"30 f/(mu v0)"`
 * speed: `"2.8 mm/s"` (m/s, cm/s, mm/s, um/s, a/s), `"1 v0"`
-* rate: `"0.5 1/s"` (1/s, 1/ms, 1/min, Hz), `"0.5 mu v0/f"`
+* rate: `"0.5 1/s"` (1/s, 1/ms, 1/min, Hz, kHz), `"0.5 mu v0/f"`
 * angle: `"30 deg"`, `"0.5 rad"`
+* density: `"2.7 g/cm^3"` (kg/m^3, g/cm^3); acceleration: `"9.81 m/s^2"` (m/s^2, mm/s^2)
 
 On the command line `-s table.key=value` replaces a value: `-s coupling.kappa=2`, `-s rods.1.position.0=2.0` (entries
 of lists are numbered from 0), `-s rods_run.method=adams`. Where keys are alternatives, the one set wins over those in

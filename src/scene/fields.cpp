@@ -12,10 +12,12 @@ using enum Dimension;
 
 void fields(Visitor& v, Scales& scales) {
     // One metre and one metre per second as units of length and speed: values in here stay SI.
-    v.use_units({UnitSystem::si, Scales{1.0, 1.0, scales.bead_radius}, false});
+    Units units = si_units(scales.bead_radius);
+    units.bead_words = false;
+    v.use_units(units);
     v(key("bead_radius").unit(length).above(0.0).doc("what \"a\" means in \"2.2 a\"").example("\"0.4 mm\""),
       scales.bead_radius);
-    v.use_units({UnitSystem::si, Scales{1.0, 1.0, scales.bead_radius}, false});
+    v.use_units(si_units(scales.bead_radius));
     v(key("f_over_mu").required().unit(length).above(0.0).doc("unit of length, f/mu").example("\"2.2 a\""),
       scales.f_over_mu);
     v(key("v0")
@@ -39,7 +41,8 @@ void fields(Visitor& v, Scene& scene) {
                 "What one reduced unit is worth, always in SI. Needed for units = \"si\" and for strings "
                 "with a physical unit."),
             scene.scales);
-    v.use_units({scene.units, scene.scales, true});
+    const Units units{scene.units, scene.scales};
+    v.use_units(units);
     v.table(key("medium").doc("The elastic continuum."), scene.medium);
     v.table(key("coupling").doc("How a rod turns in the strain of the others."), scene.coupling);
     v.table(key("noise").doc("Random turning of the rods."), scene.noise);
@@ -48,9 +51,16 @@ void fields(Visitor& v, Scene& scene) {
     v.table(
         key("field").doc("The field of one rod at the origin heading along +x, on a grid and along cuts."),
         scene.field);
-    v.list(key("figures").items(0, 100).doc("What `rodwake plot` draws."), scene.figures);
+    v.table(key("granular")
+                .doc("Beads and rods between two vibrating plates, periodic in x and y. SI, with its "
+                     "own `a`."),
+            scene.granular);
+    v.use_units(units);
+    const Units bed = si_units(scene.granular.value_or(Granular{}).bead_radius);
+    v.list(key("figures").items(0, 100).doc("What `rodwake plot` draws."), scene.figures,
+           [&](Figure& figure) { fields(v, figure, units, bed); });
     v.list(key("variants").items(0, 100).doc("The rods run again with some keys changed."), scene.variants);
-    for (const char* name : {"granular", "measure", "fit", "scan"})
+    for (const char* name : {"measure", "fit", "scan"})
         v.planned(name);
 }
 

@@ -7,6 +7,12 @@ namespace rodwake::scene {
 
 inline constexpr std::size_t max_rods = 1000;
 
+/// Whether a figure is of the granular bed; such figures need [granular] and have their window in metres.
+inline bool shows_the_bed(const Figure& figure) {
+    return figure.kind == "snapshot" || figure.kind == "rod_tracks" || figure.kind == "side_view" ||
+           figure.kind == "movie";
+}
+
 void fields(Visitor& v, Scales& scales);
 void fields(Visitor& v, FieldTable& table);
 void fields(Visitor& v, Medium& medium);
@@ -16,7 +22,15 @@ void fields(Visitor& v, Rod& rod);
 void fields(Visitor& v, RodsRun& run);
 void fields(Visitor& v, Cut& cut);
 void fields(Visitor& v, Field& field);
-void fields(Visitor& v, Figure& figure);
+void fields(Visitor& v, Plates& plates);
+void fields(Visitor& v, Surface& surface);
+void fields(Visitor& v, SurfaceChange& change);
+void fields(Visitor& v, Contacts& contacts);
+void fields(Visitor& v, GranularOutput& output);
+void fields(Visitor& v, GranularRod& rod);
+void fields(Visitor& v, Granular& granular);
+/// The window is in the units of the scene, or of the bed if that is what is drawn.
+void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_bed);
 void fields(Visitor& v, Variant& variant);
 void fields(Visitor& v, Scene& scene);
 

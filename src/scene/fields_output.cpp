@@ -33,14 +33,15 @@ void fields(Visitor& v, Field& field) {
     v.list(key("cuts").items(0, 100).doc("The field along lines parallel to an axis."), field.cuts);
 }
 
-void fields(Visitor& v, Figure& figure) {
+void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_bed) {
     const auto is_kind = [&](const char* kind) { return figure.kind == kind; };
     v(key("name").required().file_name().doc("file name without ending").example("\"wake\""), figure.name);
     v(key("kind")
           .required()
-          .one_of({"extensional_axis", "polar_streamlines", "cut", "trajectories"})
+          .one_of({"extensional_axis", "polar_streamlines", "cut", "trajectories", "snapshot", "rod_tracks",
+                   "side_view", "movie"})
           .doc("what is drawn: the first two need the grid of [field], cut one of field.cuts, trajectories "
-               "[[rods]]")
+               "[[rods]], the others [granular]")
           .example("\"cut\""),
       figure.kind);
     v(key("title").absent("made from the data").doc("title").example("\"Wake\""), figure.title);
@@ -68,6 +69,13 @@ void fields(Visitor& v, Figure& figure) {
           .doc("kind polar_streamlines: a panel for each [gamma1, gamma2]")
           .example("[[10.0, 0.0], [0.0, 10.0]]"),
       figure.gammas);
+    v(key("frame")
+          .within(-1, 1e9)
+          .written_if(is_kind("snapshot"))
+          .doc("kind snapshot: which stored frame, from 0; -1: the last")
+          .example("-1"),
+      figure.frame);
+    v.use_units(shows_the_bed(figure) ? of_bed : of_scene);
     window_fields(v, figure.x, figure.y, "window", "fit to the data");
 }
 

@@ -52,6 +52,12 @@ std::string where_it_belongs(const std::string& name) {
     return "";
 }
 
+/// Whether the scene has more than granular tables, which are SI without [scales].
+bool has_reduced_tables(const Node& root) {
+    const std::vector<std::string> names{"medium", "coupling", "noise", "rods", "rods_run", "field"};
+    return std::any_of(names.begin(), names.end(), [&](const auto& name) { return root.find(name); });
+}
+
 } // namespace
 
 Reader::Reader(const Node& root, Problems& problems) : problems_(problems) {
@@ -152,8 +158,9 @@ void Reader::use_units(const Units& units) {
     if (units_.scales && !(units_.scales->f_over_mu > 0.0 && units_.scales->v0 > 0.0))
         units_.scales =
             Scales{1.0, 1.0, units_.scales->bead_radius}; // wrong and reported: any stand-in will do
-    const Entry* system = frames_.back().table->find("units");
-    if (units_.system == UnitSystem::si && !units_.scales && system)
+    const Node& table = *frames_.back().table;
+    const Entry* system = table.find("units");
+    if (units_.system == UnitSystem::si && !units_.scales && system && has_reduced_tables(table))
         missing_scales(system->value, "units", "units = \"si\"");
 }
 

@@ -18,10 +18,12 @@ public:
     void operator()(const Key& key, double& value) override;
     void operator()(const Key& key, std::optional<double>& value) override;
     void operator()(const Key& key, long& value) override;
+    void operator()(const Key& key, std::optional<long>& value) override;
     void operator()(const Key& key, bool& value) override;
     void operator()(const Key& key, std::string& value) override;
     void operator()(const Key& key, std::vector<double>& value) override;
     void operator()(const Key& key, std::vector<std::vector<double>>& value) override;
+    void operator()(const Key& key, std::vector<std::string>& value) override;
     void operator()(const Key& key, const Choice& value) override;
     void settings(const Key& key, std::vector<std::string>& value) override;
     void planned(const std::string& name) override;

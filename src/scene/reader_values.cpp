@@ -30,7 +30,8 @@ bool has_control_characters(const std::string& text) {
 }
 
 std::string expected_number(Dimension dimension) {
-    static constexpr const char* examples[] = {"", "0.4 mm", "5 s", "2.8 mm/s", "0.5 1/s", "30 deg"};
+    static constexpr const char* examples[] = {"",        "0.4 mm", "5 s",         "2.8 mm/s",
+                                               "0.5 1/s", "30 deg", "2700 kg/m^3", "9.81 m/s^2"};
     if (dimension == Dimension::none)
         return "expected a number";
     return fmt::format("expected {} (a number, or a string such as \"{}\")", name_of(dimension),
@@ -69,6 +70,13 @@ void Reader::operator()(const Key& key, long& value) {
         wrong(entry->value, path, "must be " + key.range.text());
     else
         value = *integer;
+}
+
+void Reader::operator()(const Key& key, std::optional<long>& value) {
+    long found = 0;
+    const bool is_given = frames_.back().table->find(key.name);
+    (*this)(key, found);
+    value = is_given ? std::optional(found) : std::nullopt;
 }
 
 void Reader::operator()(const Key& key, bool& value) {
@@ -121,6 +129,25 @@ void Reader::operator()(const Key& key, std::vector<std::vector<double>>& value)
     for (std::size_t i = 0; list && i < list->size(); ++i)
         if (auto found = numbers(pair, (*list)[i], fmt::format("{}[{}]", path, i)))
             value.push_back(std::move(*found));
+}
+
+void Reader::operator()(const Key& key, std::vector<std::string>& value) {
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const std::string path = path_of(key.name);
+    const auto* list = list_of(key, entry->value, path, "names");
+    value.clear();
+    for (std::size_t i = 0; list && i < list->size(); ++i) {
+        const Node& node = (*list)[i];
+        const std::string item_path = fmt::format("{}[{}]", path, i);
+        const auto* name = text(key, node, item_path);
+        if (!name || !is_choice(key, key.choices, node, item_path))
+            continue;
+        if (contains(value, *name))
+            wrong(node, item_path, "stands in the list already");
+        value.push_back(*name);
+    }
 }
 
 void Reader::settings(const Key& key, std::vector<std::string>& value) {

@@ -45,12 +45,19 @@ constexpr std::array words{
     UnitWord{"1/ms", Dimension::rate, 1e3},
     UnitWord{"1/min", Dimension::rate, 1.0, 60.0},
     UnitWord{"Hz", Dimension::rate},
+    UnitWord{"kHz", Dimension::rate, 1e3},
     UnitWord{"mu v0/f", Dimension::rate, 1.0, 1.0, Kind::reduced},
     UnitWord{"rad", Dimension::angle, 1.0, 1.0, Kind::reduced},
     UnitWord{"deg", Dimension::angle, std::numbers::pi, 180.0, Kind::reduced},
+    UnitWord{"kg/m^3", Dimension::density},
+    UnitWord{"g/cm^3", Dimension::density, 1e3},
+    UnitWord{"m/s^2", Dimension::acceleration},
+    UnitWord{"mm/s^2", Dimension::acceleration, 1.0, 1e3},
 };
 
 bool usable(const UnitWord& unit, const Units& units) {
+    if (unit.kind == Kind::beads)
+        return units.bead_words;
     return units.reduced_words || unit.kind != Kind::reduced || unit.dimension == Dimension::angle;
 }
 
@@ -81,6 +88,8 @@ double si_to_reduced(double value, Dimension dimension, const Scales& scales) {
         return value * (scales.f_over_mu / scales.v0);
     case Dimension::none:
     case Dimension::angle:
+    case Dimension::density:
+    case Dimension::acceleration:
         break;
     }
     return value;
@@ -98,6 +107,8 @@ double reduced_to_si(double value, Dimension dimension, const Scales& scales) {
         return value / (scales.f_over_mu / scales.v0);
     case Dimension::none:
     case Dimension::angle:
+    case Dimension::density:
+    case Dimension::acceleration:
         break;
     }
     return value;
@@ -119,18 +130,19 @@ Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}
 } // namespace
 
 std::string name_of(Dimension dimension) {
-    static constexpr const char* names[] = {"a number", "a length", "a time",
-                                            "a speed",  "a rate",   "an angle"};
+    static constexpr const char* names[] = {"a number", "a length", "a time",    "a speed",
+                                            "a rate",   "an angle", "a density", "an acceleration"};
     return names[static_cast<std::size_t>(dimension)];
 }
 
 std::string reduced_unit(Dimension dimension) {
-    static constexpr const char* names[] = {"", "f/mu", "f/(mu v0)", "v0", "mu v0/f", "rad"};
+    static constexpr const char* names[] = {"",        "f/mu", "f/(mu v0)", "v0",
+                                            "mu v0/f", "rad",  "kg/m^3",    "m/s^2"};
     return names[static_cast<std::size_t>(dimension)];
 }
 
 std::string si_unit(Dimension dimension) {
-    static constexpr const char* names[] = {"", "m", "s", "m/s", "1/s", "rad"};
+    static constexpr const char* names[] = {"", "m", "s", "m/s", "1/s", "rad", "kg/m^3", "m/s^2"};
     return names[static_cast<std::size_t>(dimension)];
 }
 

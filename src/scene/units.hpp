@@ -9,13 +9,16 @@
 
 namespace rodwake::scene {
 
-enum class Dimension { none, length, time, speed, rate, angle };
+/// Density and acceleration have no reduced unit: they are SI in every scene.
+enum class Dimension { none, length, time, speed, rate, angle, density, acceleration };
 
 /// How numbers and unit words of a scene are to be understood.
 struct Units {
     UnitSystem system = UnitSystem::reduced;
     std::optional<Scales> scales;
-    bool reduced_words = true; ///< "f/mu", "v0" may be used; not inside [scales], which defines them
+    bool reduced_words =
+        true; ///< "f/mu", "v0" may be used; not in [scales], which defines them, nor in [granular]
+    bool bead_words = true; ///< "a", "a/s" may be used; not by the key that says what "a" is
 };
 
 /// "a length"
@@ -23,6 +26,11 @@ std::string name_of(Dimension dimension);
 /// "f/mu", SI unit "m": what a plain number means.
 std::string reduced_unit(Dimension dimension);
 std::string si_unit(Dimension dimension);
+
+/// SI in every scene, one metre being 1: for the tables that have their own scale. "a" is `bead_radius`.
+inline Units si_units(double bead_radius) {
+    return {UnitSystem::si, Scales{1.0, 1.0, bead_radius}, false, true};
+}
 
 /// A value read from a string: reduced, or the reason why it could not be.
 struct Quantity {

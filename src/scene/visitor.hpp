@@ -24,10 +24,14 @@ public:
     /// Reading sets the value to nothing when the key is absent.
     virtual void operator()(const Key& key, std::optional<double>& value) = 0;
     virtual void operator()(const Key& key, long& value) = 0;
+    /// Reading sets the value to nothing when the key is absent.
+    virtual void operator()(const Key& key, std::optional<long>& value) = 0;
     virtual void operator()(const Key& key, bool& value) = 0;
     virtual void operator()(const Key& key, std::string& value) = 0;
     virtual void operator()(const Key& key, std::vector<double>& value) = 0;
     virtual void operator()(const Key& key, std::vector<std::vector<double>>& value) = 0;
+    /// Some of key.choices, each at most once; reading keeps the value when the key is absent.
+    virtual void operator()(const Key& key, std::vector<std::string>& value) = 0;
     virtual void operator()(const Key& key, const Choice& value) = 0;
     /// A table of "path.to.key" = value, held as "path.to.key=value".
     virtual void settings(const Key& key, std::vector<std::string>& value) = 0;
@@ -42,12 +46,27 @@ public:
         leave();
     }
 
+    /// A table that may be left out: its defaults hold.
+    template<class T>
+    void table(const Key& key, T& value) {
+        if (!enter_table(key, true))
+            return;
+        fields(*this, value);
+        leave();
+    }
+
     template<class T>
     void list(const Key& key, std::vector<T>& values) {
+        list(key, values, [this](T& value) { fields(*this, value); });
+    }
+
+    /// The same with a field list of its own.
+    template<class T, class Fields>
+    void list(const Key& key, std::vector<T>& values, Fields each) {
         values.resize(enter_list(key, values.size()));
         for (std::size_t i = 0; i < values.size(); ++i)
             if (enter_entry(key, i)) {
-                fields(*this, values[i]);
+                each(values[i]);
                 leave();
             }
     }

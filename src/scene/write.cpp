@@ -24,6 +24,12 @@ public:
             absent(key);
     }
     void operator()(const Key& key, long& value) override { line(key, std::to_string(value)); }
+    void operator()(const Key& key, std::optional<long>& value) override {
+        if (value)
+            line(key, std::to_string(*value));
+        else
+            absent(key);
+    }
     void operator()(const Key& key, bool& value) override { line(key, value ? "true" : "false"); }
     void operator()(const Key& key, const Choice& value) override {
         line(key, quoted(value.names[value.current]));
@@ -46,6 +52,12 @@ public:
             inner += (inner.empty() ? "" : ", ") + list_text(key, item);
         if (!value.empty())
             line(key, "[" + inner + "]");
+    }
+    void operator()(const Key& key, std::vector<std::string>& value) override {
+        std::string inner;
+        for (const auto& item : value)
+            inner += (inner.empty() ? "" : ", ") + quoted(item);
+        line(key, "[" + inner + "]");
     }
     void settings(const Key& key, std::vector<std::string>& value) override {
         line(key, settings_text(value));

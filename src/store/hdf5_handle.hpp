@@ -16,13 +16,16 @@ inline void set_up_hdf5() {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
+/// ": <what the system said>" if the last HDF5 call failed for a reason of the system's, else empty.
+std::string hdf5_reason();
+
 class Hdf5Handle {
 public:
     using Close = herr_t (*)(hid_t);
-    /// Throws RunError saying what could not be done if the handle is not valid.
+    /// Throws RunError saying what could not be done, and why, if the handle is not valid.
     Hdf5Handle(hid_t id, Close close, const std::string& doing) : id_(id), close_(close) {
         if (id_ < 0)
-            throw RunError("HDF5: cannot " + doing);
+            throw RunError("HDF5: cannot " + doing + hdf5_reason());
     }
     ~Hdf5Handle() { close_(id_); }
     Hdf5Handle(const Hdf5Handle&) = delete;

@@ -39,6 +39,15 @@ y = [-4.0, 4.0]
 [[field.cuts]]
 from = -20.0
 to = 5.0
+[granular]
+phi_b = 0.78
+box = "78 a"
+duration = "10 s"
+[granular.output]
+formats = ["h5md", "xyz"]
+[[granular.rods]]
+position = ["20 a", "46.5 a"]
+taper = "stepwise"
 [[figures]]
 name = "wake"
 kind = "cut"
@@ -46,10 +55,19 @@ kind = "cut"
 name = "streams"
 kind = "polar_streamlines"
 gammas = [[1.0, 0.0]]
+[[figures]]
+name = "bed"
+kind = "snapshot"
+x = [0.0, "30 a"]
 [[variants]]
 name = "repelled"
 set = { "coupling.kappa" = -100.0 }
 )";
+
+/// Smallest granular scene; lines are appended to [granular].
+inline std::string bed(const std::string& more = "") {
+    return "schema = 1\n[granular]\nphi_b = 0.7\nbox = \"30 a\"\nduration = 1.0\n" + more;
+}
 
 /// Smallest scene with two rods; lines are appended.
 inline std::string two_rods(const std::string& more = "") {

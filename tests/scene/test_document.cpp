@@ -29,7 +29,8 @@ TEST_CASE("the reference names every key once and every table") {
     CHECK(names.size() == rodwake::scene::scene_keys().size());
     for (const std::string table :
          {"[scales]", "[medium]", "[medium.table]", "[coupling]", "[noise]", "[[rods]]", "[rods_run]",
-          "[field]", "[[field.cuts]]", "[[figures]]", "[[variants]]"})
+          "[field]", "[[field.cuts]]", "[granular]", "[granular.plates]", "[granular.contacts.rod_rod]",
+          "[granular.output]", "[[granular.rods]]", "[[figures]]", "[[variants]]"})
         CHECK(text.find("## `" + table + "`") != std::string::npos);
 }
 
@@ -40,8 +41,11 @@ TEST_CASE("alternatives are documented as such, defaults that follow from other 
     CHECK(text.find("| `atol` | number |  | rtol / 100 |") != std::string::npos);
 }
 
-TEST_CASE("[scales] is documented in SI") {
+TEST_CASE("[scales] and [granular] are documented in SI") {
+    const std::set<std::string> si{"m", "s", "m/s", "1/s", "rad", "kg/m^3", "m/s^2"};
     for (const auto& info : rodwake::scene::scene_keys())
-        if (info.table == "scales")
-            CHECK((info.unit == "m" || info.unit == "m/s"));
+        if (info.table == "scales" || (info.table.starts_with("granular") && !info.unit.empty())) {
+            INFO(full_name(info));
+            CHECK(si.count(info.unit) == 1);
+        }
 }

@@ -121,9 +121,14 @@ TEST_CASE("every unit word") {
     CHECK(value_of("1 1/ms", Dimension::rate) == close(250.0));
     CHECK(value_of("6 1/min", Dimension::rate) == close(0.025));
     CHECK(value_of("4 Hz", Dimension::rate) == close(1.0));
+    CHECK(value_of("4 kHz", Dimension::rate) == close(1000.0));
     CHECK(value_of("3 mu v0/f", Dimension::rate) == 3.0);
     CHECK(value_of("180 deg", Dimension::angle) == std::numbers::pi);
     CHECK(value_of("0.5 rad", Dimension::angle) == 0.5);
+    CHECK(value_of("2700 kg/m^3", Dimension::density) == 2700.0); // no reduced unit: SI in every scene
+    CHECK(value_of("2.7 g/cm^3", Dimension::density) == 2700.0);
+    CHECK(value_of("9.81 m/s^2", Dimension::acceleration) == 9.81);
+    CHECK(value_of("9810 mm/s^2", Dimension::acceleration) == 9.81);
 }
 
 TEST_CASE("spaces around number and unit do not matter") {

@@ -4,7 +4,10 @@
 // exist.
 //
 // Inside, everything is reduced: lengths in f/mu, times in f/(mu v0), angles in rad. Units exist only at the
-// door (reading: scene/read.hpp; writing results: Scales below).
+// door (reading: scene/read.hpp; writing results: Scales below). The granular tables are SI
+// (scene/granular.hpp).
+
+#include "rodwake/scene/granular.hpp"
 
 #include <optional>
 #include <string>
@@ -102,14 +105,16 @@ struct Field {
 
 /// [[figures]]: what `rodwake plot` draws from the results.
 struct Figure {
-    std::string name;                        ///< file name without ending
-    std::string kind;                        ///< extensional_axis | polar_streamlines | cut | trajectories
-    std::string title;                       ///< empty: made from the data
-    long cut = 0;                            ///< kind cut: index into field.cuts
+    std::string name;  ///< file name without ending
+    std::string kind;  ///< extensional_axis | polar_streamlines | cut | trajectories, or of the granular bed:
+                       ///< snapshot | rod_tracks | side_view | movie
+    std::string title; ///< empty: made from the data
+    long cut = 0;      ///< kind cut: index into field.cuts
     std::string component = "Ux";            ///< kind cut: Ux | Uy
     bool sqrt_scaled = false;                ///< kind cut: draw |s|^(1/2) U instead of U
     std::vector<std::vector<double>> gammas; ///< kind polar_streamlines: a panel for each [gamma1, gamma2]
-    std::vector<double> x, y;                ///< window [min, max]; empty: fit to the data
+    long frame = -1;                         ///< kind snapshot: which stored frame, from 0; -1: the last
+    std::vector<double> x, y;                ///< window [min, max]; empty: fit to the data. Granular kinds: m
 
     bool operator==(const Figure&) const = default;
 };
@@ -135,6 +140,7 @@ struct Scene {
     std::vector<Rod> rods;
     std::optional<RodsRun> rods_run;
     std::optional<Field> field;
+    std::optional<Granular> granular;
     std::vector<Figure> figures;
     std::vector<Variant> variants;
 

@@ -18,6 +18,10 @@ public:
     PendingFile& operator=(PendingFile&&) = delete;
 
     const std::filesystem::path& temporary() const { return temporary_; }
+    /// Appends to the temporary file. Throws RunError naming the target and the system's reason.
+    void write(std::string_view content);
+    /// fsync of the temporary file. Throws RunError.
+    void sync();
     /// fsync, rename, fsync of the folder. Throws RunError.
     void commit();
 

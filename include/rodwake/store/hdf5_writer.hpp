@@ -1,15 +1,16 @@
 #pragma once
 // Writes one HDF5 file of doubles with attributes; it appears under its name only when committed.
 
-#include "rodwake/store/atomic_file.hpp"
-
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace rodwake::store {
+
+class Hdf5File;
 
 class Hdf5Writer {
 public:
@@ -35,8 +36,7 @@ public:
     void commit();
 
 private:
-    PendingFile pending_;
-    std::int64_t file_; ///< HDF5 handle
+    std::unique_ptr<Hdf5File> file_;
 };
 
 } // namespace rodwake::store

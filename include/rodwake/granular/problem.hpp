@@ -1,0 +1,78 @@
+#pragma once
+// What a granular run models: beads and rods between two horizontal plates that vibrate in phase, periodic in
+// x and y. SI units throughout. z points up, against gravity.
+//
+//   floor z = A cos(2 pi f t), lid z = A cos(2 pi f t) + w, Gamma = A (2 pi f)^2/g
+
+#include "rodwake/granular/impact.hpp"
+#include "rodwake/granular/shape.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace rodwake::granular {
+
+/// Coefficients of each pair of kinds. A plate never meets a plate.
+struct ContactTable {
+    Surface bead_bead{0.05, 0.3}, bead_rod{0.05, 0.3}, rod_rod{0.05, 0.3};
+    Surface bead_plate{0.2, 0.3}, rod_plate{0.03, 0.1};
+
+    bool operator==(const ContactTable&) const = default;
+};
+
+struct Plates {
+    double gap = 1.2e-3;      ///< w, m
+    double frequency = 200.0; ///< f, Hz
+    double gamma = 7.0;       ///< Gamma; 0: static plates
+
+    /// A, m.
+    double amplitude(double gravity) const;
+
+    bool operator==(const Plates&) const = default;
+};
+
+struct RodSpec {
+    RodShape shape;
+    Eigen::Vector2d position = Eigen::Vector2d::Zero(); ///< of the centre of mass, m
+    double heading = 0.0;                               ///< of the thin end from +x, rad, counter-clockwise
+    /// In-plane velocity along the heading that is held whatever hits the rod (0: pinned); the rod may still hop, pitch
+    /// and roll, but not yaw. Absent: the rod moves freely.
+    std::optional<double> imposed_speed;
+
+    bool operator==(const RodSpec&) const = default;
+};
+
+enum class Start { lattice, random };
+
+struct GranularProblem {
+    std::size_t beads = 0;
+    double bead_radius = 0.4e-3;   ///< a, m
+    double bead_density = 2700.0;  ///< kg/m^3
+    double gravity = 9.81;         ///< m/s^2
+    double box = 78 * 0.4e-3;      ///< side of the periodic square, m
+    Plates plates;
+    ContactTable contacts;
+    std::vector<RodSpec> rods;
+    Start start = Start::lattice;
+    double orientation = 0.0;      ///< wanted angle of the close-packed rows from +x, rad
+    double start_speed = 0.02;     ///< rms of each velocity component of the beads at the start, m/s
+    double time_step = 2e-5;       ///< s
+    std::int64_t equilibration_steps = 0; ///< before t = 0, rods held where they are
+    std::int64_t steps = 0;               ///< from t = 0 on
+    std::uint64_t seed = 1;
+    double overlap_limit = 0.1;    ///< the run stops if an overlap exceeds this fraction of the smaller radius
+
+    bool operator==(const GranularProblem&) const = default;
+};
+
+/// Area fraction N pi a^2/L^2 of the beads alone.
+double bead_area_fraction(const GranularProblem& problem);
+
+/// Throws InputError for what cannot be modelled: values outside their domain, a gap that a bead or rod does not fit
+/// into, more beads than fit into the box beside the rods, rods that overlap.
+void validate(const GranularProblem& problem);
+
+} // namespace rodwake::granular

@@ -1,0 +1,69 @@
+#pragma once
+// A granular run, step by step.
+//
+// One step of length dt: every body flies freely (exactly: parabola, symmetric top); beads that reach a plate bounce at
+// the instant they touch it; a rod is pushed at its deepest contact with each plate; then overlapping
+// approaching pairs get one impulse each, in the order of their numbers, of several contacts of one rod with the
+// same partner only the deepest. Impulses follow impact.hpp. A contact whose rebound cannot leave the plate rests on it.
+//
+// Results do not depend on the number of threads, nor on interruptions: advancing by n and then by m steps
+// equals advancing by n + m, and a simulation made from state() goes on with the same bits.
+
+#include "rodwake/granular/problem.hpp"
+#include "rodwake/granular/state.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace rodwake::granular {
+
+/// Sums over a run. All of them grow from zero at the start of the equilibration.
+struct Tallies {
+    double floor_impulse = 0.0, lid_impulse = 0.0; ///< upward momentum the plates gave, N s (lid: negative)
+    std::int64_t bead_bead = 0, bead_plate = 0, bead_rod = 0, rod_plate = 0, rod_rod = 0; ///< impulses given
+    std::int64_t overlaps = 0;             ///< pairs found overlapping, summed over steps
+    double max_overlap = 0.0;              ///< of a pair or a rod and a plate, in radii of the smaller sphere
+    std::vector<Eigen::Vector3d> pushed;   ///< momentum each rod gave to the beads, N s
+};
+
+/// Why a run cannot go on.
+struct Failure {
+    std::int64_t step = 0;
+    std::string message; ///< which particles, how deep, the likely cause
+};
+
+/// How the work was done, for the log.
+struct SimulationCost {
+    std::size_t list_rebuilds = 0, list_refreshes = 0, outer_pairs = 0, inner_pairs = 0;
+    double skin = 0.0; ///< m
+};
+
+class Simulation {
+public:
+    /// From a start or a stored state. Throws InputError if the state does not fit the problem.
+    Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies = {}, std::size_t threads = 1);
+    ~Simulation();
+    Simulation(Simulation&&) noexcept;
+    Simulation& operator=(Simulation&&) noexcept;
+
+    /// Up to `steps` steps; ends early only by a failure.
+    void advance(std::int64_t steps);
+
+    std::int64_t step() const;
+    /// From t = 0 on, s; negative during the equilibration.
+    double time() const;
+    bool finished() const; ///< all steps of the problem are done
+    const std::optional<Failure>& failure() const;
+
+    const GranularProblem& problem() const;
+    const Tallies& tallies() const;
+    State state() const;
+    SimulationCost cost() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace rodwake::granular

@@ -1,0 +1,44 @@
+#pragma once
+// The state of a granular run: everything that the next step depends on, and nothing else.
+
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace rodwake::granular {
+
+/// Structure of arrays. Positions are unwrapped: a bead that leaves the box keeps counting.
+struct Beads {
+    std::vector<double> x, y, z;    ///< m
+    std::vector<double> vx, vy, vz; ///< m/s
+    std::vector<double> wx, wy, wz; ///< angular velocity, rad/s
+
+    std::size_t size() const { return x.size(); }
+    void resize(std::size_t count);
+    bool operator==(const Beads&) const = default;
+};
+
+struct RodBody {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();         ///< centre of mass, unwrapped, m
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();         ///< m/s
+    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity(); ///< body to world; the axis is the body's x
+    Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero(); ///< world, kg m^2/s
+
+    /// Unit vector from the thick to the thin end.
+    Eigen::Vector3d axis() const { return orientation * Eigen::Vector3d::UnitX(); }
+    /// Angle of the axis' shadow on the floor from +x, rad, in (-pi, pi].
+    double heading() const;
+};
+
+struct State {
+    std::int64_t step = 0; ///< steps done since the start; time is step * dt, t = 0 after the equilibration
+    Beads beads;
+    std::vector<RodBody> rods;
+};
+
+/// 64-bit XXH3 of every bit of the state.
+std::uint64_t state_hash(const State& state);
+
+} // namespace rodwake::granular

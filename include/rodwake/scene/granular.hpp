@@ -1,0 +1,104 @@
+#pragma once
+// The granular tables of a scene, after units are resolved and every value is checked.
+//
+// The granular bed has its own scale: everything here is SI, whatever `units` says, and "a" in a string means
+// granular.bead_radius. [scales] is not needed. What is absent and follows from other keys stays absent here.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::scene {
+
+enum class GranularStart { lattice, random, restart };
+enum class RodKind { motile, apolar };
+enum class RodTaper { linear, stepwise };
+
+/// [granular.plates]: floor z = A cos(2 pi f t), lid the same + gap, gamma = A (2 pi f)^2 / gravity.
+struct Plates {
+    double gap = 1.2e-3;      ///< m
+    double frequency = 200.0; ///< Hz
+    double gamma = 7.0;       ///< 0: static
+
+    bool operator==(const Plates&) const = default;
+};
+
+/// { friction, restitution } of a kind of contact.
+struct Surface {
+    double friction = 0.0, restitution = 0.0;
+
+    bool operator==(const Surface&) const = default;
+};
+
+/// Of a pair of particles that differs from particle_particle; a key that is absent does not differ.
+struct SurfaceChange {
+    std::optional<double> friction, restitution;
+
+    bool operator==(const SurfaceChange&) const = default;
+};
+
+/// [granular.contacts]. Walls are the plates.
+struct Contacts {
+    Surface particle_particle{0.05, 0.3}, rod_wall{0.03, 0.1}, bead_wall{0.2, 0.3};
+    std::optional<SurfaceChange> bead_bead, bead_rod, rod_rod;
+
+    bool operator==(const Contacts&) const = default;
+};
+
+/// [granular.output]
+struct GranularOutput {
+    std::optional<double> frames;                ///< interval, s; absent: duration / 100
+    std::optional<double> table;                 ///< interval, s; absent: 0.01 s, or the duration if shorter
+    std::vector<std::string> formats = {"h5md"}; ///< of the frames: "h5md", "xyz"; empty: no frames
+    bool last_period = true;                     ///< 50 frames of one plate period at the end
+    double checkpoint = 30.0;                    ///< wall-clock interval, s
+
+    bool operator==(const GranularOutput&) const = default;
+};
+
+/// [[granular.rods]]
+struct GranularRod {
+    RodKind kind = RodKind::motile;
+    std::vector<double> position;        ///< x, y of the centre of mass, m
+    double heading = 0.0;                ///< of the thin end, rad, counter-clockwise from +x
+    std::optional<double> imposed_speed; ///< m/s along the heading, held; 0: pinned; absent: free
+    long spheres = 12;                   ///< 13 for an apolar rod if not given
+    RodTaper taper = RodTaper::linear;
+    long segments = 4; ///< of a stepwise taper
+    double length = 4.5e-3;
+    double thick_diameter = 1.1e-3; ///< m; apolar: of the middle, 0.95e-3 if not given
+    double thin_diameter = 0.8e-3;  ///< m
+    double density = 8500.0;        ///< kg/m^3
+
+    bool operator==(const GranularRod&) const = default;
+};
+
+/// [granular]: beads and rods between two plates, periodic in x and y.
+struct Granular {
+    std::optional<double> phi_b; ///< N pi a^2/L^2; either this or beads
+    std::optional<long> beads;
+    bool count_rod_area =
+        false; ///< phi_b is shared with the rods: N pi a^2 = phi_b L^2 - shadows of the rods
+    double bead_radius = 0.4e-3;  ///< a, m
+    double bead_density = 2700.0; ///< kg/m^3
+    double gravity = 9.81;        ///< m/s^2
+    double box = 0.0;             ///< side of the periodic square, m
+    GranularStart start = GranularStart::lattice;
+    std::string restart_from;          ///< checkpoint file; with start = restart only
+    double orientation = 0.0;          ///< of the close-packed rows from +x, rad
+    double start_speed = 0.02;         ///< m/s
+    double time_step = 2e-5;           ///< s
+    std::optional<double> equilibrate; ///< s; absent: depends on start and phi_b
+    double duration = 0.0;             ///< s
+    long seed = 1, runs = 1;
+    double overlap_limit = 0.1;         ///< fraction of the radius
+    std::optional<double> order_cutoff; ///< m; absent: 1.4 lattice spacings
+    Plates plates;
+    Contacts contacts;
+    GranularOutput output;
+    std::vector<GranularRod> rods;
+
+    bool operator==(const Granular&) const = default;
+};
+
+} // namespace rodwake::scene

@@ -1,0 +1,74 @@
+#include "bodies.hpp"
+
+#include <numbers>
+
+namespace rodwake::granular {
+
+namespace {
+
+std::vector<double> packed(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {
+    std::vector<double> rows(4 * x.size(), 0.0);
+    for (std::size_t i = 0; i < x.size(); ++i)
+        row(rows, i) << x[i], y[i], z[i];
+    return rows;
+}
+
+void unpack(const std::vector<double>& rows, std::vector<double>& x, std::vector<double>& y, std::vector<double>& z) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        x[i] = rows[4 * i];
+        y[i] = rows[4 * i + 1];
+        z[i] = rows[4 * i + 2];
+    }
+}
+
+void add_rod(Bodies& bodies, const RodSpec& spec, const RodBody& body) {
+    const auto index = static_cast<std::uint32_t>(bodies.rods.size());
+    bodies.rods.emplace_back(spec, body);
+    for (const double radius : bodies.rods.back().clump().radius) {
+        bodies.radius.push_back(radius);
+        bodies.rod_of.push_back(index);
+    }
+}
+
+} // namespace
+
+void Bodies::place_rod_spheres() {
+    std::size_t sphere = beads;
+    for (const MovingRod& rod : rods)
+        for (std::size_t k = 0; k < rod.clump().radius.size(); ++k)
+            row(position, sphere++) = rod.centre(k);
+}
+
+Bodies make_bodies(const GranularProblem& problem, const State& state) {
+    Bodies bodies;
+    bodies.beads = state.beads.size();
+    const double a = problem.bead_radius;
+    bodies.bead_radius = a;
+    bodies.bead_mass = 4.0 / 3.0 * std::numbers::pi * a * a * a * problem.bead_density;
+    bodies.bead_inertia = 0.4 * bodies.bead_mass * a * a;
+    const Beads& b = state.beads;
+    bodies.position = packed(b.x, b.y, b.z);
+    bodies.velocity = packed(b.vx, b.vy, b.vz);
+    bodies.spin = packed(b.wx, b.wy, b.wz);
+    bodies.radius.assign(bodies.beads, a);
+    for (std::size_t i = 0; i < state.rods.size(); ++i)
+        add_rod(bodies, problem.rods[i], state.rods[i]);
+    bodies.position.resize(4 * bodies.spheres(), 0.0);
+    bodies.place_rod_spheres();
+    return bodies;
+}
+
+State to_state(const Bodies& bodies, std::int64_t step) {
+    State state;
+    state.step = step;
+    state.beads.resize(bodies.beads);
+    Beads& b = state.beads;
+    unpack(bodies.position, b.x, b.y, b.z);
+    unpack(bodies.velocity, b.vx, b.vy, b.vz);
+    unpack(bodies.spin, b.wx, b.wy, b.wz);
+    for (const MovingRod& rod : bodies.rods)
+        state.rods.push_back(rod.body());
+    return state;
+}
+
+} // namespace rodwake::granular

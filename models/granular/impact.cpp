@@ -1,0 +1,62 @@
+#include "rodwake/granular/impact.hpp"
+
+#include "slip_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::granular {
+
+namespace {
+
+Impact impact_of(const Eigen::Matrix3d& inverse_mass, const Eigen::Vector3d& velocity,
+                 const Eigen::Vector3d& impulse) {
+    return {impulse, velocity + inverse_mass * impulse};
+}
+
+ContactTerms terms_of(const Eigen::Matrix3d& inverse_mass, const Surface& surface) {
+    const double unit = 1.0 / inverse_mass(2, 2);
+    return ContactTerms(unit * inverse_mass.topLeftCorner<2, 2>(), unit * inverse_mass.topRightCorner<2, 1>(),
+                        surface);
+}
+
+ImpactProgress start_of(const Eigen::Vector3d& velocity) {
+    constexpr double fastest =
+        1e150; // slip this fast keeps direction and speed to rounding; squares are finite
+    ImpactProgress start;
+    const double speed = std::hypot(velocity.x(), velocity.y());
+    if (speed > 0.0)
+        start.direction = velocity.head<2>() / speed;
+    start.speed = std::min(speed / -velocity.z(), fastest);
+    return start;
+}
+
+} // namespace
+
+Impact stronge_impact(const Eigen::Matrix3d& inverse_mass, const Eigen::Vector3d& velocity,
+                      const Surface& surface) {
+    if (!(velocity.z() < 0.0))
+        return {Eigen::Vector3d::Zero(), velocity};
+    const double unit = -velocity.z() / inverse_mass(2, 2);
+    if (surface.friction == 0.0)
+        return impact_of(inverse_mass, velocity, {0.0, 0.0, (1.0 + surface.restitution) * unit});
+    ImpactProgress at = start_of(velocity);
+    follow_impact(terms_of(inverse_mass, surface), at);
+    return impact_of(
+        inverse_mass, velocity,
+        {unit * at.tangential_impulse.x(), unit * at.tangential_impulse.y(), unit * at.normal_impulse});
+}
+
+Impact uncoupled_impact(double k_t, double k_n, const Eigen::Vector3d& velocity, const Surface& surface) {
+    if (!(velocity.z() < 0.0))
+        return {Eigen::Vector3d::Zero(), velocity};
+    const double normal = -(1.0 + surface.restitution) * velocity.z() / k_n;
+    const double speed = std::hypot(velocity.x(), velocity.y());
+    // Friction at its limit, or what stops the slip. Divided by the speed only where it is not 0.
+    const double over_speed =
+        surface.friction * normal * k_t < speed ? surface.friction * normal / speed : 1.0 / k_t;
+    const Eigen::Vector3d impulse(-over_speed * velocity.x(), -over_speed * velocity.y(), normal);
+    return {impulse, velocity + Eigen::Vector3d(k_t, k_t, k_n).cwiseProduct(impulse)};
+}
+
+} // namespace rodwake::granular

@@ -1,0 +1,250 @@
+// Compiled once for each instruction set (foreach_target includes this file again).
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels.cpp"
+#include <hwy/foreach_target.h> // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include "kernels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace rodwake::granular::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#undef RODWAKE_ROWS
+// One body or two bodies a vector; instruction sets with vectors of two doubles take the plain loops.
+#if HWY_MAX_BYTES >= 32
+#define RODWAKE_ROWS 1
+#else
+#define RODWAKE_ROWS 0
+#endif
+
+void DriftOne(double* x, double* v, const Drift& d, Range& range) {
+    range.include(v);
+    for (int k = 0; k < 3; ++k)
+        x[k] += v[k] * d.step;
+    x[2] += -d.gravity * d.step * d.step / 2.0;
+    v[2] += -d.gravity * d.step;
+}
+
+bool Outside(const double* x, const Drift& d) {
+    return !(x[2] > d.lowest && x[2] < d.highest && std::abs(x[0]) + std::abs(x[1]) < 1e300);
+}
+
+void DriftBeads(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d, Range& range,
+                std::vector<std::uint32_t>& out) {
+    std::size_t i = begin;
+#if RODWAKE_ROWS
+    // as many beads at a time as fit into a vector: one or two
+    const hn::CappedTag<double, 8> lanes;
+    constexpr std::size_t beads = hn::MaxLanes(lanes) / 4;
+    const double inf = std::numeric_limits<double>::infinity(), far = 1e300;
+    const double fall_z = -d.gravity * d.step * d.step / 2.0, slow_z = -d.gravity * d.step;
+    alignas(64) const double fall[8] = {0.0, 0.0, fall_z, 0.0, 0.0, 0.0, fall_z, 0.0};
+    alignas(64) const double slow[8] = {0.0, 0.0, slow_z, 0.0, 0.0, 0.0, slow_z, 0.0};
+    alignas(64) const double low[8] = {-far, -far, d.lowest, -inf, -far, -far, d.lowest, -inf};
+    alignas(64) const double high[8] = {far, far, d.highest, inf, far, far, d.highest, inf};
+    const auto vfall = hn::Load(lanes, fall), vslow = hn::Load(lanes, slow), vlow = hn::Load(lanes, low),
+               vhigh = hn::Load(lanes, high), step = hn::Set(lanes, d.step);
+    auto least = hn::Set(lanes, inf), most = hn::Set(lanes, -inf);
+    for (; i + beads <= end; i += beads) {
+        double *p = position + 4 * i, *q = velocity + 4 * i;
+        const auto v = hn::LoadU(lanes, q);
+        const auto x = hn::Add(hn::Add(hn::LoadU(lanes, p), hn::Mul(v, step)), vfall);
+        least = hn::Min(least, v);
+        most = hn::Max(most, v);
+        hn::StoreU(x, lanes, p);
+        hn::StoreU(hn::Add(v, vslow), lanes, q);
+        if (HWY_UNLIKELY(!hn::AllTrue(lanes, hn::And(hn::Gt(x, vlow), hn::Lt(x, vhigh)))))
+            for (std::size_t k = i; k < i + beads; ++k)
+                if (Outside(position + 4 * k, d))
+                    out.push_back(static_cast<std::uint32_t>(k));
+    }
+    alignas(64) double lowest[8], highest[8];
+    hn::Store(least, lanes, lowest);
+    hn::Store(most, lanes, highest);
+    for (std::size_t k = 0; k < beads; ++k) {
+        range.include(lowest + 4 * k);
+        range.include(highest + 4 * k);
+    }
+#endif
+    for (; i < end; ++i) {
+        DriftOne(position + 4 * i, velocity + 4 * i, d, range);
+        if (Outside(position + 4 * i, d))
+            out.push_back(static_cast<std::uint32_t>(i));
+    }
+}
+
+double Nearest(double difference, double box) { return difference - box * std::nearbyint(difference * (1.0 / box)); }
+
+/// Squared distance in the plane and height difference of a pair, the nearest image.
+struct Separation {
+    double flat2, height;
+};
+
+Separation Separate(const double* position, const Pair& pair, double box) {
+    const double *a = position + 4 * pair.first, *b = position + 4 * pair.second;
+    const double x = Nearest(a[0] - b[0], box), y = Nearest(a[1] - b[1], box);
+    return {x * x + y * y, a[2] - b[2]};
+}
+
+#if RODWAKE_ROWS
+using Row = hn::FixedTag<double, 4>;
+using V = hn::Vec<Row>;
+
+std::uint32_t Bits(hn::Mask<Row> mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(Row(), mask, bytes);
+    return bytes[0] & 0xFu;
+}
+
+/// The same for four pairs.
+HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs, V box, V per_box,
+                             V& flat2, V& height) {
+    const Row row;
+    const auto difference = [&](int k) {
+        return hn::Sub(hn::LoadU(row, position + 4 * std::size_t{pairs[k].first}),
+                       hn::LoadU(row, position + 4 * std::size_t{pairs[k].second}));
+    };
+    const V r0 = difference(0), r1 = difference(1), r2 = difference(2), r3 = difference(3);
+    const V xz01 = hn::InterleaveLower(row, r0, r1), xz23 = hn::InterleaveLower(row, r2, r3);
+    const V y01 = hn::InterleaveUpper(row, r0, r1), y23 = hn::InterleaveUpper(row, r2, r3);
+    V x = hn::ConcatLowerLower(row, xz23, xz01), y = hn::ConcatLowerLower(row, y23, y01);
+    height = hn::ConcatUpperUpper(row, xz23, xz01);
+    x = hn::Sub(x, hn::Mul(box, hn::Round(hn::Mul(x, per_box))));
+    y = hn::Sub(y, hn::Mul(box, hn::Round(hn::Mul(y, per_box))));
+    flat2 = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
+}
+#endif
+
+/// Calls the test on four pairs at a time and then on the rest, and keeps the indices that pass. Written without
+/// branches on the answer, which nobody can predict.
+template <class Four, class One>
+HWY_INLINE std::size_t Select(std::size_t begin, std::size_t end, std::uint32_t* HWY_RESTRICT out, const Four& four,
+                              const One& one) {
+    std::size_t k = begin, count = 0;
+#if RODWAKE_ROWS
+    for (; k + 4 <= end; k += 4) {
+        const std::uint32_t bits = four(k), first = static_cast<std::uint32_t>(k);
+        if (bits == 0)
+            continue;
+        for (std::uint32_t lane = 0; lane < 4; ++lane) {
+            out[count] = first + lane;
+            count += (bits >> lane) & 1u;
+        }
+    }
+#else
+    (void)four;
+#endif
+    for (; k < end; ++k) {
+        out[count] = static_cast<std::uint32_t>(k);
+        count += one(k) ? 1 : 0;
+    }
+    return count;
+}
+
+std::size_t OverlappingPairs(const double* position, const PairList& list, std::size_t begin, std::size_t end,
+                             double box, std::uint32_t* found) {
+    const auto one = [&](std::size_t k) {
+        const Separation s = Separate(position, list.pairs[k], box);
+        return s.flat2 + s.height * s.height < list.reach[k] * list.reach[k];
+    };
+#if RODWAKE_ROWS
+    const Row row;
+    const V vbox = hn::Set(row, box), per_box = hn::Set(row, 1.0 / box);
+    const auto four = [&](std::size_t k) HWY_ATTR {
+        V flat2, height;
+        SeparateFour(position, &list.pairs[k], vbox, per_box, flat2, height);
+        const V reach = hn::LoadU(row, &list.reach[k]);
+        return Bits(hn::Lt(hn::Add(flat2, hn::Mul(height, height)), hn::Mul(reach, reach)));
+    };
+    return Select(begin, end, found, four, one);
+#else
+    return Select(begin, end, found, 0, one);
+#endif
+}
+
+std::size_t PairsWithinReach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
+                             double box, double flat, double upright, std::uint32_t* found) {
+    const auto one = [&](std::size_t k) {
+        const Separation s = Separate(position, list.pairs[k], box);
+        const double height = std::max(std::abs(s.height) - upright, 0.0), reach = list.reach[k] + flat;
+        return s.flat2 + height * height < reach * reach;
+    };
+#if RODWAKE_ROWS
+    const Row row;
+    const V vbox = hn::Set(row, box), per_box = hn::Set(row, 1.0 / box), vflat = hn::Set(row, flat),
+            vupright = hn::Set(row, upright), zero = hn::Zero(row);
+    const auto four = [&](std::size_t k) HWY_ATTR {
+        V flat2, height;
+        SeparateFour(position, &list.pairs[k], vbox, per_box, flat2, height);
+        height = hn::Max(hn::Sub(hn::Abs(height), vupright), zero);
+        const V reach = hn::Add(hn::LoadU(row, &list.reach[k]), vflat);
+        return Bits(hn::Lt(hn::Add(flat2, hn::Mul(height, height)), hn::Mul(reach, reach)));
+    };
+    return Select(begin, end, found, four, one);
+#else
+    return Select(begin, end, found, 0, one);
+#endif
+}
+
+const char* Target() { return hwy::TargetName(HWY_TARGET); }
+
+} // namespace rodwake::granular::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rodwake::granular {
+
+HWY_EXPORT(DriftBeads);
+HWY_EXPORT(OverlappingPairs);
+HWY_EXPORT(PairsWithinReach);
+HWY_EXPORT(Target);
+
+Range Range::empty() {
+    const double inf = std::numeric_limits<double>::infinity();
+    return {{inf, inf, inf, inf}, {-inf, -inf, -inf, -inf}};
+}
+
+void Range::include(const Range& other) {
+    for (int k = 0; k < 4; ++k) {
+        low[k] = std::min(low[k], other.low[k]);
+        high[k] = std::max(high[k], other.high[k]);
+    }
+}
+
+void Range::include(const double* row) {
+    for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], row[k]);
+        high[k] = std::max(high[k], row[k]);
+    }
+}
+
+void PairList::clear() {
+    pairs.clear();
+    reach.clear();
+}
+
+void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d, Range& velocities,
+           std::vector<std::uint32_t>& out) {
+    HWY_DYNAMIC_DISPATCH(DriftBeads)(position, velocity, begin, end, d, velocities, out);
+}
+
+std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
+                        std::uint32_t* found) {
+    return HWY_DYNAMIC_DISPATCH(OverlappingPairs)(position, list, begin, end, box, found);
+}
+
+std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
+                         double flat, double upright, std::uint32_t* found) {
+    return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, flat, upright, found);
+}
+
+const char* vector_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }
+
+} // namespace rodwake::granular
+#endif

@@ -1,0 +1,57 @@
+#pragma once
+// The two loops that every step runs over all beads and all near pairs, with vector instructions chosen at run
+// time (Highway). Positions and velocities are packed rows x, y, z, 0 (bodies.hpp). Every target gives the same bits: no
+// sum is reordered and no product is fused.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace rodwake::granular {
+
+struct Pair {
+    std::uint32_t first, second; ///< first < second
+};
+
+/// Smallest and largest of a quantity over many bodies, per axis (and a fourth lane that stays 0).
+struct Range {
+    double low[4], high[4];
+
+    static Range empty();
+    void include(const Range& other);
+    void include(const double* row);
+    double width(std::size_t axis) const { return high[axis] - low[axis]; }
+};
+
+struct Drift {
+    double step, gravity;
+    double lowest, highest; ///< z between which a bead touches no plate
+};
+
+/// Free flight of beads [begin, end) over one step: x += v dt - g dt^2/2, v -= g dt. Adds the beads that end
+/// outside (lowest, highest), NaN among them, to `out`, and their velocities before the step to `velocities`.
+void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& drift,
+           Range& velocities, std::vector<std::uint32_t>& out);
+
+struct PairList {
+    std::vector<Pair> pairs;
+    std::vector<double> reach; ///< of each pair: sum of the radii, m
+
+    std::size_t size() const { return pairs.size(); }
+    void clear();
+};
+
+/// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room for
+/// end - begin + 4; `box`: side of the periodic square.
+std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
+                        std::uint32_t* found);
+
+/// Pairs of [begin, end) that can overlap before their bodies approach by more than `flat` in the plane and `upright` in
+/// height.
+std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
+                         double flat, double upright, std::uint32_t* found);
+
+/// Name of the instruction set in use, "AVX3", for the log.
+const char* vector_target();
+
+} // namespace rodwake::granular

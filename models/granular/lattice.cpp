@@ -1,0 +1,138 @@
+#include "lattice.hpp"
+
+#include "checks.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace rodwake::granular {
+
+namespace {
+
+using Eigen::Matrix2d;
+
+constexpr double most_sites = 1e9;
+constexpr double densest_extra = 0.04; // share of sites beyond those asked for that is searched
+constexpr double degree = M_PI / 180.0;
+constexpr double cost_of_strain = 0.5; // in the currency of lost spacing
+constexpr double cost_of_turn = 0.02;  // the same, of rows turned by one tolerance; grows as the square
+
+/// Spacing of the perfect lattice of the same density.
+double perfect_spacing(double box, double sites) { return box * std::sqrt(2.0 / (std::sqrt(3.0) * sites)); }
+
+/// Columns a1, a2 of the perfect lattice.
+Matrix2d perfect_lattice(double spacing, double orientation) {
+    const double second = orientation + M_PI / 3.0;
+    Matrix2d vectors;
+    vectors << std::cos(orientation), std::cos(second), std::sin(orientation), std::sin(second);
+    return spacing * vectors;
+}
+
+/// Larger singular value: half of the sum s1 + s2 and of the difference s1 - s2, neither of which cancels.
+double largest_stretch(const Matrix2d& f) {
+    return 0.5 * (std::hypot(f(0, 0) + f(1, 1), f(1, 0) - f(0, 1)) +
+                  std::hypot(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1)));
+}
+
+double shortest_vector(const Matrix2d& lattice) {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (int i = -3; i <= 3; ++i)
+        for (int j = -3; j <= 3; ++j)
+            if (i != 0 || j != 0)
+                shortest = std::min(shortest, (lattice * Eigen::Vector2d(i, j)).norm());
+    return shortest;
+}
+
+/// The lattice with these box edges; its vectors are the columns of box N^-1, N = (m1 m2; n1 n2).
+LatticeFit measured(int m1, int n1, int m2, int n2, double box) {
+    LatticeFit fit{m1, n1, m2, n2};
+    fit.sites = static_cast<long>(m1) * n2 - static_cast<long>(m2) * n1;
+    Matrix2d lattice;
+    lattice << n2, -m2, -n1, m1;
+    lattice *= box / static_cast<double>(fit.sites);
+    fit.orientation = std::atan2(lattice(1, 0), lattice(0, 0));
+    fit.spacing = shortest_vector(lattice);
+    const Matrix2d perfect =
+        perfect_lattice(perfect_spacing(box, static_cast<double>(fit.sites)), fit.orientation);
+    fit.strain = largest_stretch(lattice * perfect.inverse()) - 1.0;
+    return fit;
+}
+
+struct Search {
+    double box, orientation;
+    long least, most;
+    LatticeFit best{};
+    double best_cost = std::numeric_limits<double>::infinity();
+
+    /// Strain and sites in excess both bring neighbours closer, so lost spacing weighs them; of those equal
+    /// in it the less strained is better. Rows may turn by a degree, in small boxes by half a spacing in the
+    /// box.
+    double cost(const LatticeFit& fit) const {
+        const double spacing = perfect_spacing(box, static_cast<double>(least));
+        const double turned = std::remainder(fit.orientation - orientation, 2.0 * M_PI);
+        const double turns = turned / std::max(degree, 0.5 * spacing / box);
+        return 1.0 - fit.spacing / spacing + cost_of_strain * fit.strain + cost_of_turn * turns * turns;
+    }
+
+    void consider(int m1, int n1, int m2, int n2) {
+        const long sites = static_cast<long>(m1) * n2 - static_cast<long>(m2) * n1;
+        if (sites < least || sites > most)
+            return;
+        const auto fit = measured(m1, n1, m2, n2, box);
+        if (const double found = cost(fit); found < best_cost - 1e-12) { // a tie: the first, on every machine
+            best = fit;
+            best_cost = found;
+        }
+    }
+
+    /// All integer box edges next to those of the perfect lattice of this density.
+    void around(double sites) {
+        const Matrix2d edges = box * perfect_lattice(perfect_spacing(box, sites), orientation).inverse();
+        const auto low = [](double x) { return static_cast<int>(std::floor(x)) - 1; };
+        const int m1 = low(edges(0, 0)), n1 = low(edges(1, 0)), m2 = low(edges(0, 1)), n2 = low(edges(1, 1));
+        for (int k = 0; k < 256; ++k) // four choices for each of the four
+            consider(m1 + (k & 3), n1 + (k >> 2 & 3), m2 + (k >> 4 & 3), n2 + (k >> 6 & 3));
+    }
+};
+
+long positive_remainder(long number, long divisor) {
+    const long rest = number % divisor;
+    return rest < 0 ? rest + divisor : rest;
+}
+
+} // namespace
+
+LatticeFit fit_lattice(double box, long sites, double orientation) {
+    Checks checks;
+    checks.positive("box", box);
+    checks.number(true, "orientation", orientation, "finite (rad)");
+    checks.require(sites >= 1 && static_cast<double>(sites) <= most_sites,
+                   fmt::format("sites = {}: must be 1 to {:g}", sites, most_sites));
+    checks.finish();
+    const double wanted = static_cast<double>(sites), root = std::sqrt(wanted);
+    const double most = wanted * (1.0 + densest_extra) + 2.0 * root + 2.0; // small boxes: a few more rows
+    Search search{box, std::remainder(orientation, 2.0 * M_PI), sites, static_cast<long>(most)};
+    const int densities = 8 + static_cast<int>(2.0 * (std::sqrt(most) - root)); // edges move by half a step
+    for (int k = 0; k <= densities; ++k)
+        search.around(wanted + (most - wanted) * k / densities);
+    return search.best;
+}
+
+std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, double box) {
+    const long sites = fit.sites, rows = std::gcd(fit.n1, fit.n2), row = sites / rows;
+    const double scale = box / static_cast<double>(sites);
+    std::vector<Eigen::Vector2d> places;
+    places.reserve(static_cast<std::size_t>(sites));
+    for (long j = 0; j < rows; ++j)
+        for (long i = 0; i < row; ++i) // integer coordinates, so no site is lost or doubled at the edge
+            places.emplace_back(
+                static_cast<double>(positive_remainder(fit.n2 * i - fit.m2 * j, sites)) * scale,
+                static_cast<double>(positive_remainder(fit.m1 * j - fit.n1 * i, sites)) * scale);
+    return places;
+}
+
+} // namespace rodwake::granular

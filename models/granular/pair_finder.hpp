@@ -1,0 +1,57 @@
+#pragma once
+// Which spheres overlap, without asking every pair at every step.
+//
+// Two lists: an outer one of pairs near in the plane, rebuilt from cells when a sphere has moved half its skin; and an inner one
+// of those that may touch within the next dozen steps. Motion in the plane is slow and motion in height is fast
+// (a shaken layer), so the inner list has one allowance for each. Both allowances and the skin follow the
+// measured motion. What is found never depends on the lists, only the time it takes: pairs come in the order
+// (first, second).
+
+#include "bodies.hpp"
+#include "kernels.hpp"
+#include "rodwake/core/team.hpp"
+
+#include <span>
+
+namespace rodwake::granular {
+
+class PairFinder {
+public:
+    PairFinder(const Bodies& bodies, double box);
+
+    /// The pairs that overlap in space after a step in which velocities were in `velocities` and nothing
+    /// else moved by more than `slack` in height, m. Valid until the next call.
+    std::span<const Pair> find(const Bodies& bodies, const Range& velocities, double time_step, double slack,
+                               Team& team);
+
+    std::size_t rebuilds() const { return rebuilds_; }
+    std::size_t refreshes() const { return refreshes_; }
+    std::size_t inner_size() const { return inner_.size(); }
+    std::size_t outer_size() const { return outer_.size(); }
+    double skin() const { return skin_; }
+
+private:
+    void rebuild(const Bodies& bodies);
+    void refresh(const Bodies& bodies, Team& team);
+    void adapt_allowances();
+    void adapt_skin();
+    double furthest_moved(const Bodies& bodies) const;
+    template <class Test> void collect(std::size_t pairs, Team& team, const Test& test);
+
+    double box_, skin_, length_; ///< length_: scale for limits, a bead radius
+    PairList outer_, inner_;
+    std::vector<double> origin_; ///< positions at the last rebuild
+    double flat_ = 0.0, upright_ = 0.0;                       ///< moved since the last refresh, m
+    double flat_allowance_ = 0.0, upright_allowance_ = 0.0;
+    double outer_allowance_ = 0.0; ///< flat allowance the outer list was built for
+    std::int64_t steps_since_refresh_ = 0, steps_since_rebuild_ = 0;
+    std::size_t rebuilds_ = 0, refreshes_ = 0;
+    struct Found {
+        std::vector<std::uint32_t> index;
+        std::size_t count = 0;
+    };
+    std::vector<Found> found_; ///< one a chunk of pairs
+    std::vector<Pair> overlapping_;
+};
+
+} // namespace rodwake::granular

@@ -1,0 +1,32 @@
+#pragma once
+// Plan view of the box: rods lying flat are rows of discs on a periodic plane.
+
+#include "rodwake/granular/problem.hpp"
+
+#include <cmath>
+#include <vector>
+
+namespace rodwake::granular {
+
+struct Disc {
+    double x, y, radius; ///< m
+};
+
+/// Difference of two coordinates to the nearest periodic image, in [-box/2, box/2].
+inline double nearest_image(double difference, double box) {
+    return difference - box * std::round(difference / box);
+}
+
+/// Same place in the box, in [0, box).
+inline double wrap(double coordinate, double box) {
+    const double inside = coordinate - box * std::floor(coordinate / box);
+    return inside < box ? inside : 0.0;
+}
+
+/// Sphere centres of a rod as it starts, from the thick to the thin end.
+std::vector<Disc> rod_discs(const RodSpec& rod, const Clump& clump);
+
+/// Largest depth by which discs of the two rows overlap, m; negative: the gap between them.
+double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, double box);
+
+} // namespace rodwake::granular

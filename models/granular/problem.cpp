@@ -1,0 +1,185 @@
+#include "rodwake/granular/problem.hpp"
+
+#include "checks.hpp"
+#include "plan_view.hpp"
+
+#include <algorithm>
+
+namespace rodwake::granular {
+
+namespace {
+
+constexpr double closest_packing = 0.906899682117089; // pi/sqrt(12), equal discs on a plane
+constexpr double least_steps_per_period = 8.0;
+constexpr double least_box = 8.0;       // bead radii: a bead's neighbours are then distinct images
+constexpr double image_clearance = 2.2; // bead radii between a rod and its own image: a bead passes
+constexpr double furthest_rod = 1000.0; // boxes: beyond, wrapping loses digits
+constexpr std::size_t most_beads = 100'000'000;
+constexpr std::int64_t most_steps = 1'000'000'000'000'000; // step * dt keeps its digits
+
+void check_surface(std::string_view pair, const Surface& surface, Checks& checks) {
+    checks.number(surface.friction >= 0.0, fmt::format("{} friction", pair), surface.friction,
+                  ">= 0 and finite");
+    checks.number(surface.restitution >= 0.0 && surface.restitution <= 1.0,
+                  fmt::format("{} restitution", pair), surface.restitution, "between 0 and 1");
+}
+
+void check_plates(const GranularProblem& problem, Checks& checks) {
+    const Plates& plates = problem.plates;
+    checks.positive("gap", plates.gap);
+    checks.positive("frequency", plates.frequency);
+    checks.number(plates.gamma >= 0.0, "gamma", plates.gamma, ">= 0 and finite (0: static plates)");
+    checks.positive("gravity", problem.gravity);
+    const bool sound = plates.frequency > 0.0 && plates.gamma >= 0.0 && problem.gravity > 0.0;
+    const double amplitude = plates.amplitude(problem.gravity);
+    checks.require(
+        !sound || std::isfinite(amplitude),
+        fmt::format("amplitude gamma g/(2 pi f)^2 = {} m: must be finite; raise the frequency", amplitude));
+}
+
+void check_time(const GranularProblem& problem, Checks& checks) {
+    checks.positive("time_step", problem.time_step);
+    for (const auto& [name, steps] :
+         {std::pair{"equilibration_steps", problem.equilibration_steps}, std::pair{"steps", problem.steps}})
+        checks.require(
+            steps >= 0 && steps <= most_steps,
+            fmt::format("{} = {}: must be 0 to {:g}", name, steps, static_cast<double>(most_steps)));
+    const double per_period = 1.0 / (problem.plates.frequency * problem.time_step);
+    checks.require(
+        problem.plates.gamma == 0.0 || !(per_period < least_steps_per_period * (1.0 - 1e-9)),
+        fmt::format("time_step = {} s is {:.3g} steps a period of the plates ({} Hz): must be at least {}, "
+                    "that is time_step <= {:.3g} s",
+                    problem.time_step, per_period, problem.plates.frequency, least_steps_per_period,
+                    1.0 / (problem.plates.frequency * least_steps_per_period)));
+}
+
+void check_numbers(const GranularProblem& problem, Checks& checks) {
+    checks.require(problem.beads > 0 || !problem.rods.empty(),
+                   "no beads and no rods: must have at least one of them");
+    checks.require(problem.beads <= most_beads,
+                   fmt::format("beads = {}: must be at most {}", problem.beads, most_beads));
+    checks.positive("bead_radius", problem.bead_radius);
+    checks.positive("bead_density", problem.bead_density);
+    checks.positive("box", problem.box);
+    checks.number(true, "orientation", problem.orientation, "finite (rad)");
+    checks.number(problem.start_speed >= 0.0, "start_speed", problem.start_speed, ">= 0 and finite");
+    checks.number(problem.overlap_limit > 0.0 && problem.overlap_limit <= 1.0, "overlap_limit",
+                  problem.overlap_limit, "in (0, 1]");
+    const ContactTable& contacts = problem.contacts;
+    check_surface("bead-bead", contacts.bead_bead, checks);
+    check_surface("bead-rod", contacts.bead_rod, checks);
+    check_surface("rod-rod", contacts.rod_rod, checks);
+    check_surface("bead-plate", contacts.bead_plate, checks);
+    check_surface("rod-plate", contacts.rod_plate, checks);
+    check_plates(problem, checks);
+    check_time(problem, checks);
+}
+
+void check_rod_numbers(const RodSpec& rod, std::string_view name, double box, Checks& checks) {
+    checks.number(std::abs(rod.position.x()) <= furthest_rod * box, fmt::format("{}: position x", name),
+                  rod.position.x(), fmt::format("within {} box lengths of 0", furthest_rod));
+    checks.number(std::abs(rod.position.y()) <= furthest_rod * box, fmt::format("{}: position y", name),
+                  rod.position.y(), fmt::format("within {} box lengths of 0", furthest_rod));
+    checks.number(true, fmt::format("{}: heading", name), rod.heading, "finite (rad)");
+    if (rod.imposed_speed)
+        checks.number(true, fmt::format("{}: imposed_speed", name), *rod.imposed_speed, "finite (m/s)");
+}
+
+/// Clumps of all rods, as far as they are rods.
+std::vector<Clump> check_rods(const GranularProblem& problem, Checks& checks) {
+    std::vector<Clump> clumps;
+    for (std::size_t k = 0; k < problem.rods.size(); ++k) {
+        const auto name = fmt::format("rod {}", k);
+        check_rod_numbers(problem.rods[k], name, problem.box, checks);
+        try {
+            clumps.push_back(make_clump(problem.rods[k].shape));
+        } catch (const InputError& error) {
+            checks.require(false, fmt::format("{}: {}", name, error.what()));
+        }
+    }
+    return clumps;
+}
+
+void check_box(const GranularProblem& problem, Checks& checks) {
+    const double a = problem.bead_radius, box = problem.box;
+    checks.require(
+        problem.beads == 0 || box >= least_box * a,
+        fmt::format("box = {} m: must be at least {} bead radii, {} m", box, least_box, least_box * a));
+    for (std::size_t k = 0; k < problem.rods.size(); ++k) {
+        const double length = problem.rods[k].shape.length;
+        checks.require(
+            length + image_clearance * a < box,
+            fmt::format(
+                "rod {}: length = {} m in a periodic box of {} m leaves no room for a bead between the "
+                "rod and its own image: the box must be larger than length + {} bead radii = {} m",
+                k, length, box, image_clearance, length + image_clearance * a));
+    }
+}
+
+void check_gap(const GranularProblem& problem, Checks& checks) {
+    const double gap = problem.plates.gap, bead = 2.0 * problem.bead_radius;
+    checks.require(
+        problem.beads == 0 || gap > bead,
+        fmt::format("gap = {} m between the plates: must be larger than the bead diameter, {} m", gap, bead));
+    for (std::size_t k = 0; k < problem.rods.size(); ++k) {
+        const double thickest = problem.rods[k].shape.thick_diameter;
+        checks.require(gap > thickest,
+                       fmt::format("rod {}: gap = {} m between the plates must be larger than the thickest "
+                                   "diameter of the rod, {} m",
+                                   k, gap, thickest));
+    }
+}
+
+void check_room(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
+    const double beads = bead_area_fraction(problem);
+    double rods = 0.0;
+    for (const Clump& clump : clumps)
+        rods += clump.shadow() / (problem.box * problem.box);
+    checks.require(
+        beads + rods <= closest_packing,
+        fmt::format("{} beads cover {:.4f} of the box and the rods {:.4f}, together {:.4f}: a layer of discs "
+                    "covers at most {:.4f}; use fewer beads (at most about {}) or a larger box",
+                    problem.beads, beads, rods, beads + rods, closest_packing,
+                    std::max(0L, static_cast<long>((closest_packing - rods) * problem.box * problem.box /
+                                                   (M_PI * problem.bead_radius * problem.bead_radius)))));
+}
+
+void check_overlaps(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
+    std::vector<std::vector<Disc>> rows;
+    for (std::size_t k = 0; k < clumps.size(); ++k)
+        rows.push_back(rod_discs(problem.rods[k], clumps[k]));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (std::size_t j = i + 1; j < rows.size(); ++j) {
+            const double depth = overlap(rows[i], rows[j], problem.box);
+            checks.require(depth <= 0.0,
+                           fmt::format("rods {} and {} overlap by {:.3g} m (seen in the periodic box): move "
+                                       "or turn one of them",
+                                       i, j, depth));
+        }
+}
+
+} // namespace
+
+double Plates::amplitude(double gravity) const {
+    const double rate = 2.0 * M_PI * frequency;
+    return gamma == 0.0 ? 0.0 : gamma * gravity / (rate * rate);
+}
+
+double bead_area_fraction(const GranularProblem& problem) {
+    const double ratio = problem.bead_radius / problem.box;
+    return static_cast<double>(problem.beads) * M_PI * ratio * ratio;
+}
+
+void validate(const GranularProblem& problem) {
+    Checks checks;
+    check_numbers(problem, checks);
+    const auto clumps = check_rods(problem, checks);
+    checks.finish(); // the rest compares numbers that make sense
+    check_box(problem, checks);
+    check_gap(problem, checks);
+    check_room(problem, clumps, checks);
+    check_overlaps(problem, clumps, checks);
+    checks.finish();
+}
+
+} // namespace rodwake::granular

@@ -1,0 +1,93 @@
+#include "rod_motion.hpp"
+
+#include <cmath>
+
+namespace rodwake::granular {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Matrix3d cross_matrix(const Vector3d& v) {
+    Matrix3d m;
+    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+    return m;
+}
+
+} // namespace
+
+MovingRod::MovingRod(const RodSpec& spec, const RodBody& body)
+    : clump_(make_clump(spec.shape)), body_(body), ahead_(std::cos(spec.heading), std::sin(spec.heading)),
+      across_(-ahead_.y(), ahead_.x(), 0.0) {
+    update();
+}
+
+void MovingRod::hold(std::optional<double> speed) {
+    held_ = speed;
+    if (held_)
+        body_.velocity.head<2>() = *held_ * ahead_;
+    update();
+}
+
+void MovingRod::update() {
+    axis_ = body_.axis();
+    const Matrix3d along = axis_ * axis_.transpose();
+    if (held_) {
+        inverse_mass_ = Vector3d(0.0, 0.0, 1.0 / clump_.mass).asDiagonal();
+        inverse_inertia_ =
+            along / clump_.axial_inertia + across_ * across_.transpose() / clump_.transverse_inertia;
+    } else {
+        inverse_mass_ = Matrix3d::Identity() / clump_.mass;
+        inverse_inertia_ =
+            along / clump_.axial_inertia + (Matrix3d::Identity() - along) / clump_.transverse_inertia;
+    }
+    spin_ = inverse_inertia_ * body_.angular_momentum;
+}
+
+Matrix3d MovingRod::inverse_mass_at(const Vector3d& arm) const {
+    const Matrix3d r = cross_matrix(arm);
+    return inverse_mass_ - r * inverse_inertia_ * r;
+}
+
+void MovingRod::turn_freely(double time) {
+    const Vector3d& L = body_.angular_momentum;
+    const double size = L.norm();
+    if (size == 0.0)
+        return;
+    const double roll = L.dot(axis_) * (1.0 / clump_.axial_inertia - 1.0 / clump_.transverse_inertia) * time;
+    const Eigen::AngleAxisd precession(size * time / clump_.transverse_inertia, L / size);
+    const Eigen::AngleAxisd rolling(roll, Vector3d::UnitX());
+    body_.orientation = (Eigen::Quaterniond(precession) * body_.orientation * Eigen::Quaterniond(rolling)).normalized();
+}
+
+void MovingRod::turn_held(double time) {
+    const double roll_rate = spin_.dot(axis_), pitch_rate = spin_.dot(across_);
+    const Eigen::AngleAxisd pitch(pitch_rate * time, across_), roll(roll_rate * time, Vector3d::UnitX());
+    body_.orientation = (Eigen::Quaterniond(pitch) * body_.orientation * Eigen::Quaterniond(roll)).normalized();
+    body_.angular_momentum = clump_.axial_inertia * roll_rate * body_.axis() +
+                             clump_.transverse_inertia * pitch_rate * across_;
+}
+
+void MovingRod::move(double time, double gravity) {
+    body_.position += body_.velocity * time;
+    body_.position.z() -= gravity * time * time / 2.0;
+    body_.velocity.z() -= gravity * time;
+    held_ ? turn_held(time) : turn_freely(time);
+    update();
+}
+
+void MovingRod::push(const Vector3d& impulse, const Vector3d& arm) {
+    body_.velocity += inverse_mass_ * impulse;
+    // what the bearings of a held rod do not take
+    body_.angular_momentum += held_ ? Vector3d((axis_ * axis_.transpose() + across_ * across_.transpose()) * arm.cross(impulse))
+                                    : Vector3d(arm.cross(impulse));
+    spin_ = inverse_inertia_ * body_.angular_momentum;
+}
+
+double MovingRod::energy(double gravity) const {
+    return clump_.mass * (body_.velocity.squaredNorm() / 2.0 + gravity * body_.position.z()) +
+           body_.angular_momentum.dot(spin_) / 2.0;
+}
+
+} // namespace rodwake::granular

@@ -1,0 +1,153 @@
+#include "rodwake/granular/shape.hpp"
+
+#include "checks.hpp"
+#include "envelope.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::granular {
+
+namespace {
+
+constexpr std::size_t most_spheres = 10000;
+constexpr double rounding = 1e-9; // of the length: two ways to write the same number
+
+/// 0 where the rod is thick, 1 where it is thin.
+double taper_at(const RodShape& shape, std::size_t k) {
+    const std::size_t middle = (shape.spheres - 1) / 2;
+    const bool apolar = shape.kind == RodKind::apolar;
+    const std::size_t place = !apolar ? k : k > middle ? k - middle : middle - k;
+    const std::size_t places = apolar ? middle + 1 : shape.spheres;
+    if (shape.taper == Taper::linear)
+        return places > 1 ? static_cast<double>(place) / static_cast<double>(places - 1) : 0.0;
+    const std::size_t segment = place * shape.segments / places;
+    return shape.segments > 1 ? static_cast<double>(segment) / static_cast<double>(shape.segments - 1) : 0.0;
+}
+
+void check_numbers(const RodShape& shape, Checks& checks) {
+    checks.positive("length", shape.length);
+    checks.positive("thick_diameter", shape.thick_diameter);
+    checks.positive("thin_diameter", shape.thin_diameter);
+    checks.positive("density", shape.density);
+    checks.require(shape.spheres >= 1 && shape.spheres <= most_spheres,
+                   fmt::format("spheres = {}: must be 1 to {}", shape.spheres, most_spheres));
+    checks.finish();
+}
+
+void check_segments(const RodShape& shape, Checks& checks) {
+    if (shape.taper != Taper::stepwise)
+        return;
+    const bool apolar = shape.kind == RodKind::apolar;
+    const std::size_t places = apolar ? (shape.spheres + 1) / 2 : shape.spheres;
+    checks.require(shape.segments >= 1 && shape.segments <= places,
+                   fmt::format("segments = {}: must be 1 to {}, the number of spheres{}", shape.segments,
+                               places, apolar ? " from the middle to one end" : ""));
+    checks.require(shape.segments != 1 || shape.thick_diameter == shape.thin_diameter,
+                   fmt::format("segments = 1: one piece has one diameter, but thick_diameter = {} m and "
+                               "thin_diameter = {} m; make them equal or segments >= 2",
+                               shape.thick_diameter, shape.thin_diameter));
+}
+
+void check_proportions(const RodShape& shape, Checks& checks) {
+    checks.require(shape.thin_diameter <= shape.thick_diameter,
+                   fmt::format("thin_diameter = {} m: must be at most thick_diameter = {} m",
+                               shape.thin_diameter, shape.thick_diameter));
+    checks.require(shape.length >= shape.thick_diameter * (1.0 - rounding),
+                   fmt::format("length = {} m: must be at least thick_diameter = {} m", shape.length,
+                               shape.thick_diameter));
+    checks.require(shape.kind != RodKind::apolar || shape.spheres % 2 == 1,
+                   fmt::format("spheres = {}: an apolar rod needs an odd number (an even row has no middle "
+                               "sphere and starts to move by itself); use {}",
+                               shape.spheres, shape.spheres + 1));
+    const double longest = std::max(shape.length, shape.thick_diameter);
+    checks.require(
+        shape.spheres > 1 || longest - shape.thin_diameter <= rounding * longest,
+        fmt::format("spheres = 1: one sphere needs length = thick_diameter = thin_diameter, but they "
+                    "are {}, {} and {} m; make them equal or spheres >= 2",
+                    shape.length, shape.thick_diameter, shape.thin_diameter));
+    check_segments(shape, checks);
+    checks.finish();
+}
+
+/// Centres from the thick end at 0 on (apolar: from either end).
+Clump row_of(const RodShape& shape) {
+    Clump row;
+    const double first = 0.5 * (shape.kind == RodKind::apolar ? shape.thin_diameter : shape.thick_diameter);
+    const double last = shape.length - 0.5 * shape.thin_diameter;
+    for (std::size_t k = 0; k < shape.spheres; ++k) {
+        const double u =
+            shape.spheres > 1 ? static_cast<double>(k) / static_cast<double>(shape.spheres - 1) : 0.5;
+        row.offset.push_back(first * (1.0 - u) + last * u);
+        const double taper = taper_at(shape, k);
+        row.radius.push_back(0.5 * (shape.thick_diameter * (1.0 - taper) + shape.thin_diameter * taper));
+    }
+    return row;
+}
+
+void check_row(const RodShape& shape, const Clump& row) {
+    Checks checks;
+    for (std::size_t k = 0; k < row.offset.size(); ++k) {
+        const double out =
+            std::max(row.offset[k] + row.radius[k] - shape.length, row.radius[k] - row.offset[k]);
+        checks.require(
+            out <= rounding * shape.length,
+            fmt::format("sphere {} of radius {} m sticks out of the end of the rod by {} m: make the rod "
+                        "longer, the taper weaker or the segments more",
+                        k, row.radius[k], out));
+        if (k == 0)
+            continue;
+        const double apart = row.offset[k] - row.offset[k - 1], touch = row.radius[k] + row.radius[k - 1];
+        checks.require(
+            shape.spheres == 1 || (apart > 0.0 && apart < touch),
+            fmt::format(
+                "spheres {} and {} of the rod are {} m apart: must be > 0 and less than {} m, the sum "
+                "of their radii; {}",
+                k - 1, k, apart, touch, apart > 0.0 ? "use more spheres" : "use fewer spheres"));
+        if (!checks.passed())
+            break; // the others are the same mistake
+    }
+    checks.finish();
+}
+
+/// An apolar row becomes symmetric to the bit, so that no rounding gives it a direction.
+void about_the_middle(const RodShape& shape, std::vector<double>& offset) {
+    for (double& place : offset)
+        place -= 0.5 * shape.length;
+    if (shape.kind != RodKind::apolar)
+        return;
+    for (std::size_t k = 0, end = offset.size() - 1; k < end - k; ++k)
+        offset[end - k] = -offset[k];
+    offset[offset.size() / 2] = 0.0;
+}
+
+} // namespace
+
+double Clump::reach() const {
+    double furthest = 0.0;
+    for (std::size_t k = 0; k < offset.size(); ++k)
+        furthest = std::max(furthest, std::abs(offset[k]) + radius[k]);
+    return furthest;
+}
+
+double Clump::shadow() const { return 2.0 * integrate(outline(offset, radius)).r1; }
+
+Clump make_clump(const RodShape& shape) {
+    Checks checks;
+    check_numbers(shape, checks);
+    check_proportions(shape, checks);
+    Clump clump = row_of(shape);
+    check_row(shape, clump);
+    about_the_middle(shape, clump.offset); // the centre of mass is near it, so nothing cancels
+    const auto solid = integrate(outline(clump.offset, clump.radius));
+    const double centre = shape.kind == RodKind::apolar ? 0.0 : solid.x_r2 / solid.r2;
+    for (double& place : clump.offset)
+        place -= centre;
+    const double line_density = M_PI * shape.density;
+    clump.mass = line_density * solid.r2;
+    clump.axial_inertia = line_density * 0.5 * solid.r4;
+    clump.transverse_inertia = line_density * (0.25 * solid.r4 + solid.x2_r2 - centre * centre * solid.r2);
+    return clump;
+}
+
+} // namespace rodwake::granular

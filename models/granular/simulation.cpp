@@ -1,0 +1,203 @@
+#include "rodwake/granular/simulation.hpp"
+
+#include "pair_contacts.hpp"
+#include "pair_finder.hpp"
+#include "plate_contacts.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::granular {
+
+namespace {
+
+constexpr std::size_t chunk = 2048; // beads a task; sums are taken chunk by chunk, so threads do not change them
+
+/// What one task of the flight phase leaves behind.
+struct ChunkResult {
+    std::vector<std::uint32_t> hits; ///< beads that left the space between the plates
+    Range velocities = Range::empty();
+    PlateTally tally;
+};
+
+void check_fit(const GranularProblem& problem, const State& state) {
+    if (state.beads.size() != problem.beads || state.rods.size() != problem.rods.size())
+        throw InputError(fmt::format("the stored state has {} beads and {} rods, the scene {} and {}",
+                                     state.beads.size(), state.rods.size(), problem.beads, problem.rods.size()));
+}
+
+} // namespace
+
+struct Simulation::Impl {
+    GranularProblem problem;
+    Bodies bodies;
+    PlateMotion plates;
+    PairFinder finder;
+    PairContacts contacts;
+    Team team;
+    Tallies tallies;
+    std::int64_t step;
+    std::optional<Failure> failure;
+    std::vector<ChunkResult> chunks;
+
+    Impl(const GranularProblem& p, const State& state, const Tallies& t, std::size_t threads)
+        : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
+          contacts(p.contacts, p.box), team(threads), tallies(t), step(state.step),
+          chunks((bodies.beads + chunk - 1) / chunk) {
+        tallies.pushed.resize(problem.rods.size(), Vector3::Zero());
+        hold_rods();
+    }
+
+    bool equilibrating() const { return step < problem.equilibration_steps; }
+
+    /// Held still during the equilibration, as the scene says afterwards.
+    void hold_rods() {
+        for (std::size_t i = 0; i < bodies.rods.size(); ++i)
+            bodies.rods[i].hold(equilibrating() ? std::optional(0.0) : problem.rods[i].imposed_speed);
+    }
+
+    PlateStep plate_step() const {
+        // counted from t = 0, so that the phase of a run does not depend on its equilibration
+        const double time = static_cast<double>(step + 1 - problem.equilibration_steps) * problem.time_step;
+        return {plates.floor(time), plates.gap(), problem.time_step, problem.gravity};
+    }
+
+    void fly_beads(const PlateStep& plate) {
+        const double a = problem.bead_radius, floor = plate.floor.position();
+        const Drift flight{problem.time_step, problem.gravity, floor + a, floor + plate.gap - a};
+        team.run(chunks.size(), [&](std::size_t c) {
+            ChunkResult& mine = chunks[c];
+            mine.hits.clear();
+            mine.velocities = Range::empty();
+            mine.tally = {};
+            const std::size_t begin = c * chunk, end = std::min(bodies.beads, begin + chunk);
+            drift(bodies.position.data(), bodies.velocity.data(), begin, end, flight, mine.velocities, mine.hits);
+            for (const std::uint32_t bead : mine.hits)
+                bounce_bead(bodies, bead, plate, problem.contacts.bead_plate, mine.velocities, mine.tally);
+        });
+    }
+
+    /// Rod ends move fastest; the spheres between them no faster.
+    void include_ends(Range& velocities) const {
+        for (const MovingRod& rod : bodies.rods)
+            for (const double end : {rod.clump().offset.front(), rod.clump().offset.back()}) {
+                const Vector3 v = rod.velocity_at(end * rod.axis());
+                velocities.include(v.data());
+            }
+    }
+
+    void fly_rods(const PlateStep& plate, Range& velocities, PlateTally& tally) {
+        include_ends(velocities);
+        for (MovingRod& rod : bodies.rods) {
+            rod.move(problem.time_step, problem.gravity);
+            bounce_rod(rod, plate, problem.contacts.rod_plate, tally);
+        }
+        include_ends(velocities);
+        bodies.place_rod_spheres();
+    }
+
+    void add(const PlateTally& tally, std::int64_t& impulses) {
+        tallies.floor_impulse += tally.floor_impulse;
+        tallies.lid_impulse += tally.lid_impulse;
+        impulses += tally.impulses;
+        tallies.max_overlap = std::max(tallies.max_overlap, tally.max_overlap);
+    }
+
+    std::string name(std::size_t sphere) const {
+        if (bodies.is_bead(sphere))
+            return fmt::format("bead {}", sphere);
+        return fmt::format("rod {}", bodies.rod_of[sphere - bodies.beads]);
+    }
+
+    void fail(std::string what) {
+        failure = Failure{step, fmt::format("step {} (t = {:.6g} s): {}. The likely cause is a time_step that is too large; "
+                                            "{:g} s was used, try {:g} s",
+                                            step, time(), what, problem.time_step, problem.time_step / 5.0)};
+    }
+
+    double time() const { return static_cast<double>(step - problem.equilibration_steps) * problem.time_step; }
+
+    void guard(const WorstOverlap& worst, const PlateTally& rods, const Range& velocities) {
+        bool finite = true;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            finite = finite && velocities.low[axis] > -1e6 && velocities.high[axis] < 1e6;
+        if (!finite && (bodies.beads > 0 || !bodies.rods.empty()))
+            return fail(fmt::format("{} moves at a speed that is not a number or above 1e6 m/s", runaway()));
+        if (worst.radii > problem.overlap_limit)
+            return fail(fmt::format("{} and {} overlap by {:.3g} of the smaller radius, more than {:g}",
+                                    name(worst.pair.first), name(worst.pair.second), worst.radii, problem.overlap_limit));
+        if (rods.max_overlap > problem.overlap_limit)
+            return fail(fmt::format("a rod is {:.3g} of its radius deep in a plate, more than {:g}", rods.max_overlap,
+                                    problem.overlap_limit));
+    }
+
+    std::string runaway() const {
+        for (std::size_t i = 0; i < bodies.beads; ++i)
+            if (!(row(bodies.velocity, i).cwiseAbs().maxCoeff() < 1e6))
+                return name(i);
+        return "a rod";
+    }
+
+    void one_step() {
+        const PlateStep plate = plate_step();
+        fly_beads(plate);
+        Range velocities = Range::empty();
+        for (ChunkResult& c : chunks) {
+            velocities.include(c.velocities);
+            add(c.tally, tallies.bead_plate);
+        }
+        PlateTally rods;
+        fly_rods(plate, velocities, rods);
+        add(rods, tallies.rod_plate);
+        ++step;
+        const double slack = unseen_motion(plate, rods);
+        const WorstOverlap worst = contacts.resolve(
+            bodies, finder.find(bodies, velocities, problem.time_step, slack, team), tallies);
+        guard(worst, rods, velocities);
+        if (step == problem.equilibration_steps)
+            hold_rods();
+    }
+
+    /// How much a body's height may change in a step beside what its velocities before and after tell: plates and gravity
+    /// change them on the way, and a rod at rest is lifted out of the plate.
+    double unseen_motion(const PlateStep& plate, const PlateTally& rods) const {
+        const double dt = problem.time_step, thickest = bodies.rods.empty() ? 0.0 : *std::max_element(bodies.radius.begin(), bodies.radius.end());
+        return (problem.gravity + std::abs(plate.floor.acceleration())) * dt * dt + rods.max_overlap * thickest;
+    }
+};
+
+Simulation::Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies, std::size_t threads) {
+    validate(problem);
+    check_fit(problem, state);
+    impl_ = std::make_unique<Impl>(problem, state, tallies, threads);
+}
+
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+void Simulation::advance(std::int64_t steps) {
+    for (std::int64_t i = 0; i < steps && !impl_->failure; ++i)
+        impl_->one_step();
+}
+
+std::int64_t Simulation::step() const { return impl_->step; }
+double Simulation::time() const { return impl_->time(); }
+bool Simulation::finished() const {
+    return impl_->step >= impl_->problem.equilibration_steps + impl_->problem.steps;
+}
+const std::optional<Failure>& Simulation::failure() const { return impl_->failure; }
+const GranularProblem& Simulation::problem() const { return impl_->problem; }
+const Tallies& Simulation::tallies() const { return impl_->tallies; }
+State Simulation::state() const { return to_state(impl_->bodies, impl_->step); }
+
+SimulationCost Simulation::cost() const {
+    const PairFinder& f = impl_->finder;
+    return {f.rebuilds(), f.refreshes(), f.outer_size(), f.inner_size(), f.skin()};
+}
+
+} // namespace rodwake::granular

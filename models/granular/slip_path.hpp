@@ -1,0 +1,71 @@
+#pragma once
+// The slip of one impact followed over the normal impulse, in units in which K_nn = 1 and v_z starts at -1
+// (normal_motion.hpp). A = K_tt/K_nn, q = K_tn/K_nn, s the unit slip direction, t = s turned by +90 degrees,
+// r the slip speed. While slipping
+//
+//   dr/dp = g(s) = s.q - mu s.A s     r dphi/dp = h(s) = t.q - mu t.A s     dv_z/dp = 1 - mu q.s
+//
+// phi never crosses a root of h, so it turns monotonically towards one: to the direction in which the slip
+// stops (g < 0) or in which it grows (g > 0). At a root dh/dphi = -g - mu t.A t: a root with g > 0 attracts,
+// and near one that repels the slip dies faster than its deviation grows, so rounding does no harm there.
+
+#include "normal_motion.hpp"
+
+#include "rodwake/granular/impact.hpp"
+
+#include <Eigen/Core>
+
+namespace rodwake::granular {
+
+struct ContactTerms {
+    ContactTerms(const Eigen::Matrix2d& a, const Eigen::Vector2d& q, const Surface& surface);
+
+    Eigen::Matrix2d tangential; ///< A, symmetric positive definite
+    Eigen::Vector2d coupling;   ///< q, with q.A^-1 q < 1
+    double friction;            ///< mu > 0
+    double restitution;         ///< e
+    double scale;               ///< of q and mu A: what g and h are small against, and 1/tau of the path
+    /// An error of v_t this large changes P by 1e-14 at most: 1e-14 of the smallest eigenvalue of A, which is
+    /// at least det A/tr A. Errors do not grow along the path: friction opposes them, and two paths v(p) come
+    /// closer in the norm v.A^-1 v.
+    double tolerance;
+
+    /// dv_z/dp while slipping along s.
+    double normal_rate(const Eigen::Vector2d& s) const { return 1.0 - friction * coupling.dot(s); }
+    /// q - mu A s = dv_t/dp while slipping along s.
+    Eigen::Vector2d slip_rate(const Eigen::Vector2d& s) const {
+        return coupling - friction * (tangential * s);
+    }
+};
+
+/// Where the impact has got to.
+struct ImpactProgress {
+    Eigen::Vector2d direction = Eigen::Vector2d::UnitX(); ///< s; without meaning when speed is 0
+    double speed = 0.0;                                   ///< r
+    NormalMotion normal;
+    Eigen::Vector2d tangential_impulse = Eigen::Vector2d::Zero(); ///< P_t
+    double normal_impulse = 0.0;                                  ///< p = P_z
+    bool ended = false;
+    int steps = 0; ///< Taylor steps taken
+};
+
+/// Follows the slip while its direction turns. Afterwards the impact has ended, or the speed is 0, or the
+/// direction is a root of h to rounding. Throws RunError after `most_slip_steps`.
+void slide_curved(const ContactTerms& contact, ImpactProgress& at);
+
+/// Most Taylor steps of one impact. A step covers a fixed part of the convergence radius, which is at least
+/// about 1/scale and grows as the path slows down; r changes by a factor of e or more every two steps, or
+/// phi turns on. From 1e24 down to the speed that counts as none, some 120 factors of e, is the longest path;
+/// ten times the steps ever seen (tests/granular/test_impact_bounds.cpp).
+inline constexpr int most_slip_steps = 1000;
+
+/// Slip along a root of h, until it stops or the impact ends. Throws RunError if K is not positive definite.
+void slide_straight(const ContactTerms& contact, ImpactProgress& at);
+
+/// From zero slip to the end: stick, or slip in the one direction in which it grows.
+void go_on_from_rest(const ContactTerms& contact, ImpactProgress& at);
+
+/// The whole impact.
+void follow_impact(const ContactTerms& contact, ImpactProgress& at);
+
+} // namespace rodwake::granular

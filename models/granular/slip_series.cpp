@@ -1,0 +1,182 @@
+#include "slip_series.hpp"
+
+#include "bracketed_root.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::granular {
+
+namespace {
+
+constexpr int order = SlipSeries::order;
+using Coefficients = std::array<double, order + 1>;
+
+constexpr Coefficients reciprocals = [] {
+    Coefficients one_over{};
+    for (int k = 1; k <= order; ++k)
+        one_over[k] = 1.0 / k;
+    return one_over;
+}();
+
+double value(const Coefficients& c, double u) {
+    double sum = c[order];
+    for (int k = order; k-- > 0;)
+        sum = sum * u + c[k];
+    return sum;
+}
+
+ValueAndSlope value_and_slope(const Coefficients& c, double u) {
+    double sum = c[order], slope = 0.0;
+    for (int k = order; k-- > 0;) {
+        slope = slope * u + sum;
+        sum = sum * u + c[k];
+    }
+    return {sum, slope};
+}
+
+/// Inserts the sign changes of f between neighbouring cuts, which must be at most one each.
+template<class Function>
+int cut_at_roots(Function f, std::array<double, 6>& u, int count) {
+    std::array<double, 6> cut{u[0]};
+    int found = 1;
+    for (int k = 1; k < count; ++k) {
+        const double low = f(u[k - 1]).value, high = f(u[k]).value;
+        if (low * high < 0.0 && found + (count - k) < 6)
+            cut[found++] = bracketed_root(f, u[k - 1], u[k], -1.0, high > 0.0);
+        cut[found++] = u[k];
+    }
+    u = cut;
+    return found;
+}
+
+} // namespace
+
+SlipSeries::SlipSeries(const ContactTerms& contact, const ImpactProgress& from)
+    : contact_(contact), from_(from), wanted_(from.normal.wanted(contact.restitution)) {
+    expand();
+    const double length = step_length();
+    scale_to(length);
+    impulse_ = from.speed * length / contact.scale;
+    integrate_normal();
+}
+
+/// In tau' = scale tau, so that no power over- or underflows.
+void SlipSeries::expand() {
+    const double unit = 1.0 / contact_.scale;
+    const Eigen::Vector2d q = unit * contact_.coupling;
+    const Eigen::Matrix2d drag = unit * contact_.friction * contact_.tangential;
+    x_[0] = from_.direction.x(), y_[0] = from_.direction.y(), r_[0] = 1.0;
+    for (int k = 1; k <= order; ++k) {
+        const double x = x_[k - 1], y = y_[k - 1], r = r_[k - 1];
+        x_[k] = (q.x() * r - (drag(0, 0) * x + drag(0, 1) * y)) * reciprocals[k];
+        y_[k] = (q.y() * r - (drag(0, 1) * x + drag(1, 1) * y)) * reciprocals[k];
+        double xx = 0.0, yy = 0.0, rr = 0.0; // products of two inner coefficients, each pair once
+        for (int i = 1, j = k - 1; i < j; ++i, --j)
+            xx += x_[i] * x_[j], yy += y_[i] * y_[j], rr += r_[i] * r_[j];
+        if (const int m = k / 2; k % 2 == 0)
+            xx += 0.5 * x_[m] * x_[m], yy += 0.5 * y_[m] * y_[m], rr += 0.5 * r_[m] * r_[m];
+        r_[k] = x_[0] * x_[k] + y_[0] * y_[k] + (xx + yy - rr);
+    }
+}
+
+/// So long that the last terms are below rounding or, of slow slip, below the contact's tolerance.
+double SlipSeries::step_length() const {
+    const double remainder = std::clamp(0.01 * contact_.tolerance / from_.speed, 1e-17, 1e-3);
+    const auto limit = [&](int k) {
+        const double size = std::max({std::abs(x_[k]), std::abs(y_[k]), std::abs(r_[k]), 1e-280});
+        return std::log2(remainder / size) / k;
+    };
+    return std::exp2(std::min(limit(order), limit(order - 1)));
+}
+
+void SlipSeries::scale_to(double length) {
+    double power = length;
+    for (int k = 1; k <= order; ++k, power *= length)
+        x_[k] *= power, y_[k] *= power, r_[k] *= power;
+}
+
+void SlipSeries::integrate_normal() {
+    const Eigen::Vector2d pull = contact_.friction * contact_.coupling;
+    v_[0] = from_.normal.velocity;
+    w_[0] = 0.0;
+    for (int k = 1; k <= order; ++k)
+        v_[k] = impulse_ * (r_[k - 1] - (pull.x() * x_[k - 1] + pull.y() * y_[k - 1])) * reciprocals[k];
+    Coefficients product{}; // of r and v_z; by rows, which the compiler turns into vector operations
+    for (int i = 0; i < order; ++i)
+        for (int j = 0; j < order - i; ++j)
+            product[i + j] += r_[i] * v_[j];
+    for (int k = 1; k <= order; ++k)
+        w_[k] = impulse_ * product[k - 1] * reciprocals[k];
+}
+
+/// 0, 1, and what lies between of the extrema of v_z: only friction that can pull the bodies together
+/// (mu |q| > 1) lets v_z fall. dv_z/dp = 1 - mu q.s is monotone between the directions with q.t = 0.
+int SlipSeries::cuts(std::array<double, 6>& u) const {
+    u[0] = 0.0, u[1] = 1.0;
+    const Eigen::Vector2d q = contact_.friction * contact_.coupling;
+    if (q.squaredNorm() < 1.0)
+        return 2;
+    const auto across = [&](double at) {
+        const ValueAndSlope x = value_and_slope(x_, at), y = value_and_slope(y_, at);
+        return ValueAndSlope{q.y() * x.value - q.x() * y.value, q.y() * x.slope - q.x() * y.slope};
+    };
+    const auto rate = [&](double at) {
+        const ValueAndSlope x = value_and_slope(x_, at), y = value_and_slope(y_, at),
+                            r = value_and_slope(r_, at);
+        return ValueAndSlope{r.value - q.x() * x.value - q.y() * y.value,
+                             r.slope - q.x() * x.slope - q.y() * y.slope};
+    };
+    return cut_at_roots(rate, u, cut_at_roots(across, u, 2));
+}
+
+/// v_z is monotone between low and high, so v_z and W - wanted have at most one root each there.
+SlipSeries::Stop SlipSeries::stop_between(double low, double high) const {
+    const auto velocity = [this](double u) { return value_and_slope(v_, u); };
+    const auto work = [this](double u) {
+        const ValueAndSlope w = value_and_slope(w_, u);
+        return ValueAndSlope{w.value - wanted_, w.slope};
+    };
+    const double before = value(v_, low), after = value(v_, high);
+    if (before < 0.0)
+        return after < 0.0 ? Stop{}
+                           : Stop{bracketed_root(velocity, low, high, -v_[0] / v_[1], true), true, false};
+    const double last = after < 0.0 ? bracketed_root(velocity, low, high, -1.0, false) : high;
+    if (value(w_, last) < wanted_)
+        return {};
+    // As if dv_z/dp were constant; good where the step is long against what is left.
+    const double square = v_[0] * v_[0] + 2.0 * v_[1] / impulse_ * wanted_;
+    const double guess = 2.0 * wanted_ / (impulse_ * (v_[0] + std::sqrt(std::max(square, 0.0))));
+    return {bracketed_root(work, low, last, guess, true), false, true};
+}
+
+SlipSeries::Stop SlipSeries::stop() const {
+    std::array<double, 6> u{};
+    const int count = cuts(u);
+    for (int k = 1; k < count; ++k)
+        if (const Stop found = stop_between(u[k - 1], u[k]); found.turned || found.ended)
+            return found;
+    return {};
+}
+
+void SlipSeries::advance(ImpactProgress& at, const Stop& stop) const {
+    const double u = stop.u;
+    double x = x_[order], y = y_[order], px = 0.0, py = 0.0, p = 0.0; // v_t, and integrals of v_t and r
+    for (int k = order; k-- > 0;) {
+        px = (px + x_[k] * reciprocals[k + 1]) * u, py = (py + y_[k] * reciprocals[k + 1]) * u;
+        p = (p + r_[k] * reciprocals[k + 1]) * u;
+        x = x * u + x_[k], y = y * u + y_[k];
+    }
+    const double r = std::sqrt(x * x + y * y);
+    at.tangential_impulse -= contact_.friction * impulse_ * Eigen::Vector2d(px, py);
+    at.normal_impulse += impulse_ * p;
+    at.normal.regained += value(w_, u);
+    at.normal.velocity = value(v_, u);
+    if (stop.turned)
+        at.normal.turn();
+    at.direction = Eigen::Vector2d(x, y) / r;
+    at.speed *= r;
+    at.ended = stop.ended || (stop.turned && at.normal.wanted(contact_.restitution) <= 0.0);
+}
+
+} // namespace rodwake::granular

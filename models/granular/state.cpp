@@ -1,0 +1,55 @@
+#include "rodwake/granular/state.hpp"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <cmath>
+
+namespace rodwake::granular {
+
+namespace {
+
+class Hash {
+public:
+    Hash() { XXH3_64bits_reset(&state_); }
+    void add(const void* bytes, std::size_t count) { XXH3_64bits_update(&state_, bytes, count); }
+    void add(std::int64_t number) { add(&number, sizeof number); }
+    void add(const std::vector<double>& numbers) { add(numbers.data(), numbers.size() * sizeof(double)); }
+    void add(const Eigen::Vector3d& vector) { add(vector.data(), 3 * sizeof(double)); }
+    std::uint64_t value() const { return XXH3_64bits_digest(&state_); }
+
+private:
+    XXH3_state_t state_;
+};
+
+} // namespace
+
+void Beads::resize(std::size_t count) {
+    for (auto* array : {&x, &y, &z, &vx, &vy, &vz, &wx, &wy, &wz})
+        array->resize(count, 0.0);
+}
+
+double RodBody::heading() const {
+    const Eigen::Vector3d along = axis();
+    const double angle = std::atan2(along.y(), along.x());
+    return angle == -M_PI ? M_PI : angle; // atan2(-0, -1)
+}
+
+std::uint64_t state_hash(const State& state) {
+    Hash hash;
+    hash.add(state.step);
+    hash.add(static_cast<std::int64_t>(state.beads.size()));
+    hash.add(static_cast<std::int64_t>(state.rods.size()));
+    const Beads& b = state.beads;
+    for (const auto* array : {&b.x, &b.y, &b.z, &b.vx, &b.vy, &b.vz, &b.wx, &b.wy, &b.wz})
+        hash.add(*array);
+    for (const RodBody& rod : state.rods) {
+        hash.add(rod.position);
+        hash.add(rod.velocity);
+        hash.add(rod.orientation.coeffs().data(), 4 * sizeof(double)); // x y z w
+        hash.add(rod.angular_momentum);
+    }
+    return hash.value();
+}
+
+} // namespace rodwake::granular

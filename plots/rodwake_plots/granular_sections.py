@@ -1,0 +1,99 @@
+"""The parts of the report that tell of the granular bed."""
+
+import math
+
+from . import words
+
+PAIRS = (("bead_bead", "bead with bead", "particle_particle"), ("bead_rod", "bead with rod", "particle_particle"),
+         ("rod_rod", "rod with rod", "particle_particle"), ("bead_wall", "bead with plate", None), ("rod_wall", "rod with plate", None))
+TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "rods", "beads", "phi_b", "bead_radius", "box", "runs"}
+
+
+def headline(run):
+    """One sentence under the title."""
+    bed = run.granular
+    runs = f"{len(bed.members)} runs of " if not bed.single else ""
+    time = bed.summary.get("simulated_time")
+    lasting = f" over {words.number(time, 4)} s" if words.is_number(time) else ""
+    text = f"{runs}{words.number(bed.need('beads'))} beads at {words.equation('<i>φ<sub>b</sub></i>', bed.phi_b, digits=3)}{lasting}"
+    speeds = [rod.get("mean_speed") for rod in bed.rods]
+    if speeds and all(map(words.is_number, speeds)):
+        told = ", ".join(words.number(speed * 1e3, 3) for speed in speeds)
+        text += f"; mean speed of the rod{'s' if len(speeds) > 1 else ''} {told} mm/s, positive thin end first"
+    return f'<p class="outcome"><span class="tag">granular</span>{text}.</p>'
+
+
+def modelled(run):
+    """Rows (what, value) of what was simulated, from the resolved scene and the summary."""
+    bed, scene = run.granular, run.scene.get("granular", {})
+    sides = " × ".join(words.number(float(side / bed.a), 4) for side in bed.box)
+    yield "Beads", (f"{words.number(bed.need('beads'))} spheres, {words.equation('<i>a</i>', bed.a * 1e3, 'mm')}"
+                    f"{of_density(scene.get('bead_density'))}")
+    yield "Area fraction of the beads", words.equation("<i>φ<sub>b</sub></i> = <i>Nπa</i>²/<i>L</i>²", bed.phi_b)
+    yield "Box", f"{sides} <i>a</i>, periodic in <i>x</i> and <i>y</i>"
+    if isinstance(scene.get("plates"), dict):
+        yield "Plates", plates(scene["plates"], scene.get("gravity", 0.0))
+    yield from ((f"Rod {number}", rod_told(rod)) for number, rod in enumerate(scene.get("rods", [])))
+
+
+def of_density(value):
+    return f", {words.number(value)} kg/m³" if words.is_number(value) else ""
+
+
+def plates(values, gravity):
+    gap, frequency, gamma = (values.get(key, 0.0) for key in ("gap", "frequency", "gamma"))
+    text = f"{words.equation('<i>w</i>', gap * 1e3, 'mm')} apart"
+    if not (gamma and frequency):
+        return text + ", static"
+    moving = f"{text}, moving together with {words.equation('<i>f</i>', frequency, 'Hz')}"
+    moving += f", {words.equation('<i>Γ</i>', gamma)}"
+    if not gravity:
+        return moving
+    return f"{moving}, {words.equation('<i>A</i>', gamma * gravity / (2 * math.pi * frequency) ** 2 * 1e6, 'µm')}"
+
+
+def rod_told(rod):
+    kind = words.escape(rod.get("kind", "motile"))
+    where = ", ".join(words.number(float(part) * 1e3, 4) for part in rod["position"]) if "position" in rod else ""
+    text = f"{kind}, starts at ({where}) mm" if where else kind
+    if words.is_number(rod.get("heading")):
+        text += f" heading {words.number(math.degrees(rod['heading']), 4)}°"
+    speed = rod.get("imposed_speed")
+    return text + (f", held at {words.number(speed * 1e3)} mm/s" if words.is_number(speed) else "")
+
+
+def contacts(run):
+    """Rows (pair, friction, restitution)."""
+    given = run.scene.get("granular", {}).get("contacts", {})
+    for key, name, common in PAIRS:
+        both = {**(given.get(common) or {}), **(given.get(key) or {})}
+        if both:
+            yield name, words.number(both.get("friction", "–")), words.number(both.get("restitution", "–"))
+
+
+def measured(run):
+    """Rows (quantity, value, meaning) of summary.json."""
+    summary = run.granular.summary
+    known = (("simulated_time", "Simulated time", "s", "from <i>t</i> = 0 on"),
+             ("T_xy", "<i>T</i><sub>xy</sub>", "m²/s²", "(var <i>v<sub>x</sub></i> + var <i>v<sub>y</sub></i>)/2, centre of mass removed"),
+             ("T_z", "<i>T</i><sub>z</sub>", "m²/s²", "var <i>v<sub>z</sub></i>, centre of mass removed"),
+             ("psi6", "<i>ψ</i><sub>6</sub>", "", "sixfold bond order of the bed"),
+             ("max_overlap", "Largest overlap", "", "of the smaller radius"))
+    for key, name, unit, meaning in known:
+        if words.is_number(summary.get(key)):
+            yield name, f"{words.number(summary[key])} {unit}".strip(), meaning
+    for number, rod in enumerate(run.granular.rods):
+        yield from rod_measured(number, rod)
+
+
+def rod_measured(number, rod):
+    kind = words.escape(rod.get("kind", ""))
+    if words.is_number(rod.get("mean_speed")):
+        yield f"Rod {number}, mean speed", f"{words.number(rod['mean_speed'] * 1e3)} mm/s", f"{kind}; positive thin end first"
+    if words.is_number(rod.get("net_turn")):
+        yield f"Rod {number}, net turn", f"{words.number(math.degrees(rod['net_turn']))}°", f"{kind}; counter-clockwise"
+
+
+def other(run):
+    """What else the summary holds: cost, hash and the like."""
+    return {key: value for key, value in run.granular.summary.items() if key not in TOLD}

@@ -1,0 +1,104 @@
+"""The bed from above as a film: mp4 by ffmpeg if there is one, else an animated GIF by Pillow."""
+
+import contextlib
+import shutil
+import subprocess
+import tempfile
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from . import bed, canvas, snapshot, words
+from .errors import PlotError
+from .granular_run import TRAJECTORY
+
+DPI = 160
+QUALITY = "20"  # constant rate factor of x264: no visible loss
+ENDINGS = {".mp4": "video/mp4", ".gif": "image/gif"}
+
+
+def write(run, spec):
+    """Paths written: the film, and its last picture as name.png."""
+    ending, encode = (".mp4", by_ffmpeg) if shutil.which("ffmpeg") else (".gif", by_pillow)
+    still = run.figures_dir / f"{spec.name}.png"
+    for old in ENDINGS:
+        still.with_suffix(old).unlink(missing_ok=True)
+    with run.granular.trajectory(TRAJECTORY) as trajectory:
+        film = Film(run, spec, trajectory)
+        with canvas.replacing(still.with_suffix(ending)) as temporary:
+            encode(temporary, film, spec.fps)
+        film.save_still(still)
+    return [still.with_suffix(ending), still]
+
+
+class Film:
+    """The pictures, drawn one by one on a figure whose layout is made once."""
+
+    def __init__(self, run, spec, trajectory):
+        self.run, self.spec, self.trajectory = run, spec, trajectory
+        self.cutoff = trajectory.parameter("order_cutoff")
+        self.figure, self.axes = snapshot.stage(run, spec)
+        self.figure.set_dpi(DPI)
+        self.canvas = FigureCanvasAgg(self.figure)
+        self.artists = []
+        self.show(0)
+        self.canvas.draw()
+        self.figure.set_layout_engine("none")
+        self.height, self.width = (size // 2 * 2 for size in np.asarray(self.canvas.buffer_rgba()).shape[:2])  # x264 wants even
+
+    def show(self, number):
+        frame = self.trajectory.frame(number)
+        for artist in self.artists:
+            artist.remove()
+        self.artists = snapshot.paint(self.axes, self.run, self.spec, frame, self.cutoff)
+        canvas.heading(self.axes, bed.heading_text(self.run, self.spec, frame.time, self.trajectory.time[-1]))
+
+    def __iter__(self):
+        """[row][column][red, green, blue] of each frame."""
+        for number in range(self.trajectory.frames):
+            self.show(number)
+            self.canvas.draw()
+            yield np.ascontiguousarray(np.asarray(self.canvas.buffer_rgba())[:self.height, :self.width, :3])
+
+    def save_still(self, path):
+        self.show(-1)
+        canvas.save(self.figure, path)
+
+
+def by_ffmpeg(path, film, fps):
+    command = ["ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
+               "-s", f"{film.width}x{film.height}", "-r", str(fps), "-i", "-", "-c:v", "libx264", "-crf", QUALITY,
+               "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(path)]
+    with tempfile.TemporaryFile() as log:
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=log, stderr=log)
+        with contextlib.suppress(BrokenPipeError), process.stdin:  # ffmpeg tells why it stopped
+            for picture in film:
+                process.stdin.write(picture.tobytes())
+        if process.wait() != 0:
+            log.seek(0)
+            told = log.read().decode(errors="replace").strip() or f"exit code {process.returncode}"
+            raise PlotError(f"ffmpeg made no film: {told}")
+
+
+def by_pillow(path, film, fps):
+    from PIL import Image
+    pictures = (Image.fromarray(picture).quantize(128) for picture in film)
+    next(pictures).save(path, format="GIF", save_all=True, append_images=pictures, duration=round(1000 / fps), loop=0)
+
+
+def film_of(run, spec):
+    """(path, media type) of the film in the run directory, or None."""
+    paths = ((run.figures_dir / (spec.name + ending), kind) for ending, kind in ENDINGS.items())
+    return next(((path, kind) for path, kind in paths if path.is_file()), None)
+
+
+def caption(run, spec):
+    with run.granular.trajectory(TRAJECTORY) as trajectory:
+        count, last = trajectory.frames, trajectory.time[-1]
+        cutoff = float(trajectory.parameter("order_cutoff"))
+        first = trajectory.frame(0)
+    found = film_of(run, spec)
+    name = f"figures/{words.escape(found[0].name)}: t" if found else "T"
+    return (f"{run.granular.which(TRAJECTORY)}{name}he bed from above, {count} pictures from "
+            f"<i>t</i> = {bed.clock(first.time, last)} s to {bed.clock(last, last)} s, {spec.fps} a second"
+            f"{snapshot.rods_told(first)}. {snapshot.colours_told(run, spec, cutoff)}")

@@ -1,0 +1,99 @@
+#include "check_granular.hpp"
+
+#include "fields.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <optional>
+
+namespace rodwake::scene {
+
+namespace {
+
+constexpr double max_steps = 1e12, max_frames = 1e6, max_rows = 1e7;
+
+using Report = std::function<void(const std::string&, const std::string&)>;
+
+void start(const Granular& bed, const Report& report) {
+    if (bed.start == GranularStart::restart && bed.restart_from.empty())
+        report("granular.start", "start = \"restart\" needs restart_from, the checkpoint to go on from");
+    if (bed.start != GranularStart::restart && !bed.restart_from.empty())
+        report("granular.restart_from", "restart_from belongs to start = \"restart\" only");
+    if (bed.beads == 0 && bed.rods.empty())
+        report("granular.beads", "beads = 0 and no [[granular.rods]]: nothing to simulate");
+    if (bed.count_rod_area && bed.beads)
+        report("granular.count_rod_area",
+               "count_rod_area belongs to phi_b: with beads the number of beads is given");
+}
+
+void times(const Granular& bed, const Report& report) {
+    const double steps = (bed.equilibrate.value_or(0.0) + bed.duration) / bed.time_step;
+    if (steps > max_steps)
+        report("granular.duration",
+               fmt::format("{:g} s in steps of {:g} s are {:.3g} steps; at most {:g}",
+                           bed.equilibrate.value_or(0.0) + bed.duration, bed.time_step, steps, max_steps));
+    const auto interval = [&](const char* name, std::optional<double> value, double most) {
+        const std::string path = std::string("granular.output.") + name;
+        if (value && *value < bed.time_step)
+            report(path, fmt::format("{} = {:g} s is shorter than time_step = {:g} s", name, *value,
+                                     bed.time_step));
+        else if (value && bed.duration / *value > most)
+            report(path, fmt::format("{} = {:g} s gives {:.3g} of them in {:g} s; at most {:g}", name, *value,
+                                     bed.duration / *value, bed.duration, most));
+    };
+    interval("frames", bed.output.frames, max_frames);
+    // Without the key the table has a row every 0.01 s.
+    interval("table", bed.output.table.value_or(0.01), max_rows);
+}
+
+void rods(const Granular& bed, const Report& report) {
+    const GranularRod unset;
+    for (std::size_t i = 0; i < bed.rods.size(); ++i)
+        if (bed.rods[i].taper == RodTaper::linear && bed.rods[i].segments != unset.segments)
+            report(fmt::format("granular.rods.{}.segments", i),
+                   "segments belong to taper = \"stepwise\" only");
+}
+
+void radii(const Scene& scene, const Report& report) {
+    if (scene.scales && scene.scales->bead_radius != scene.granular->bead_radius)
+        report("granular.bead_radius",
+               fmt::format(
+                   "granular.bead_radius is {:g} m and scales.bead_radius {:g} m: \"a\" would be two lengths",
+                   scene.granular->bead_radius, scene.scales->bead_radius));
+}
+
+/// What a figure draws has to be there and stored.
+std::string missing(const Figure& figure, const Scene& scene) {
+    if (!scene.granular)
+        return "[granular]";
+    const GranularOutput& output = scene.granular->output;
+    const bool frames = std::ranges::find(output.formats, "h5md") != output.formats.end();
+    if ((figure.kind == "snapshot" || figure.kind == "movie") && !frames)
+        return "\"h5md\" in granular.output.formats";
+    if (figure.kind == "rod_tracks" && scene.granular->rods.empty())
+        return "[[granular.rods]]";
+    if (figure.kind == "side_view" && !output.last_period)
+        return "granular.output.last_period = true";
+    return "";
+}
+
+} // namespace
+
+void check_granular(const Scene& scene, const Report& report) {
+    for (std::size_t i = 0; i < scene.figures.size(); ++i) {
+        const Figure& figure = scene.figures[i];
+        const std::string path = fmt::format("figures.{}", i);
+        if (const std::string what = missing(figure, scene); shows_the_bed(figure) && !what.empty())
+            report(path + ".kind", fmt::format("a figure of kind {} needs {}", figure.kind, what));
+        if (figure.kind != "snapshot" && figure.frame != Figure{}.frame)
+            report(path + ".frame", "frame belongs to kind snapshot only");
+    }
+    if (!scene.granular)
+        return;
+    start(*scene.granular, report);
+    times(*scene.granular, report);
+    rods(*scene.granular, report);
+    radii(scene, report);
+}
+
+} // namespace rodwake::scene

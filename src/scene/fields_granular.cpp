@@ -1,0 +1,220 @@
+// Field lists of the granular bed: [granular] with its plates, contacts and output. SI (fields(Granular) says
+// so).
+
+#include "fields.hpp"
+
+namespace rodwake::scene {
+
+namespace {
+
+using enum Dimension;
+
+/// Area fraction of the densest layer of discs, pi/(2 sqrt 3), to the digits that make sense.
+constexpr double densest = 0.9069;
+constexpr double largest_seed = 9223372036854775807.0; // 2^63 - 1, the largest TOML integer
+
+void bead_fields(Visitor& v, Granular& bed) {
+    v(key("phi_b")
+          .above(0.0, densest)
+          .because("a layer of equal discs cannot be denser than pi/(2 sqrt 3)")
+          .doc("area fraction N pi a^2/L^2 that the number of beads N is made from, rounded")
+          .example("0.8"),
+      bed.phi_b);
+    v(key("beads").within(0, 1e7).doc("number of beads; 0 needs a rod").example("1549"), bed.beads);
+    v(key("count_rod_area")
+          .written_if(bed.phi_b.has_value())
+          .doc("with phi_b; false: of the beads alone; true: shared with the rods, N pi a^2 = phi_b L^2 - "
+               "shadows "
+               "of the rods")
+          .example("true"),
+      bed.count_rod_area);
+    v(key("bead_density").unit(density).above(0.0, 1e6).doc("mass density of the beads").example("2700.0"),
+      bed.bead_density);
+    v(key("gravity").unit(acceleration).above(0.0, 1e4).doc("towards the floor").example("9.81"),
+      bed.gravity);
+    v(key("box")
+          .required()
+          .unit(length)
+          .above(0.0, 1e3)
+          .doc("side of the periodic square, L")
+          .example("\"78 a\""),
+      bed.box);
+}
+
+void start_fields(Visitor& v, Granular& bed) {
+    v(key("start")
+          .doc("lattice: beads on a triangular lattice; random: dropped at random; restart: the state in "
+               "restart_from")
+          .example("\"random\""),
+      choice(bed.start, {{"lattice", GranularStart::lattice},
+                         {"random", GranularStart::random},
+                         {"restart", GranularStart::restart}}));
+    v(key("restart_from")
+          .absent("only with start = \"restart\"")
+          .doc("checkpoint file, seen from where the program runs; needed with start = \"restart\"")
+          .example("\"results/bed/checkpoint.h5\""),
+      bed.restart_from);
+    v(key("orientation")
+          .unit(angle)
+          .doc("wanted angle of the close-packed rows from +x; the lattice that closes in the box and is "
+               "nearest is "
+               "taken")
+          .example("\"30 deg\""),
+      bed.orientation);
+    v(key("start_speed")
+          .unit(speed)
+          .within(0.0, 10.0)
+          .doc("rms of each velocity component of the beads at the start")
+          .example("\"20 mm/s\""),
+      bed.start_speed);
+}
+
+void time_fields(Visitor& v, Granular& bed) {
+    v(key("time_step")
+          .unit(time)
+          .above(0.0, 1e-3)
+          .because("above 1e-3 s overlaps are far beyond overlap_limit")
+          .doc("step of the integration")
+          .example("\"2e-5 s\""),
+      bed.time_step);
+    v(key("equilibrate")
+          .unit(time)
+          .within(0.0, 1e7)
+          .absent(
+              "lattice: 0.5 s; restart: 0; random: the time to order, 1 s up to phi_b = 0.60, then linear "
+              "through 2 s (0.70), 8 s (0.72), 10 s (0.76), 24 s from 0.80 on")
+          .doc("before t = 0, with the rods held where they are; round(equilibrate/time_step) steps")
+          .example("\"0.5 s\""),
+      bed.equilibrate);
+    v(key("duration")
+          .required()
+          .unit(time)
+          .above(0.0, 1e7)
+          .doc("from t = 0 on; round(duration/time_step) steps, at least 1")
+          .example("\"10 s\""),
+      bed.duration);
+    v(key("seed").within(0, largest_seed).doc("of everything random; --seed replaces it").example("7"),
+      bed.seed);
+    v(key("runs").within(1, 1e6).doc("number of runs that differ in their random start only").example("30"),
+      bed.runs);
+    v(key("overlap_limit")
+          .above(0.0, 1.0)
+          .doc("the run stops with an error if an overlap exceeds this fraction of the smaller radius")
+          .example("0.1"),
+      bed.overlap_limit);
+    v(key("order_cutoff")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("1.4 d with d = 2 a sqrt(0.9069/phi_b), near the first minimum of g(r)")
+          .doc("beads nearer than this are neighbours in the order parameter psi6")
+          .example("\"2.9 a\""),
+      bed.order_cutoff);
+}
+
+/// The beads are given in one of two ways; what an override drops is not given.
+void one_count(Visitor& v, Granular& bed) {
+    v.one_form({{"phi_b"}, {"beads"}}, [&bed](int form) {
+        if (form == 0)
+            bed.beads.reset();
+        else
+            bed.phi_b.reset();
+    });
+}
+
+} // namespace
+
+void fields(Visitor& v, Plates& plates) {
+    v(key("gap").unit(length).above(0.0, 1.0).doc("from floor to lid").example("\"1.2 mm\""), plates.gap);
+    v(key("frequency").unit(rate).above(0.0, 1e6).doc("f, of floor and lid together").example("\"200 Hz\""),
+      plates.frequency);
+    v(key("gamma")
+          .within(0.0, 1e4)
+          .doc("peak acceleration over gravity, A (2 pi f)^2/g; 0: static plates")
+          .example("7.0"),
+      plates.gamma);
+}
+
+void fields(Visitor& v, Surface& surface) {
+    v(key("friction").within(0.0, 1e3).doc("Coulomb coefficient").example("0.05"), surface.friction);
+    v(key("restitution").within(0.0, 1.0).doc("energetic coefficient").example("0.3"), surface.restitution);
+}
+
+void fields(Visitor& v, SurfaceChange& change) {
+    const char* absent = "that of particle_particle";
+    v(key("friction").within(0.0, 1e3).absent(absent).doc("Coulomb coefficient").example("0.05"),
+      change.friction);
+    v(key("restitution").within(0.0, 1.0).absent(absent).doc("energetic coefficient").example("0.3"),
+      change.restitution);
+}
+
+void fields(Visitor& v, Contacts& contacts) {
+    v.table(key("particle_particle").doc("Beads and rods with each other."), contacts.particle_particle);
+    v.table(key("rod_wall").doc("Rods with floor and lid."), contacts.rod_wall);
+    v.table(key("bead_wall").doc("Beads with floor and lid."), contacts.bead_wall);
+    v.table(key("bead_bead").doc("Beads with beads, where they differ from particle_particle."),
+            contacts.bead_bead);
+    v.table(key("bead_rod").doc("Beads with rods, where they differ from particle_particle."),
+            contacts.bead_rod);
+    v.table(key("rod_rod").doc("Rods with rods, where they differ from particle_particle."),
+            contacts.rod_rod);
+}
+
+void fields(Visitor& v, GranularOutput& output) {
+    v(key("frames")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("duration / 100")
+          .doc("interval of the stored frames; at most 1000000 of them")
+          .example("\"0.1 s\""),
+      output.frames);
+    v(key("table")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("0.01 s, or duration if that is shorter")
+          .doc("interval of the rows of the table of rods, temperatures and order; at most 10000000 of them")
+          .example("\"0.01 s\""),
+      output.table);
+    v(key("formats")
+          .items(0, 2)
+          .one_of({"h5md", "xyz"})
+          .doc("of the frames: H5MD, extended XYZ; [] stores no frames")
+          .example("[\"h5md\", \"xyz\"]"),
+      output.formats);
+    v(key("last_period")
+          .doc("also keep 50 frames of one period of the plates at the end, for the side view")
+          .example("false"),
+      output.last_period);
+    v(key("checkpoint")
+          .unit(time)
+          .above(0.0, 1e7)
+          .doc("interval of the checkpoints in wall-clock time")
+          .example("\"60 s\""),
+      output.checkpoint);
+}
+
+void fields(Visitor& v, Granular& bed) {
+    Units units = si_units(bed.bead_radius);
+    units.bead_words = false;
+    v.use_units(units);
+    v(key("bead_radius")
+          .unit(length)
+          .above(0.0, 1.0)
+          .doc("a; what \"a\" means in \"78 a\" here")
+          .example("\"0.4 mm\""),
+      bed.bead_radius);
+    v.use_units(si_units(bed.bead_radius));
+    bead_fields(v, bed);
+    one_count(v, bed);
+    start_fields(v, bed);
+    time_fields(v, bed);
+    v.table(key("plates").doc("Floor z = A cos(2 pi f t), lid the same plus the gap. Absent: the defaults, "
+                              "which are the paper's."),
+            bed.plates);
+    v.table(key("contacts")
+                .doc("What happens when two things touch. Absent: the defaults, which are the paper's."),
+            bed.contacts);
+    v.table(key("output").doc("What is stored. Absent: the defaults."), bed.output);
+    v.list(key("rods").items(0, max_rods).doc("One entry for each rod in the bed."), bed.rods);
+}
+
+} // namespace rodwake::scene

@@ -1,0 +1,69 @@
+#include "rodwake/store/extended_xyz.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::store {
+
+namespace {
+
+FrameLayout checked(FrameLayout layout) {
+    check_layout(layout);
+    return layout;
+}
+
+using Text = fmt::memory_buffer;
+
+template<class... Values>
+void print(Text& out, fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(out), format, std::forward<Values>(values)...);
+}
+
+void print_head(Text& out, const FrameLayout& layout, const Frame& frame, double unit) {
+    const auto& [x, y, z] = layout.box;
+    const auto flag = [&](std::size_t axis) { return layout.periodic[axis] ? 'T' : 'F'; };
+    print(out, "{}\n", layout.particles());
+    print(out, "Lattice=\"{} 0 0 0 {} 0 0 0 {}\" ", x / unit, y / unit, z / unit);
+    print(out, "Properties=species:S:1:kind:S:1:pos:R:3:velo:R:3:id:I:1:radius:R:1 ");
+    print(out, "pbc=\"{} {} {}\" Time={} Step={}", flag(0), flag(1), flag(2), frame.time, frame.step);
+    for (std::size_t i = 0; i < frame.observables.size(); ++i)
+        print(out, " {}={}", layout.observables[i], frame.observables[i]);
+    out.push_back('\n');
+}
+
+void print_vector(Text& out, const double* v, double unit) {
+    print(out, " {} {} {}", v[0] / unit, v[1] / unit, v[2] / unit);
+}
+
+} // namespace
+
+ExtendedXyzWriter::ExtendedXyzWriter(const std::filesystem::path& target, FrameLayout layout,
+                                     double length_unit)
+    : layout_(checked(std::move(layout))), unit_(length_unit), pending_(target) {
+    if (!(unit_ > 0.0) || !std::isfinite(unit_))
+        throw InputError(
+            fmt::format("{}: length unit {}: must be finite and positive", target.string(), unit_));
+}
+
+void ExtendedXyzWriter::add_frame(const Frame& frame) {
+    check_frame(layout_, frame, last_step_);
+    const WrappedVectors position = wrap(frame.position, layout_);
+    Text out;
+    print_head(out, layout_, frame, unit_);
+    for (std::size_t i = 0; i < layout_.particles(); ++i) {
+        const Kind& kind = layout_.kinds[static_cast<std::size_t>(layout_.species[i])];
+        print(out, "{} {}", kind.symbol, kind.name);
+        print_vector(out, &position.place[3 * i], unit_);
+        print_vector(out, &frame.velocity[3 * i], unit_);
+        print(out, " {} {}\n", layout_.id[i], layout_.radius[i] / unit_);
+    }
+    pending_.write({out.data(), out.size()});
+    last_step_ = frame.step;
+}
+
+void ExtendedXyzWriter::commit() { pending_.commit(); }
+
+} // namespace rodwake::store

@@ -1,0 +1,51 @@
+#pragma once
+// An HDF5 file that appears at commit, and the few calls everything in it is made of.
+
+#include "rodwake/store/atomic_file.hpp"
+
+#include "hdf5_handle.hpp"
+
+#include <span>
+#include <vector>
+
+namespace rodwake::store {
+
+class Hdf5File {
+public:
+    explicit Hdf5File(const std::filesystem::path& target);
+    ~Hdf5File();
+    Hdf5File(const Hdf5File&) = delete;
+    Hdf5File& operator=(const Hdf5File&) = delete;
+    Hdf5File(Hdf5File&&) = delete;
+    Hdf5File& operator=(Hdf5File&&) = delete;
+    hid_t get() const { return file_; }
+
+    /// Everything handed to HDF5 is with the system afterwards. Throws RunError with the system's reason.
+    void flush();
+    /// Closes and renames. Handles to objects of the file must be closed before. Throws RunError.
+    void commit();
+
+private:
+    PendingFile pending_;
+    std::filesystem::path target_;
+    hid_t file_;
+};
+
+/// Makes the groups on the way to what is created.
+Hdf5Handle link_with_parents();
+/// Made if it is not there.
+Hdf5Handle open_group(hid_t file, const std::string& group);
+
+/// A dataset of these extents (none: a scalar); no data if there are no elements.
+Hdf5Handle write_dataset(hid_t file, const std::string& path, hid_t type, const std::vector<hsize_t>& extent,
+                         const void* values);
+
+void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value);
+/// Of fixed length.
+void write_attribute(hid_t object, const std::string& name, const std::string& value);
+void write_attribute(hid_t object, const std::string& name, double value);
+/// One-dimensional; strings of fixed length.
+void write_attribute(hid_t object, const std::string& name, std::span<const std::int32_t> values);
+void write_attribute(hid_t object, const std::string& name, std::span<const std::string> values);
+
+} // namespace rodwake::store

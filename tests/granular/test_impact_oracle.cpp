@@ -1,0 +1,121 @@
+// Stronge's law against the reference set and against brute-force integration.
+
+#include "impact_oracle.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <sstream>
+
+using namespace rodwake;
+using namespace rodwake::granular;
+
+namespace {
+
+struct Row {
+    ImpactCase given;
+    Eigen::Vector3d impulse, velocity;
+    std::string kind;
+};
+
+Row parse(const std::string& line) {
+    std::istringstream in(line);
+    std::vector<std::string> f;
+    for (std::string cell; std::getline(in, cell, ',');)
+        f.push_back(cell);
+    if (f.size() != 19)
+        throw InputError("reference impact with " + std::to_string(f.size()) + " columns: " + line);
+    const auto n = [&f](std::size_t i) { return std::stod(f[i]); };
+    Row row{{{}, {n(7), n(8), n(9)}, {n(10), n(11)}}, {n(12), n(13), n(14)}, {n(15), n(16), n(17)}, f[0]};
+    row.given.inverse_mass << n(1), n(2), n(3), n(2), n(4), n(5), n(3), n(5), n(6);
+    return row;
+}
+
+std::vector<Row> reference() {
+    std::ifstream in(RODWAKE_SOURCE_DIR "/tests/granular/data/stronge_impacts.csv");
+    std::vector<Row> rows;
+    bool header = true;
+    for (std::string line; std::getline(in, line);) {
+        if (line.starts_with('#'))
+            continue;
+        if (!header)
+            rows.push_back(parse(line));
+        header = false;
+    }
+    return rows;
+}
+
+Eigen::Vector3d impulse(const ImpactCase& c) {
+    return stronge_impact(c.inverse_mass, c.velocity, c.surface).impulse;
+}
+
+double error_of(const ImpactCase& c) { return oracle::relative_error(impulse(c), oracle::impulse(c)); }
+
+void report(const ImpactCase& c) {
+    UNSCOPED_INFO("K\n" << c.inverse_mass << "\nv " << c.velocity.transpose() << " mu " << c.surface.friction
+                        << " e " << c.surface.restitution);
+}
+
+} // namespace
+
+TEST_CASE("impacts agree with the reference set") {
+    const std::vector<Row> rows = reference();
+    REQUIRE(rows.size() == 240);
+    for (const Row& row : rows) {
+        const ImpactCase& c = row.given;
+        const Impact got = stronge_impact(c.inverse_mass, c.velocity, c.surface);
+        CAPTURE(row.kind, c.surface.friction, c.surface.restitution);
+        CHECK(oracle::relative_error(got.impulse, row.impulse) < 1e-12); // the accuracy of the set
+        const double fastest = c.velocity.norm() + c.inverse_mass.norm() * row.impulse.norm();
+        CHECK((got.velocity - row.velocity).norm() < 1e-12 * fastest);
+    }
+}
+
+TEST_CASE("the oracle agrees with the reference set") {
+    const std::vector<Row> rows = reference();
+    for (const Row& row : rows)
+        CHECK(oracle::relative_error(oracle::impulse(row.given), row.impulse) < 1e-12); // of the set
+}
+
+TEST_CASE("the comparison with the oracle can fail") {
+    RandomStream random(7);
+    ImpactCase c = rod_case(random);
+    const Eigen::Vector3d right = impulse(c);
+    c.surface.friction *= 1.0 + 1e-9;
+    CHECK(oracle::relative_error(right, oracle::impulse(c)) > 1e-11);
+    c.surface.friction = 0.5;
+    c.surface.restitution *= 1.0 + 1e-9;
+    CHECK(oracle::relative_error(right, oracle::impulse(c)) > 1e-11);
+    CHECK_THROWS_AS(parse("general,1,2,3"), InputError);
+}
+
+TEST_CASE("ordinary impacts agree with brute-force integration") {
+    RandomStream random(11);
+    for (int k = 0; k < 40; ++k)
+        for (const ImpactCase& c : {sphere_case(random), planar_case(random), rod_case(random),
+                                    general_case(random, 100.0)}) {
+            const double error = error_of(c);
+            if (error >= 1e-12)
+                report(c);
+            CHECK(error < 1e-12); // what impact.hpp says
+        }
+}
+
+// The oracle rounds K to nothing, impact.cpp to double: 1 - q.A^-1 q and the like cancel as K becomes singular.
+TEST_CASE("hard impacts agree with brute-force integration") {
+    for (int kind = 0; kind < hard_kinds; ++kind) {
+        RandomStream random(13, static_cast<std::uint32_t>(kind));
+        double worst = 0.0;
+        for (int k = 0; k < 25; ++k) {
+            const ImpactCase c = hard_case(random, kind);
+            const double error = error_of(c);
+            if (error > worst)
+                worst = error;
+            if (error >= 1e-12)
+                report(c);
+        }
+        CAPTURE(kind);
+        CHECK(worst < 1e-12);
+    }
+}

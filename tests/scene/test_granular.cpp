@@ -1,0 +1,229 @@
+// The granular tables: units of their own, defaults that follow other keys, values that do not fit each
+// other.
+
+#include "rodwake/scene/write.hpp"
+#include "support.hpp"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+using namespace scene_test;
+using namespace rodwake::scene;
+
+namespace {
+
+/// Something said about this scene has this part.
+bool says(const std::string& text, const std::string& part, const std::vector<std::string>& overrides = {}) {
+    const std::string message = error_text(text, overrides);
+    INFO(message);
+    const bool found = message.find(part) != std::string::npos;
+    CHECK(found);
+    return found;
+}
+
+void check_round_trip(const Scene& scene) {
+    const std::string written = to_toml(scene);
+    INFO(written);
+    CHECK(parse_scene(written, scene.path) == scene);
+    CHECK(to_toml(parse_scene(written, scene.path)) == written);
+}
+
+Granular granular(const std::string& more = "", const std::vector<std::string>& overrides = {}) {
+    return *parse(bed(more), overrides).granular;
+}
+
+const std::string rod = "[[granular.rods]]\nposition = [\"10 a\", 0.004]\n";
+
+} // namespace
+
+TEST_CASE("the granular tables of the contract are read as they stand there") {
+    const Scene scene = parse(R"(schema = 1
+[granular]
+phi_b = 0.80
+box = "78 a"
+start = "lattice"
+orientation = 0.0
+time_step = "2e-5 s"
+equilibrate = "0.5 s"
+duration = "10 s"
+seed = 1
+runs = 1
+plates = { gap = "1.3 mm", frequency = "150 Hz", gamma = 5.0 }
+[granular.contacts]
+particle_particle = { friction = 0.06, restitution = 0.4 }
+rod_wall = { friction = 0.04, restitution = 0.2 }
+bead_wall = { friction = 0.3, restitution = 0.5 }
+rod_rod = { friction = 0.5 }
+[[granular.rods]]
+kind = "motile"
+position = ["20 a", "46.5 a"]
+heading = 0.0
+imposed_speed = "1 mm/s"
+)");
+    const Granular& g = *scene.granular;
+    CHECK(g.phi_b == 0.80);
+    CHECK(g.box == 78.0 * 0.4e-3);
+    CHECK(g.time_step == 2e-5);
+    CHECK(g.equilibrate == 0.5);
+    CHECK(g.duration == 10.0);
+    CHECK(g.plates == Plates{1.3e-3, 150.0, 5.0});
+    CHECK(g.contacts.particle_particle == Surface{0.06, 0.4});
+    CHECK(g.contacts.rod_wall == Surface{0.04, 0.2});
+    CHECK(g.contacts.bead_wall == Surface{0.3, 0.5});
+    CHECK(g.contacts.rod_rod == SurfaceChange{0.5, std::nullopt});
+    CHECK_FALSE(g.contacts.bead_bead);
+    REQUIRE(g.rods.size() == 1);
+    CHECK(g.rods[0].position == std::vector{20.0 * 0.4e-3, 46.5 * 0.4e-3});
+    CHECK(g.rods[0].imposed_speed == 1e-3);
+    check_round_trip(scene);
+}
+
+TEST_CASE("what is absent from a bed has the default of the contract") {
+    const Granular g = granular(rod);
+    Granular expected;
+    expected.phi_b = 0.7;
+    expected.box = 30.0 * 0.4e-3;
+    expected.duration = 1.0;
+    expected.rods.emplace_back().position = {10.0 * 0.4e-3, 0.004};
+    CHECK(g == expected);
+    CHECK(g.contacts.particle_particle == Surface{0.05, 0.3});
+    CHECK(g.contacts.rod_wall == Surface{0.03, 0.1});
+    CHECK(g.contacts.bead_wall == Surface{0.2, 0.3});
+    CHECK(g.plates == Plates{1.2e-3, 200.0, 7.0});
+    CHECK(g.output.formats == std::vector<std::string>{"h5md"});
+}
+
+TEST_CASE("granular numbers are SI in every scene and need no scales") {
+    const std::string more = "gravity = \"9810 mm/s^2\"\nbead_density = \"2.7 g/cm^3\"\n" + rod;
+    const Granular plain = granular("gravity = 9.81\nbead_density = 2700\n" + rod);
+    CHECK(granular(more) == plain);
+    CHECK(*parse("units = \"si\"\n" + bed(more)).granular == plain);
+    const std::string scales = "[scales]\nf_over_mu = 0.001\nv0 = 0.002\n";
+    for (const std::string units : {"reduced", "si"})
+        CHECK(*parse("units = \"" + units + "\"\n" + bed(more) + scales).granular == plain);
+    CHECK(granular("", {"granular.plates.frequency=0.2 kHz"}).plates.frequency == 200.0);
+    says(bed("order_cutoff = \"1 f/mu\"\n"), "unknown unit \"f/mu\"; known: m, cm, mm, um, a");
+    says("units = \"si\"\n" + bed() + "[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\n",
+         "units = \"si\" needs [scales]");
+    // Reduced tables keep their units beside the bed.
+    const Scene both = parse("units = \"si\"\n" + bed() + scales +
+                             "[[rods]]\nposition = [0.002, 0]\n[rods_run]\nt_end = 1\n");
+    CHECK(both.rods[0].position[0] == 2.0);
+    CHECK(both.granular->box == 30.0 * 0.4e-3);
+    check_round_trip(both);
+}
+
+TEST_CASE("in a bed, a is its own bead radius") {
+    CHECK(granular("bead_radius = \"0.5 mm\"\n").box == 30.0 * 0.5e-3);
+    says(bed("bead_radius = \"2 a\"\n"), "unknown unit \"a\"");
+    const std::string scales = "[scales]\nf_over_mu = 0.001\nv0 = 0.002\nbead_radius = 0.0005\n";
+    says(bed(scales), "granular.bead_radius is 0.0004 m and scales.bead_radius 0.0005 m");
+    CHECK(error_text(bed("bead_radius = 0.0005\n" + scales)) == "");
+}
+
+TEST_CASE("beads are given once") {
+    says("schema = 1\n[granular]\nbox = 1\nduration = 1\n", "granular needs one of phi_b | beads");
+    says(bed("beads = 10\n"), "granular gives phi_b (line 3) and beads (line 6): give one of phi_b | beads");
+    const Granular counted = granular("", {"granular.beads=10"});
+    CHECK(counted.beads == 10);
+    CHECK_FALSE(counted.phi_b);
+    CHECK(granular("", {"granular.phi_b=0.6"}).phi_b == 0.6);
+    says(bed(), "nothing to simulate", {"granular.beads=0"});
+    CHECK(error_text(bed(rod), {"granular.beads=0"}) == "");
+    says(bed("count_rod_area = true\n"), "count_rod_area belongs to phi_b", {"granular.beads=10"});
+    CHECK(error_text(bed("count_rod_area = true\n")) == "");
+}
+
+TEST_CASE("a restart has a file, and nothing else has one") {
+    says(bed("start = \"restart\"\n"), "x.toml:6:9: start = \"restart\" needs restart_from");
+    says(bed("restart_from = \"c.h5\"\n"), "x.toml:6:16: restart_from belongs to start = \"restart\" only");
+    const Granular g = granular("start = \"restart\"\nrestart_from = \"results/bed/c.h5\"\n");
+    CHECK(g.start == GranularStart::restart);
+    CHECK(g.restart_from == "results/bed/c.h5");
+}
+
+TEST_CASE("spheres and thickness of a rod follow its kind unless they are given") {
+    const auto one = [](const std::string& more, const std::vector<std::string>& overrides = {}) {
+        return granular(rod + more, overrides).rods.at(0);
+    };
+    CHECK(one("").spheres == 12);
+    CHECK(one("").thick_diameter == 1.1e-3);
+    CHECK(one("kind = \"apolar\"\n").spheres == 13);
+    CHECK(one("kind = \"apolar\"\n").thick_diameter == 0.95e-3);
+    CHECK(one("kind = \"apolar\"\nspheres = 15\nthick_diameter = \"1 mm\"\n").spheres == 15);
+    CHECK(one("kind = \"apolar\"\nthick_diameter = \"1 mm\"\n").thick_diameter == 1e-3);
+    CHECK(one("", {"granular.rods.0.kind=apolar"}).spheres == 13);
+    const std::string resolved = to_toml(parse(bed(rod)));
+    CHECK(parse(resolved, {"granular.rods.0.kind=apolar"}).granular->rods[0].spheres == 13);
+}
+
+TEST_CASE("overrides reach into the bed") {
+    const Granular g = granular(rod, {"granular.rods.0.heading=90 deg", "granular.rods.0.position.1=3 a",
+                                      "granular.contacts.bead_rod.friction=0.1", "granular.output.formats=[]",
+                                      "granular.plates.gamma=0", "granular.seed=9223372036854775807"});
+    CHECK(g.rods[0].heading == std::numbers::pi / 2.0);
+    CHECK(g.rods[0].position[1] == 3.0 * 0.4e-3);
+    CHECK(g.contacts.bead_rod == SurfaceChange{0.1, std::nullopt});
+    CHECK(g.output.formats.empty());
+    CHECK(g.plates.gamma == 0.0);
+    CHECK(g.seed == 9223372036854775807);
+    says(bed(rod), "no entry 1: granular.rods has 1 (numbered from 0)", {"granular.rods.1.heading=0"});
+}
+
+TEST_CASE("values of a bed that do not fit each other") {
+    says(bed("[granular.output]\nformats = [\"xyz\", \"xyz\"]\n"),
+         "formats[1] = \"xyz\": stands in the list already");
+    says(bed("[granular.output]\nframes = 1e-5\n"), "frames = 1e-05 s is shorter than time_step = 2e-05 s");
+    says(bed("[granular.output]\ntable = 1e-5\n"), "table = 1e-05 s is shorter than time_step");
+    says(bed("[granular.output]\nframes = 1e-4\n"),
+         "frames = 0.0001 s gives 1e+07 of them in 1000 s; at most 1e+06", {"granular.duration=1000"});
+    says(bed(), "table = 0.01 s gives 2e+07 of them", {"granular.duration=2e5"});
+    says(bed("time_step = 1e-300\n"), "steps; at most 1e+12");
+    says(bed(rod + "segments = 5\n"), "x.toml:8:12: segments belong to taper = \"stepwise\" only");
+    CHECK(granular(rod + "taper = \"stepwise\"\nsegments = 5\n").rods[0].segments == 5);
+    says(bed("[[granular.rods]]\nheading = 0\n"),
+         "granular.rods[0] needs the key position, for example position = "
+         "[\"20 a\", \"46.5 a\"]");
+    says(bed("phib = 0.7\n"), "[granular] unknown key \"phib\" (did you mean \"phi_b\"?)");
+    says(bed("[granular.contacts]\nwall_bead = { friction = 0.1 }\n"),
+         "[granular.contacts] unknown key \"wall_bead\"");
+}
+
+TEST_CASE("figures of the bed need it, and what they draw") {
+    const auto drawn = [](const std::string& kind, const std::string& more = "") {
+        return bed(more) + "[[figures]]\nname = \"f\"\nkind = \"" + kind + "\"\n";
+    };
+    for (const std::string kind : {"snapshot", "rod_tracks", "side_view", "movie"}) {
+        CHECK(error_text(drawn(kind, rod)) == "");
+        says(two_rods("[[figures]]\nname = \"f\"\nkind = \"" + kind + "\"\n"),
+             "a figure of kind " + kind + " needs [granular]");
+    }
+    says(drawn("rod_tracks"), "needs [[granular.rods]]");
+    says(drawn("movie", "[granular.output]\nformats = [\"xyz\"]\n"),
+         "needs \"h5md\" in granular.output.formats");
+    says(drawn("snapshot", "[granular.output]\nformats = []\n"), "needs \"h5md\" in granular.output.formats");
+    says(drawn("side_view", "[granular.output]\nlast_period = false\n"), "last_period = true");
+    says(drawn("movie") + "frame = 3\n", "x.toml:9:9: frame belongs to kind snapshot only");
+    says(drawn("trajectories"), "a figure of kind trajectories needs [[rods]]");
+    says(drawn("cut"), "a figure of kind cut needs [[field.cuts]]");
+    CHECK(parse(drawn("snapshot") + "frame = 3\n").figures[0].frame == 3);
+    const Scene windowed = parse(drawn("snapshot") + "x = [\"1 a\", 0.008]\n");
+    CHECK(windowed.figures[0].x == std::vector{0.4e-3, 0.008});
+    check_round_trip(windowed);
+}
+
+TEST_CASE("beds of all sorts survive writing") {
+    check_round_trip(parse(bed()));
+    check_round_trip(parse(bed(rod)));
+    check_round_trip(parse(bed(rod), {"granular.beads=0", "granular.rods.0.kind=apolar",
+                                      "granular.rods.0.imposed_speed=0", "granular.start=random",
+                                      "granular.output.formats=[]", "granular.output.frames=0.3 s",
+                                      "granular.order_cutoff=2.9 a", "granular.equilibrate=0"}));
+    check_round_trip(
+        parse(complete, {"granular.count_rod_area=true", "granular.contacts.bead_bead.friction=0.1",
+                         "granular.rods.0.segments=7", "granular.bead_radius=0.1234567 mm",
+                         "scales.bead_radius=0.1234567 mm", "figures.2.frame=4"}));
+    Scene changed = parse(bed(rod));
+    changed.granular->rods[0].density += 1.0;
+    CHECK_FALSE(changed == parse(bed(rod)));
+}
