@@ -71,4 +71,35 @@ State to_state(const Bodies& bodies, std::int64_t step) {
     return state;
 }
 
+Temperatures bead_temperatures(const Bodies& bodies) {
+    if (bodies.beads == 0)
+        return {};
+    Vector3 sum = Vector3::Zero(), squares = Vector3::Zero();
+    const Vector3 shift = row(bodies.velocity, 0); // keeps the squares small when all move together
+    for (std::size_t i = 0; i < bodies.beads; ++i) {
+        const Vector3 v = row(bodies.velocity, i) - shift;
+        sum += v;
+        squares += v.cwiseProduct(v);
+    }
+    const double count = static_cast<double>(bodies.beads);
+    const Vector3 variance = squares / count - (sum / count).cwiseAbs2();
+    return {(variance.x() + variance.y()) / 2.0, variance.z()};
+}
+
+Energy total_energy(const Bodies& bodies, double gravity) {
+    Energy energy;
+    for (std::size_t i = 0; i < bodies.beads; ++i) {
+        energy.kinetic += (bodies.bead_mass * row(bodies.velocity, i).squaredNorm() +
+                           bodies.bead_inertia * row(bodies.spin, i).squaredNorm()) /
+                          2.0;
+        energy.potential += bodies.bead_mass * gravity * bodies.position[4 * i + 2];
+    }
+    for (const MovingRod& rod : bodies.rods) {
+        const double potential = rod.clump().mass * gravity * rod.body().position.z();
+        energy.kinetic += rod.energy(gravity) - potential;
+        energy.potential += potential;
+    }
+    return energy;
+}
+
 } // namespace rodwake::granular

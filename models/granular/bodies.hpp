@@ -4,6 +4,7 @@
 // test; the state that is stored and handed out is a structure of arrays (state.hpp).
 
 #include "rod_motion.hpp"
+#include "rodwake/granular/observe.hpp"
 #include "rodwake/granular/state.hpp"
 
 #include <cstdint>
@@ -37,5 +38,8 @@ struct Bodies {
 
 Bodies make_bodies(const GranularProblem& problem, const State& state);
 State to_state(const Bodies& bodies, std::int64_t step);
+
+Temperatures bead_temperatures(const Bodies& bodies);
+Energy total_energy(const Bodies& bodies, double gravity);
 
 } // namespace rodwake::granular

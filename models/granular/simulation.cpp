@@ -193,6 +193,20 @@ bool Simulation::finished() const {
 const std::optional<Failure>& Simulation::failure() const { return impl_->failure; }
 const GranularProblem& Simulation::problem() const { return impl_->problem; }
 const Tallies& Simulation::tallies() const { return impl_->tallies; }
+const RodBody& Simulation::rod(std::size_t i) const { return impl_->bodies.rods[i].body(); }
+Temperatures Simulation::temperatures() const { return bead_temperatures(impl_->bodies); }
+Energy Simulation::energy() const { return total_energy(impl_->bodies, impl_->problem.gravity); }
+
+double Simulation::psi6(double cutoff) const {
+    const Bodies& b = impl_->bodies;
+    std::vector<double> x(b.beads), y(b.beads);
+    for (std::size_t i = 0; i < b.beads; ++i) {
+        x[i] = b.position[4 * i];
+        y[i] = b.position[4 * i + 1];
+    }
+    return global_psi6(x, y, impl_->problem.box, cutoff);
+}
+
 State Simulation::state() const { return to_state(impl_->bodies, impl_->step); }
 
 SimulationCost Simulation::cost() const {

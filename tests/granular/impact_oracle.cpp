@@ -125,19 +125,19 @@ private:
 
     void slide() {
         Real h = Real(0.1) / scale_, error = 0;
-        for (int k = 0; k < 1000000 && !ended_; ++k) {
+        for (int k = 0; k < 20000 && !ended_; ++k) {
             const Y f = slope(y_);
             if (y_[log_r] < std::log(speed_) - 64) // 1e-28
                 return;
-            if (std::abs(f[phi]) < 1e-19L * scale_)
+            if (std::abs(f[phi]) < 4e-19L * scale_)
                 return straight(pull(y_[phi]), std::exp(y_[log_r]));
             const Y y1 = gbs(y_, h, error);
-            if (!(error < 1e-18L) || std::abs(y1[phi] - y_[phi]) > 0.2L) {
+            if (!(error < 1e-16L) || std::abs(y1[phi] - y_[phi]) > 0.2L) {
                 h /= 2;
                 continue;
             }
             take(h, y1);
-            h *= error < 1e-21L ? 1.5L : 1;
+            h *= error < 2e-18L ? 1.5L : 1;
         }
         if (!ended_)
             throw std::runtime_error("impact oracle: too many steps");

@@ -40,11 +40,12 @@ double floor_height(const GranularProblem& problem) {
     return amplitude * std::cos(omega * static_cast<double>(problem.equilibration_steps) * problem.time_step);
 }
 
-double periodic_distance(double x, double y, double z, double box) {
-    const auto near = [box](double d) {
-        return std::min(std::fmod(std::abs(d), box), box - std::fmod(std::abs(d), box));
-    };
-    return std::sqrt(near(x) * near(x) + near(y) * near(y) + z * z);
+/// Between two coordinates in [0, box).
+double nearest(double u, double v, double box) { return std::min(std::abs(u - v), box - std::abs(u - v)); }
+
+double into_box(double u, double box) {
+    const double rest = std::fmod(u, box);
+    return rest < 0.0 ? rest + box : rest;
 }
 
 struct Ball {
@@ -67,18 +68,26 @@ std::vector<Ball> balls_of(const State& state, const GranularProblem& problem) {
     return balls;
 }
 
-/// Smallest free distance of any two bodies, or of a body and a plate, m; negative: an overlap.
+/// Smallest free distance of any two bodies that are less than 2 mm apart in x, or of a body and a plate, m;
+/// negative: an overlap. Every pair is looked at.
 double clearance(const State& state, const GranularProblem& problem) {
-    const auto balls = balls_of(state, problem);
-    const double floor = floor_height(problem), lid = floor + problem.plates.gap;
+    auto balls = balls_of(state, problem);
+    const double floor = floor_height(problem), lid = floor + problem.plates.gap, box = problem.box;
+    for (Ball& ball : balls) {
+        ball.x = into_box(ball.x, box);
+        ball.y = into_box(ball.y, box);
+    }
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < balls.size(); ++i) {
         const Ball& p = balls[i];
         least = std::min({least, p.z - p.radius - floor, lid - p.z - p.radius});
-        for (std::size_t j = i + 1; j < balls.size(); ++j)
-            if (const Ball& q = balls[j]; p.body != q.body)
-                least = std::min(least, periodic_distance(p.x - q.x, p.y - q.y, p.z - q.z, problem.box) -
-                                            p.radius - q.radius);
+        for (std::size_t j = i + 1; j < balls.size(); ++j) {
+            const Ball& q = balls[j];
+            const double x = nearest(p.x, q.x, box);
+            if (x < 2e-3 && p.body != q.body) // more than any two radii together
+                least =
+                    std::min(least, std::hypot(x, nearest(p.y, q.y, box), p.z - q.z) - p.radius - q.radius);
+        }
     }
     return least;
 }

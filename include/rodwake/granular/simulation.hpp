@@ -9,6 +9,7 @@
 // Results do not depend on the number of threads, nor on interruptions: advancing by n and then by m steps
 // equals advancing by n + m, and a simulation made from state() goes on with the same bits.
 
+#include "rodwake/granular/observe.hpp"
 #include "rodwake/granular/problem.hpp"
 #include "rodwake/granular/state.hpp"
 
@@ -59,6 +60,11 @@ public:
     const GranularProblem& problem() const;
     const Tallies& tallies() const;
     State state() const;
+    const RodBody& rod(std::size_t i) const;
+    Temperatures temperatures() const;
+    Energy energy() const;
+    /// Of the beads (observe.hpp).
+    double psi6(double cutoff) const;
     SimulationCost cost() const;
 
 private:

@@ -1,0 +1,88 @@
+#pragma once
+// What is kept of a run while it goes on: running means, one row of numbers at an interval, the rods' tracks. Long
+// runs need not store frames.
+
+#include "rodwake/granular/simulation.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace rodwake::granular {
+
+/// One row of table.csv. SI.
+struct TableRow {
+    double t, energy, kinetic, T_xy, T_z; ///< T: means over the interval before the row
+    double psi6, contacts;                ///< now; overlapping pairs per step over the interval
+    double floor_impulse, lid_impulse;    ///< upward momentum given since the row before, N s
+    double max_overlap;                   ///< since the start, radii
+
+    static std::array<const char*, 10> names();
+};
+
+/// Where a rod is in a row of tracks.csv. SI, angles in rad; heading without jumps.
+struct TrackPoint {
+    double x, y, z, heading, pitch;
+    double speed;  ///< along its heading, mean since the row before, m/s
+    double pushed; ///< momentum given to the beads along its heading since the start of the run, N s
+
+    static std::array<const char*, 7> names();
+};
+
+/// How far a rod came, forward along its own heading, since t = 0.
+struct RodProgress {
+    double x0, y0, heading0;          ///< at t = 0
+    double x, y, heading;             ///< at the last sample; heading without jumps
+    double travelled;                 ///< integral of velocity along the heading, m
+    double pushed0[3];                ///< Tallies::pushed at t = 0
+    double row_travelled;             ///< at the last row
+};
+
+struct SampleSums {
+    double T_xy, T_z;
+    std::int64_t count;
+};
+
+/// Two rods: the change of their separation across their mean first heading, outwards positive.
+struct PairProgress {
+    double change;           ///< at the last sample, m
+    double half_box_time;    ///< when they had come half a box on average; negative: not yet
+    double half_box_change;  ///< then
+};
+
+/// The accumulators; plain numbers, stored whole in checkpoints.
+struct RecordSums {
+    SampleSums run, row;          ///< since t = 0; since the last row
+    double psi6;                  ///< sum over rows since t = 0
+    std::int64_t rows;            ///< since t = 0
+    double floor_impulse, lid_impulse; ///< tallies at the last row
+    std::int64_t overlaps, row_step;   ///< tallies and step at the last row
+    PairProgress pair;
+};
+
+class Record {
+public:
+    Record(double order_cutoff, std::size_t rods) : cutoff_(order_cutoff), rods_(rods) { sums_.pair.half_box_time = -1.0; }
+
+    /// Takes a sample now; the first one at t = 0 starts the means.
+    void sample(const Simulation& simulation);
+    TableRow row(const Simulation& simulation);
+    std::vector<TrackPoint> track(const Simulation& simulation);
+
+    /// Mean travel of the rods along their own headings, m.
+    double mean_travel() const;
+    const std::vector<RodProgress>& rods() const { return rods_; }
+    const RecordSums& sums() const { return sums_; }
+    void restore(const RecordSums& sums, std::vector<RodProgress> rods);
+
+private:
+    void begin(const Simulation& simulation);
+    void follow_rods(const Simulation& simulation);
+    void follow_pair(const Simulation& simulation);
+
+    double cutoff_;
+    RecordSums sums_{};
+    std::vector<RodProgress> rods_;
+};
+
+} // namespace rodwake::granular

@@ -1,0 +1,139 @@
+#include "rodwake/granular/record.hpp"
+
+#include "rodwake/granular/observe.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::granular {
+
+namespace {
+
+/// The angle equal to `angle` modulo 2 pi that is nearest to `last`.
+double continued(double angle, double last) { return last + std::remainder(angle - last, 2.0 * std::numbers::pi); }
+
+Eigen::Vector2d along(double heading) { return {std::cos(heading), std::sin(heading)}; }
+
+} // namespace
+
+std::array<const char*, 10> TableRow::names() {
+    return {"t", "energy", "kinetic", "T_xy", "T_z", "psi6", "contacts", "floor_impulse", "lid_impulse", "max_overlap"};
+}
+
+std::array<const char*, 7> TrackPoint::names() { return {"x", "y", "z", "theta", "pitch", "speed", "pushed"}; }
+
+void Record::begin(const Simulation& simulation) {
+    sums_.run = {};
+    sums_.psi6 = 0.0;
+    sums_.rows = 0;
+    for (std::size_t i = 0; i < rods_.size(); ++i) {
+        const RodBody& rod = simulation.rod(i);
+        const Eigen::Vector3d& pushed = simulation.tallies().pushed[i];
+        const double x = rod.position.x(), y = rod.position.y(), heading = rod.heading();
+        rods_[i] = {x, y, heading, x, y, heading, 0.0, {pushed.x(), pushed.y(), pushed.z()}, 0.0};
+    }
+}
+
+void Record::follow_rods(const Simulation& simulation) {
+    for (std::size_t i = 0; i < rods_.size(); ++i) {
+        RodProgress& p = rods_[i];
+        const RodBody& rod = simulation.rod(i);
+        p.travelled += (rod.position.head<2>() - Eigen::Vector2d(p.x, p.y)).dot(along(p.heading));
+        p.x = rod.position.x();
+        p.y = rod.position.y();
+        p.heading = continued(rod.heading(), p.heading);
+    }
+}
+
+void Record::follow_pair(const Simulation& simulation) {
+    if (rods_.size() != 2)
+        return;
+    const RodProgress &a = rods_[0], &b = rods_[1];
+    const Eigen::Vector2d forward = along(a.heading0) + along(b.heading0);
+    if (forward.norm() < 1e-6) // opposite headings have no common side
+        return;
+    const Eigen::Vector2d ahead = forward.normalized(), side(-ahead.y(), ahead.x());
+    const double before = side.dot(Eigen::Vector2d(a.x0 - b.x0, a.y0 - b.y0));
+    const double now = side.dot(Eigen::Vector2d(a.x - b.x, a.y - b.y));
+    sums_.pair.change = std::copysign(1.0, before) * (now - before);
+    const double advanced = ahead.dot(Eigen::Vector2d(a.x + b.x - a.x0 - b.x0, a.y + b.y - a.y0 - b.y0)) / 2.0;
+    if (sums_.pair.half_box_time < 0.0 && advanced >= simulation.problem().box / 2.0) {
+        sums_.pair.half_box_time = simulation.time();
+        sums_.pair.half_box_change = sums_.pair.change;
+    }
+}
+
+void Record::sample(const Simulation& simulation) {
+    if (simulation.step() == simulation.problem().equilibration_steps)
+        begin(simulation);
+    const Temperatures T = simulation.temperatures();
+    for (SampleSums* sums : {&sums_.run, &sums_.row}) {
+        sums->T_xy += T.xy;
+        sums->T_z += T.z;
+        ++sums->count;
+    }
+    if (simulation.time() > 0.0) {
+        follow_rods(simulation);
+        follow_pair(simulation);
+    }
+}
+
+TableRow Record::row(const Simulation& simulation) {
+    const Tallies& tallies = simulation.tallies();
+    const Energy energy = simulation.energy();
+    const double samples = static_cast<double>(std::max<std::int64_t>(sums_.row.count, 1));
+    const double steps = static_cast<double>(std::max<std::int64_t>(simulation.step() - sums_.row_step, 1));
+    TableRow row{};
+    row.t = simulation.time();
+    row.kinetic = energy.kinetic;
+    row.energy = energy.kinetic + energy.potential;
+    row.T_xy = sums_.row.T_xy / samples;
+    row.T_z = sums_.row.T_z / samples;
+    row.psi6 = simulation.psi6(cutoff_);
+    row.contacts = static_cast<double>(tallies.overlaps - sums_.overlaps) / steps;
+    row.floor_impulse = tallies.floor_impulse - sums_.floor_impulse;
+    row.lid_impulse = tallies.lid_impulse - sums_.lid_impulse;
+    row.max_overlap = tallies.max_overlap;
+    sums_.row = {};
+    sums_.floor_impulse = tallies.floor_impulse;
+    sums_.lid_impulse = tallies.lid_impulse;
+    sums_.overlaps = tallies.overlaps;
+    sums_.row_step = simulation.step();
+    if (simulation.time() >= 0.0) {
+        sums_.psi6 += row.psi6;
+        ++sums_.rows;
+    }
+    return row;
+}
+
+std::vector<TrackPoint> Record::track(const Simulation& simulation) {
+    const double interval = static_cast<double>(simulation.step() - sums_.row_step) * simulation.problem().time_step;
+    std::vector<TrackPoint> points;
+    for (std::size_t i = 0; i < rods_.size(); ++i) {
+        RodProgress& p = rods_[i];
+        const RodBody& rod = simulation.rod(i);
+        const Eigen::Vector3d pushed = simulation.tallies().pushed[i] - Eigen::Map<const Eigen::Vector3d>(p.pushed0);
+        const bool begun = simulation.time() >= 0.0;
+        points.push_back({rod.position.x(), rod.position.y(), rod.position.z(), begun ? p.heading : rod.heading(),
+                          std::asin(std::clamp(rod.axis().z(), -1.0, 1.0)),
+                          interval > 0.0 ? (p.travelled - p.row_travelled) / interval : 0.0,
+                          begun ? pushed.head<2>().dot(along(p.heading)) : 0.0});
+        p.row_travelled = p.travelled;
+    }
+    return points;
+}
+
+double Record::mean_travel() const {
+    double sum = 0.0;
+    for (const RodProgress& rod : rods_)
+        sum += rod.travelled;
+    return rods_.empty() ? 0.0 : sum / static_cast<double>(rods_.size());
+}
+
+void Record::restore(const RecordSums& sums, std::vector<RodProgress> rods) {
+    sums_ = sums;
+    rods_ = std::move(rods);
+}
+
+} // namespace rodwake::granular
