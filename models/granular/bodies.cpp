@@ -6,14 +6,14 @@ namespace rodwake::granular {
 
 namespace {
 
-std::vector<double> packed(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {
-    std::vector<double> rows(4 * x.size(), 0.0);
+Rows packed(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {
+    Rows rows(4 * x.size(), 0.0);
     for (std::size_t i = 0; i < x.size(); ++i)
         row(rows, i) << x[i], y[i], z[i];
     return rows;
 }
 
-void unpack(const std::vector<double>& rows, std::vector<double>& x, std::vector<double>& y, std::vector<double>& z) {
+void unpack(const Rows& rows, std::vector<double>& x, std::vector<double>& y, std::vector<double>& z) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         x[i] = rows[4 * i];
         y[i] = rows[4 * i + 1];
@@ -74,15 +74,12 @@ State to_state(const Bodies& bodies, std::int64_t step) {
 Temperatures bead_temperatures(const Bodies& bodies) {
     if (bodies.beads == 0)
         return {};
-    Vector3 sum = Vector3::Zero(), squares = Vector3::Zero();
-    const Vector3 shift = row(bodies.velocity, 0); // keeps the squares small when all move together
-    for (std::size_t i = 0; i < bodies.beads; ++i) {
-        const Vector3 v = row(bodies.velocity, i) - shift;
-        sum += v;
-        squares += v.cwiseProduct(v);
-    }
     const double count = static_cast<double>(bodies.beads);
-    const Vector3 variance = squares / count - (sum / count).cwiseAbs2();
+    Vector3 mean = Vector3::Zero(), variance = Vector3::Zero();
+    for (std::size_t i = 0; i < bodies.beads; ++i)
+        mean += row(bodies.velocity, i) / count;
+    for (std::size_t i = 0; i < bodies.beads; ++i) // two passes: a difference of squares can come out negative
+        variance += (row(bodies.velocity, i) - mean).cwiseAbs2() / count;
     return {(variance.x() + variance.y()) / 2.0, variance.z()};
 }
 

@@ -5,6 +5,7 @@
 
 #include "rod_motion.hpp"
 #include "rodwake/granular/observe.hpp"
+#include "rows.hpp"
 #include "rodwake/granular/state.hpp"
 
 #include <cstdint>
@@ -12,19 +13,12 @@
 
 namespace rodwake::granular {
 
-using Vector3 = Eigen::Vector3d;
-
-inline auto row(std::vector<double>& packed, std::size_t i) { return Eigen::Map<Vector3>(&packed[4 * i]); }
-inline auto row(const std::vector<double>& packed, std::size_t i) {
-    return Eigen::Map<const Vector3>(&packed[4 * i]);
-}
-
 struct Bodies {
     std::size_t beads = 0;
     double bead_radius = 0.0, bead_mass = 0.0, bead_inertia = 0.0;
 
-    std::vector<double> position;       ///< [beads + rod spheres][4], unwrapped
-    std::vector<double> velocity, spin; ///< [beads][4]
+    Rows position;                      ///< [beads + rod spheres][4], unwrapped
+    Rows velocity, spin;                ///< [beads][4]
     std::vector<MovingRod> rods;
     std::vector<double> radius;         ///< [beads + rod spheres]
     std::vector<std::uint32_t> rod_of;  ///< [rod spheres]

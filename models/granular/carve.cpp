@@ -51,12 +51,16 @@ RandomStream stream_for(Purpose purpose, std::uint64_t seed, std::uint32_t run, 
     return RandomStream(seed ^ salt, run, static_cast<std::uint32_t>(index));
 }
 
-Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run) {
-    const auto fit = fit_lattice(problem.box, sites_needed(problem, room), problem.orientation);
-    const auto sites = lattice_sites(fit, problem.box);
+std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites, const GranularProblem& problem,
+                                    const Room& room, std::uint32_t run) {
     const auto order = by_vacancy(sites, problem, room, run);
     std::vector<std::size_t> kept(order.end() - static_cast<std::ptrdiff_t>(problem.beads), order.end());
     std::sort(kept.begin(), kept.end());
+    return kept;
+}
+
+Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
+                  const GranularProblem& problem, const Room& room, std::uint32_t run) {
     Places places;
     for (std::size_t i = 0; i < kept.size(); ++i) {
         places.x.push_back(sites[kept[i]].x());
@@ -65,6 +69,12 @@ Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_
         places.z.push_back(stream_for(Purpose::place, problem.seed, run, i).uniform(-height, height));
     }
     return places;
+}
+
+Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run) {
+    const auto fit = fit_lattice(problem.box, sites_needed(problem, room), problem.orientation);
+    const auto sites = lattice_sites(fit, problem.box);
+    return flat_layer(sites, kept_sites(sites, problem, room, run), problem, room, run);
 }
 
 Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t run) {

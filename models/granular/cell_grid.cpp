@@ -1,6 +1,9 @@
 #include "cell_grid.hpp"
 
+#include "periodic.hpp"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace rodwake::granular {
@@ -19,7 +22,7 @@ struct Grid {
     }
 };
 
-Grid make_grid(const std::vector<double>& position, std::size_t count, double box, double reach) {
+Grid make_grid(const Rows& position, std::size_t count, double box, double reach) {
     const double fit = std::floor(box / reach);
     const auto side = static_cast<std::size_t>(std::clamp(fit, 1.0, 4096.0));
     Grid grid{box, box / static_cast<double>(side), side, {}, {}, {}};
@@ -39,23 +42,24 @@ Grid make_grid(const std::vector<double>& position, std::size_t count, double bo
     return grid;
 }
 
-/// The cell itself and those around it, each once however few there are.
-std::vector<std::size_t> around(const Grid& grid, std::size_t cell) {
+/// The cell itself and those around it, each once however few there are; returns how many.
+std::size_t around(const Grid& grid, std::size_t cell, std::array<std::size_t, 9>& cells) {
     const std::size_t n = grid.side, cx = cell % n, cy = cell / n;
-    std::vector<std::size_t> cells;
-    for (std::size_t dy : {n - 1, n, n + 1})
-        for (std::size_t dx : {n - 1, n, n + 1})
-            cells.push_back((cy + dy) % n * n + (cx + dx) % n);
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return cells;
+    std::size_t count = 0;
+    for (const std::size_t y : {(cy + n - 1) % n, cy, (cy + 1) % n})
+        for (const std::size_t x : {(cx + n - 1) % n, cx, (cx + 1) % n})
+            cells[count++] = y * n + x;
+    if (n < 3) {
+        std::sort(cells.begin(), cells.end());
+        count = static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
+    }
+    return count;
 }
 
-double nearest2(const std::vector<double>& position, std::size_t i, std::size_t j, double box) {
+double nearest2(const Rows& position, std::size_t i, std::size_t j, double box) {
     double sum = 0.0;
     for (std::size_t k : {0u, 1u}) {
-        double d = position[4 * i + k] - position[4 * j + k];
-        d -= box * std::nearbyint(d / box);
+        const double d = nearest_image(position[4 * i + k] - position[4 * j + k], box);
         sum += d * d;
     }
     return sum;
@@ -63,7 +67,7 @@ double nearest2(const std::vector<double>& position, std::size_t i, std::size_t 
 
 } // namespace
 
-void near_pairs(const std::vector<double>& position, const std::vector<double>& radius, std::size_t beads,
+void near_pairs(const Rows& position, const std::vector<double>& radius, std::size_t beads,
                 const std::vector<std::uint32_t>& rod_of, double box, double skin, PairList& list) {
     list.clear();
     const std::size_t count = radius.size();
@@ -72,14 +76,13 @@ void near_pairs(const std::vector<double>& position, const std::vector<double>& 
     // The two largest may meet; most pairs are of beads, so cells fit the pair of the largest kinds present.
     const double widest = *std::max_element(radius.begin(), radius.end());
     const Grid grid = make_grid(position, count, box, 2.0 * widest + skin);
-    std::vector<std::vector<std::size_t>> neighbours(grid.side * grid.side);
-    for (std::size_t c = 0; c < neighbours.size(); ++c)
-        neighbours[c] = around(grid, c);
+    std::array<std::size_t, 9> cells;
     std::vector<std::uint32_t> partners;
     for (std::size_t i = 0; i < count; ++i) {
         partners.clear();
-        for (const std::size_t c : neighbours[grid.cell_of[i]])
-            for (std::uint32_t k = grid.start[c]; k < grid.start[c + 1]; ++k) {
+        const std::size_t cell_count = around(grid, grid.cell_of[i], cells);
+        for (std::size_t c = 0; c < cell_count; ++c)
+            for (std::uint32_t k = grid.start[cells[c]]; k < grid.start[cells[c] + 1]; ++k) {
                 const std::uint32_t j = grid.member[k];
                 if (j <= i || (i >= beads && rod_of[i - beads] == rod_of[j - beads]))
                     continue;

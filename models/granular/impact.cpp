@@ -24,7 +24,7 @@ ImpactProgress start_of(const Eigen::Vector3d& velocity) {
     constexpr double fastest =
         1e150; // slip this fast keeps direction and speed to rounding; squares are finite
     ImpactProgress start;
-    const double speed = std::hypot(velocity.x(), velocity.y());
+    const double speed = velocity.head<2>().norm();
     if (speed > 0.0)
         start.direction = velocity.head<2>() / speed;
     start.speed = std::min(speed / -velocity.z(), fastest);
@@ -51,7 +51,7 @@ Impact uncoupled_impact(double k_t, double k_n, const Eigen::Vector3d& velocity,
     if (!(velocity.z() < 0.0))
         return {Eigen::Vector3d::Zero(), velocity};
     const double normal = -(1.0 + surface.restitution) * velocity.z() / k_n;
-    const double speed = std::hypot(velocity.x(), velocity.y());
+    const double speed = velocity.head<2>().norm();
     // Friction at its limit, or what stops the slip. Divided by the speed only where it is not 0.
     const double over_speed =
         surface.friction * normal * k_t < speed ? surface.friction * normal / speed : 1.0 / k_t;

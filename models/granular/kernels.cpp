@@ -5,6 +5,8 @@
 #include <hwy/highway.h>
 
 #include "kernels.hpp"
+#include "periodic.hpp"
+#include "rodwake/granular/simulation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -79,8 +81,6 @@ void DriftBeads(double* position, double* velocity, std::size_t begin, std::size
     }
 }
 
-double Nearest(double difference, double box) { return difference - box * std::nearbyint(difference * (1.0 / box)); }
-
 /// Squared distance in the plane and height difference of a pair, the nearest image.
 struct Separation {
     double flat2, height;
@@ -88,7 +88,7 @@ struct Separation {
 
 Separation Separate(const double* position, const Pair& pair, double box) {
     const double *a = position + 4 * pair.first, *b = position + 4 * pair.second;
-    const double x = Nearest(a[0] - b[0], box), y = Nearest(a[1] - b[1], box);
+    const double x = nearest_image(a[0] - b[0], box), y = nearest_image(a[1] - b[1], box);
     return {x * x + y * y, a[2] - b[2]};
 }
 

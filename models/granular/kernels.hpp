@@ -51,7 +51,4 @@ std::size_t overlapping(const double* position, const PairList& list, std::size_
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
                          double flat, double upright, std::uint32_t* found);
 
-/// Name of the instruction set in use, "AVX3", for the log.
-const char* vector_target();
-
 } // namespace rodwake::granular

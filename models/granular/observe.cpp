@@ -1,6 +1,7 @@
 #include "rodwake/granular/observe.hpp"
 
 #include "cell_grid.hpp"
+#include "periodic.hpp"
 
 #include <cmath>
 
@@ -9,7 +10,7 @@ namespace rodwake::granular {
 std::vector<std::complex<double>> local_psi6(const std::vector<double>& x, const std::vector<double>& y, double box,
                                              double cutoff) {
     const std::size_t count = x.size();
-    std::vector<double> rows(4 * count, 0.0);
+    Rows rows(4 * count, 0.0);
     for (std::size_t i = 0; i < count; ++i) {
         rows[4 * i] = x[i];
         rows[4 * i + 1] = y[i];
@@ -19,8 +20,8 @@ std::vector<std::complex<double>> local_psi6(const std::vector<double>& x, const
     std::vector<std::complex<double>> psi(count);
     std::vector<int> neighbours(count, 0);
     for (const Pair& pair : near.pairs) {
-        std::complex<double> apart(x[pair.first] - x[pair.second], y[pair.first] - y[pair.second]);
-        apart -= box * std::complex<double>(std::nearbyint(apart.real() / box), std::nearbyint(apart.imag() / box));
+        const std::complex<double> apart(nearest_image(x[pair.first] - x[pair.second], box),
+                                         nearest_image(y[pair.first] - y[pair.second], box));
         const double size2 = std::norm(apart);
         if (size2 == 0.0)
             continue;

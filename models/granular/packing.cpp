@@ -57,7 +57,8 @@ private:
     Gap gap_to_rod(Near pair) const {
         const Disc& disc = room_.rods[pair.other];
         const double x = nearest_image(p_.x[pair.bead] - disc.x, room_.box);
-        const double y = nearest_image(p_.y[pair.bead] - disc.y, room_.box), z = p_.z[pair.bead];
+        const double y = nearest_image(p_.y[pair.bead] - disc.y, room_.box);
+        const double z = p_.z[pair.bead] - disc.height;
         return {x, y, z, std::sqrt(x * x + y * y + z * z)};
     }
     double touching(Near pair) const { return room_.rods[pair.other].radius + room_.radius; }

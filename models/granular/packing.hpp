@@ -10,7 +10,7 @@
 
 namespace rodwake::granular {
 
-/// Where beads may be. z = 0 is the middle of the gap, where the rods lie.
+/// Where beads may be. z = 0 is the middle of the gap; rods lie there, but for a little (Disc::height).
 struct Room {
     double box;             ///< m
     double radius;          ///< of the beads, m

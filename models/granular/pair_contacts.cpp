@@ -1,6 +1,7 @@
 #include "pair_contacts.hpp"
 
 #include "contact_frame.hpp"
+#include "periodic.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +36,7 @@ std::size_t sphere_of_rod(const Bodies& bodies, std::size_t sphere) {
 PairContacts::Touch PairContacts::touch(const Bodies& bodies, const Pair& pair) const {
     Vector3 apart = row(bodies.position, pair.first) - row(bodies.position, pair.second);
     for (int k : {0, 1})
-        apart[k] -= box_ * std::nearbyint(apart[k] * (1.0 / box_));
+        apart[k] = nearest_image(apart[k], box_);
     const double distance = apart.norm();
     const double depth = bodies.radius[pair.first] + bodies.radius[pair.second] - distance;
     return {distance > 0.0 ? Vector3(apart / distance) : Vector3(Vector3::UnitZ()), depth};

@@ -40,7 +40,7 @@ private:
 
     double box_, skin_, length_; ///< length_: scale for limits, a bead radius
     PairList outer_, inner_;
-    std::vector<double> origin_; ///< positions at the last rebuild
+    Rows origin_; ///< positions at the last rebuild
     double flat_ = 0.0, upright_ = 0.0;                       ///< moved since the last refresh, m
     double flat_allowance_ = 0.0, upright_allowance_ = 0.0;
     double outer_allowance_ = 0.0; ///< flat allowance the outer list was built for

@@ -10,6 +10,7 @@ namespace rodwake::granular {
 
 struct Disc {
     double x, y, radius; ///< m
+    double height = 0.0; ///< of the centre above the middle of the gap, m; no part of the plan view
 };
 
 /// Difference of two coordinates to the nearest periodic image, in [-box/2, box/2].

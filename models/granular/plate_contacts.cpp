@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rodwake::granular {
 
@@ -50,13 +51,22 @@ double rough_time_since_touch(double depth, double approach, double pressing) {
     return inside >= 0.0 ? 2.0 * depth / (approach + std::sqrt(inside)) : -1.0;
 }
 
+/// The last time the bead was clear of the plate: the start of its flight, or the top of its hop if it leaves the plate
+/// there.
+double last_clear(const Flight& flight, const Plate& plate) {
+    const double leaving = flight.opening(plate, flight.back);
+    if (!(leaving > 0.0 && plate.pressing() > 0.0))
+        return flight.back;
+    return std::max(flight.back - leaving / plate.pressing(), flight.back / 2.0);
+}
+
 /// How long before the end of the step the bead touched the plate: Newton, kept between bounds.
 double time_since_touch(const Flight& flight, const Plate& plate) {
     // Touching from the start on, or so soon that it makes no hop.
     const double soon = shortest_hop * flight.back, hop = std::max(plate.pressing(), 0.0) * soon * soon / 2.0;
-    if (flight.gap(plate, flight.back) <= hop && -flight.opening(plate, flight.back) <= plate.pressing() * soon)
+    if (flight.gap(plate, flight.back) <= hop && std::abs(flight.opening(plate, flight.back)) <= plate.pressing() * soon)
         return flight.back;
-    double apart = flight.back, within = 0.0;
+    double apart = last_clear(flight, plate), within = 0.0;
     double before = rough_time_since_touch(-flight.gap_now(plate), -flight.opening_now(plate), plate.pressing());
     if (!(before > within && before < apart))
         before = (within + apart) / 2.0;
@@ -113,21 +123,9 @@ bool comes_to_rest(double touching_speed, const Plate& plate, double restitution
     return 2.0 * restitution * touching_speed < plate.pressing() * shortest_hop * plate.step->time_step;
 }
 
-void bounce_off(Bodies& bodies, std::size_t bead, const Plate& plate, const Surface& surface, Range& velocities,
-                PlateTally& tally) {
-    double back = plate.step->time_step;
-    for (int bounces = 0;; ++bounces) {
-        const Flight flight{bodies.position[4 * bead + 2], bodies.velocity[4 * bead + 2], bodies.bead_radius, back};
-        if (!(flight.gap_now(plate) < 0.0))
-            return;
-        back = time_since_touch(flight, plate);
-        const bool rests =
-            bounces == most_bounces || comes_to_rest(-flight.opening(plate, back), plate, surface.restitution);
-        rests ? rest_bead(bodies, bead, plate, surface, tally) : bounce_at(bodies, bead, plate, back, surface, tally);
-        velocities.include(&bodies.velocity[4 * bead]);
-        if (rests)
-            return;
-    }
+/// The plate that the bead is in, or none (nullptr): the gap is wider than a bead.
+const Plate* entered(const Flight& flight, const Plate& floor, const Plate& lid) {
+    return flight.gap_now(floor) < 0.0 ? &floor : flight.gap_now(lid) < 0.0 ? &lid : nullptr;
 }
 
 struct Deepest {
@@ -161,7 +159,9 @@ void bounce_rod_off(MovingRod& rod, const Plate& plate, const Surface& surface, 
     if (!(approach > 0.0))
         return;
     const double rebound = surface.restitution * approach;
-    const bool rests = rebound * rebound < 2.0 * plate.pressing() * contact.depth;
+    // without losses nothing comes to rest: it would take or give energy
+    const bool rests =
+        surface.restitution < 1.0 && rebound * rebound < 2.0 * plate.pressing() * contact.depth;
     const Surface acting{surface.friction, rests ? 0.0 : surface.restitution};
     const Vector3 impulse = impulse_along(normal, rod.inverse_mass_at(arm), relative, acting);
     rod.push(impulse, arm);
@@ -175,8 +175,22 @@ void bounce_rod_off(MovingRod& rod, const Plate& plate, const Surface& surface, 
 
 void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface, Range& velocities,
                  PlateTally& tally) {
-    bounce_off(bodies, bead, {1.0, &step}, surface, velocities, tally);
-    bounce_off(bodies, bead, {-1.0, &step}, surface, velocities, tally);
+    const Plate floor{1.0, &step}, lid{-1.0, &step};
+    double back = step.time_step;
+    for (int bounces = 0;; ++bounces) {
+        const Flight flight{bodies.position[4 * bead + 2], bodies.velocity[4 * bead + 2], bodies.bead_radius, back};
+        const Plate* plate = entered(flight, floor, lid);
+        if (!plate)
+            return;
+        tally.deepest_flight = std::max(tally.deepest_flight, -flight.gap_now(*plate) / bodies.bead_radius);
+        back = time_since_touch(flight, *plate);
+        const bool rests =
+            bounces == most_bounces || comes_to_rest(-flight.opening(*plate, back), *plate, surface.restitution);
+        rests ? rest_bead(bodies, bead, *plate, surface, tally) : bounce_at(bodies, bead, *plate, back, surface, tally);
+        velocities.include(&bodies.velocity[4 * bead]);
+        if (rests)
+            return;
+    }
 }
 
 void bounce_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally) {

@@ -11,7 +11,8 @@ namespace rodwake::granular {
 struct PlateTally {
     double floor_impulse = 0.0, lid_impulse = 0.0; ///< upward momentum given, N s
     std::int64_t impulses = 0;
-    double max_overlap = 0.0; ///< in radii, rods only
+    double max_overlap = 0.0;    ///< in radii, rods only
+    double deepest_flight = 0.0; ///< how far a bead flew into a plate before it was put back, in radii
 };
 
 struct PlateStep {

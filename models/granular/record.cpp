@@ -92,12 +92,10 @@ TableRow Record::row(const Simulation& simulation) {
     row.T_z = sums_.row.T_z / samples;
     row.psi6 = simulation.psi6(cutoff_);
     row.contacts = static_cast<double>(tallies.overlaps - sums_.overlaps) / steps;
-    row.floor_impulse = tallies.floor_impulse - sums_.floor_impulse;
-    row.lid_impulse = tallies.lid_impulse - sums_.lid_impulse;
+    row.floor_impulse = tallies.floor_impulse;
+    row.lid_impulse = tallies.lid_impulse;
     row.max_overlap = tallies.max_overlap;
     sums_.row = {};
-    sums_.floor_impulse = tallies.floor_impulse;
-    sums_.lid_impulse = tallies.lid_impulse;
     sums_.overlaps = tallies.overlaps;
     sums_.row_step = simulation.step();
     if (simulation.time() >= 0.0) {

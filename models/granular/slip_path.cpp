@@ -4,6 +4,7 @@
 #include "rodwake/core/error.hpp"
 #include "slip_series.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -17,14 +18,38 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// Of scale: h below this is rounding of q, A and s.
 constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+/// g, h and dh/dphi of a direction (slip_path.hpp).
+struct Turning {
+    double growth, turn, slope;
+};
 
-/// The path is curved where h is more than rounding and, in the rest of the slip, turns v_t by more than
-/// counts: by at most h p, p = r/(-g).
-bool is_curved(const ContactTerms& contact, const ImpactProgress& at, double rounding_of_h) {
-    const Eigen::Vector2d rate = contact.slip_rate(at.direction);
-    const double g = at.direction.dot(rate), h = std::abs(cross(at.direction, rate));
-    return h > rounding_of_h && !(g < 0.0 && h * at.speed <= -g * contact.tolerance);
+Turning turning(const ContactTerms& contact, const Eigen::Vector2d& s) {
+    const Eigen::Vector2d rate = contact.slip_rate(s), t(-s.y(), s.x());
+    const double growth = s.dot(rate);
+    return {growth, t.dot(rate), -growth - contact.friction * t.dot(contact.tangential * t)};
+}
+
+/// Onto the root of h next to the direction.
+void settle(const ContactTerms& contact, Eigen::Vector2d& s) {
+    for (int k = 0; k < 3; ++k) { // Newton, from a distance of 1e-3 at most
+        const Turning at = turning(contact, s);
+        s = (s - at.turn / at.slope * Eigen::Vector2d(-s.y(), s.x())).normalized();
+    }
+}
+
+/// Whether the direction has settled: h is rounding; or in what is left of a dying slip, p = r/(-g), it turns
+/// v_t by no more than counts; or the root that attracts it is so near that v_t may be moved there. Without
+/// the last, a path that has settled but neither grows nor dies would be followed in steps of its fast time
+/// scale.
+bool is_straight(const ContactTerms& contact, ImpactProgress& at) {
+    const Turning now = turning(contact, at.direction);
+    const double turn = std::abs(now.turn);
+    if (turn <= rounding * contact.scale || turn * at.speed <= -now.growth * contact.tolerance)
+        return true;
+    if (!(turn * std::max(at.speed, 1e3 * contact.tolerance) <= -now.slope * contact.tolerance))
+        return false;
+    settle(contact, at.direction);
+    return true;
 }
 
 [[noreturn]] void refuse_singular() {
@@ -51,7 +76,7 @@ ContactTerms::ContactTerms(const Eigen::Matrix2d& a, const Eigen::Vector2d& q, c
 
 void slide_curved(const ContactTerms& contact, ImpactProgress& at) {
     while (!at.ended && at.speed > contact.tolerance) {
-        if (!is_curved(contact, at, rounding * contact.scale))
+        if (is_straight(contact, at))
             return;
         if (++at.steps > most_slip_steps)
             throw RunError("impact: the slip was not followed to its end in " +

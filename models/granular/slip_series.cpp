@@ -12,23 +12,27 @@ namespace {
 constexpr int order = SlipSeries::order;
 using Coefficients = std::array<double, order + 1>;
 
-constexpr Coefficients reciprocals = [] {
-    Coefficients one_over{};
-    for (int k = 1; k <= order; ++k)
+constexpr int work_order = SlipSeries::work_order;
+
+constexpr auto reciprocals = [] {
+    std::array<double, work_order + 1> one_over{};
+    for (int k = 1; k <= work_order; ++k)
         one_over[k] = 1.0 / k;
     return one_over;
 }();
 
-double value(const Coefficients& c, double u) {
-    double sum = c[order];
-    for (int k = order; k-- > 0;)
+template<std::size_t size>
+double value(const std::array<double, size>& c, double u) {
+    double sum = c[size - 1];
+    for (std::size_t k = size - 1; k-- > 0;)
         sum = sum * u + c[k];
     return sum;
 }
 
-ValueAndSlope value_and_slope(const Coefficients& c, double u) {
-    double sum = c[order], slope = 0.0;
-    for (int k = order; k-- > 0;) {
+template<std::size_t size>
+ValueAndSlope value_and_slope(const std::array<double, size>& c, double u) {
+    double sum = c[size - 1], slope = 0.0;
+    for (std::size_t k = size - 1; k-- > 0;) {
         slope = slope * u + sum;
         sum = sum * u + c[k];
     }
@@ -59,6 +63,7 @@ SlipSeries::SlipSeries(const ContactTerms& contact, const ImpactProgress& from)
     scale_to(length);
     impulse_ = from.speed * length / contact.scale;
     integrate_normal();
+    integrate_work();
 }
 
 /// In tau' = scale tau, so that no power over- or underflows.
@@ -99,14 +104,17 @@ void SlipSeries::scale_to(double length) {
 void SlipSeries::integrate_normal() {
     const Eigen::Vector2d pull = contact_.friction * contact_.coupling;
     v_[0] = from_.normal.velocity;
-    w_[0] = 0.0;
     for (int k = 1; k <= order; ++k)
         v_[k] = impulse_ * (r_[k - 1] - (pull.x() * x_[k - 1] + pull.y() * y_[k - 1])) * reciprocals[k];
-    Coefficients product{}; // of r and v_z; by rows, which the compiler turns into vector operations
-    for (int i = 0; i < order; ++i)
-        for (int j = 0; j < order - i; ++j)
+}
+
+void SlipSeries::integrate_work() {
+    std::array<double, work_order> product{}; // of r and v_z; by rows, which the compiler vectorises
+    for (int i = 0; i <= order; ++i)
+        for (int j = 0; j <= std::min(order, work_order - 1 - i); ++j)
             product[i + j] += r_[i] * v_[j];
-    for (int k = 1; k <= order; ++k)
+    w_[0] = 0.0;
+    for (int k = 1; k <= work_order; ++k)
         w_[k] = impulse_ * product[k - 1] * reciprocals[k];
 }
 

@@ -17,6 +17,8 @@ namespace rodwake::granular {
 class SlipSeries {
 public:
     static constexpr int order = 20;
+    /// Of W: a product of two series of exponential kind falls off later than they do.
+    static constexpr int work_order = 30;
 
     SlipSeries(const ContactTerms& contact, const ImpactProgress& from);
 
@@ -38,14 +40,16 @@ private:
     double step_length() const;
     void scale_to(double length);
     void integrate_normal();
+    void integrate_work();
     int cuts(std::array<double, 6>& u) const;
     Stop stop_between(double low, double high) const;
 
     const ContactTerms& contact_;
     const ImpactProgress& from_;
-    Coefficients x_, y_, r_; ///< v_t and r
-    Coefficients v_, w_;     ///< v_z and W - W(0)
-    double impulse_;         ///< p of the step, were r constant
+    Coefficients x_, y_, r_;               ///< v_t and r
+    Coefficients v_;                       ///< v_z
+    std::array<double, work_order + 1> w_; ///< W - W(0)
+    double impulse_;                       ///< p of the step, were r constant
     double wanted_;
 };
 

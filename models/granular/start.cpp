@@ -4,6 +4,7 @@
 
 #include "rodwake/core/error.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -14,13 +15,36 @@ namespace rodwake::granular {
 namespace {
 
 constexpr double height_margin = 1e-3; // of the free height stays free at both plates
+constexpr double rod_offset = 0.01;    // of a rod's free height, up or down
 
-Room room_of(const GranularProblem& problem) {
+/// Two independent normal numbers (Box and Muller).
+Eigen::Vector2d normal_pair(RandomStream& random) {
+    const double radius = std::sqrt(-2.0 * std::log(random.uniform())), angle = 2.0 * M_PI * random.uniform();
+    return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+/// What tells the rods of one run from those of another, even where there are no beads.
+struct RodStart {
+    double height; ///< above the middle of the gap, m
+    double speed;  ///< upwards, m/s
+};
+
+RodStart rod_start(const GranularProblem& problem, std::size_t rod, std::uint32_t run) {
+    auto random = stream_for(Purpose::rod, problem.seed, run, rod);
+    const double thickest = 2.0 * std::ranges::max(make_clump(problem.rods[rod].shape).radius);
+    const double most = rod_offset * (problem.plates.gap - thickest);
+    const double height = random.uniform(-most, most);
+    return {height, problem.start_speed * normal_pair(random).x()};
+}
+
+Room room_of(const GranularProblem& problem, std::uint32_t run) {
     const double free = 0.5 * problem.plates.gap - problem.bead_radius;
     Room room{problem.box, problem.bead_radius, (1.0 - height_margin) * free, {}};
-    for (const RodSpec& rod : problem.rods)
-        for (const Disc& disc : rod_discs(rod, make_clump(rod.shape)))
+    for (std::size_t k = 0; k < problem.rods.size(); ++k)
+        for (Disc disc : rod_discs(problem.rods[k], make_clump(problem.rods[k].shape))) {
+            disc.height = rod_start(problem, k, run).height;
             room.rods.push_back(disc);
+        }
     return room;
 }
 
@@ -29,12 +53,6 @@ double middle_height(const GranularProblem& problem) {
     const double time = -static_cast<double>(problem.equilibration_steps) * problem.time_step;
     const double phase = 2.0 * M_PI * std::remainder(problem.plates.frequency * time, 1.0);
     return problem.plates.amplitude(problem.gravity) * std::cos(phase) + 0.5 * problem.plates.gap;
-}
-
-/// Two independent normal numbers (Box and Muller).
-Eigen::Vector2d normal_pair(RandomStream& random) {
-    const double radius = std::sqrt(-2.0 * std::log(random.uniform())), angle = 2.0 * M_PI * random.uniform();
-    return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
 void remove_mean(std::vector<double>& velocity) {
@@ -57,52 +75,109 @@ void set_velocities(Beads& beads, const GranularProblem& problem, std::uint32_t 
         remove_mean(*velocity);
 }
 
-RodBody resting_rod(const RodSpec& spec, double height) {
-    RodBody rod;
-    rod.position = {spec.position.x(), spec.position.y(), height};
-    const double half = 0.5 * std::remainder(spec.heading, 2.0 * M_PI);
-    rod.orientation = Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half));
-    return rod;
+void add_rods(State& state, const GranularProblem& problem, std::uint32_t run) {
+    const double middle = middle_height(problem);
+    for (std::size_t k = 0; k < problem.rods.size(); ++k) {
+        const RodSpec& spec = problem.rods[k];
+        const RodStart start = rod_start(problem, k, run);
+        const double half = 0.5 * std::remainder(spec.heading, 2.0 * M_PI);
+        RodBody rod;
+        rod.position = {spec.position.x(), spec.position.y(), middle + start.height};
+        rod.velocity.z() = start.speed;
+        rod.orientation = Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half));
+        state.rods.push_back(rod);
+    }
 }
 
-std::string no_packing(const GranularProblem& problem, double overlap) {
-    const bool random = problem.start == Start::random;
+std::string no_packing(const GranularProblem& problem, const char* kind, const char* advice, double overlap) {
     return fmt::format(
-        "found no {} packing of {} beads (phi_b = {:.4f}) {}that is free of overlaps: the best one still "
-        "overlaps by {:.2g} bead radii; {}use fewer beads or a larger box",
-        random ? "random" : "lattice", problem.beads, bead_area_fraction(problem),
+        "found no {} of {} beads (phi_b = {:.4f}) {}that is free of overlaps: the best one still overlaps by "
+        "{:.2g} bead radii; {}use fewer beads or a larger box",
+        kind, problem.beads, bead_area_fraction(problem),
         problem.rods.empty() ? "" : fmt::format("beside {} rods ", problem.rods.size()),
-        overlap / problem.bead_radius, random ? "try start = \"lattice\", or " : "");
+        overlap / problem.bead_radius, advice);
 }
 
-Places packed(const GranularProblem& problem, std::uint32_t run) {
-    const Room room = room_of(problem);
-    Places places =
-        problem.start == Start::lattice ? on_lattice(problem, room, run) : at_random(problem, room, run);
+/// Places of the state's beads: these, moved apart.
+double set_places(State& state, Places places, const GranularProblem& problem, const Room& room,
+                  std::uint32_t run) {
     const double left = push_apart(places, room, stream_for(Purpose::shake, problem.seed, run));
-    if (left > 0.0)
-        throw RunError(no_packing(problem, left));
+    const double middle = middle_height(problem);
+    state.beads.resize(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        state.beads.x[i] = wrap(places.x[i], problem.box);
+        state.beads.y[i] = wrap(places.y[i], problem.box);
+        state.beads.z[i] = middle + places.z[i];
+    }
+    return left;
+}
+
+void check_stored(const GranularProblem& problem, const Beads& stored) {
+    if (stored.size() < problem.beads)
+        throw InputError(
+            fmt::format("the stored bed has {} beads and this scene {}: beads can be taken out but not "
+                        "added; lower beads or phi_b, or restart from a denser bed",
+                        stored.size(), problem.beads));
+    for (std::size_t i = 0; i < stored.size(); ++i)
+        for (const auto* column :
+             {&stored.x, &stored.y, &stored.vx, &stored.vy, &stored.vz, &stored.wx, &stored.wy, &stored.wz})
+            if (!std::isfinite((*column)[i]))
+                throw InputError(
+                    fmt::format("the stored bed is damaged: place or velocity of bead {} is {}; restart "
+                                "from another one",
+                                i, (*column)[i]));
+}
+
+std::vector<Eigen::Vector2d> places_in_box(const Beads& beads, double box) {
+    std::vector<Eigen::Vector2d> places;
+    for (std::size_t i = 0; i < beads.size(); ++i)
+        places.emplace_back(wrap(beads.x[i], box), wrap(beads.y[i], box));
     return places;
+}
+
+void copy_velocities(const Beads& from, const std::vector<std::size_t>& kept, Beads& to) {
+    using Column = std::vector<double> Beads::*;
+    for (const Column column : {&Beads::vx, &Beads::vy, &Beads::vz, &Beads::wx, &Beads::wy, &Beads::wz})
+        for (std::size_t i = 0; i < kept.size(); ++i)
+            (to.*column)[i] = (from.*column)[kept[i]];
 }
 
 } // namespace
 
 State make_start(const GranularProblem& problem, std::uint32_t run) {
     validate(problem);
-    const double middle = middle_height(problem);
     State state;
     if (problem.beads > 0) {
-        const Places places = packed(problem, run);
-        state.beads.resize(problem.beads);
-        for (std::size_t i = 0; i < problem.beads; ++i) {
-            state.beads.x[i] = wrap(places.x[i], problem.box);
-            state.beads.y[i] = wrap(places.y[i], problem.box);
-            state.beads.z[i] = middle + places.z[i];
-        }
+        const bool lattice = problem.start == Start::lattice;
+        const Room room = room_of(problem, run);
+        const double left =
+            set_places(state, lattice ? on_lattice(problem, room, run) : at_random(problem, room, run),
+                       problem, room, run);
+        if (left > 0.0)
+            throw RunError(no_packing(problem, lattice ? "lattice packing" : "random packing",
+                                      lattice ? "" : "try start = \"lattice\", or ", left));
         set_velocities(state.beads, problem, run);
     }
-    for (const RodSpec& rod : problem.rods)
-        state.rods.push_back(resting_rod(rod, middle));
+    add_rods(state, problem, run);
+    return state;
+}
+
+State restart_from(const GranularProblem& problem, const State& stored, std::uint32_t run) {
+    validate(problem);
+    check_stored(problem, stored.beads);
+    State state;
+    if (problem.beads > 0) {
+        const Room room = room_of(problem, run);
+        const auto sites = places_in_box(stored.beads, problem.box);
+        const auto kept = kept_sites(sites, problem, room, run);
+        const double left =
+            set_places(state, flat_layer(sites, kept, problem, room, run), problem, room, run);
+        if (left > 0.0)
+            throw RunError(no_packing(problem, "packing from the stored bed",
+                                      "restart from a bed in a box of the same size, ", left));
+        copy_velocities(stored.beads, kept, state.beads);
+    }
+    add_rods(state, problem, run);
     return state;
 }
 

@@ -52,4 +52,11 @@ std::uint64_t state_hash(const State& state) {
     return hash.value();
 }
 
+std::uint64_t combined_hash(const std::vector<std::uint64_t>& hashes) {
+    Hash hash;
+    for (const std::uint64_t one : hashes)
+        hash.add(static_cast<std::int64_t>(one));
+    return hash.value();
+}
+
 } // namespace rodwake::granular

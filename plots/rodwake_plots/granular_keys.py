@@ -17,6 +17,7 @@ MEANINGS = {
         "time_step": ("Δ<i>t</i>", "step of the integration", "s"),
         "equilibrate": ("", "time before <i>t</i> = 0, rods held", "s"),
         "duration": ("", "time from <i>t</i> = 0 on", "s"),
+        "stop_at_travel": ("", "the run ends when the rods' mean travel along their headings reaches this", "m"),
         "seed": ("", "of everything random", ""),
         "runs": ("", "runs that differ in their random start only", ""),
         "overlap_limit": ("", "largest overlap allowed, of the smaller radius", ""),

@@ -34,7 +34,9 @@ double particles(const GranularProblem& problem) {
 std::string beads_text(const scene::Granular& bed, const GranularProblem& problem) {
     return fmt::format("{} beads of radius {:g} mm and {:g} kg/m^3: phi_b = {:.4f}{}", problem.beads,
                        1e3 * problem.bead_radius, problem.bead_density, granular::bead_area_fraction(problem),
-                       bed.count_rod_area ? " of the beads alone, the rods' shadows taken off" : "");
+                       bed.phi_b && bed.count_rod_area && !bed.rods.empty()
+                           ? fmt::format(" of the beads alone, {:g} with the rods' shadows", *bed.phi_b)
+                           : "");
 }
 
 std::string start_text(const scene::Granular& bed, const GranularProblem& problem) {
@@ -105,9 +107,12 @@ void add_order_line(const scene::Granular& bed, const GranularProblem& problem,
 std::string time_text(const scene::Granular& bed, const GranularProblem& problem) {
     return fmt::format(
         "{} steps of {:g} s from t = 0 ({:g} s) after {} of equilibration ({:g} s) with the rods held; "
-        "{} run{}",
+        "{}{} run{}",
         problem.steps, problem.time_step, static_cast<double>(problem.steps) * problem.time_step,
         problem.equilibration_steps, static_cast<double>(problem.equilibration_steps) * problem.time_step,
+        bed.stop_at_travel ? fmt::format("ends earlier if the rods have travelled {:.4g} a on average; ",
+                                         *bed.stop_at_travel / bed.bead_radius)
+                           : "",
         bed.runs, bed.runs == 1 ? "" : "s");
 }
 

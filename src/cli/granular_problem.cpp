@@ -53,7 +53,7 @@ std::size_t bead_count(const scene::Granular& bed, const std::vector<granular::R
     if (shadows > wanted)
         throw InputError(fmt::format(
             "phi_b = {} with count_rod_area leaves no room for beads: the rods alone cover {:.4f} "
-            "of the box; raise phi_b or the box, or drop count_rod_area",
+            "of the box; raise phi_b or the box, or set count_rod_area = false",
             *bed.phi_b, shadows / (bed.box * bed.box)));
     const double count =
         std::round((wanted - shadows) / (std::numbers::pi * bed.bead_radius * bed.bead_radius));

@@ -19,8 +19,11 @@ int dispatch(const Options& options) {
     case Verb::field:
         return options.points.empty() ? verb_stages(options) : verb_field_points(options);
     case Verb::rods:
+    case Verb::dem:
     case Verb::run:
         return verb_stages(options);
+    case Verb::impact:
+        return verb_impact(options);
     case Verb::plot:
         return verb_plot(options);
     case Verb::info:

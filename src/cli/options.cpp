@@ -59,6 +59,15 @@ void add_verbs(CLI::App& app, Options& options) {
     scene(add_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
                    "  rodwake rods scenes/quickstart.toml -o results/pair\n"
                    "  rodwake rods scenes/quickstart.toml -s coupling.kappa=100 -s rods_run.method=bdf"));
+    scene(add_verb(app, options, Verb::dem, "dem", "granular run of a scene; the same command resumes one that was stopped",
+                   "  rodwake dem scenes/granular_quick.toml\n"
+                   "  rodwake dem scenes/pair_crystal.toml -s granular.phi_b=0.70 -s granular.runs=50 -j 2 -o results/fluid"));
+    add_verb(app, options, Verb::impact, "impact", "single impacts, one a row: the contact law by itself",
+             "  rodwake impact --cases cases.csv > impacts.csv")
+        ->add_option("--cases", options.cases,
+                     "CSV with columns Kxx,Kxy,Kxz,Kyy,Kyz,Kzz,vx,vy,vz,mu,e; Px,Py,Pz,wx,wy,wz go to "
+                     "standard output")
+        ->required();
     scene(add_verb(app, options, Verb::run, "run",
                    "every stage the scene names, then figures and report.html",
                    "  rodwake run scenes/quickstart.toml\n"
@@ -101,6 +110,12 @@ void check_field_options(const Options& options) {
             "--output", "field --points writes to standard output and makes no folder; use > FILE");
 }
 
+void check_impact_options(const Options& options) {
+    if (!options.output.empty())
+        throw CLI::ValidationError("--output",
+                                   "impact writes to standard output and makes no folder; use > FILE");
+}
+
 } // namespace
 
 Parsed parse_command_line(int argc, const char* const* argv) {
@@ -117,6 +132,8 @@ Parsed parse_command_line(int argc, const char* const* argv) {
         app.parse(argc, argv);
         if (parsed.options.verb == Verb::field)
             check_field_options(parsed.options);
+        if (parsed.options.verb == Verb::impact)
+            check_impact_options(parsed.options);
     } catch (const CLI::ParseError& error) {
         parsed.exit_now = true;
         parsed.exit_code = app.exit(error) == 0 ? 0 : 2;

@@ -8,7 +8,7 @@
 
 namespace rodwake::cli {
 
-enum class Verb { check, field, rods, run, plot, info };
+enum class Verb { check, field, rods, dem, impact, run, plot, info };
 
 struct Options {
     Verb verb = Verb::check;
@@ -24,6 +24,7 @@ struct Options {
     std::string points;            ///< field --points
     std::string backend = "exact"; ///< field --backend
     double table_tolerance = 1e-8; ///< field --table-tolerance; only for the backend table
+    std::string cases;             ///< impact --cases
     bool pdf = false;              ///< plot --pdf
     bool scene_reference = false;  ///< info --scene-reference
 };

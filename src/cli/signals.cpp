@@ -8,8 +8,9 @@ namespace rodwake::cli {
 
 namespace {
 
-// A handler can reach nothing but a global; this is the only one.
+// A handler can reach nothing but globals; these are the only ones.
 volatile std::sig_atomic_t requested = 0;
+volatile std::sig_atomic_t checkpoint_requested = 0;
 volatile std::time_t requested_at = 0;
 
 /// A second signal ends the program at once, but not within a second of the first: terminals and `timeout`
@@ -23,12 +24,20 @@ void request_stop(int signal) {
     requested = signal;
 }
 
+void request_checkpoint(int) { checkpoint_requested = 1; }
+
 } // namespace
 
 void install_signal_handlers() {
     std::signal(SIGINT, request_stop);
     std::signal(SIGTERM, request_stop);
-    std::signal(SIGUSR1, SIG_IGN); // asks for a checkpoint and to go on: the stages write them on their own
+    std::signal(SIGUSR1, request_checkpoint);
+}
+
+bool take_checkpoint_request() {
+    const bool asked = checkpoint_requested;
+    checkpoint_requested = 0;
+    return asked;
 }
 
 int stop_signal() { return requested; }

@@ -1,5 +1,5 @@
 #pragma once
-// Ctrl-C and SIGTERM ask the running stage to stop at its next step; a second one ends the program at once.
+// SIGUSR1 asks for a checkpoint. Ctrl-C and SIGTERM ask the running stage to stop at its next step; a second one ends the program at once.
 
 namespace rodwake::cli {
 
@@ -7,6 +7,9 @@ void install_signal_handlers();
 
 /// 0, or the number of the signal that asked to stop.
 int stop_signal();
+
+/// Whether SIGUSR1 asked for a checkpoint since the last call.
+bool take_checkpoint_request();
 
 /// 128 + signal: 130 for SIGINT, 143 for SIGTERM.
 int signal_exit_code(int signal);

@@ -13,6 +13,9 @@ StageEnd run_field_stage(Session& session);
 /// [[rods]] and [[variants]]: rods.csv, outcome.json, variants/<name>/..., and /rods in result.h5.
 StageEnd run_rods_stage(Session& session);
 
+/// [granular]: summary.json, table.csv, tracks.csv, trajectory.h5md, ...; with runs > 1 one folder a run in runs/.
+StageEnd run_dem_stage(Session& session);
+
 /// Content of outcome.json. Lengths and times in the session's output units.
 std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,
                          const OutputUnits& units);

@@ -1,4 +1,4 @@
-// rodwake field, rods, run: read the scene, do the stages, keep what was computed however it ended.
+// rodwake field, rods, dem, run: read the scene, do the stages, keep what was computed however it ended.
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
@@ -18,11 +18,16 @@ std::vector<Stage> stages_of(const Options& options, const scene::Scene& scene) 
                          ": no [field] table, so there is no field to compute; rodwake rods or run may do");
     if (options.verb == Verb::rods && !scene.rods_run)
         throw InputError(scene.path + ": no [rods_run] table, so there are no rods to integrate");
+    if (options.verb == Verb::dem && !scene.granular)
+        throw InputError(scene.path + ": no [granular] table, so there is no bed to simulate");
+    const auto wanted = [&](Verb verb) { return options.verb == verb || options.verb == Verb::run; };
     std::vector<Stage> stages;
-    if (scene.field && options.verb != Verb::rods)
+    if (scene.field && wanted(Verb::field))
         stages.push_back(run_field_stage);
-    if (scene.rods_run && options.verb != Verb::field)
+    if (scene.rods_run && wanted(Verb::rods))
         stages.push_back(run_rods_stage);
+    if (scene.granular && wanted(Verb::dem))
+        stages.push_back(run_dem_stage);
     return stages;
 }
 

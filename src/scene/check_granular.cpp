@@ -21,9 +21,11 @@ void start(const Granular& bed, const Report& report) {
         report("granular.restart_from", "restart_from belongs to start = \"restart\" only");
     if (bed.beads == 0 && bed.rods.empty())
         report("granular.beads", "beads = 0 and no [[granular.rods]]: nothing to simulate");
-    if (bed.count_rod_area && bed.beads)
+    if (!bed.count_rod_area && bed.beads)
         report("granular.count_rod_area",
                "count_rod_area belongs to phi_b: with beads the number of beads is given");
+    if (bed.stop_at_travel && bed.rods.empty())
+        report("granular.stop_at_travel", "stop_at_travel needs [[granular.rods]]: it is their travel");
 }
 
 void times(const Granular& bed, const Report& report) {
@@ -77,6 +79,18 @@ std::string missing(const Figure& figure, const Scene& scene) {
     return "";
 }
 
+/// Options of a kind beside another kind.
+void options(const Figure& figure, const std::string& path, const Report& report) {
+    const Figure unset;
+    const bool snapshot = figure.kind == "snapshot", movie = figure.kind == "movie";
+    if (!snapshot && figure.frame != unset.frame)
+        report(path + ".frame", "frame belongs to kind snapshot only");
+    if (!snapshot && !movie && figure.colour != unset.colour)
+        report(path + ".colour", "colour belongs to kinds snapshot and movie only");
+    if (!movie && figure.fps != unset.fps)
+        report(path + ".fps", "fps belongs to kind movie only");
+}
+
 } // namespace
 
 void check_granular(const Scene& scene, const Report& report) {
@@ -85,8 +99,7 @@ void check_granular(const Scene& scene, const Report& report) {
         const std::string path = fmt::format("figures.{}", i);
         if (const std::string what = missing(figure, scene); shows_the_bed(figure) && !what.empty())
             report(path + ".kind", fmt::format("a figure of kind {} needs {}", figure.kind, what));
-        if (figure.kind != "snapshot" && figure.frame != Figure{}.frame)
-            report(path + ".frame", "frame belongs to kind snapshot only");
+        options(figure, path, report);
     }
     if (!scene.granular)
         return;

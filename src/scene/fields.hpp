@@ -10,7 +10,7 @@ inline constexpr std::size_t max_rods = 1000;
 /// Whether a figure is of the granular bed; such figures need [granular] and have their window in metres.
 inline bool shows_the_bed(const Figure& figure) {
     return figure.kind == "snapshot" || figure.kind == "rod_tracks" || figure.kind == "side_view" ||
-           figure.kind == "movie";
+           figure.kind == "movie" || figure.kind == "granular_table";
 }
 
 void fields(Visitor& v, Scales& scales);

@@ -23,10 +23,12 @@ void bead_fields(Visitor& v, Granular& bed) {
     v(key("beads").within(0, 1e7).doc("number of beads; 0 needs a rod").example("1549"), bed.beads);
     v(key("count_rod_area")
           .written_if(bed.phi_b.has_value())
-          .doc("with phi_b; false: of the beads alone; true: shared with the rods, N pi a^2 = phi_b L^2 - "
+          .doc("with phi_b; true: the beads that the rods displace are taken out, N pi a^2 = phi_b L^2 - "
                "shadows "
-               "of the rods")
-          .example("true"),
+               "of the rods, so that the bed around them is as dense as one of phi_b without rods; false: "
+               "they "
+               "stay and the bed is squeezed")
+          .example("false"),
       bed.count_rod_area);
     v(key("bead_density").unit(density).above(0.0, 1e6).doc("mass density of the beads").example("2700.0"),
       bed.bead_density);
@@ -93,6 +95,14 @@ void time_fields(Visitor& v, Granular& bed) {
           .doc("from t = 0 on; round(duration/time_step) steps, at least 1")
           .example("\"10 s\""),
       bed.duration);
+    v(key("stop_at_travel")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("the run goes on to its end")
+          .doc("the run ends when the rods' mean travel along their own headings, + thin end first, reaches "
+               "this; needs rods")
+          .example("\"39 a\""),
+      bed.stop_at_travel);
     v(key("seed").within(0, largest_seed).doc("of everything random; --seed replaces it").example("7"),
       bed.seed);
     v(key("runs").within(1, 1e6).doc("number of runs that differ in their random start only").example("30"),

@@ -39,7 +39,7 @@ void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_b
     v(key("kind")
           .required()
           .one_of({"extensional_axis", "polar_streamlines", "cut", "trajectories", "snapshot", "rod_tracks",
-                   "side_view", "movie"})
+                   "side_view", "movie", "granular_table"})
           .doc("what is drawn: the first two need the grid of [field], cut one of field.cuts, trajectories "
                "[[rods]], the others [granular]")
           .example("\"cut\""),
@@ -75,6 +75,19 @@ void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_b
           .doc("kind snapshot: which stored frame, from 0; -1: the last")
           .example("-1"),
       figure.frame);
+    v(key("colour")
+          .one_of({"order", "orientation"})
+          .written_if(is_kind("snapshot") || is_kind("movie"))
+          .doc("kinds snapshot, movie: what colours the beads, their sixfold order or the direction of their "
+               "close-packed rows")
+          .example("\"order\""),
+      figure.colour);
+    v(key("fps")
+          .within(1, 120)
+          .written_if(is_kind("movie"))
+          .doc("kind movie: stored frames shown a second")
+          .example("20"),
+      figure.fps);
     v.use_units(shows_the_bed(figure) ? of_bed : of_scene);
     window_fields(v, figure.x, figure.y, "window", "fit to the data");
 }

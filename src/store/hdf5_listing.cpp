@@ -9,20 +9,27 @@ namespace rodwake::store {
 
 namespace {
 
-std::string string_attribute(hid_t attribute, hid_t type) {
+/// One string, or several as a list.
+std::string string_attribute(hid_t attribute, hid_t type, std::size_t count) {
     if (H5Tis_variable_str(type) > 0)
         return "(variable-length string)";
-    std::string value(H5Tget_size(type) + 1, '\0');
-    H5Aread(attribute, type, value.data());
-    return '"' + std::string(value.c_str()) + '"';
+    const std::size_t size = H5Tget_size(type);
+    std::string table(size * count, '\0');
+    if (H5Aread(attribute, type, table.data()) < 0)
+        throw RunError("HDF5: cannot read an attribute");
+    std::vector<std::string> values;
+    for (std::size_t i = 0; i < count; ++i)
+        values.push_back(fmt::format("\"{}\"", std::string(table.substr(i * size, size).c_str())));
+    return fmt::format("{}", fmt::join(values, ", "));
 }
 
 std::string attribute_value(hid_t attribute) {
     const Hdf5Handle type(H5Aget_type(attribute), H5Tclose, "read an attribute's type");
-    if (H5Tget_class(type.get()) == H5T_STRING)
-        return string_attribute(attribute, type.get());
     const Hdf5Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute's shape");
-    if (H5Sget_simple_extent_npoints(space.get()) != 1)
+    const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+    if (H5Tget_class(type.get()) == H5T_STRING && count >= 0)
+        return string_attribute(attribute, type.get(), static_cast<std::size_t>(count));
+    if (count != 1)
         return "(array)";
     double value = 0.0;
     H5Aread(attribute, H5T_NATIVE_DOUBLE, &value);

@@ -44,15 +44,19 @@ class CheckBedTest(ProgramTest):
         self.assertIn("phi_b = 0.7999", self.check(BED))  # 1549 pi/78^2
 
     def test_the_area_of_rods_is_taken_off_if_it_counts(self):
-        alone = self.beads(self.check(BED + ROD, "granular.phi_b=0.78"))
-        shared = self.beads(self.check(BED + ROD, "granular.phi_b=0.78", "granular.count_rod_area=true"))
+        alone = self.beads(self.check(BED + ROD, "granular.phi_b=0.78", "granular.count_rod_area=false"))
+        text = self.check(BED + ROD, "granular.phi_b=0.78")
+        self.assertIn("of the beads alone, 0.78 with the rods' shadows", text)
+        shared = self.beads(text)
         self.assertEqual(alone, round(0.78 * 78**2 / math.pi))
         # The shadow of the rod is within that of two rectangles 4.5 mm long, as thick as its thin and its thick end.
         bead = math.pi * 0.4**2
         self.assertGreater(alone - shared, math.floor(4.0 * 0.8 / bead))
         self.assertLess(alone - shared, math.ceil(4.5 * 1.1 / bead))
         self.refuse_bed(r"bed\.toml: \[granular\] .*the rods alone cover", BED + ROD,
-                        "granular.phi_b=1e-4", "granular.count_rod_area=true")
+                        "granular.phi_b=1e-4")
+        self.assertIn("beads: there are none", self.check(BED + ROD, "granular.phi_b=1e-4", "granular.count_rod_area=false"))
+        self.assertNotIn("shadows", self.check(BED))
 
     def test_default_equilibration(self):
         self.assertEqual(self.equilibration(), 0.5)
@@ -72,6 +76,11 @@ class CheckBedTest(ProgramTest):
         self.assertIn("1 steps of 2e-05 s", self.check(BED, "granular.duration=1e-9"))
         self.assertIn("101 frames of 1549 spheres (h5md), at most 9.39 MB", text)
         self.assertIn("no frames; a table of 1001 rows", self.check(BED, "granular.output.formats=[]", "granular.output.last_period=false"))
+
+    def test_the_end_at_a_travel(self):
+        self.assertIn("with the rods held; ends earlier if the rods have travelled 39 a on average; 1 run\n",
+                      self.check(BED + ROD, "granular.stop_at_travel=39 a"))
+        self.refuse_bed(r"stop_at_travel needs \[\[granular\.rods\]\]", BED, "granular.stop_at_travel=39 a")
 
     def test_plates(self):
         self.assertIn("amplitude 43.49 um (Gamma = 7)", self.check(BED))  # 7 g/(2 pi 200 Hz)^2

@@ -65,7 +65,7 @@ private:
         return at;
     }
 
-    /// Extrapolated modified midpoint, order 16; `error` is of angle and ln r, and of the rest over r and v_z.
+    /// Extrapolated modified midpoint, order 16; `error` is of angle and ln r, and of p in its scale.
     Y gbs(const Y& y0, Real h, Real& error) const {
         constexpr int rows = 8;
         std::array<Y, rows> t;
@@ -81,7 +81,7 @@ private:
             }
             if (j + 1 == rows)
                 error = std::abs(carried[phi] - t[j - 1][phi]) + std::abs(carried[log_r] - t[j - 1][log_r]) +
-                        scale_ * std::abs(carried[p] - t[j - 1][p]) / std::exp(y0[log_r]);
+                        scale_ * std::abs(carried[p] - t[j - 1][p]) / std::max(speed_, std::exp(y0[log_r]));
             t[j] = carried;
         }
         return t[rows - 1];
@@ -96,14 +96,15 @@ private:
     template<class Predicate>
     Real bisected(Real h, Predicate before) const {
         Real low = 0, high = h;
-        for (int k = 0; k < 70; ++k) {
+        for (int k = 0; k < 130; ++k) {
             const Real middle = (low + high) / 2;
             (before(jump(middle)) ? low : high) = middle;
         }
         return high;
     }
 
-    Real target() const { return (1 - e_ * e_) * deepest_; }
+    /// Of the work counted from its minimum.
+    Real target() const { return -e_ * e_ * deepest_; }
 
     /// One accepted step, up to an event in it.
     void take(Real h, const Y& y1) {
@@ -119,17 +120,18 @@ private:
     }
     void turn() {
         y_[vz] = 0;
-        deepest_ = std::min(deepest_, y_[work]);
+        deepest_ += std::min(y_[work], Real(0));
+        y_[work] = std::max(y_[work], Real(0));
         ended_ = y_[work] >= target();
     }
 
     void slide() {
         Real h = Real(0.1) / scale_, error = 0;
-        for (int k = 0; k < 20000 && !ended_; ++k) {
+        for (int k = 0; k < 200000 && !ended_; ++k) {
             const Y f = slope(y_);
             if (y_[log_r] < std::log(speed_) - 64) // 1e-28
                 return;
-            if (std::abs(f[phi]) < 4e-19L * scale_)
+            if (std::abs(f[phi]) < 3e-17L * scale_)
                 return straight(pull(y_[phi]), std::exp(y_[log_r]));
             const Y y1 = gbs(y_, h, error);
             if (!(error < 1e-16L) || std::abs(y1[phi] - y_[phi]) > 0.2L) {
@@ -157,15 +159,14 @@ private:
             y_[work] += y_[vz] * done / 2;
             turn();
         }
-        if (!ended_ && y_[vz] >= 0) {
+        if (ended_) {
+            end = done;
+        } else if (y_[vz] >= 0) {
             const Real missing = target() - y_[work], root = y_[vz] * y_[vz] + 2 * rate * missing;
             const Real more = root < 0 ? end : 2 * missing / (y_[vz] + std::sqrt(root));
             ended_ = done + more <= end;
-            if (ended_)
-                end = done + more;
+            end = ended_ ? done + more : end;
         }
-        if (ended_ && !(done < end))
-            end = done;
         y_[work] += (y_[vz] + rate * (end - done) / 2) * (end - done);
         y_[vz] += rate * (end - done);
         y_[p] += end, y_[px] += force.x() * end, y_[py] += force.y() * end;

@@ -102,20 +102,19 @@ TEST_CASE("ordinary impacts agree with brute-force integration") {
         }
 }
 
-// The oracle rounds K to nothing, impact.cpp to double: 1 - q.A^-1 q and the like cancel as K becomes singular.
+// Rounding K/K_nn to double moves P by the condition number of K, up to 1e6 for nearly singular ones.
 TEST_CASE("hard impacts agree with brute-force integration") {
+    constexpr int nearly_singular = 6;
     for (int kind = 0; kind < hard_kinds; ++kind) {
         RandomStream random(13, static_cast<std::uint32_t>(kind));
-        double worst = 0.0;
+        const double allowed = kind == nearly_singular ? 1e-10 : 1e-12; // impact.hpp; 1e6 roundings
         for (int k = 0; k < 25; ++k) {
             const ImpactCase c = hard_case(random, kind);
             const double error = error_of(c);
-            if (error > worst)
-                worst = error;
-            if (error >= 1e-12)
+            if (error >= allowed)
                 report(c);
+            CAPTURE(kind, k);
+            CHECK(error < allowed);
         }
-        CAPTURE(kind);
-        CHECK(worst < 1e-12);
     }
 }

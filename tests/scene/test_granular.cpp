@@ -130,8 +130,16 @@ TEST_CASE("beads are given once") {
     CHECK(granular("", {"granular.phi_b=0.6"}).phi_b == 0.6);
     says(bed(), "nothing to simulate", {"granular.beads=0"});
     CHECK(error_text(bed(rod), {"granular.beads=0"}) == "");
-    says(bed("count_rod_area = true\n"), "count_rod_area belongs to phi_b", {"granular.beads=10"});
-    CHECK(error_text(bed("count_rod_area = true\n")) == "");
+    says(bed("count_rod_area = false\n"), "count_rod_area belongs to phi_b", {"granular.beads=10"});
+    CHECK(error_text(bed("count_rod_area = false\n")) == "");
+    CHECK(granular().count_rod_area);
+}
+
+TEST_CASE("a run may end where its rods have come to") {
+    CHECK_FALSE(granular(rod).stop_at_travel);
+    CHECK(granular("stop_at_travel = \"39 a\"\n" + rod).stop_at_travel == 39.0 * 0.4e-3);
+    says(bed("stop_at_travel = \"39 a\"\n"), "x.toml:6:18: stop_at_travel needs [[granular.rods]]");
+    check_round_trip(parse(bed("stop_at_travel = \"39 a\"\n" + rod)));
 }
 
 TEST_CASE("a restart has a file, and nothing else has one") {
@@ -193,7 +201,7 @@ TEST_CASE("figures of the bed need it, and what they draw") {
     const auto drawn = [](const std::string& kind, const std::string& more = "") {
         return bed(more) + "[[figures]]\nname = \"f\"\nkind = \"" + kind + "\"\n";
     };
-    for (const std::string kind : {"snapshot", "rod_tracks", "side_view", "movie"}) {
+    for (const std::string kind : {"snapshot", "rod_tracks", "side_view", "movie", "granular_table"}) {
         CHECK(error_text(drawn(kind, rod)) == "");
         says(two_rods("[[figures]]\nname = \"f\"\nkind = \"" + kind + "\"\n"),
              "a figure of kind " + kind + " needs [granular]");
@@ -204,6 +212,13 @@ TEST_CASE("figures of the bed need it, and what they draw") {
     says(drawn("snapshot", "[granular.output]\nformats = []\n"), "needs \"h5md\" in granular.output.formats");
     says(drawn("side_view", "[granular.output]\nlast_period = false\n"), "last_period = true");
     says(drawn("movie") + "frame = 3\n", "x.toml:9:9: frame belongs to kind snapshot only");
+    says(drawn("side_view") + "colour = \"orientation\"\n",
+         "x.toml:9:10: colour belongs to kinds snapshot and movie only");
+    says(drawn("snapshot") + "fps = 30\n", "x.toml:9:7: fps belongs to kind movie only");
+    const auto film = parse(drawn("movie") + "colour = \"orientation\"\nfps = 30\n");
+    CHECK(film.figures[0].colour == "orientation");
+    CHECK(film.figures[0].fps == 30);
+    check_round_trip(film);
     says(drawn("trajectories"), "a figure of kind trajectories needs [[rods]]");
     says(drawn("cut"), "a figure of kind cut needs [[field.cuts]]");
     CHECK(parse(drawn("snapshot") + "frame = 3\n").figures[0].frame == 3);
@@ -220,7 +235,7 @@ TEST_CASE("beds of all sorts survive writing") {
                                       "granular.output.formats=[]", "granular.output.frames=0.3 s",
                                       "granular.order_cutoff=2.9 a", "granular.equilibrate=0"}));
     check_round_trip(
-        parse(complete, {"granular.count_rod_area=true", "granular.contacts.bead_bead.friction=0.1",
+        parse(complete, {"granular.count_rod_area=false", "granular.contacts.bead_bead.friction=0.1",
                          "granular.rods.0.segments=7", "granular.bead_radius=0.1234567 mm",
                          "scales.bead_radius=0.1234567 mm", "figures.2.frame=4"}));
     Scene changed = parse(bed(rod));

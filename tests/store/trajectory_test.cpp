@@ -91,7 +91,8 @@ TEST_CASE("An H5MD file has what it should have") {
           "/particles/trajectory/position/value [4][15][3]\n", "/particles/trajectory/species [15]\n",
           "/particles/trajectory/box/edges/value [4][3][3]\n",
           "/particles/trajectory_rods/orientation/value [4][2][4]\n", "/observables/plate_z/value [4]\n",
-          "/parameters  time_step = 2e-05\n", "/parameters/rod_of_sphere [6]\n"})
+          "/parameters  time_step = 2e-05\n", "/parameters/rod_of_sphere [6]\n",
+          "/particles/trajectory/box  boundary = \"periodic\", \"periodic\", \"none\"  dimension = 3\n"})
         CHECK(has(text, line));
     CHECK(has(text, "command = \"rodwake dem \"zwei Stäbe.toml\"\""));
 }

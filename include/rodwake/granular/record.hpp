@@ -14,7 +14,7 @@ namespace rodwake::granular {
 struct TableRow {
     double t, energy, kinetic, T_xy, T_z; ///< T: means over the interval before the row
     double psi6, contacts;                ///< now; overlapping pairs per step over the interval
-    double floor_impulse, lid_impulse;    ///< upward momentum given since the row before, N s
+    double floor_impulse, lid_impulse;    ///< upward momentum given since the start (lid: negative), N s
     double max_overlap;                   ///< since the start, radii
 
     static std::array<const char*, 10> names();
@@ -55,7 +55,6 @@ struct RecordSums {
     SampleSums run, row;          ///< since t = 0; since the last row
     double psi6;                  ///< sum over rows since t = 0
     std::int64_t rows;            ///< since t = 0
-    double floor_impulse, lid_impulse; ///< tallies at the last row
     std::int64_t overlaps, row_step;   ///< tallies and step at the last row
     PairProgress pair;
 };

@@ -40,6 +40,9 @@ struct SimulationCost {
     double skin = 0.0; ///< m
 };
 
+/// Name of the vector instructions in use, "AVX3".
+const char* vector_target();
+
 class Simulation {
 public:
     /// From a start or a stored state. Throws InputError if the state does not fit the problem.

@@ -1,5 +1,6 @@
 #pragma once
-// Where a run begins: beads on a relaxed triangular lattice or in a random packing, rods carved into either.
+// Where a run begins: beads on a relaxed triangular lattice, in a random packing or where an earlier run left them;
+// rods carved into any of these.
 
 #include "rodwake/granular/problem.hpp"
 #include "rodwake/granular/state.hpp"
@@ -19,7 +20,16 @@ struct LatticeFit {
 LatticeFit fit_lattice(double box, long sites, double orientation);
 
 /// State at step 0. Deterministic in (problem, run): beads and velocities from the stream (seed, run). Nothing overlaps:
-/// beads with beads, rods or plates. Throws RunError if no such packing was found.
+/// beads with beads, rods or plates. Rods lie flat within 1 % of their free height of mid gap and move upwards at a
+/// normal speed of rms start_speed, so that runs differ without beads too; in the plane they rest. Throws RunError if
+/// no such packing was found.
 State make_start(const GranularProblem& problem, std::uint32_t run);
+
+/// State at step 0 with the bed of `stored`: its beads' places in the plane, wrapped into the box, and velocities;
+/// problem.start and orientation mean nothing. Beads beyond problem.beads are taken out: those that the rods cover,
+/// the deepest first, then others at random (seed, run). Beads start near mid gap, because heights at one phase of the
+/// plates mean nothing at another; stored rods are left out, this problem's are as in make_start. Throws InputError if
+/// `stored` has too few beads, RunError if the beads do not fit.
+State restart_from(const GranularProblem& problem, const State& stored, std::uint32_t run);
 
 } // namespace rodwake::granular

@@ -41,4 +41,7 @@ struct State {
 /// 64-bit XXH3 of every bit of the state.
 std::uint64_t state_hash(const State& state);
 
+/// Of the hashes of several runs, in this order.
+std::uint64_t combined_hash(const std::vector<std::uint64_t>& hashes);
+
 } // namespace rodwake::granular

@@ -77,8 +77,8 @@ struct GranularRod {
 struct Granular {
     std::optional<double> phi_b; ///< N pi a^2/L^2; either this or beads
     std::optional<long> beads;
-    bool count_rod_area =
-        false; ///< phi_b is shared with the rods: N pi a^2 = phi_b L^2 - shadows of the rods
+    /// Rods take the place of beads: N pi a^2 = phi_b L^2 - shadows of the rods.
+    bool count_rod_area = true;
     double bead_radius = 0.4e-3;  ///< a, m
     double bead_density = 2700.0; ///< kg/m^3
     double gravity = 9.81;        ///< m/s^2
@@ -90,6 +90,8 @@ struct Granular {
     double time_step = 2e-5;           ///< s
     std::optional<double> equilibrate; ///< s; absent: depends on start and phi_b
     double duration = 0.0;             ///< s
+    std::optional<double>
+        stop_at_travel; ///< mean travel of the rods along their headings, m; absent: to the end
     long seed = 1, runs = 1;
     double overlap_limit = 0.1;         ///< fraction of the radius
     std::optional<double> order_cutoff; ///< m; absent: 1.4 lattice spacings

@@ -107,13 +107,15 @@ struct Field {
 struct Figure {
     std::string name;  ///< file name without ending
     std::string kind;  ///< extensional_axis | polar_streamlines | cut | trajectories, or of the granular bed:
-                       ///< snapshot | rod_tracks | side_view | movie
+                       ///< snapshot | rod_tracks | side_view | movie | granular_table
     std::string title; ///< empty: made from the data
     long cut = 0;      ///< kind cut: index into field.cuts
     std::string component = "Ux";            ///< kind cut: Ux | Uy
     bool sqrt_scaled = false;                ///< kind cut: draw |s|^(1/2) U instead of U
     std::vector<std::vector<double>> gammas; ///< kind polar_streamlines: a panel for each [gamma1, gamma2]
     long frame = -1;                         ///< kind snapshot: which stored frame, from 0; -1: the last
+    std::string colour = "order";            ///< kinds snapshot, movie: order | orientation
+    long fps = 20;                           ///< kind movie: frames a second
     std::vector<double> x, y;                ///< window [min, max]; empty: fit to the data. Granular kinds: m
 
     bool operator==(const Figure&) const = default;

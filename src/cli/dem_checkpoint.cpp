@@ -1,0 +1,134 @@
+#include "dem_checkpoint.hpp"
+
+#include "rodwake/store/bytes.hpp"
+#include "rodwake/store/generations.hpp"
+
+#include <array>
+
+namespace rodwake::cli {
+
+namespace {
+
+using store::Block;
+using store::ByteReader;
+using store::ByteWriter;
+
+/// Numbers of one rod in the file: position, velocity, orientation w x y z, angular momentum.
+using RodNumbers = std::array<double, 13>;
+
+RodNumbers numbers(const granular::RodBody& r) {
+    const auto &x = r.position, &v = r.velocity, &L = r.angular_momentum;
+    const auto& q = r.orientation;
+    return {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), L.x(), L.y(), L.z()};
+}
+
+granular::RodBody rod_of(const RodNumbers& n) {
+    return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, Eigen::Quaterniond(n[6], n[7], n[8], n[9]), {n[10], n[11], n[12]}};
+}
+
+Block head_block(const DemCheckpoint& c) {
+    ByteWriter out;
+    out.put_text(c.scene);
+    out.put_text(c.build);
+    out.put(c.seed);
+    out.put(std::uint64_t{c.run});
+    out.put(c.cpu_seconds);
+    out.put(c.wall_seconds);
+    out.put(c.logs);
+    return {"run", out.take()};
+}
+
+Block state_block(const granular::State& state) {
+    ByteWriter out;
+    out.put(state.step);
+    const granular::Beads& b = state.beads;
+    for (const auto* column : {&b.x, &b.y, &b.z, &b.vx, &b.vy, &b.vz, &b.wx, &b.wy, &b.wz})
+        out.put_array(*column);
+    std::vector<RodNumbers> rods;
+    for (const granular::RodBody& rod : state.rods)
+        rods.push_back(numbers(rod));
+    out.put_array(rods);
+    return {"state", out.take()};
+}
+
+Block tally_block(const granular::Tallies& t) {
+    ByteWriter out;
+    for (const double value : {t.floor_impulse, t.lid_impulse, t.max_overlap})
+        out.put(value);
+    for (const std::int64_t value : {t.bead_bead, t.bead_plate, t.bead_rod, t.rod_plate, t.rod_rod, t.overlaps})
+        out.put(value);
+    std::vector<std::array<double, 3>> pushed;
+    for (const Eigen::Vector3d& p : t.pushed)
+        pushed.push_back({p.x(), p.y(), p.z()});
+    out.put_array(pushed);
+    return {"tallies", out.take()};
+}
+
+Block record_block(const DemCheckpoint& c) {
+    ByteWriter out;
+    out.put(c.sums);
+    out.put_array(c.progress);
+    return {"record", out.take()};
+}
+
+void read_head(DemCheckpoint& c, ByteReader in) {
+    c.scene = in.get_text();
+    c.build = in.get_text();
+    c.seed = in.get<std::uint64_t>();
+    c.run = static_cast<std::uint32_t>(in.get<std::uint64_t>());
+    c.cpu_seconds = in.get<double>();
+    c.wall_seconds = in.get<double>();
+    c.logs = in.get<LogLengths>();
+    in.finish();
+}
+
+void read_state(granular::State& state, ByteReader in) {
+    state.step = in.get<std::int64_t>();
+    granular::Beads& b = state.beads;
+    for (auto* column : {&b.x, &b.y, &b.z, &b.vx, &b.vy, &b.vz, &b.wx, &b.wy, &b.wz})
+        *column = in.get_array<double>();
+    for (const RodNumbers& rod : in.get_array<RodNumbers>())
+        state.rods.push_back(rod_of(rod));
+    in.finish();
+}
+
+void read_tallies(granular::Tallies& t, ByteReader in) {
+    for (double* value : {&t.floor_impulse, &t.lid_impulse, &t.max_overlap})
+        *value = in.get<double>();
+    for (std::int64_t* value : {&t.bead_bead, &t.bead_plate, &t.bead_rod, &t.rod_plate, &t.rod_rod, &t.overlaps})
+        *value = in.get<std::int64_t>();
+    for (const auto& p : in.get_array<std::array<double, 3>>())
+        t.pushed.emplace_back(p[0], p[1], p[2]);
+    in.finish();
+}
+
+void read_record(DemCheckpoint& c, ByteReader in) {
+    c.sums = in.get<granular::RecordSums>();
+    c.progress = in.get_array<granular::RodProgress>();
+    in.finish();
+}
+
+} // namespace
+
+void write_checkpoint(const std::filesystem::path& file, const DemCheckpoint& c) {
+    const std::array blocks = {head_block(c), state_block(c.state), tally_block(c.tallies), record_block(c)};
+    store::write_generation(file, store::encode_blocks(blocks));
+}
+
+std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& file) {
+    const auto loaded = store::load_generation(file);
+    if (!loaded)
+        return std::nullopt;
+    const auto block = [&](const char* name) {
+        const std::string where = loaded->file.string() + ": block " + name;
+        return ByteReader(store::find_block(loaded->blocks, name, loaded->file.string()).content, where);
+    };
+    LoadedCheckpoint result{{}, loaded->notice};
+    read_head(result.checkpoint, block("run"));
+    read_state(result.checkpoint.state, block("state"));
+    read_tallies(result.checkpoint.tallies, block("tallies"));
+    read_record(result.checkpoint, block("record"));
+    return result;
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,189 @@
+#include "dem_run.hpp"
+#include "dem_summary.hpp"
+#include "granular_problem.hpp"
+#include "progress.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/scene/write.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "signals.hpp"
+#include "stages.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <mutex>
+
+namespace rodwake::cli {
+
+namespace {
+
+/// The scene without what changes pictures and bookkeeping only: a checkpoint belongs to this text.
+std::string scene_key(const scene::Scene& scene) {
+    scene::Scene key;
+    key.granular = scene.granular;
+    key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
+    key.granular->runs = 1; // an ensemble may grow
+    return scene::to_toml(key);
+}
+
+granular::State stored_state(const std::string& file) {
+    const auto loaded = load_checkpoint(file);
+    if (!loaded)
+        throw InputError(file + ": no such checkpoint (granular.restart_from); a finished run keeps its last state in "
+                                "final.rwc, one that goes on in checkpoint.rwc");
+    return loaded->checkpoint.state;
+}
+
+DemPlan plan_of(const Session& session) {
+    const scene::Granular& bed = *session.scene.granular;
+    DemPlan plan;
+    plan.scene = &session.scene;
+    plan.problem = granular_problem(session.scene, session.options.seed);
+    const double phi_b = granular::bead_area_fraction(plan.problem);
+    plan.order_cutoff = order_cutoff(bed, phi_b).value_or(0.0);
+    plan.scene_key = scene_key(session.scene);
+    plan.command = session.options.command;
+    plan.row_every = whole_steps(table_interval(bed), bed.time_step, 1);
+    plan.frame_every = whole_steps(frame_interval(bed), bed.time_step, 1);
+    plan.checkpoint_every = bed.output.checkpoint;
+    plan.stop_at_travel = bed.stop_at_travel.value_or(0.0);
+    const auto wants = [&](const char* format) { return std::ranges::count(bed.output.formats, format) > 0; };
+    plan.formats = {wants("h5md"), wants("xyz"), bed.output.last_period};
+    if (bed.start == scene::GranularStart::restart)
+        plan.restart = stored_state(bed.restart_from);
+    plan.force = session.options.force;
+    return plan;
+}
+
+/// The runs of a scene; who executes them is another matter.
+std::vector<DemTask> tasks_of(const Session& session) {
+    const long runs = session.scene.granular->runs;
+    std::vector<DemTask> tasks;
+    for (std::uint32_t run = 0; run < static_cast<std::uint32_t>(runs); ++run)
+        tasks.push_back({run, runs == 1 ? session.directory.path()
+                                        : session.directory.file(fmt::format("runs/{:04}", run + 1))});
+    return tasks;
+}
+
+/// Progress of all runs together, in simulated seconds; called from many threads.
+class SharedProgress {
+public:
+    SharedProgress(const Session& session, const DemPlan& plan, std::size_t runs)
+        : log_(session.log), single_(runs == 1),
+          of_one_(static_cast<double>(plan.problem.steps + plan.problem.equilibration_steps) * plan.problem.time_step),
+          done_(runs, 0.0),
+          progress_(session.log, session.options.quiet, "dem", of_one_ * static_cast<double>(runs), "s") {}
+
+    void update(std::size_t run, const granular::Simulation& s, const granular::TableRow* row) {
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (!lock)
+            return;
+        const double now = static_cast<double>(s.step()) * s.problem().time_step;
+        sum_ += now - done_[run];
+        done_[run] = now;
+        progress_.update(sum_);
+        if (row && single_ && now >= next_line_)
+            print(*row);
+    }
+    void begin_at(std::size_t run, double simulated) { done_[run] = simulated; }
+
+private:
+    void print(const granular::TableRow& r) {
+        if (next_line_ == 0.0)
+            log_->info("{:>9} {:>11} {:>10} {:>10} {:>6} {:>8} {:>10} {:>8}", "t/s", "energy/J", "T_xy", "T_z", "psi6",
+                       "contacts", "floor/N s", "overlap");
+        log_->info("{:9.3f} {:11.4e} {:10.3e} {:10.3e} {:6.3f} {:8.1f} {:10.3e} {:8.4f}", r.t, r.energy, r.T_xy, r.T_z,
+                   r.psi6, r.contacts, r.floor_impulse, r.max_overlap);
+        next_line_ += of_one_ / 20.0;
+    }
+
+    Logger log_;
+    bool single_;
+    double of_one_, sum_ = 0.0, next_line_ = 0.0;
+    std::vector<double> done_;
+    Progress progress_;
+    std::mutex mutex_;
+};
+
+/// The summary of a run of an ensemble that an earlier command finished.
+std::optional<DemSummary> finished_before(const DemPlan& plan, const DemTask& task) {
+    auto known = read_summary(task.folder / "summary.json", plan, task.run);
+    const auto last = known ? load_checkpoint(task.folder / "final.rwc") : std::nullopt;
+    if (!last)
+        return std::nullopt;
+    if (last->checkpoint.scene != plan.scene_key || last->checkpoint.seed != plan.problem.seed)
+        throw InputError(task.folder.string() +
+                         ": holds a run of another scene or seed; choose another folder with -o, or --force to start anew");
+    return known;
+}
+
+/// Executes one task unless an earlier command finished it.
+DemResult execute(const Session& session, const DemPlan& plan, const DemTask& task, std::size_t threads,
+                  SharedProgress& progress, bool single) {
+    if (!single && !plan.force)
+        if (auto known = finished_before(plan, task))
+            return {DemEnd::finished, {}, std::move(*known)};
+    if (stop_signal())
+        return {DemEnd::interrupted, {}, {}};
+    DemResult result = run_dem(plan, task, session.log, threads,
+                               [&](const granular::Simulation& s, const granular::TableRow* row) {
+                                   progress.update(task.run, s, row);
+                               });
+    if (result.end == DemEnd::finished)
+        store::write_atomically(task.folder / "summary.json", summary_json(plan, result.summary));
+    return result;
+}
+
+void report_one(const Session& session, const DemSummary& s) {
+    session.log->info("dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, largest "
+                      "overlap {:.4f} a",
+                      s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, s.max_overlap);
+    for (std::size_t i = 0; i < s.rods.size(); ++i)
+        session.log->info("dem: rod {} ({}): {:.4g} mm/s thin end first, turned by {:.4g} rad", i, s.rods[i].kind,
+                          1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
+}
+
+StageEnd conclude(const Session& session, const DemPlan& plan, const std::vector<DemResult>& results) {
+    std::vector<DemSummary> finished;
+    StageEnd end = StageEnd::finished;
+    for (const DemResult& result : results) {
+        if (result.end == DemEnd::finished)
+            finished.push_back(result.summary);
+        if (result.end == DemEnd::failed)
+            session.log->error("dem: run {}: {}", result.summary.run + 1, result.message);
+        if (result.end == DemEnd::interrupted && end == StageEnd::finished)
+            end = StageEnd::interrupted;
+        if (result.end == DemEnd::failed)
+            end = StageEnd::failed;
+    }
+    if (results.size() == 1 && !finished.empty())
+        report_one(session, finished[0]);
+    if (results.size() > 1 && !finished.empty()) {
+        session.directory.write("summary.json", ensemble_json(plan, finished, results.size()));
+        session.directory.write("runs.csv", ensemble_csv(plan, finished));
+        session.log->info("dem: {} of {} runs finished; runs.csv and summary.json have the means", finished.size(),
+                          results.size());
+    }
+    return end;
+}
+
+} // namespace
+
+StageEnd run_dem_stage(Session& session) {
+    const DemPlan plan = plan_of(session);
+    const std::vector<DemTask> tasks = tasks_of(session);
+    session.log->info("dem: {} beads and {} rods, phi_b = {:.4f}, {} runs of {} + {} steps of {:g} s; {} instructions",
+                      plan.problem.beads, plan.problem.rods.size(), granular::bead_area_fraction(plan.problem),
+                      tasks.size(), plan.problem.equilibration_steps, plan.problem.steps, plan.problem.time_step,
+                      granular::vector_target());
+    SharedProgress progress(session, plan, tasks.size());
+    std::vector<DemResult> results(tasks.size());
+    const bool single = tasks.size() == 1;
+    parallel_for(tasks.size(), session.options.threads, [&](std::size_t i) {
+        results[i] = execute(session, plan, tasks[i], single ? session.options.threads : 1, progress, single);
+    });
+    return conclude(session, plan, results);
+}
+
+} // namespace rodwake::cli
