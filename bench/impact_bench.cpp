@@ -1,5 +1,5 @@
-// Time per impact: without coupling (spheres), planar rod (closed pieces), rod in space and general inverse mass
-// (slip path curved, followed by Taylor series). Friction as in the experiment, and strong.
+// Time per impact: without coupling (spheres), planar rod (closed pieces), rod in space and general inverse
+// mass (slip path curved, followed by Taylor series). Friction as in the experiment, and strong.
 //
 //   build/release/bench/bench_impact --benchmark_min_time=0.5
 
@@ -96,7 +96,8 @@ void one_shot(benchmark::State& state) {
 
 void stronge(benchmark::State& state, Cases (*make)(), double friction) {
     const Surface surface{friction, 0.3};
-    run(state, make(), [surface](const Case& c) { return stronge_impact(c.inverse_mass, c.velocity, surface); });
+    run(state, make(),
+        [surface](const Case& c) { return stronge_impact(c.inverse_mass, c.velocity, surface); });
 }
 
 BENCHMARK(one_shot);

@@ -156,7 +156,8 @@ LogLengths DemFiles::sync() {
 }
 
 void DemFiles::write_tables() {
-    std::vector<std::string> names(granular::TableRow::names().begin(), granular::TableRow::names().end());
+    const auto table_names = granular::TableRow::names();
+    std::vector<std::string> names(table_names.begin(), table_names.end());
     const std::size_t of_table = names.size();
     for (std::size_t r = 0; r < layout_.rods(); ++r)
         for (const char* name : granular::TrackPoint::names())

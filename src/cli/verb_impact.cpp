@@ -72,9 +72,10 @@ private:
 void check(const Case& c, Problems& problems) {
     const double least = definiteness(c.inverse_mass);
     if (!(least > 4.0 * std::numeric_limits<double>::epsilon()))
-        problems.add(c.line, fmt::format("K is not positive definite: smallest over largest eigenvalue = {:.3g}, "
-                                         "must be > 1e-15 (an inverse mass is)",
-                                         least));
+        problems.add(c.line,
+                     fmt::format("K is not positive definite: smallest over largest eigenvalue = {:.3g}, "
+                                 "must be > 1e-15 (an inverse mass is)",
+                                 least));
     if (!(c.surface.friction >= 0.0))
         problems.add(c.line, fmt::format("mu = {}: must be >= 0", c.surface.friction));
     if (!(c.surface.restitution >= 0.0 && c.surface.restitution <= 1.0))
@@ -84,9 +85,11 @@ void check(const Case& c, Problems& problems) {
 void add_row(const Case& c, Problems& problems, fmt::memory_buffer& out) {
     const Impact i = granular::stronge_impact(c.inverse_mass, c.velocity, c.surface);
     if (!i.impulse.allFinite() || !i.velocity.allFinite())
-        return problems.add(c.line, "impulse or velocity is beyond the range of a double; choose other units");
-    fmt::format_to(std::back_inserter(out), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", i.impulse.x(),
-                   i.impulse.y(), i.impulse.z(), i.velocity.x(), i.velocity.y(), i.velocity.z());
+        return problems.add(c.line,
+                            "impulse or velocity is beyond the range of a double; choose other units");
+    fmt::format_to(std::back_inserter(out), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n",
+                   i.impulse.x(), i.impulse.y(), i.impulse.z(), i.velocity.x(), i.velocity.y(),
+                   i.velocity.z());
 }
 
 } // namespace

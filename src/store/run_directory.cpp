@@ -40,31 +40,60 @@ bool is_temporary(const std::string& name) {
 }
 
 bool is_result(const fs::path& file) {
-    static constexpr std::array results = {"result.h5", "rods.csv", "outcome.json", "report.html"};
+    static constexpr std::array results = {
+        "result.h5", "rods.csv",   "outcome.json",    "report.html",    "summary.json",     "runs.csv",
+        "table.csv", "tracks.csv", "trajectory.h5md", "trajectory.xyz", "last_period.h5md", "final.rwc"};
     const std::string name = file.filename().string();
     return std::ranges::find(results, name) != results.end() ||
            (name.starts_with("field_cut_") && name.ends_with(".csv")) || is_temporary(name) ||
            file.parent_path().filename() == "figures";
 }
 
-/// A new run removes the results of the old one, so that no file of a folder tells of another run.
-/// Checkpoints stay: whoever wrote them knows whether they are of use.
-void remove_results(const fs::path& folder) {
+/// What a granular run goes on from: its checkpoints, and logs that mean nothing without them.
+bool is_progress(const fs::path& file) {
+    static constexpr std::array names = {"checkpoint.rwc", "checkpoint.rwc.previous", "rows.log",
+                                         "frames.log", "last_period.log"};
+    return std::ranges::find(names, file.filename().string()) != names.end();
+}
+
+/// `anew`: nothing of the earlier run is gone on from.
+std::vector<fs::path> outdated(const fs::path& folder, bool anew) {
     std::vector<fs::path> old;
     const auto add = [&](const auto& entries) {
         for (const fs::directory_entry& entry : entries)
-            if (entry.is_regular_file() && is_result(entry.path()))
+            if (entry.is_regular_file() && (is_result(entry.path()) || (anew && is_progress(entry.path()))))
                 old.push_back(entry.path());
     };
     add(fs::directory_iterator(folder));
-    for (const char* sub : {"figures", "variants"})
-        if (fs::is_directory(folder / sub))
+    for (const char* sub : {"figures", "variants", "runs"})
+        if (fs::is_directory(folder / sub) && (anew || sub != std::string_view("runs")))
             add(fs::recursive_directory_iterator(folder / sub));
+    return old;
+}
+
+void remove_empty_runs(const fs::path& runs) {
+    std::error_code ignored; // a folder with files of others stays
+    std::vector<fs::path> folders;
+    for (const fs::directory_entry& entry : fs::directory_iterator(runs, ignored))
+        if (entry.is_directory() && !entry.is_symlink() && fs::is_empty(entry.path(), ignored))
+            folders.push_back(entry.path());
+    for (const fs::path& folder : folders)
+        fs::remove(folder, ignored);
+    if (fs::is_directory(runs, ignored) && fs::is_empty(runs, ignored))
+        fs::remove(runs, ignored);
+}
+
+/// A new run removes the results of the old one, so that no file of a folder tells of another run. A run that
+/// is taken up keeps what it goes on from, which includes the members of an ensemble that are finished. The
+/// rods' checkpoints always stay: whoever wrote them knows whether they are of use.
+void remove_results(const fs::path& folder, bool anew) {
     std::error_code error;
-    for (const fs::path& path : old)
+    for (const fs::path& path : outdated(folder, anew))
         if (fs::remove(path, error); error)
             throw RunError(path.string() +
                            ": cannot remove this result of the earlier run: " + error.message());
+    if (anew)
+        remove_empty_runs(folder / "runs");
 }
 
 } // namespace
@@ -87,14 +116,14 @@ RunDirectory::RunDirectory(fs::path path, bool force) : path_(std::move(path)) {
     fs::create_directories(path_, error);
     if (error)
         throw RunError(path_.string() + ": cannot make the folder: " + error.message());
-    resumed_ = !status.empty() && status != "finished";
+    resumed_ = !force && !status.empty() && status != "finished";
     had_run_ = !status.empty();
 }
 
 void RunDirectory::begin(std::string_view provenance) const {
     write("provenance.json", provenance);
     if (had_run_)
-        remove_results(path_);
+        remove_results(path_, !resumed_);
 }
 
 void RunDirectory::write(std::string_view name, std::string_view content) const {

@@ -41,13 +41,11 @@ Matrix3d rod(RandomStream& random, const Matrix3d& frame) {
     const double mass = random.uniform(0.5, 2.0), half = random.uniform(1.0, 5.0),
                  radius = random.uniform(0.3, 1.0);
     const Vector3d arm = frame.col(0) * random.uniform(-half, half) - Vector3d(0.0, 0.0, radius);
-    return body(mass, 0.5 * mass * radius * radius,
-                mass * (half * half / 3.0 + radius * radius / 4.0), frame, arm);
+    return body(mass, 0.5 * mass * radius * radius, mass * (half * half / 3.0 + radius * radius / 4.0), frame,
+                arm);
 }
 
-Surface surface(RandomStream& random) {
-    return {random.log_uniform(0.01, 2.0), random.uniform()};
-}
+Surface surface(RandomStream& random) { return {random.log_uniform(0.01, 2.0), random.uniform()}; }
 
 Vector3d approach(RandomStream& random) {
     Vector3d v = vector(random);
@@ -60,8 +58,8 @@ Eigen::Vector2d hold(const Matrix3d& k) {
 }
 
 ImpactCase near_stick(ImpactCase c, RandomStream& random) {
-    c.surface.friction = hold(c.inverse_mass).norm() * (1.0 + random.log_uniform(1e-12, 1e-1) *
-                                                                  (random.uniform() < 0.5 ? -1.0 : 1.0));
+    c.surface.friction = hold(c.inverse_mass).norm() *
+                         (1.0 + random.log_uniform(1e-12, 1e-1) * (random.uniform() < 0.5 ? -1.0 : 1.0));
     return c;
 }
 
@@ -92,8 +90,8 @@ ImpactCase rescaled(ImpactCase c, RandomStream& random) {
 ImpactCase sphere_case(RandomStream& random) {
     const double mass = random.log_uniform(0.1, 10.0), radius = random.uniform(0.5, 2.0);
     const double inertia = 0.4 * mass * radius * radius;
-    return {body(mass, inertia, inertia, Matrix3d::Identity(), Vector3d(0.0, 0.0, -radius)),
-            approach(random), surface(random)};
+    return {body(mass, inertia, inertia, Matrix3d::Identity(), Vector3d(0.0, 0.0, -radius)), approach(random),
+            surface(random)};
 }
 
 ImpactCase planar_case(RandomStream& random) {
@@ -116,7 +114,8 @@ ImpactCase rod_case(RandomStream& random) {
 
 ImpactCase general_case(RandomStream& random, double condition) {
     const Matrix3d turn = rotation(random);
-    const Vector3d axes(1.0, random.log_uniform(1.0 / condition, 1.0), random.log_uniform(1.0 / condition, 1.0));
+    const Vector3d axes(1.0, random.log_uniform(1.0 / condition, 1.0),
+                        random.log_uniform(1.0 / condition, 1.0));
     const Matrix3d k = turn * axes.asDiagonal() * turn.transpose();
     return {0.5 * (k + k.transpose()), approach(random), surface(random)};
 }

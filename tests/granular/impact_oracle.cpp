@@ -44,8 +44,13 @@ private:
     Y slope(const Y& y) const {
         const Real c = std::cos(y[phi]), s = std::sin(y[phi]), r = std::exp(y[log_r]);
         const Vector along = pull(y[phi]), a = k_ * along;
-        return {c * a.y() - s * a.x(), c * a.x() + s * a.y(), r, r * along.x(), r * along.y(),
-                r * a.z(),             r * y[vz]};
+        return {c * a.y() - s * a.x(),
+                c * a.x() + s * a.y(),
+                r,
+                r * along.x(),
+                r * along.y(),
+                r * a.z(),
+                r * y[vz]};
     }
 
     Y midpoint(const Y& y0, Real h, int n) const {
@@ -81,7 +86,8 @@ private:
             }
             if (j + 1 == rows)
                 error = std::abs(carried[phi] - t[j - 1][phi]) + std::abs(carried[log_r] - t[j - 1][log_r]) +
-                        scale_ * std::abs(carried[p] - t[j - 1][p]) / std::max(speed_, std::exp(y0[log_r]));
+                        scale_ * std::abs(carried[p] - t[j - 1][p]) /
+                            std::max({speed_, std::exp(y0[log_r]), scale_ * carried[p]});
             t[j] = carried;
         }
         return t[rows - 1];

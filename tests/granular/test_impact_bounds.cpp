@@ -1,4 +1,5 @@
-// What holds for every impact: no NaN, energy, friction cone, separation, bounded work, no dependence on scale.
+// What holds for every impact: no NaN, energy, friction cone, separation, bounded work, no dependence on
+// scale.
 
 #include "granular/slip_path.hpp"
 #include "impact_cases.hpp"
@@ -8,7 +9,6 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
-
 
 using namespace rodwake;
 using namespace rodwake::granular;
@@ -38,7 +38,8 @@ std::string fault(const ImpactCase& c, const Impact& i) {
     const Eigen::Vector3d size = c.velocity.cwiseAbs() + c.inverse_mass.cwiseAbs() * i.impulse.cwiseAbs();
     if (i.velocity.z() < -200.0 * eps * size.z())
         return "still approaching";
-    if (((i.velocity - c.velocity - c.inverse_mass * i.impulse).array().abs() > 4.0 * eps * size.array()).any())
+    if (((i.velocity - c.velocity - c.inverse_mass * i.impulse).array().abs() > 4.0 * eps * size.array())
+            .any())
         return "velocity is not v + K P";
     return energy_grows(c, i) ? "energy grows" : "";
 }
@@ -82,7 +83,8 @@ int worst_steps(int cases, std::uint64_t seed) {
         const ImpactCase c = any_case(random, k);
         const std::string wrong = fault(c, stronge_impact(c.inverse_mass, c.velocity, c.surface));
         if (!wrong.empty()) {
-            CAPTURE(k, wrong, c.inverse_mass, c.velocity.transpose(), c.surface.friction, c.surface.restitution);
+            CAPTURE(k, wrong, c.inverse_mass, c.velocity.transpose(), c.surface.friction,
+                    c.surface.restitution);
             CHECK(wrong.empty());
         }
         most = std::max(most, steps_of(c));

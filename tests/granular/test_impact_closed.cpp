@@ -1,15 +1,16 @@
 // Impacts with closed forms, written out by hand. Tolerance 1e-12 of |P|: what impact.hpp says.
 //
-// Chung & Ooi (Granular Matter 13 (2011) 643) list eight single-impact benchmarks. Rigid impulses know neither
-// contact stiffness nor duration, so of these apply
+// Chung & Ooi (Granular Matter 13 (2011) 643) list eight single-impact benchmarks. Rigid impulses know
+// neither contact stiffness nor duration, so of these apply
 //   test 3  normal impact of a sphere with a plate for varying restitution: w_z = -e v_z
-//   test 4  oblique impact at varying angle: tangential restitution, spin and rebound angle in the sliding regime
-//   test 5  oblique impact at constant normal speed and varying tangential speed, sphere-plate
-//   test 6  a sphere with initial spin and no tangential speed
-//   test 7  two identical spheres, oblique with spin; test 8 spheres of different size: sliding and sticking limits
-// and do not: test 1 (elastic normal impact of two spheres: force against time), test 2 (sphere and rigid plate:
-// force against overlap). In tests 4, 5 and 7 at small angles real spheres rebound with a tangential velocity
-// that depends on the ratio of stiffnesses (Maw, Barber, Fawcett); the rigid law sticks there: w_t = 0.
+//   test 4  oblique impact at varying angle: tangential restitution, spin and rebound angle in the sliding
+//   regime test 5  oblique impact at constant normal speed and varying tangential speed, sphere-plate test 6
+//   a sphere with initial spin and no tangential speed test 7  two identical spheres, oblique with spin; test
+//   8 spheres of different size: sliding and sticking limits
+// and do not: test 1 (elastic normal impact of two spheres: force against time), test 2 (sphere and rigid
+// plate: force against overlap). In tests 4, 5 and 7 at small angles real spheres rebound with a tangential
+// velocity that depends on the ratio of stiffnesses (Maw, Barber, Fawcett); the rigid law sticks there: w_t =
+// 0.
 
 #include "impact_cases.hpp"
 
@@ -41,8 +42,8 @@ struct Sphere {
     double mass = 2.0, radius = 0.5;
     double k_t() const { return 1.0 / mass + radius * radius / (0.4 * mass * radius * radius); } // 7/(2 m)
     Vector3d velocity(double v_t, double v_n, double spin) const { return {v_t + radius * spin, 0.0, -v_n}; }
-    /// After the impulse P on it at its lowest point, r = (0, 0, -R); spin about y such that v_c = v_t + R spin
-    /// for the convention spin = -omega_y.
+    /// After the impulse P on it at its lowest point, r = (0, 0, -R); spin about y such that v_c = v_t + R
+    /// spin for the convention spin = -omega_y.
     double centre(double v_t, const Vector3d& p) const { return v_t + p.x() / mass; }
     double spin(double before, const Vector3d& p) const { return before + p.x() / (0.4 * mass * radius); }
 };
@@ -83,8 +84,8 @@ TEST_CASE("slip to the end") {
 }
 
 TEST_CASE("slip that stops and sticks") {
-    // Slip along +x: dv_x/dp = 0.4 - 0.5 * 2 = -0.6, dv_z/dp = 1 - 0.5 * 0.4 = 0.8; stops at p1 = 0.3/0.6 = 0.5 in
-    // compression; sticks (0.2 <= 0.5): dv_z/dp = 0.92.
+    // Slip along +x: dv_x/dp = 0.4 - 0.5 * 2 = -0.6, dv_z/dp = 1 - 0.5 * 0.4 = 0.8; stops at p1 = 0.3/0.6 =
+    // 0.5 in compression; sticks (0.2 <= 0.5): dv_z/dp = 0.92.
     const double p1 = 0.5, v1 = -3.0 + 0.8 * p1, p2 = -v1 / 0.92;
     const double work = -0.5 * (-3.0 + v1) * p1 - 0.5 * v1 * p2;
     const double p3 = regain(work, 0.92, 0.7), p = p1 + p2 + p3;
@@ -102,7 +103,8 @@ TEST_CASE("slip that stops in restitution and sticks") {
 }
 
 TEST_CASE("slip that reverses in the plane") {
-    // mu = 0.1 < 0.2: along -x dv_x/dp = 0.4 + 0.1 * 2 = 0.6, dv_z/dp = 1 + 0.04; back along +x dv_z/dp = 0.96.
+    // mu = 0.1 < 0.2: along -x dv_x/dp = 0.4 + 0.1 * 2 = 0.6, dv_z/dp = 1 + 0.04; back along +x dv_z/dp =
+    // 0.96.
     const double p1 = 0.5, v1 = -3.0 + 1.04 * p1, p2 = -v1 / 0.96;
     const double work = -0.5 * (-3.0 + v1) * p1 - 0.5 * v1 * p2;
     const double p3 = regain(work, 0.96, 0.4);
@@ -124,7 +126,8 @@ TEST_CASE("without coupling one closed form is exact") {
     for (int k = 0; k < 2000; ++k) {
         const ImpactCase c = sphere_case(random);
         const Impact any = stronge_impact(c.inverse_mass, c.velocity, c.surface);
-        const Impact one = uncoupled_impact(c.inverse_mass(0, 0), c.inverse_mass(2, 2), c.velocity, c.surface);
+        const Impact one =
+            uncoupled_impact(c.inverse_mass(0, 0), c.inverse_mass(2, 2), c.velocity, c.surface);
         CHECK((any.impulse - one.impulse).norm() <= 1e-13 * one.impulse.norm()); // rounding
         CHECK((any.velocity - one.velocity).norm() <= 1e-13 * c.velocity.norm());
     }
@@ -135,7 +138,8 @@ TEST_CASE("without coupling one closed form is exact") {
 TEST_CASE("test 3 of Chung and Ooi: normal restitution") {
     const Sphere ball;
     for (const double e : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
-        const Impact i = uncoupled_impact(ball.k_t(), 1.0 / ball.mass, ball.velocity(0.0, 3.9, 0.0), {0.3, e});
+        const Impact i =
+            uncoupled_impact(ball.k_t(), 1.0 / ball.mass, ball.velocity(0.0, 3.9, 0.0), {0.3, e});
         CHECK(i.velocity.z() == Approx(3.9 * e).margin(1e-14));
         CHECK(i.impulse.head<2>() == Eigen::Vector2d::Zero());
     }
@@ -163,7 +167,8 @@ TEST_CASE("test 6 of Chung and Ooi: a spinning sphere dropped on a plate") {
     const double mu = 0.4, e = 0.5, v_n = 0.2;
     for (const double spin : {-40.0, -1.0, 0.2, 3.0, 100.0}) {
         const double slip = ball.radius * std::abs(spin);
-        const Impact i = uncoupled_impact(ball.k_t(), 1.0 / ball.mass, ball.velocity(0.0, v_n, spin), {mu, e});
+        const Impact i =
+            uncoupled_impact(ball.k_t(), 1.0 / ball.mass, ball.velocity(0.0, v_n, spin), {mu, e});
         const double gained = std::min(mu * (1.0 + e) * v_n, 2.0 / 7.0 * slip); // of tangential speed
         CHECK(ball.centre(0.0, i.impulse) == Approx(-std::copysign(gained, spin)).epsilon(1e-12));
         CHECK(i.velocity.z() == Approx(e * v_n).epsilon(1e-12));

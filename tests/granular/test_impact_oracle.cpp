@@ -53,8 +53,9 @@ Eigen::Vector3d impulse(const ImpactCase& c) {
 double error_of(const ImpactCase& c) { return oracle::relative_error(impulse(c), oracle::impulse(c)); }
 
 void report(const ImpactCase& c) {
-    UNSCOPED_INFO("K\n" << c.inverse_mass << "\nv " << c.velocity.transpose() << " mu " << c.surface.friction
-                        << " e " << c.surface.restitution);
+    UNSCOPED_INFO("K\n"
+                  << c.inverse_mass << "\nv " << c.velocity.transpose() << " mu " << c.surface.friction
+                  << " e " << c.surface.restitution);
 }
 
 } // namespace
@@ -93,8 +94,8 @@ TEST_CASE("the comparison with the oracle can fail") {
 TEST_CASE("ordinary impacts agree with brute-force integration") {
     RandomStream random(11);
     for (int k = 0; k < 40; ++k)
-        for (const ImpactCase& c : {sphere_case(random), planar_case(random), rod_case(random),
-                                    general_case(random, 100.0)}) {
+        for (const ImpactCase& c :
+             {sphere_case(random), planar_case(random), rod_case(random), general_case(random, 100.0)}) {
             const double error = error_of(c);
             if (error >= 1e-12)
                 report(c);

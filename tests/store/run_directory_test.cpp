@@ -24,6 +24,45 @@ std::string refusal(const fs::path& path) {
     return error_of<InputError>([&] { RunDirectory(path, false); });
 }
 
+/// Files in run/, seen from there.
+Names files_of_run(const Scratch& scratch) {
+    Names files;
+    for (const std::string& name : scratch.entries())
+        if (!fs::is_directory(scratch / name))
+            files.insert(name.substr(4));
+    return files;
+}
+
+/// Writes these files into run/, beside a record with this status, and begins a run there.
+Names left_by_begin(const Scratch& scratch, const Names& files, const std::string& status, bool force) {
+    for (const std::string& name : files)
+        scratch.file("run/" + name, "old");
+    scratch.file("run/provenance.json", provenance(status));
+    RunDirectory(scratch / "run", force).begin(provenance("unfinished"));
+    Names left = files_of_run(scratch);
+    left.erase("provenance.json");
+    return left;
+}
+
+const Names granular_results = {"summary.json",     "runs.csv",        "table.csv",
+                                "tracks.csv",       "trajectory.h5md", "trajectory.xyz",
+                                "last_period.h5md", "final.rwc",       "table.csv.tmp77"};
+const Names granular_progress = {"checkpoint.rwc", "checkpoint.rwc.previous", "rows.log", "frames.log",
+                                 "last_period.log"};
+const Names foreign = {"notes.log", "log.txt", "checkpoint.txt", "trajectory.gsd"};
+
+Names operator+(Names first, const Names& second) {
+    first.insert(second.begin(), second.end());
+    return first;
+}
+
+Names in_folder(const std::string& folder, const Names& names) {
+    Names moved;
+    for (const std::string& name : names)
+        moved.insert(folder + name);
+    return moved;
+}
+
 } // namespace
 
 TEST_CASE("A new folder is made, with its parents") {
@@ -49,6 +88,7 @@ TEST_CASE("A run that did not finish is taken over") {
     scratch.file("run/provenance.json", provenance(status));
     CHECK(store::run_status(scratch / "run") == status);
     CHECK(RunDirectory(scratch / "run", false).resumed());
+    CHECK_FALSE(RunDirectory(scratch / "run", true).resumed());
 }
 
 TEST_CASE("Files of others are kept unless forced") {
@@ -88,14 +128,38 @@ TEST_CASE("A run that begins removes the results of the one before, and only tho
     const RunDirectory run(scratch / "run", true);
     CHECK(fs::exists(run.file("result.h5"))); // as long as the new run has not begun
     run.begin(provenance("unfinished"));
-    Names files;
-    for (const std::string& name : scratch.entries())
-        if (!fs::is_directory(scratch / name))
-            files.insert(name.substr(4));
+    const Names files = files_of_run(scratch);
     Names expected = kept;
     expected.insert("provenance.json");
     CHECK(files == expected);
     CHECK(store::run_status(run.path()) == "unfinished");
+}
+
+TEST_CASE(
+    "A granular run that is taken up keeps what it goes on from, and the finished runs of an ensemble") {
+    const auto status = GENERATE(as<std::string>{}, "unfinished", "interrupted", "failed");
+    const Scratch scratch;
+    const Names members =
+        in_folder("runs/0001/", granular_results) + in_folder("runs/0002/", granular_progress);
+    CHECK(left_by_begin(scratch, granular_results + granular_progress + foreign + members, status, false) ==
+          granular_progress + foreign + members);
+}
+
+TEST_CASE("A granular run that is replaced leaves nothing of its own") {
+    const auto status = GENERATE(as<std::string>{}, "finished", "unfinished", "interrupted", "failed");
+    const Scratch scratch;
+    const Names own = granular_results + granular_progress;
+    const Names others = foreign + in_folder("runs/0002/", foreign);
+    CHECK(left_by_begin(scratch, own + others + in_folder("runs/0001/", own) + in_folder("runs/0002/", own),
+                        status, true) == others);
+    CHECK_FALSE(fs::exists(scratch / "run/runs/0001"));
+    CHECK(fs::exists(scratch / "run/runs/0002"));
+}
+
+TEST_CASE("A replaced ensemble leaves no empty folders") {
+    const Scratch scratch;
+    CHECK(left_by_begin(scratch, in_folder("runs/0001/", granular_results), "finished", true).empty());
+    CHECK_FALSE(fs::exists(scratch / "run/runs"));
 }
 
 TEST_CASE("Provenance says who, what, with what and when") {

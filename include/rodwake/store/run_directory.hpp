@@ -28,11 +28,12 @@ public:
 
     const std::filesystem::path& path() const { return path_; }
     std::filesystem::path file(std::string_view name) const { return path_ / name; }
-    /// True if an earlier run was left unfinished here.
+    /// True if an earlier run was left unfinished here and is taken up; with `force` it is replaced.
     bool resumed() const { return resumed_; }
 
     /// Marks the folder as this run's, before anything else is written; then removes the results of an
-    /// earlier run. Throws RunError.
+    /// earlier run, and if that is not taken up, its granular checkpoints, logs and everything of its own
+    /// in runs/ too. Throws RunError.
     void begin(std::string_view provenance) const;
 
     /// Writes a file atomically. Throws RunError.
