@@ -122,10 +122,10 @@ std::vector<TrackPoint> Record::track(const Simulation& simulation) {
     return points;
 }
 
-double Record::mean_travel() const {
+double Record::mean_advance() const {
     double sum = 0.0;
     for (const RodProgress& rod : rods_)
-        sum += rod.travelled;
+        sum += along(rod.heading0).dot(Eigen::Vector2d(rod.x - rod.x0, rod.y - rod.y0));
     return rods_.empty() ? 0.0 : sum / static_cast<double>(rods_.size());
 }
 

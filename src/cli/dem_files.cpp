@@ -208,6 +208,9 @@ void DemFiles::finish(const store::H5mdInfo& info) {
         write_trajectory("trajectory", *frames_, info, true);
     if (period_ && period_->records() > 0)
         write_trajectory("last_period", *period_, info, false);
+}
+
+void DemFiles::remove_logs() {
     rows_.reset();
     frames_.reset();
     period_.reset();

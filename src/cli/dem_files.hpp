@@ -34,8 +34,10 @@ public:
     /// Everything is on the disk when this returns. Throws RunError.
     LogLengths sync();
 
-    /// Turns the logs into their final files and removes them.
+    /// Turns the logs into their final files.
     void finish(const store::H5mdInfo& info);
+    /// No more is needed of the logs: everything final is in place.
+    void remove_logs();
 
 private:
     std::vector<double> frame_record(const granular::State& state, double time) const;

@@ -1,8 +1,10 @@
 #include "dem_run.hpp"
 
+#include "dem_summary.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/granular/start.hpp"
+#include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/generations.hpp"
 #include "signals.hpp"
 
@@ -124,7 +126,7 @@ private:
     /// From t = 0 on.
     std::int64_t step() const { return simulation_.step() - plan_.problem.equilibration_steps; }
 
-    bool travelled() const { return plan_.stop_at_travel > 0.0 && record_.mean_travel() >= plan_.stop_at_travel; }
+    bool travelled() const { return plan_.stop_at_travel > 0.0 && record_.mean_advance() >= plan_.stop_at_travel; }
 
     std::int64_t steps_to_next_event() const {
         const std::int64_t now = step();
@@ -178,9 +180,12 @@ private:
     DemResult finish() {
         DemSummary done = summary();
         checkpoint();
+        // until the last checkpoint goes, a crash costs nothing: the same command does this again
         files_.finish(h5md_info());
+        store::write_atomically(task_.folder / "summary.json", summary_json(plan_, done));
         std::filesystem::rename(checkpoint_file_, task_.folder / "final.rwc");
         store::remove_generations(checkpoint_file_);
+        files_.remove_logs();
         return {DemEnd::finished, {}, std::move(done)};
     }
 

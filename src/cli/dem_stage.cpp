@@ -5,7 +5,6 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/scene/write.hpp"
-#include "rodwake/store/atomic_file.hpp"
 #include "signals.hpp"
 #include "stages.hpp"
 
@@ -126,13 +125,8 @@ DemResult execute(const Session& session, const DemPlan& plan, const DemTask& ta
             return {DemEnd::finished, {}, std::move(*known)};
     if (stop_signal())
         return {DemEnd::interrupted, {}, {}};
-    DemResult result = run_dem(plan, task, session.log, threads,
-                               [&](const granular::Simulation& s, const granular::TableRow* row) {
-                                   progress.update(task.run, s, row);
-                               });
-    if (result.end == DemEnd::finished)
-        store::write_atomically(task.folder / "summary.json", summary_json(plan, result.summary));
-    return result;
+    return run_dem(plan, task, session.log, threads,
+                   [&](const granular::Simulation& s, const granular::TableRow* row) { progress.update(task.run, s, row); });
 }
 
 void report_one(const Session& session, const DemSummary& s) {

@@ -42,14 +42,23 @@ granular::RodSpec rod_spec(const scene::GranularRod& rod) {
     return {shape_of(rod), {rod.position[0], rod.position[1]}, rod.heading, rod.imposed_speed};
 }
 
+/// Area of the shadow of a rod; what is no rod is named as validate() would.
+double shadow(const granular::RodShape& shape, std::size_t index) {
+    try {
+        return granular::make_clump(shape).shadow();
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("rod {}: {}", index, error.what()));
+    }
+}
+
 /// N of N pi a^2 = phi_b L^2, from which the shadows of the rods are taken off if they count.
 std::size_t bead_count(const scene::Granular& bed, const std::vector<granular::RodSpec>& rods) {
     if (bed.beads)
         return static_cast<std::size_t>(*bed.beads);
     const double wanted = *bed.phi_b * bed.box * bed.box;
     double shadows = 0.0;
-    for (const granular::RodSpec& rod : rods)
-        shadows += bed.count_rod_area ? granular::make_clump(rod.shape).shadow() : 0.0;
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        shadows += bed.count_rod_area ? shadow(rods[i].shape, i) : 0.0;
     if (shadows > wanted)
         throw InputError(fmt::format(
             "phi_b = {} with count_rod_area leaves no room for beads: the rods alone cover {:.4f} "

@@ -99,8 +99,8 @@ void time_fields(Visitor& v, Granular& bed) {
           .unit(length)
           .above(0.0, 1e3)
           .absent("the run goes on to its end")
-          .doc("the run ends when the rods' mean travel along their own headings, + thin end first, reaches "
-               "this; needs rods")
+          .doc("the run ends when the rods have come this far along their first headings, on average; "
+               "needs rods")
           .example("\"39 a\""),
       bed.stop_at_travel);
     v(key("seed").within(0, largest_seed).doc("of everything random; --seed replaces it").example("7"),

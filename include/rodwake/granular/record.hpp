@@ -68,8 +68,8 @@ public:
     TableRow row(const Simulation& simulation);
     std::vector<TrackPoint> track(const Simulation& simulation);
 
-    /// Mean travel of the rods along their own headings, m.
-    double mean_travel() const;
+    /// How far the rods came along their headings at t = 0, mean, m.
+    double mean_advance() const;
     const std::vector<RodProgress>& rods() const { return rods_; }
     const RecordSums& sums() const { return sums_; }
     void restore(const RecordSums& sums, std::vector<RodProgress> rods);

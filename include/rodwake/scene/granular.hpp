@@ -91,7 +91,7 @@ struct Granular {
     std::optional<double> equilibrate; ///< s; absent: depends on start and phi_b
     double duration = 0.0;             ///< s
     std::optional<double>
-        stop_at_travel; ///< mean travel of the rods along their headings, m; absent: to the end
+        stop_at_travel; ///< mean advance of the rods along their first headings, m; absent: to the end
     long seed = 1, runs = 1;
     double overlap_limit = 0.1;         ///< fraction of the radius
     std::optional<double> order_cutoff; ///< m; absent: 1.4 lattice spacings
