@@ -95,9 +95,11 @@ def lammps_round(folder, times, seed, skin, core):
     clock = [float(text) for text in (folder / "cpu").read_text().split()]
     if len(loops) != 3 or len(shares) != 3 or len(clock) != 2:
         raise measure.Problem(f"LAMMPS ran {len(loops)} loops and {len(clock)} clock readings; 3 and 2 were expected")
+    cpu, own = clock[1] - clock[0], loops[1] * shares[1] / 100
+    if abs(cpu - own) > 0.05 * own + 0.03:  # the process clock ticks every 0.01 s
+        raise measure.Problem(f"LAMMPS used {cpu:.3f} s of CPU by the process clock and {own:.3f} s by its own account")
     sampled = (folder / "temperatures.dat").read_text().split("\n")[-2].split()
-    return Figures((clock[1] - clock[0]) / times.lammps, loops[1] * shares[1] / 100 / times.lammps, float(sampled[1]),
-                   float(sampled[2])), log.split("\n")[0]
+    return (Figures(cpu / times.lammps, own / times.lammps, float(sampled[1]), float(sampled[2])), log.split("\n")[0])
 
 
 def print_conditions(program, chosen, times):

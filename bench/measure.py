@@ -90,7 +90,7 @@ def bed_scene(beads, box):
 
 def dem_command(program, scene, folder, warm, duration, seed, cores):
     return ["taskset", "-c", ",".join(map(str, cores)), str(program), "dem", str(scene), "-j", str(len(cores)), "--quiet",
-            "--force", "--seed", str(seed), "-s", f"granular.equilibrate={warm!r}", "-s", f"granular.duration={duration!r}",
+            "--force", "--seed", str(seed), "-s", f"granular.equilibrate={warm}", "-s", f"granular.duration={duration}",
             "-o", str(folder)]
 
 

@@ -10,7 +10,7 @@ namespace rodwake::granular {
 namespace {
 
 constexpr std::size_t chunk = 4096;          // pairs a task; does not change results
-constexpr double window = 20.0;              // steps an inner list should last (measured: 12 to 30 are equally fast)
+constexpr double inner_window = 25.0, hot_window = 5.0; // steps; measured, half or twice as much costs a few per cent
 constexpr double first_skin = 0.5;           // of a radius, as are the limits
 constexpr double least_skin = 0.2, most_skin = 1.0;
 constexpr std::int64_t short_life = 400, long_life = 4000; // steps of an outer list
@@ -20,8 +20,25 @@ std::size_t chunks_of(std::size_t count) { return (count + chunk - 1) / chunk; }
 } // namespace
 
 PairFinder::PairFinder(const Bodies& bodies, double box)
-    : box_(box), skin_(0.0), length_(bodies.radius.empty() ? box : *std::min_element(bodies.radius.begin(), bodies.radius.end())) {
+    : box_(box), skin_(0.0),
+      length_(bodies.radius.empty() ? box : *std::min_element(bodies.radius.begin(), bodies.radius.end())),
+      inner_{{}, inner_window}, hot_{{}, hot_window} {
     skin_ = first_skin * length_;
+}
+
+void PairFinder::Watch::note(double flat_motion, double upright_motion) {
+    flat += flat_motion;
+    upright += upright_motion;
+    ++steps;
+}
+
+void PairFinder::Watch::adapt(double length) {
+    const double per_step = window / static_cast<double>(std::max<std::int64_t>(steps, 1));
+    const auto towards = [&](double allowance, double moved) {
+        return (std::clamp(per_step * moved, 1e-9 * length, 0.5 * length) + std::min(allowance, 0.5 * length)) / 2.0;
+    };
+    flat_allowance = towards(flat_allowance, flat);
+    upright_allowance = towards(upright_allowance, upright);
 }
 
 double PairFinder::furthest_moved(const Bodies& bodies) const {
@@ -34,8 +51,9 @@ double PairFinder::furthest_moved(const Bodies& bodies) const {
 }
 
 void PairFinder::rebuild(const Bodies& bodies) {
-    near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box_, skin_ + flat_allowance_, outer_);
+    near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box_, skin_ + inner_.flat_allowance, outer_);
     origin_ = bodies.position;
+    outer_allowance_ = inner_.flat_allowance;
     steps_since_rebuild_ = 0;
     ++rebuilds_;
 }
@@ -47,16 +65,6 @@ void PairFinder::adapt_skin() {
         skin_ = std::max(0.9 * skin_, least_skin * length_);
 }
 
-void PairFinder::adapt_allowances() {
-    const double steps = static_cast<double>(std::max<std::int64_t>(steps_since_refresh_, 1));
-    const auto towards = [&](double allowance, double moved) {
-        const double wanted = window * moved / steps;
-        return std::clamp(wanted, 1e-9 * length_, 0.5 * length_) * 0.5 + 0.5 * std::min(allowance, 0.5 * length_);
-    };
-    flat_allowance_ = towards(flat_allowance_, flat_);
-    upright_allowance_ = towards(upright_allowance_, upright_);
-}
-
 template <class Test> void PairFinder::collect(std::size_t pairs, Team& team, const Test& test) {
     const std::size_t chunks = chunks_of(pairs);
     while (found_.size() < chunks)
@@ -66,46 +74,55 @@ template <class Test> void PairFinder::collect(std::size_t pairs, Team& team, co
     });
 }
 
+void PairFinder::draw(const Bodies& bodies, const PairList& from, Watch& watch, Team& team) {
+    collect(from.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
+        return within_reach(bodies.position.data(), from, begin, end, box_, watch.flat_allowance, watch.upright_allowance, found);
+    });
+    watch.list.clear();
+    for (std::size_t c = 0; c < chunks_of(from.size()); ++c)
+        for (std::size_t k = 0; k < found_[c].count; ++k) {
+            watch.list.pairs.push_back(from.pairs[found_[c].index[k]]);
+            watch.list.reach.push_back(from.reach[found_[c].index[k]]);
+        }
+    watch.flat = watch.upright = 0.0;
+    watch.steps = 0;
+}
+
 void PairFinder::refresh(const Bodies& bodies, Team& team) {
-    adapt_allowances();
-    // A pair outside the outer list is at least the skin away and approaches by twice what a sphere moved, and then by the allowance.
+    inner_.adapt(length_);
+    // A pair outside the outer list is at least the skin away and approaches by twice what a sphere moved, and then by the
+    // allowance.
     if (origin_.empty() || 2.0 * furthest_moved(bodies) > skin_) {
         if (!origin_.empty())
             adapt_skin();
         rebuild(bodies);
-        outer_allowance_ = flat_allowance_;
     }
-    flat_allowance_ = std::min(flat_allowance_, outer_allowance_);
-    collect(outer_.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
-        return within_reach(bodies.position.data(), outer_, begin, end, box_, flat_allowance_, upright_allowance_, found);
-    });
-    inner_.clear();
-    for (std::size_t c = 0; c < chunks_of(outer_.size()); ++c)
-        for (std::size_t k = 0; k < found_[c].count; ++k) {
-            inner_.pairs.push_back(outer_.pairs[found_[c].index[k]]);
-            inner_.reach.push_back(outer_.reach[found_[c].index[k]]);
-        }
-    flat_ = upright_ = 0.0;
-    steps_since_refresh_ = 0;
+    inner_.flat_allowance = std::min(inner_.flat_allowance, outer_allowance_);
+    draw(bodies, outer_, inner_, team);
     ++refreshes_;
 }
 
 std::span<const Pair> PairFinder::find(const Bodies& bodies, const Range& velocities, double time_step, double slack,
                                        Team& team) {
-    ++steps_since_refresh_;
     ++steps_since_rebuild_;
     const double x = velocities.width(0), y = velocities.width(1);
-    flat_ += std::sqrt(x * x + y * y) * time_step;
-    upright_ += velocities.width(2) * time_step + slack;
-    if (!(flat_ <= flat_allowance_ && upright_ <= upright_allowance_) || origin_.empty())
+    const double flat = std::sqrt(x * x + y * y) * time_step, upright = velocities.width(2) * time_step + slack;
+    inner_.note(flat, upright);
+    hot_.note(flat, upright);
+    const bool stale = inner_.spent() || origin_.empty();
+    if (stale)
         refresh(bodies, team);
-    collect(inner_.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
-        return overlapping(bodies.position.data(), inner_, begin, end, box_, found);
+    if (stale || hot_.spent()) {
+        hot_.adapt(length_);
+        draw(bodies, inner_.list, hot_, team);
+    }
+    collect(hot_.list.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
+        return overlapping(bodies.position.data(), hot_.list, begin, end, box_, found);
     });
     overlapping_.clear();
-    for (std::size_t c = 0; c < chunks_of(inner_.size()); ++c)
+    for (std::size_t c = 0; c < chunks_of(hot_.list.size()); ++c)
         for (std::size_t k = 0; k < found_[c].count; ++k)
-            overlapping_.push_back(inner_.pairs[found_[c].index[k]]);
+            overlapping_.push_back(hot_.list.pairs[found_[c].index[k]]);
     return overlapping_;
 }
 

@@ -34,6 +34,8 @@ public:
     /// Everything is on the disk when this returns. Throws RunError.
     LogLengths sync();
 
+    /// table.csv and tracks.csv of the rows so far.
+    void write_tables();
     /// Turns the logs into their final files.
     void finish(const store::H5mdInfo& info);
     /// No more is needed of the logs: everything final is in place.
@@ -41,7 +43,6 @@ public:
 
 private:
     std::vector<double> frame_record(const granular::State& state, double time) const;
-    void write_tables();
     void write_trajectory(const std::string& name, store::AppendLog& log, const store::H5mdInfo& info, bool xyz);
 
     std::filesystem::path folder_;

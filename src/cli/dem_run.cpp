@@ -82,7 +82,7 @@ public:
                 checkpoint();
                 return {DemEnd::interrupted, {}, summary()};
             }
-            if (take_checkpoint_request() || seconds_since(saved_) > plan_.checkpoint_every)
+            if (checkpoint_requests() != requests_seen_ || seconds_since(saved_) > plan_.checkpoint_every)
                 checkpoint();
         }
         return finish();
@@ -164,6 +164,7 @@ private:
     double wall_seconds() const { return seconds_since(wall_start_) + (loaded_ ? loaded_->wall_seconds : 0.0); }
 
     void checkpoint() {
+        requests_seen_ = checkpoint_requests();
         DemCheckpoint c{plan_.scene_key,      build_name(),    plan_.problem.seed, task_.run, cpu_seconds(),
                         wall_seconds(),       simulation_.state(), simulation_.tallies(), record_.sums(), record_.rods(),
                         files_.sync()};
@@ -174,6 +175,7 @@ private:
     DemResult failed() {
         // what led there can be looked at; the last good checkpoint stays
         files_.sync();
+        files_.write_tables();
         return {DemEnd::failed, simulation_.failure()->message, summary()};
     }
 
@@ -255,6 +257,7 @@ private:
     LastPeriod period_;
     double cpu_start_;
     Clock::time_point wall_start_, saved_;
+    int requests_seen_ = checkpoint_requests();
     const std::function<void(const Simulation&, const granular::TableRow*)>* on_progress_ = nullptr;
 };
 

@@ -26,12 +26,24 @@ std::string scene_key(const scene::Scene& scene) {
     return scene::to_toml(key);
 }
 
-granular::State stored_state(const std::string& file) {
-    const auto loaded = load_checkpoint(file);
+LoadedCheckpoint stored_checkpoint(const std::string& file) {
+    auto loaded = load_checkpoint(file);
     if (!loaded)
         throw InputError(file + ": no such checkpoint (granular.restart_from); a finished run keeps its last state in "
                                 "final.rwc, one that goes on in checkpoint.rwc");
-    return loaded->checkpoint.state;
+    return std::move(*loaded);
+}
+
+granular::State stored_state(const std::string& file, const Logger& log) {
+    LoadedCheckpoint loaded = stored_checkpoint(file);
+    if (!loaded.notice.empty())
+        log->warn("{}", loaded.notice);
+    return std::move(loaded.checkpoint.state);
+}
+
+bool within(const std::filesystem::path& file, const std::filesystem::path& folder) {
+    const auto below = std::filesystem::weakly_canonical(file).lexically_relative(std::filesystem::weakly_canonical(folder));
+    return !below.empty() && *below.begin() != "..";
 }
 
 DemPlan plan_of(const Session& session) {
@@ -50,7 +62,7 @@ DemPlan plan_of(const Session& session) {
     const auto wants = [&](const char* format) { return std::ranges::count(bed.output.formats, format) > 0; };
     plan.formats = {wants("h5md"), wants("xyz"), bed.output.last_period};
     if (bed.start == scene::GranularStart::restart)
-        plan.restart = stored_state(bed.restart_from);
+        plan.restart = stored_state(bed.restart_from, session.log);
     plan.force = session.options.force;
     return plan;
 }
@@ -163,6 +175,17 @@ StageEnd conclude(const Session& session, const DemPlan& plan, const std::vector
 }
 
 } // namespace
+
+void require_dem(const scene::Scene& scene, const Options& options) {
+    granular_problem(scene, options.seed);
+    const scene::Granular& bed = *scene.granular;
+    if (bed.start != scene::GranularStart::restart)
+        return;
+    stored_checkpoint(bed.restart_from);
+    if (const auto folder = output_folder(options); within(bed.restart_from, folder))
+        throw InputError(bed.restart_from + ": granular.restart_from lies in " + folder.string() +
+                         ", where this run would replace it; choose another folder with -o");
+}
 
 StageEnd run_dem_stage(Session& session) {
     const DemPlan plan = plan_of(session);

@@ -10,7 +10,7 @@ namespace {
 
 // A handler can reach nothing but globals; these are the only ones.
 volatile std::sig_atomic_t requested = 0;
-volatile std::sig_atomic_t checkpoint_requested = 0;
+volatile std::sig_atomic_t checkpoint_requested = 0; // how often
 volatile std::time_t requested_at = 0;
 
 /// A second signal ends the program at once, but not within a second of the first: terminals and `timeout`
@@ -24,7 +24,7 @@ void request_stop(int signal) {
     requested = signal;
 }
 
-void request_checkpoint(int) { checkpoint_requested = 1; }
+void request_checkpoint(int) { checkpoint_requested = checkpoint_requested + 1; }
 
 } // namespace
 
@@ -34,11 +34,7 @@ void install_signal_handlers() {
     std::signal(SIGUSR1, request_checkpoint);
 }
 
-bool take_checkpoint_request() {
-    const bool asked = checkpoint_requested;
-    checkpoint_requested = 0;
-    return asked;
-}
+int checkpoint_requests() { return checkpoint_requested; }
 
 int stop_signal() { return requested; }
 

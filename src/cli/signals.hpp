@@ -8,8 +8,8 @@ void install_signal_handlers();
 /// 0, or the number of the signal that asked to stop.
 int stop_signal();
 
-/// Whether SIGUSR1 asked for a checkpoint since the last call.
-bool take_checkpoint_request();
+/// How often SIGUSR1 asked for a checkpoint; every run compares it with what it has seen.
+int checkpoint_requests();
 
 /// 128 + signal: 130 for SIGINT, 143 for SIGTERM.
 int signal_exit_code(int signal);

@@ -15,6 +15,8 @@ StageEnd run_rods_stage(Session& session);
 
 /// [granular]: summary.json, table.csv, tracks.csv, trajectory.h5md, ...; with runs > 1 one folder a run in runs/.
 StageEnd run_dem_stage(Session& session);
+/// Throws InputError for a bed that cannot be run, before anything is written or removed.
+void require_dem(const scene::Scene& scene, const Options& options);
 
 /// Content of outcome.json. Lengths and times in the session's output units.
 std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,

@@ -6,6 +6,8 @@
 #include "stages.hpp"
 #include "verbs.hpp"
 
+#include <algorithm>
+
 namespace rodwake::cli {
 
 namespace {
@@ -76,6 +78,8 @@ int verb_stages(const Options& options) {
     const std::vector<Stage> stages = stages_of(options, scene);
     if (options.dry_run)
         return verb_check(options);
+    if (std::ranges::count(stages, &run_dem_stage) > 0)
+        require_dem(scene, options);
     Session session(options, std::move(scene));
     return finish(session, run_recorded(session, stages));
 }

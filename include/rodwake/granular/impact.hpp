@@ -31,10 +31,11 @@ struct Impact {
 };
 
 /// The law for any symmetric positive definite K (normal and tangential motion coupled). Straight pieces of
-/// the slip path are closed; curved ones are followed by a Taylor series of bounded remainder. Error below 1e-12 |P|.
-/// No impulse if v_z >= 0. Throws RunError if the path has no end, which needs a K that is not positive
-/// definite to rounding.
-Impact stronge_impact(const Eigen::Matrix3d& inverse_mass, const Eigen::Vector3d& velocity, const Surface& surface);
+/// the slip path are closed; curved ones are followed by a Taylor series of bounded remainder. Error below
+/// 1e-12 |P|; where the condition number of K is above 1e4, below 1e-14 times that. No impulse if v_z >= 0.
+/// Throws RunError if the path has no end, which needs a K that is not positive definite to rounding.
+Impact stronge_impact(const Eigen::Matrix3d& inverse_mass, const Eigen::Vector3d& velocity,
+                      const Surface& surface);
 
 /// The law where K = diag(k_t, k_t, k_n): spheres with spheres and plates. Slip keeps its direction and stops
 /// at most once, so one closed form is exact.

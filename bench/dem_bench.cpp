@@ -1,0 +1,178 @@
+// Time of the granular simulator: a step of the whole bed, with and without two rods, and its vector loops
+// for each instruction set of this machine. The bed: 1549 beads in a box of 78 radii, shaken at Gamma = 7 for
+// 0.1 s before.
+//
+//   build/release/bench/bench_dem --benchmark_min_time=0.5
+
+#include "granular/bodies.hpp"
+#include "granular/cell_grid.hpp"
+#include "granular/kernels.hpp"
+#include "rodwake/granular/simulation.hpp"
+#include "rodwake/granular/start.hpp"
+
+#include <benchmark/benchmark.h>
+#include <hwy/highway.h>
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace rodwake::granular;
+using benchmark::Counter;
+
+constexpr std::int64_t period = 250; // steps: every phase of the plates counts alike
+constexpr std::int64_t warm_up = 20 * period;
+
+GranularProblem bed(std::size_t rods) {
+    GranularProblem problem;
+    problem.beads = 1549;
+    problem.steps = 1'000'000'000'000; // never reached
+    for (std::size_t i = 0; i < rods; ++i) {
+        RodSpec rod;
+        rod.position = {20.0 * problem.bead_radius,
+                        (31.5 + 15.0 * static_cast<double>(i)) * problem.bead_radius};
+        problem.rods.push_back(rod);
+    }
+    return problem;
+}
+
+Simulation shaken(const GranularProblem& problem) {
+    Simulation simulation(problem, make_start(problem, 0));
+    simulation.advance(warm_up);
+    return simulation;
+}
+
+Counter seconds_per(double things) {
+    return Counter(things, Counter::kIsIterationInvariantRate | Counter::kInvert);
+}
+
+void step(benchmark::State& state, std::size_t rods) {
+    Simulation simulation = shaken(bed(rods));
+    for (auto _ : state)
+        simulation.advance(period);
+    if (simulation.failure())
+        state.SkipWithError(simulation.failure()->message.c_str());
+    state.counters["s_per_step"] = seconds_per(static_cast<double>(period));
+    state.counters["inner_pairs"] = static_cast<double>(simulation.cost().inner_pairs);
+    state.counters["outer_pairs"] = static_cast<double>(simulation.cost().outer_pairs);
+}
+
+/// The instruction set that the vector loops use while this lives.
+class OnTarget {
+public:
+    explicit OnTarget(std::int64_t target) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().Update(target);
+    }
+    ~OnTarget() {
+        hwy::SetSupportedTargetsForTest(0);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    }
+    OnTarget(const OnTarget&) = delete;
+    OnTarget& operator=(const OnTarget&) = delete;
+};
+
+Bodies shaken_bodies() {
+    const GranularProblem problem = bed(0);
+    return make_bodies(problem, shaken(problem).state());
+}
+
+/// Flight alone, no bead reaches a plate. Steps are so short that the beads stay where they are however often
+/// this runs.
+void fly(benchmark::State& state, std::int64_t target) {
+    Bodies bodies = shaken_bodies();
+    const OnTarget on(target);
+    Range velocities = Range::empty();
+    std::vector<std::uint32_t> out;
+    for (auto _ : state) {
+        drift(bodies.position.data(), bodies.velocity.data(), 0, bodies.beads, {1e-15, 9.81, -1.0, 1.0},
+              velocities, out);
+        benchmark::ClobberMemory();
+    }
+    if (!out.empty())
+        state.SkipWithError("a bead left the space between the plates");
+    state.counters["s_per_bead"] = seconds_per(static_cast<double>(bodies.beads));
+}
+
+/// Pairs nearer in the plane than the sum of radii + skin, and room for the answer.
+struct Near {
+    Bodies bodies = shaken_bodies();
+    double box = bed(0).box;
+    PairList list;
+    std::vector<std::uint32_t> found;
+
+    explicit Near(double skin) {
+        near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box,
+                   skin * bodies.bead_radius, list);
+        found.resize(list.size() + 4);
+    }
+};
+
+void count_pairs(benchmark::State& state, const PairList& list, std::size_t found) {
+    state.counters["s_per_pair"] = seconds_per(static_cast<double>(list.size()));
+    state.counters["pairs"] = static_cast<double>(list.size());
+    state.counters["found"] = static_cast<double>(found);
+}
+
+/// Over a list as short as the inner one is.
+void overlap(benchmark::State& state, std::int64_t target) {
+    Near near(0.1);
+    const OnTarget on(target);
+    std::size_t found = 0;
+    for (auto _ : state) {
+        found = overlapping(near.bodies.position.data(), near.list, 0, near.list.size(), near.box,
+                            near.found.data());
+        benchmark::ClobberMemory();
+    }
+    count_pairs(state, near.list, found);
+}
+
+/// Over the outer list, with allowances as they are in a run.
+void reach(benchmark::State& state, std::int64_t target) {
+    Near near(0.5);
+    const OnTarget on(target);
+    const double flat = 0.05 * near.bodies.bead_radius, upright = 0.1 * near.bodies.bead_radius;
+    std::size_t found = 0;
+    for (auto _ : state) {
+        found = within_reach(near.bodies.position.data(), near.list, 0, near.list.size(), near.box, flat,
+                             upright, near.found.data());
+        benchmark::ClobberMemory();
+    }
+    count_pairs(state, near.list, found);
+}
+
+std::string name_of(std::int64_t target) {
+    const OnTarget on(target);
+    return vector_target();
+}
+
+void register_all() {
+    benchmark::RegisterBenchmark("step/no rods", step, 0);
+    benchmark::RegisterBenchmark("step/two rods", step, 2);
+    std::set<std::string> names;
+    const std::int64_t all = hwy::SupportedTargets();
+    for (std::int64_t left = all; left != 0; left &= left - 1) {
+        const std::int64_t target = left & -left;
+        const std::string name = name_of(target);
+        if (!names.insert(name).second)
+            continue; // built for none of its own: it takes the loops of another
+        benchmark::RegisterBenchmark(("drift/" + name).c_str(), fly, target);
+        benchmark::RegisterBenchmark(("overlapping/" + name).c_str(), overlap, target);
+        benchmark::RegisterBenchmark(("within_reach/" + name).c_str(), reach, target);
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    register_all();
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv))
+        return 2;
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return 0;
+}
