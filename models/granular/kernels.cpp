@@ -27,10 +27,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 void DriftOne(double* x, double* v, const Drift& d, Range& range) {
     range.include(v);
-    for (int k = 0; k < 3; ++k)
-        x[k] += v[k] * d.step;
-    x[2] += -d.gravity * d.step * d.step / 2.0;
-    v[2] += -d.gravity * d.step;
+    // adding nothing turns -0 into 0, as the vectors do
+    for (int k = 0; k < 3; ++k) {
+        x[k] = x[k] + v[k] * d.step + (k == 2 ? -d.gravity * d.step * d.step / 2.0 : 0.0);
+        v[k] += k == 2 ? -d.gravity * d.step : 0.0;
+    }
 }
 
 bool Outside(const double* x, const Drift& d) {
@@ -69,7 +70,7 @@ void DriftBeads(double* position, double* velocity, std::size_t begin, std::size
     alignas(64) double lowest[8], highest[8];
     hn::Store(least, lanes, lowest);
     hn::Store(most, lanes, highest);
-    for (std::size_t k = 0; k < beads; ++k) {
+    for (std::size_t k = 0; k < beads && i > begin; ++k) { // none seen: infinities
         range.include(lowest + 4 * k);
         range.include(highest + 4 * k);
     }

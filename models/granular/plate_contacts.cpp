@@ -26,8 +26,8 @@ struct Plate {
     double& impulse(PlateTally& tally) const { return side > 0.0 ? tally.floor_impulse : tally.lid_impulse; }
 };
 
-constexpr int most_bounces = 16;       // within one step; more come to rest
-constexpr double shortest_hop = 0.05;  // of a step
+constexpr int most_bounces = 16;      // within one step; more come to rest
+constexpr double shortest_hop = 0.05; // of a step
 
 /// A bead at the end of the step and the time it may go back.
 struct Flight {
@@ -45,14 +45,15 @@ struct Flight {
     }
 };
 
-/// The same with constant accelerations; off by about 1e-4 steps. Outside the step where there is no such time.
+/// The same with constant accelerations; off by about 1e-4 steps. Outside the step where there is no such
+/// time.
 double rough_time_since_touch(double depth, double approach, double pressing) {
     const double inside = approach * approach - 2.0 * pressing * depth;
     return inside >= 0.0 ? 2.0 * depth / (approach + std::sqrt(inside)) : -1.0;
 }
 
-/// The last time the bead was clear of the plate: the start of its flight, or the top of its hop if it leaves the plate
-/// there.
+/// The last time the bead was clear of the plate: the start of its flight, or the top of its hop if it leaves
+/// the plate there.
 double last_clear(const Flight& flight, const Plate& plate) {
     const double leaving = flight.opening(plate, flight.back);
     if (!(leaving > 0.0 && plate.pressing() > 0.0))
@@ -64,10 +65,12 @@ double last_clear(const Flight& flight, const Plate& plate) {
 double time_since_touch(const Flight& flight, const Plate& plate) {
     // Touching from the start on, or so soon that it makes no hop.
     const double soon = shortest_hop * flight.back, hop = std::max(plate.pressing(), 0.0) * soon * soon / 2.0;
-    if (flight.gap(plate, flight.back) <= hop && std::abs(flight.opening(plate, flight.back)) <= plate.pressing() * soon)
+    if (flight.gap(plate, flight.back) <= hop &&
+        std::abs(flight.opening(plate, flight.back)) <= plate.pressing() * soon)
         return flight.back;
     double apart = last_clear(flight, plate), within = 0.0;
-    double before = rough_time_since_touch(-flight.gap_now(plate), -flight.opening_now(plate), plate.pressing());
+    double before =
+        rough_time_since_touch(-flight.gap_now(plate), -flight.opening_now(plate), plate.pressing());
     if (!(before > within && before < apart))
         before = (within + apart) / 2.0;
     for (int i = 0; i < 60; ++i) {
@@ -75,7 +78,8 @@ double time_since_touch(const Flight& flight, const Plate& plate) {
         (gap > 0.0 ? apart : within) = before;
         const double next = before + gap / flight.opening(plate, before); // d gap/d before = -opening
         const double taken = next >= within && next <= apart ? next : (within + apart) / 2.0;
-        if (std::abs(taken - before) <= 1e-8 * flight.back) // Newton doubles the digits: what is left is rounding
+        if (std::abs(taken - before) <=
+            1e-8 * flight.back) // Newton doubles the digits: what is left is rounding
             return taken;
         before = taken;
     }
@@ -83,11 +87,12 @@ double time_since_touch(const Flight& flight, const Plate& plate) {
 }
 
 /// Impulse on a bead from the plate given its velocity at the contact, applied to velocity and spin.
-void push_bead(Bodies& bodies, std::size_t bead, const Plate& plate, double plate_speed, const Surface& surface,
-               PlateTally& tally) {
+void push_bead(Bodies& bodies, std::size_t bead, const Plate& plate, double plate_speed,
+               const Surface& surface, PlateTally& tally) {
     auto v = row(bodies.velocity, bead);
     auto w = row(bodies.spin, bead);
-    const double a = bodies.bead_radius, per_mass = 1.0 / bodies.bead_mass, k_t = per_mass + a * a / bodies.bead_inertia;
+    const double a = bodies.bead_radius, per_mass = 1.0 / bodies.bead_mass,
+                 k_t = per_mass + a * a / bodies.bead_inertia;
     // arm = -side a z; its spin velocity w x arm
     const Vector3 relative(v.x() - plate.side * a * w.y(), v.y() + plate.side * a * w.x(),
                            plate.side * (v.z() - plate_speed));
@@ -98,7 +103,8 @@ void push_bead(Bodies& bodies, std::size_t bead, const Plate& plate, double plat
     ++tally.impulses;
 }
 
-void rest_bead(Bodies& bodies, std::size_t bead, const Plate& plate, const Surface& surface, PlateTally& tally) {
+void rest_bead(Bodies& bodies, std::size_t bead, const Plate& plate, const Surface& surface,
+               PlateTally& tally) {
     push_bead(bodies, bead, plate, plate.speed_now(), {surface.friction, 0.0}, tally);
     bodies.position[4 * bead + 2] = plate.height_now() + plate.side * bodies.bead_radius;
 }
@@ -114,11 +120,13 @@ void bounce_at(Bodies& bodies, std::size_t bead, const Plate& plate, double befo
     push_bead(bodies, bead, plate, plate.speed(before), surface, tally);
     x.x() += (v.x() - old.x()) * before;
     x.y() += (v.y() - old.y()) * before;
-    x.z() = plate.height(before) + plate.side * bodies.bead_radius + v.z() * before - gravity * before * before / 2.0;
+    x.z() = plate.height(before) + plate.side * bodies.bead_radius + v.z() * before -
+            gravity * before * before / 2.0;
     v.z() -= gravity * before;
 }
 
-/// Whether a bead that touches with this speed hops for less than that: such hops add up to a rest on the plate.
+/// Whether a bead that touches with this speed hops for less than that: such hops add up to a rest on the
+/// plate.
 bool comes_to_rest(double touching_speed, const Plate& plate, double restitution) {
     return 2.0 * restitution * touching_speed < plate.pressing() * shortest_hop * plate.step->time_step;
 }
@@ -173,20 +181,22 @@ void bounce_rod_off(MovingRod& rod, const Plate& plate, const Surface& surface, 
 
 } // namespace
 
-void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface, Range& velocities,
-                 PlateTally& tally) {
+void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
+                 Range& velocities, PlateTally& tally) {
     const Plate floor{1.0, &step}, lid{-1.0, &step};
     double back = step.time_step;
     for (int bounces = 0;; ++bounces) {
-        const Flight flight{bodies.position[4 * bead + 2], bodies.velocity[4 * bead + 2], bodies.bead_radius, back};
+        const Flight flight{bodies.position[4 * bead + 2], bodies.velocity[4 * bead + 2], bodies.bead_radius,
+                            back};
         const Plate* plate = entered(flight, floor, lid);
         if (!plate)
             return;
         tally.deepest_flight = std::max(tally.deepest_flight, -flight.gap_now(*plate) / bodies.bead_radius);
         back = time_since_touch(flight, *plate);
-        const bool rests =
-            bounces == most_bounces || comes_to_rest(-flight.opening(*plate, back), *plate, surface.restitution);
-        rests ? rest_bead(bodies, bead, *plate, surface, tally) : bounce_at(bodies, bead, *plate, back, surface, tally);
+        const bool rests = bounces == most_bounces ||
+                           comes_to_rest(-flight.opening(*plate, back), *plate, surface.restitution);
+        rests ? rest_bead(bodies, bead, *plate, surface, tally)
+              : bounce_at(bodies, bead, *plate, back, surface, tally);
         velocities.include(&bodies.velocity[4 * bead]);
         if (rests)
             return;

@@ -7,8 +7,8 @@
 
 namespace rodwake::granular {
 
-/// Height of the floor near one instant as a Taylor polynomial in the time before it. Eight terms: at 100 steps a period
-/// the rest over one step is below 1e-14 A, and that of the velocity below 1e-12 A omega.
+/// Height of the floor near one instant as a Taylor polynomial in the time before it. Eight terms: at 100
+/// steps a period the rest over one step is below 1e-14 A, and that of the velocity below 1e-12 A omega.
 class PlatePath {
 public:
     explicit PlatePath(const std::array<double, 8>& coefficients) : c_(coefficients) {}

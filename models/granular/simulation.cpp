@@ -16,10 +16,12 @@ namespace rodwake::granular {
 
 namespace {
 
-// How far a bead may fly into a plate in a step, of overlap_limit. Measured at phi_b = 0.80, Gamma = 7 (limit 0.12 radii):
-// temperatures are off by 4.5 % at 3e-4 s (0.108 radii), by 6 % at 4e-4 s (0.144) and by 20 % at 5e-4 s (0.18).
+// How far a bead may fly into a plate in a step, of overlap_limit. Measured at phi_b = 0.80, Gamma = 7 (limit
+// 0.12 radii): temperatures are off by 4.5 % at 3e-4 s (0.108 radii), by 6 % at 4e-4 s (0.144) and by 20 % at
+// 5e-4 s (0.18).
 constexpr double flight_limit = 1.2;
-constexpr std::size_t chunk = 2048; // beads a task; sums are taken chunk by chunk, so threads do not change them
+constexpr std::size_t chunk =
+    2048; // beads a task; sums are taken chunk by chunk, so threads do not change them
 
 /// What one task of the flight phase leaves behind.
 struct ChunkResult {
@@ -37,11 +39,13 @@ bool sound(const Vector3& position, const Vector3& velocity, const Vector3& spin
 }
 
 void check_numbers(const GranularProblem& problem, const State& state) {
-    constexpr auto wrong = "the stored state is damaged: {} has a place or motion that is not a number, or is more than {:g} "
-                           "boxes away; start again or from an older checkpoint";
+    constexpr auto wrong =
+        "the stored state is damaged: {} has a place or motion that is not a number, or is more than {:g} "
+        "boxes away; start again or from an older checkpoint";
     const Beads& b = state.beads;
     for (std::size_t i = 0; i < b.size(); ++i)
-        if (!sound({b.x[i], b.y[i], b.z[i]}, {b.vx[i], b.vy[i], b.vz[i]}, {b.wx[i], b.wy[i], b.wz[i]}, problem.box))
+        if (!sound({b.x[i], b.y[i], b.z[i]}, {b.vx[i], b.vy[i], b.vz[i]}, {b.wx[i], b.wy[i], b.wz[i]},
+                   problem.box))
             throw InputError(fmt::format(wrong, fmt::format("bead {}", i), furthest_image));
     for (std::size_t i = 0; i < state.rods.size(); ++i) {
         const RodBody& rod = state.rods[i];
@@ -54,7 +58,8 @@ void check_numbers(const GranularProblem& problem, const State& state) {
 void check_fit(const GranularProblem& problem, const State& state) {
     if (state.beads.size() != problem.beads || state.rods.size() != problem.rods.size())
         throw InputError(fmt::format("the stored state has {} beads and {} rods, the scene {} and {}",
-                                     state.beads.size(), state.rods.size(), problem.beads, problem.rods.size()));
+                                     state.beads.size(), state.rods.size(), problem.beads,
+                                     problem.rods.size()));
 }
 
 } // namespace
@@ -102,7 +107,8 @@ struct Simulation::Impl {
             mine.velocities = Range::empty();
             mine.tally = {};
             const std::size_t begin = c * chunk, end = std::min(bodies.beads, begin + chunk);
-            drift(bodies.position.data(), bodies.velocity.data(), begin, end, flight, mine.velocities, mine.hits);
+            drift(bodies.position.data(), bodies.velocity.data(), begin, end, flight, mine.velocities,
+                  mine.hits);
             for (const std::uint32_t bead : mine.hits) {
                 bounce_bead(bodies, bead, plate, problem.contacts.bead_plate, mine.velocities, mine.tally);
                 if (!row(bodies.position, bead).allFinite()) // minima and maxima pass over NaN, hits do not
@@ -111,13 +117,14 @@ struct Simulation::Impl {
         });
     }
 
-    /// Rod ends move fastest; the spheres between them no faster. They go round: within a step their velocities change by
-    /// rate^2 arm dt.
+    /// Rod ends move fastest; the spheres between them no faster. They go round: within a step their
+    /// velocities change by rate^2 arm dt.
     void include_ends(Range& velocities) const {
         for (const MovingRod& rod : bodies.rods)
             for (const double end : {rod.clump().offset.front(), rod.clump().offset.back()}) {
                 const Vector3 turning = rod.velocity_at(end * rod.axis()) - rod.body().velocity;
-                const double change = end == 0.0 ? 0.0 : turning.squaredNorm() / std::abs(end) * problem.time_step;
+                const double change =
+                    end == 0.0 ? 0.0 : turning.squaredNorm() / std::abs(end) * problem.time_step;
                 for (const double margin : {-change, change}) {
                     const Vector3 v = rod.body().velocity + turning + Vector3::Constant(margin);
                     velocities.include(v.data());
@@ -149,12 +156,16 @@ struct Simulation::Impl {
     }
 
     void fail(std::string what) {
-        failure = Failure{step, fmt::format("step {} (t = {:.6g} s): {}. The likely cause is a time_step that is too large; "
-                                            "{:g} s was used, try {:g} s",
-                                            step, time(), what, problem.time_step, problem.time_step / 5.0)};
+        failure = Failure{
+            step,
+            fmt::format("step {} (t = {:.6g} s): {}. The likely cause is a time_step that is too large; "
+                        "{:g} s was used, try {:g} s",
+                        step, time(), what, problem.time_step, problem.time_step / 5.0)};
     }
 
-    double time() const { return static_cast<double>(step - problem.equilibration_steps) * problem.time_step; }
+    double time() const {
+        return static_cast<double>(step - problem.equilibration_steps) * problem.time_step;
+    }
 
     /// Before anything is compared with it: NaN would hide.
     void guard_speeds(const Range& velocities) {
@@ -163,24 +174,27 @@ struct Simulation::Impl {
         for (std::size_t axis = 0; axis < 3; ++axis)
             sane = sane && velocities.low[axis] > -top_speed && velocities.high[axis] < top_speed;
         if (!sane && !still)
-            fail(fmt::format("{} moves at a speed that is not a number or above {:g} m/s", runaway(), top_speed));
+            fail(fmt::format("{} moves at a speed that is not a number or above {:g} m/s", runaway(),
+                             top_speed));
     }
 
     void guard_depths(const WorstOverlap& worst, const PlateTally& rods, double deepest_flight) {
         if (worst.radii > problem.overlap_limit)
             return fail(fmt::format("{} and {} overlap by {:.3g} of the smaller radius, more than {:g}",
-                                    name(worst.pair.first), name(worst.pair.second), worst.radii, problem.overlap_limit));
-        if (rods.max_overlap > problem.overlap_limit)
-            return fail(fmt::format("a rod is {:.3g} of its radius deep in a plate, more than {:g}", rods.max_overlap,
+                                    name(worst.pair.first), name(worst.pair.second), worst.radii,
                                     problem.overlap_limit));
+        if (rods.max_overlap > problem.overlap_limit)
+            return fail(fmt::format("a rod is {:.3g} of its radius deep in a plate, more than {:g}",
+                                    rods.max_overlap, problem.overlap_limit));
         if (deepest_flight > flight_limit * problem.overlap_limit)
-            return fail(fmt::format("a bead flew {:.3g} radii into a plate within one step, more than {:g}", deepest_flight,
-                                    flight_limit * problem.overlap_limit));
+            return fail(fmt::format("a bead flew {:.3g} radii into a plate within one step, more than {:g}",
+                                    deepest_flight, flight_limit * problem.overlap_limit));
     }
 
     bool rods_finite() const {
         return std::all_of(bodies.rods.begin(), bodies.rods.end(), [](const MovingRod& rod) {
-            return rod.body().position.allFinite() && rod.body().velocity.allFinite() && rod.axis().allFinite();
+            return rod.body().position.allFinite() && rod.body().velocity.allFinite() &&
+                   rod.axis().allFinite();
         });
     }
 
@@ -219,16 +233,21 @@ struct Simulation::Impl {
             hold_rods();
     }
 
-    /// How much a body's height may change in a step beside what its velocities before and after tell: plates and gravity
-    /// change them on the way, and a rod at rest is lifted out of the plate.
+    /// How much a body's height may change in a step beside what its velocities before and after tell: plates
+    /// and gravity change them on the way, and a rod at rest is lifted out of the plate.
     double unseen_motion(const PlateTally& rods) const {
-        const double dt = problem.time_step, thickest = bodies.rods.empty() ? 0.0 : *std::max_element(bodies.radius.begin(), bodies.radius.end());
-        const double shaking = problem.plates.gamma * problem.gravity; // the largest acceleration of the plates
+        const double dt = problem.time_step,
+                     thickest = bodies.rods.empty()
+                                    ? 0.0
+                                    : *std::max_element(bodies.radius.begin(), bodies.radius.end());
+        const double shaking =
+            problem.plates.gamma * problem.gravity; // the largest acceleration of the plates
         return (problem.gravity + shaking) * dt * dt + rods.max_overlap * thickest;
     }
 };
 
-Simulation::Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies, std::size_t threads) {
+Simulation::Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies,
+                       std::size_t threads) {
     validate(problem);
     check_fit(problem, state);
     check_numbers(problem, state);

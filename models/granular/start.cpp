@@ -27,14 +27,20 @@ Eigen::Vector2d normal_pair(RandomStream& random) {
 struct RodStart {
     double height; ///< above the middle of the gap, m
     double speed;  ///< upwards, m/s
+    /// About the horizontal across the rod and about its axis, rad/s. Without them a symmetric rod would hop on its middle
+    /// for ever and a control experiment with it could not fail.
+    double pitch_rate, roll_rate;
 };
 
 RodStart rod_start(const GranularProblem& problem, std::size_t rod, std::uint32_t run) {
     auto random = stream_for(Purpose::rod, problem.seed, run, rod);
-    const double thickest = 2.0 * std::ranges::max(make_clump(problem.rods[rod].shape).radius);
-    const double most = rod_offset * (problem.plates.gap - thickest);
+    const Clump clump = make_clump(problem.rods[rod].shape);
+    const double radius = std::ranges::max(clump.radius);
+    const double most = rod_offset * (problem.plates.gap - 2.0 * radius);
     const double height = random.uniform(-most, most);
-    return {height, problem.start_speed * normal_pair(random).x()};
+    const double speed = problem.start_speed * normal_pair(random).x();
+    const Eigen::Vector2d turning = problem.start_speed * normal_pair(random);
+    return {height, speed, turning.x() / clump.reach(), turning.y() / radius};
 }
 
 Room room_of(const GranularProblem& problem, std::uint32_t run) {
@@ -85,6 +91,9 @@ void add_rods(State& state, const GranularProblem& problem, std::uint32_t run) {
         rod.position = {spec.position.x(), spec.position.y(), middle + start.height};
         rod.velocity.z() = start.speed;
         rod.orientation = Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half));
+        const Clump clump = make_clump(spec.shape);
+        const Eigen::Vector3d axis = rod.axis(), across(-axis.y(), axis.x(), 0.0);
+        rod.angular_momentum = clump.transverse_inertia * start.pitch_rate * across + clump.axial_inertia * start.roll_rate * axis;
         state.rods.push_back(rod);
     }
 }

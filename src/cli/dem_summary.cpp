@@ -133,7 +133,7 @@ std::string summary_json(const DemPlan& plan, const DemSummary& s) {
     if (plan.problem.rods.size() == 2)
         out["pair"] = pair_json(s.pair);
     out["state_hash"] = hash_text(s.state_hash);
-    out["run"] = s.run;
+    out["run"] = s.run + 1; // as its folder
     out["runs"] = 1;
     out.update(header(plan));
     return out.dump(2) + "\n";
@@ -175,7 +175,7 @@ std::string ensemble_csv(const DemPlan& plan, std::span<const DemSummary> runs) 
         names.insert(names.end(), {"separation_change", "half_box_time", "half_box_separation_change"});
     std::vector<std::vector<double>> columns(names.size());
     for (const DemSummary& s : runs) {
-        std::vector<double> row = {static_cast<double>(s.run), s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6,
+        std::vector<double> row = {static_cast<double>(s.run + 1), s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6,
                                    s.max_overlap};
         for (const RodSummary& rod : s.rods)
             row.insert(row.end(), {rod.mean_speed, rod.net_turn, rod.force});

@@ -54,7 +54,7 @@ void start_fields(Visitor& v, Granular& bed) {
     v(key("restart_from")
           .absent("only with start = \"restart\"")
           .doc("checkpoint file, seen from where the program runs; needed with start = \"restart\"")
-          .example("\"results/bed/checkpoint.h5\""),
+          .example("\"results/bed/final.rwc\""),
       bed.restart_from);
     v(key("orientation")
           .unit(angle)
@@ -180,7 +180,7 @@ void fields(Visitor& v, GranularOutput& output) {
     v(key("table")
           .unit(time)
           .above(0.0, 1e7)
-          .absent("0.01 s, or duration if that is shorter")
+          .absent("0.01 s")
           .doc("interval of the rows of the table of rods, temperatures and order; at most 10000000 of them")
           .example("\"0.01 s\""),
       output.table);

@@ -14,7 +14,8 @@ TEST_CASE("a team does every task of every round once") {
         Team team(threads);
         for (std::size_t round = 0; round < 3000; ++round) {
             const std::size_t count = round % 17;
-            std::vector<int> done(count, 0); // not atomic: no task runs twice, and all is seen when run returns
+            std::vector<int> done(count,
+                                  0); // not atomic: no task runs twice, and all is seen when run returns
             team.run(count, [&](std::size_t i) { ++done[i]; });
             for (const int times : done)
                 REQUIRE(times == 1);

@@ -59,7 +59,9 @@ inline Eigen::Quaterniond random_turn(RandomStream& random) {
 }
 
 /// Centres of all spheres, beads first, and their radii, from the state alone.
-inline Bodies bodies_of(const Simulation& simulation) { return make_bodies(simulation.problem(), simulation.state()); }
+inline Bodies bodies_of(const Simulation& simulation) {
+    return make_bodies(simulation.problem(), simulation.state());
+}
 
 /// Pairs that overlap, by asking all of them; (first, second) in order.
 inline std::vector<std::pair<std::size_t, std::size_t>> all_overlaps(const Bodies& b, double box) {

@@ -63,10 +63,12 @@ ImpactCase near_stick(ImpactCase c, RandomStream& random) {
     return c;
 }
 
-/// mu K_tn.s > K_nn for the slip at the start: friction presses the bodies together.
+/// mu K_tn.s > K_nn for the slip at the start, or later on: friction presses the bodies together.
 ImpactCase jam(ImpactCase c, RandomStream& random) {
     Eigen::Vector2d q = c.inverse_mass.topRightCorner<2, 1>();
     c.surface.friction = c.inverse_mass(2, 2) / q.norm() * random.uniform(1.01, 3.0);
+    if (random.uniform() < 0.5)
+        return c;
     c.velocity.head<2>() = random.log_uniform(1e-2, 1e2) * (q + 0.3 * q.norm() * vector(random).head<2>());
     return c;
 }

@@ -169,7 +169,8 @@ private:
             end = done;
         } else if (y_[vz] >= 0) {
             const Real missing = target() - y_[work], root = y_[vz] * y_[vz] + 2 * rate * missing;
-            const Real more = root < 0 ? end : 2 * missing / (y_[vz] + std::sqrt(root));
+            const Real more =
+                root < 0 ? std::numeric_limits<Real>::infinity() : 2 * missing / (y_[vz] + std::sqrt(root));
             ended_ = done + more <= end;
             end = ended_ ? done + more : end;
         }

@@ -38,7 +38,8 @@ bool finite(const State& state) {
 /// All beads between the plates, as far as rounding goes.
 bool between_plates(const Simulation& run) {
     const GranularProblem& p = run.problem();
-    const double floor = p.plates.amplitude(p.gravity) * std::cos(2.0 * M_PI * p.plates.frequency * run.time());
+    const double floor =
+        p.plates.amplitude(p.gravity) * std::cos(2.0 * M_PI * p.plates.frequency * run.time());
     for (const double z : run.state().beads.z)
         if (z < floor + a - 1e-9 * a || z > floor + p.plates.gap - a + 1e-9 * a)
             return false;
@@ -112,7 +113,8 @@ TEST_CASE("nearly empty and nearly close-packed beds run") {
 }
 
 TEST_CASE("a time step that spoils the temperatures stops the run and is named") {
-    // measured at phi_b = 0.80, Gamma = 7: T_xy and T_z off by 3 and 2 % at 2e-4 s, 6 and 4 % at 4e-4 s, 2 and 20 % at 5e-4 s
+    // measured at phi_b = 0.80, Gamma = 7: T_xy and T_z off by 3 and 2 % at 2e-4 s, 6 and 4 % at 4e-4 s, 2
+    // and 20 % at 5e-4 s
     for (const double fraction : {0.4, 0.8}) {
         const GranularProblem problem = bed(fraction);
         CAPTURE(fraction);
@@ -120,7 +122,8 @@ TEST_CASE("a time step that spoils the temperatures stops the run and is named")
         CHECK(stop_message(problem, 5e-5).empty());
         CHECK(stop_message(problem, 2e-4).empty());
         for (const double dt : {4e-4, 5e-4})
-            CHECK_THAT(stop_message(problem, dt), Contains("time_step") && Contains("radi") && Contains("try"));
+            CHECK_THAT(stop_message(problem, dt),
+                       Contains("time_step") && Contains("radi") && Contains("try"));
     }
 }
 
@@ -156,7 +159,8 @@ TEST_CASE("a damaged state is refused, and the particle named") {
     problem.rods.push_back(beds::long_rod(15 * a, 15 * a, 0.1));
     const State good = make_start(problem, 0);
     for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL})
-        for (auto member : {&Beads::x, &Beads::y, &Beads::z, &Beads::vx, &Beads::vy, &Beads::vz, &Beads::wx, &Beads::wz}) {
+        for (auto member :
+             {&Beads::x, &Beads::y, &Beads::z, &Beads::vx, &Beads::vy, &Beads::vz, &Beads::wx, &Beads::wz}) {
             State state = good;
             (state.beads.*member)[17] = bad;
             CHECK_THROWS_WITH(Simulation(problem, state), Contains("bead 17"));
@@ -167,8 +171,10 @@ TEST_CASE("a damaged state is refused, and the particle named") {
     CHECK_THROWS_WITH(Simulation(problem, far), Contains("bead 3"));
     for (int k = 0; k < 4; ++k) {
         State state = good;
-        (k == 0 ? state.rods[0].position.y() : k == 1 ? state.rods[0].velocity.z() : k == 2 ? state.rods[0].angular_momentum.x() : state.rods[0].orientation.w()) =
-            std::nan("");
+        (k == 0   ? state.rods[0].position.y()
+         : k == 1 ? state.rods[0].velocity.z()
+         : k == 2 ? state.rods[0].angular_momentum.x()
+                  : state.rods[0].orientation.w()) = std::nan("");
         CHECK_THROWS_WITH(Simulation(problem, state), Contains("rod 0"));
     }
     State shrunk = good;

@@ -19,7 +19,8 @@ using namespace rodwake::granular;
 namespace {
 
 /// Runs the test on each instruction set of this machine; their names.
-template <class Test> std::set<std::string> on_every_target(const Test& test) {
+template<class Test>
+std::set<std::string> on_every_target(const Test& test) {
     std::set<std::string> names;
     const auto all = hwy::SupportedTargets();
     for (auto left = all; left != 0; left &= left - 1) {
@@ -44,7 +45,8 @@ Rows random_rows(RandomStream& random, std::size_t count, double size) {
     return rows;
 }
 
-template <class Numbers> std::vector<std::uint64_t> bits(const Numbers& numbers) {
+template<class Numbers>
+std::vector<std::uint64_t> bits(const Numbers& numbers) {
     std::vector<std::uint64_t> all;
     for (const double x : numbers)
         all.push_back(std::bit_cast<std::uint64_t>(x));
@@ -93,7 +95,8 @@ TEST_CASE("beads fly the same on every instruction set") {
             position[4 * i] = velocity[4 * i] = velocity[4 * i + 1] = -0.0;
         for (const std::size_t begin : {std::size_t{0}, count / 3}) {
             const Flown wanted = fly_plainly(position, velocity, begin, count);
-            const auto names = on_every_target([&] { CHECK(fly(position, velocity, begin, count) == wanted); });
+            const auto names =
+                on_every_target([&] { CHECK(fly(position, velocity, begin, count) == wanted); });
             CHECK(names.size() >= 2);
         }
     }
@@ -107,8 +110,10 @@ TEST_CASE("a bead whose place is not a number is out, on every instruction set")
             for (const std::size_t axis : {0u, 1u, 2u}) {
                 Rows position = random_rows(random, 13, 1e-4), velocity = random_rows(random, 13, 0.1);
                 position[4 * i + axis] = bad;
-                on_every_target(
-                    [&] { CHECK(fly(position, velocity, 0, 13).out == std::vector<std::uint32_t>{static_cast<std::uint32_t>(i)}); });
+                on_every_target([&] {
+                    CHECK(fly(position, velocity, 0, 13).out ==
+                          std::vector<std::uint32_t>{static_cast<std::uint32_t>(i)});
+                });
             }
 }
 
@@ -135,7 +140,8 @@ TEST_CASE("pairs are selected alike on every instruction set") {
         const auto plain = [&](bool near, std::size_t begin) {
             std::vector<std::uint32_t> found;
             for (std::size_t k = begin; k < list.size(); ++k) {
-                const double *p = &position[4 * list.pairs[k].first], *q = &position[4 * list.pairs[k].second];
+                const double *p = &position[4 * list.pairs[k].first],
+                             *q = &position[4 * list.pairs[k].second];
                 double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
                 for (int c : {0, 1})
                     d[c] -= box * std::nearbyint(d[c] * (1.0 / box));
@@ -191,10 +197,12 @@ TEST_CASE("cells find all near pairs") {
             std::vector<std::pair<std::uint32_t, std::uint32_t>> wanted, found;
             for (std::uint32_t i = 0; i < count; ++i)
                 for (std::uint32_t j = i + 1; j < count; ++j) {
-                    double d[2] = {position[4 * i] - position[4 * j], position[4 * i + 1] - position[4 * j + 1]};
+                    double d[2] = {position[4 * i] - position[4 * j],
+                                   position[4 * i + 1] - position[4 * j + 1]};
                     for (double& c : d)
                         c -= box * std::round(c / box);
-                    if (!(i >= 130 && rod_of[i - 130] == rod_of[j - 130]) && std::hypot(d[0], d[1]) < radius[i] + radius[j] + skin)
+                    if (!(i >= 130 && rod_of[i - 130] == rod_of[j - 130]) &&
+                        std::hypot(d[0], d[1]) < radius[i] + radius[j] + skin)
                         wanted.emplace_back(i, j);
                 }
             for (const Pair& pair : list.pairs)

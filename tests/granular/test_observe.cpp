@@ -21,7 +21,8 @@ struct Points {
     double box;
 };
 
-/// A perfect triangular lattice cannot close in a square; the triangles here are equilateral in a strip of it.
+/// A perfect triangular lattice cannot close in a square; the triangles here are equilateral in a strip of
+/// it.
 Points triangle_patch(double spacing, double turn) {
     Points p;
     p.box = 100.0 * spacing;
@@ -49,7 +50,8 @@ std::vector<std::complex<double>> plain_psi6(const Points& p, double cutoff) {
     for (std::size_t i = 0; i < p.x.size(); ++i) {
         int near = 0;
         for (std::size_t j = 0; j < p.x.size(); ++j) {
-            const double dx = std::remainder(p.x[j] - p.x[i], p.box), dy = std::remainder(p.y[j] - p.y[i], p.box);
+            const double dx = std::remainder(p.x[j] - p.x[i], p.box),
+                         dy = std::remainder(p.y[j] - p.y[i], p.box);
             if (i == j || std::hypot(dx, dy) >= cutoff)
                 continue;
             psi[i] += std::polar(1.0, 6.0 * std::atan2(dy, dx));
@@ -76,9 +78,11 @@ TEST_CASE("psi_6 is 1 inside a perfect crystal, whatever its direction") {
         const auto psi = local_psi6(p.x, p.y, p.box, 1.4);
         for (const std::size_t middle : {84u, 70u}) { // all six neighbours are there
             CHECK(std::abs(std::abs(psi[middle]) - 1.0) < 1e-14);
-            CHECK(std::abs(psi[middle] - std::polar(1.0, 6.0 * turn)) < 1e-13); // 6 x rounding of places up to 10
+            CHECK(std::abs(psi[middle] - std::polar(1.0, 6.0 * turn)) <
+                  1e-13); // 6 x rounding of places up to 10
         }
-        CHECK(std::abs(global_psi6(p.x, p.y, p.box, 1.4) - 1.0) < 1e-14); // edges miss neighbours, not directions
+        CHECK(std::abs(global_psi6(p.x, p.y, p.box, 1.4) - 1.0) <
+              1e-14); // edges miss neighbours, not directions
     }
 }
 

@@ -1,4 +1,5 @@
-// Impulses between beads and rods: momentum, energy, the deepest contact of a clump; and that no overlap is missed.
+// Impulses between beads and rods: momentum, energy, the deepest contact of a clump; and that no overlap is
+// missed.
 
 #include "beds.hpp"
 
@@ -57,13 +58,16 @@ Pair bring_together(Scene& s, Kind kind, RandomStream& random) {
     const Bodies b = make_bodies(s.problem, s.state);
     const std::size_t spheres = b.rods[0].clump().radius.size();
     const auto pick = [&](std::size_t rod) {
-        return static_cast<std::uint32_t>(2 + spheres * rod + static_cast<std::size_t>(random.uniform() * static_cast<double>(spheres)));
+        return static_cast<std::uint32_t>(
+            2 + spheres * rod + static_cast<std::size_t>(random.uniform() * static_cast<double>(spheres)));
     };
     const Pair pair = kind == Kind::bead_bead  ? Pair{0, 1}
                       : kind == Kind::bead_rod ? Pair{0, pick(0)}
                                                : Pair{pick(0), pick(1)};
-    const double distance = (b.radius[pair.first] + b.radius[pair.second]) * (1.0 - random.uniform(0.0, 0.02));
-    const Vector3 move = row(b.position, pair.first) + distance * random_normal(random) - row(b.position, pair.second);
+    const double distance =
+        (b.radius[pair.first] + b.radius[pair.second]) * (1.0 - random.uniform(0.0, 0.02));
+    const Vector3 move =
+        row(b.position, pair.first) + distance * random_normal(random) - row(b.position, pair.second);
     if (kind == Kind::bead_bead) {
         s.state.beads.x[1] += move.x();
         s.state.beads.y[1] += move.y();
@@ -132,7 +136,8 @@ TEST_CASE("impulses keep momentum and angular momentum, and energy never grows")
             }
             ++hits;
             REQUIRE((o.after.momentum - o.before.momentum).norm() <= 1e-14 * o.before.momentum_scale);
-            // the middle of the overlap is found from either side: places of 1e-2 m carry 2e-18 m of rounding, arms 4e-4 m
+            // the middle of the overlap is found from either side: places of 1e-2 m carry 2e-18 m of
+            // rounding, arms 4e-4 m
             REQUIRE((o.after.angular - o.before.angular).norm() <= 1e-13 * o.before.angular_scale);
             REQUIRE(o.after.energy <= o.before.energy * (1.0 + 1e-14));
         }
@@ -170,7 +175,8 @@ TEST_CASE("what a rod gave to the beads is told") {
         tallies.pushed.resize(2, Vector3::Zero());
         const Vector3 before = row(b.velocity, 0);
         PairContacts(scene.problem.contacts, box).resolve(b, std::vector{pair}, tallies);
-        REQUIRE((b.bead_mass * (row(b.velocity, 0) - before) - tallies.pushed[0]).norm() <= 1e-14 * b.bead_mass * 0.3);
+        REQUIRE((b.bead_mass * (row(b.velocity, 0) - before) - tallies.pushed[0]).norm() <=
+                1e-14 * b.bead_mass * 0.3);
         REQUIRE(tallies.pushed[1] == Vector3::Zero());
     }
 }
@@ -234,18 +240,21 @@ GranularProblem hot_gas(double side, std::size_t beads, std::vector<RodSpec> rod
 }
 
 std::vector<RodSpec> three_rods(double side) {
-    return {beds::short_rod(0.2 * side * a, 0.2 * side * a, 0.3), beds::short_rod(0.2 * side * a, 0.7 * side * a, 1.2),
+    return {beds::short_rod(0.2 * side * a, 0.2 * side * a, 0.3),
+            beds::short_rod(0.2 * side * a, 0.7 * side * a, 1.2),
             beds::short_rod(0.7 * side * a, 0.4 * side * a, -2.0)};
 }
 
 /// Steps at which the number of overlaps was not that of the search through all pairs.
-int missed_steps(const GranularProblem& problem, State start, int steps, std::int64_t& overlaps, SimulationCost& cost) {
+int missed_steps(const GranularProblem& problem, State start, int steps, std::int64_t& overlaps,
+                 SimulationCost& cost) {
     Simulation run(problem, start);
     int missed = 0;
     for (int n = 0; n < steps && !run.failure(); ++n) {
         const std::int64_t before = run.tallies().overlaps;
         run.advance(1);
-        const auto wanted = static_cast<std::int64_t>(beds::all_overlaps(beds::bodies_of(run), problem.box).size());
+        const auto wanted =
+            static_cast<std::int64_t>(beds::all_overlaps(beds::bodies_of(run), problem.box).size());
         missed += run.tallies().overlaps - before == wanted ? 0 : 1;
     }
     CHECK_FALSE(run.failure());
@@ -272,18 +281,19 @@ TEST_CASE("no overlap is missed in a hot gas") {
         GranularProblem problem;
         int steps;
     };
-    const std::vector<Gas> gases{{hot_gas(8.0, 8, {beds::short_rod(4 * a, 2 * a, 0.0)}, 0.3), 4000},
-                                 {hot_gas(20.0, 75, three_rods(20.0), 0.2), 3000},   // dense
-                                 {hot_gas(24.0, 30, three_rods(24.0), 1.0), 3000},   // dilute and fast
-                                 {hot_gas(24.0, 60, three_rods(24.0), 3.0), 1500},   // refreshed nearly every step
-                                 {hot_gas(16.0, 50, {}, 0.05), 3000}};
+    const std::vector<Gas> gases{
+        {hot_gas(8.0, 8, {beds::short_rod(4 * a, 2 * a, 0.0)}, 0.3), 4000},
+        {hot_gas(20.0, 75, three_rods(20.0), 0.2), 3000}, // dense
+        {hot_gas(24.0, 30, three_rods(24.0), 1.0), 3000}, // dilute and fast
+        {hot_gas(24.0, 60, three_rods(24.0), 3.0), 1500}, // refreshed nearly every step
+        {hot_gas(16.0, 50, {}, 0.05), 3000}};
     for (const Gas& gas : gases)
         for (const double boxes : {0.0, 300.0}) {
             std::int64_t overlaps = 0;
             SimulationCost cost;
             CAPTURE(gas.problem.beads, gas.problem.start_speed, boxes);
-            CHECK(missed_steps(gas.problem, shifted(make_start(gas.problem, 0), boxes, gas.problem.box), gas.steps, overlaps,
-                               cost) == 0);
+            CHECK(missed_steps(gas.problem, shifted(make_start(gas.problem, 0), boxes, gas.problem.box),
+                               gas.steps, overlaps, cost) == 0);
             CHECK(overlaps > 100);
             CHECK(cost.list_refreshes > 50);
             CHECK(cost.list_rebuilds >= 2);
@@ -313,8 +323,12 @@ TEST_CASE("the search notices a list that is too old") {
     int missed = 0;
     for (int n = 0; n < 300; ++n) {
         for (std::size_t i = 0; i < b.beads; ++i)
-            row(b.position, i) += row(b.velocity, i) * problem.time_step; // and the finder is told that nothing moves
-        missed += finder.find(b, still, problem.time_step, 0.0, team).size() == beds::all_overlaps(b, problem.box).size() ? 0 : 1;
+            row(b.position, i) +=
+                row(b.velocity, i) * problem.time_step; // and the finder is told that nothing moves
+        missed += finder.find(b, still, problem.time_step, 0.0, team).size() ==
+                          beds::all_overlaps(b, problem.box).size()
+                      ? 0
+                      : 1;
     }
     CHECK(missed > 0);
 }

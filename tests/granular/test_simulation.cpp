@@ -20,7 +20,8 @@ GranularProblem shaken(double side, std::size_t beads) {
     return problem;
 }
 
-std::uint64_t hash_with(const GranularProblem& problem, const State& start, std::size_t threads, std::int64_t steps) {
+std::uint64_t hash_with(const GranularProblem& problem, const State& start, std::size_t threads,
+                        std::int64_t steps) {
     Simulation run(problem, start, {}, threads);
     run.advance(steps);
     CHECK_FALSE(run.failure());
@@ -28,9 +29,10 @@ std::uint64_t hash_with(const GranularProblem& problem, const State& start, std:
 }
 
 bool same(const Tallies& x, const Tallies& y) {
-    return x.floor_impulse == y.floor_impulse && x.lid_impulse == y.lid_impulse && x.bead_bead == y.bead_bead &&
-           x.bead_plate == y.bead_plate && x.bead_rod == y.bead_rod && x.rod_plate == y.rod_plate &&
-           x.rod_rod == y.rod_rod && x.overlaps == y.overlaps && x.max_overlap == y.max_overlap && x.pushed == y.pushed;
+    return x.floor_impulse == y.floor_impulse && x.lid_impulse == y.lid_impulse &&
+           x.bead_bead == y.bead_bead && x.bead_plate == y.bead_plate && x.bead_rod == y.bead_rod &&
+           x.rod_plate == y.rod_plate && x.rod_rod == y.rod_rod && x.overlaps == y.overlaps &&
+           x.max_overlap == y.max_overlap && x.pushed == y.pushed;
 }
 
 double total(const Simulation& run) { return run.energy().kinetic + run.energy().potential; }
@@ -112,9 +114,10 @@ TEST_CASE("a run that is interrupted anywhere goes on with the same bits") {
     CHECK(whole.tallies().bead_rod > 20);
     RandomStream random(41);
     for (int k = 0; k < 20; ++k) {
-        const std::int64_t n = k == 0   ? 700
-                               : k == 1 ? 699
-                                        : static_cast<std::int64_t>(random.uniform(0.0, k < 8 ? 700.0 : 2200.0));
+        const std::int64_t n = k == 0 ? 700
+                               : k == 1
+                                   ? 699
+                                   : static_cast<std::int64_t>(random.uniform(0.0, k < 8 ? 700.0 : 2200.0));
         Simulation first(problem, start);
         first.advance(n);
         Simulation second(problem, first.state(), first.tallies());

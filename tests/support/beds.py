@@ -97,10 +97,13 @@ class BedTest(ProgramTest):
     def assert_same(self, one, other):
         """To the bit: last state, tables, all frames."""
         self.assertEqual(self.hash(one), self.hash(other))
-        self.assertEqual(self.names(one), self.names(other))
-        for name in ("table.csv", "tracks.csv"):
-            self.assertEqual(self.out(one, name).read_bytes(), self.out(other, name).read_bytes(), name)
-        for name in ("trajectory.h5md", "last_period.h5md"):
+        results = [{name for name in self.names(run) if name.endswith((".csv", ".h5md", ".xyz"))} for run in (one, other)]
+        self.assertIn("table.csv", results[0])
+        self.assertEqual(*results)
+        for name in results[0]:
+            if not name.endswith(".h5md"):
+                self.assertEqual(self.out(one, name).read_bytes(), self.out(other, name).read_bytes(), name)
+                continue
             ours, theirs = content(self.out(one, name)), content(self.out(other, name))
             self.assertEqual([key for key in ours.keys() | theirs.keys() if ours.get(key) != theirs.get(key)], [], name)
 
@@ -137,7 +140,7 @@ class BedTest(ProgramTest):
 class InterruptionTest(BedTest):
     """Runs that are stopped at random moments end as those that are not."""
 
-    SETTINGS = (*setting(output__checkpoint=0.02, duration=4.0, output__frames=0.05), "--quiet")
+    SETTINGS = (*setting(output__checkpoint=0.02, duration=2.0, output__frames=0.02), "--quiet")
 
     def setUp(self):
         super().setUp()

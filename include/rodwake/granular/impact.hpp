@@ -32,8 +32,9 @@ struct Impact {
 
 /// The law for any symmetric positive definite K (normal and tangential motion coupled). Straight pieces of
 /// the slip path are closed; curved ones are followed by a Taylor series of bounded remainder. Error below
-/// 1e-12 |P|; where the condition number of K is above 1e4, below 1e-14 times that. No impulse if v_z >= 0.
-/// Throws RunError if the path has no end, which needs a K that is not positive definite to rounding.
+/// 1e-12 |P| for condition numbers of K up to 1e3 (a rod's is below 1e2), 1e-13 |P| times it for larger ones.
+/// No impulse if v_z >= 0. Throws RunError if the path has no end, which needs a K that is not positive
+/// definite to rounding.
 Impact stronge_impact(const Eigen::Matrix3d& inverse_mass, const Eigen::Vector3d& velocity,
                       const Surface& surface);
 

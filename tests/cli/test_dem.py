@@ -1,0 +1,432 @@
+"""rodwake dem: what a granular run leaves, that it can be stopped anywhere, and what it refuses."""
+
+import contextlib
+import json
+import math
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy
+import rodwake
+from beds import BED, FINAL, BedTest, InterruptionTest, columns, flip_byte, setting
+from rodwake import SCENES, snapshot, wait_until
+
+SECONDS = 5.0  # what is promised: a run stops within this time
+A = 0.4e-3     # radius of a bead, m
+SHORT = setting(duration=0.02, output__frames=0.005)
+ENDLESS = setting(duration=5000.0, output__frames=1.0, output__table=1.0)
+BEADS_ONLY = setting(rods=[])
+
+
+class FilesTest(BedTest):
+    def test_what_is_left(self):
+        self.dem("out")
+        self.assertEqual(self.names("out"), FINAL)
+        self.assertEqual(self.status("out"), "finished")
+        self.assert_finite("out")
+        summary = self.summary("out")
+        self.assertLessEqual({"simulated_time", "cpu_seconds", "wall_seconds", "T_xy", "T_z", "max_overlap", "psi6", "rods",
+                              "state_hash"}, summary.keys())
+        self.assertEqual(summary["simulated_time"], 10000 * 2e-5)
+        self.assertGreater(summary["wall_seconds"], 0.0)
+        self.assertGreater(summary["cpu_seconds"], 0.0)
+        for name, most in (("T_xy", 1.0), ("T_z", 1.0), ("max_overlap", 0.1), ("psi6", 1.0)):
+            self.assertTrue(0.0 < summary[name] < most, (name, summary[name]))
+        self.assertEqual([set(rod) >= {"mean_speed", "net_turn"} for rod in summary["rods"]], [True])
+        self.assertRegex(summary["state_hash"], "^[0-9a-f]{16}$")
+
+    def test_tables(self):
+        self.dem("out")
+        table, tracks = columns(self.out("out", "table.csv")), columns(self.out("out", "tracks.csv"))
+        self.assertEqual(list(table), ["t", "energy", "kinetic", "T_xy", "T_z", "psi6", "contacts", "floor_impulse",
+                                       "lid_impulse", "max_overlap"])
+        self.assertEqual(list(tracks), ["t", "x0", "y0", "z0", "theta0", "pitch0", "speed0", "pushed0"])
+        # Rows at whole multiples of 5 ms from -20 ms to 200 ms: 1000 steps before t = 0, 10000 after, every 250.
+        self.assertEqual(table["t"], [250 * i * 2e-5 for i in range(-4, 41)])
+        self.assertEqual(tracks["t"], table["t"])
+        self.assertEqual((tracks["x0"][0], tracks["y0"][0], tracks["theta0"][0]), (8 * A, 8 * A, 0.0))
+        self.assertEqual(table["max_overlap"][-1], self.summary("out")["max_overlap"])
+        # Speeds are means between rows, so from t = 0 on their mean is that of the run, to roundings of 41 numbers.
+        speeds = [s for t, s in zip(tracks["t"], tracks["speed0"]) if t > 0.0]
+        self.assertAlmostEqual(sum(speeds) / len(speeds), self.summary("out")["rods"][0]["mean_speed"],
+                               delta=1e-14 * sum(map(abs, speeds)))
+        self.assertAlmostEqual(tracks["theta0"][-1] - tracks["theta0"][4], self.summary("out")["rods"][0]["net_turn"], delta=1e-15)
+
+    def test_frames(self):
+        self.dem("out", *setting(output__formats='["xyz", "h5md"]'))
+        beads = self.summary("out")["beads"]
+        with h5py.File(self.out("out", "trajectory.h5md")) as file:
+            position = file["/particles/trajectory/position"]
+            # a frame every 500 steps from t = 0 to 0.2 s; 12 spheres make the rod
+            self.assertEqual(position["value"].shape, (21, beads + 12, 3))
+            self.assertEqual(list(position["time"]), [500 * i * 2e-5 for i in range(21)])
+        lines = self.out("out", "trajectory.xyz").read_text().splitlines()
+        self.assertEqual(len(lines), 21 * (beads + 12 + 2))
+        self.assertEqual([float(re.search(r"[Tt]ime=(\S+)", lines[i])[1]) for i in range(1, len(lines), beads + 14)],
+                         [500 * i * 2e-5 for i in range(21)])
+        with h5py.File(self.out("out", "last_period.h5md")) as file:
+            times = file["/particles/trajectory/position/time"][()]
+        self.assertEqual((len(times), times[0], times[-1]), (51, 9750 * 2e-5, 0.2))  # a period is 250 steps, a frame every 5
+
+    def test_formats_that_are_not_wanted(self):
+        self.dem("xyz", *setting(output__formats='["xyz"]', output__last_period="false"))
+        self.assertEqual(self.names("xyz"), FINAL - {"trajectory.h5md", "last_period.h5md"} | {"trajectory.xyz"})
+        self.dem("none", *setting(output__formats="[]"))
+        self.assertEqual(self.names("none"), FINAL - {"trajectory.h5md"})
+        self.dem("beads", *BEADS_ONLY)
+        self.assertEqual(self.names("beads"), FINAL - {"tracks.csv"})
+        self.assertEqual(self.hash("xyz"), self.hash("none"))  # what is looked at changes nothing
+
+    def test_the_file_of_frames_tells_what_it_holds(self):
+        self.dem("out", *SHORT)
+        text = self.expect(0, "info", "out/trajectory.h5md").stdout
+        self.assertIn("particles/trajectory/position", text)
+        self.assertIn("finished run", self.expect(0, "info", "out").stdout)
+
+    def test_run_draws(self):
+        self.expect(0, "run", SCENES / "granular_quick.toml", "-o", "out", "--quiet", *setting(duration=0.1, equilibrate=0))
+        self.assertLessEqual(FINAL | {"report.html"}, self.names("out"))
+        self.assertEqual({p.stem for p in (self.folder / "out/figures").glob("*.png")}, {"bed", "track", "side"})
+
+    def test_quiet_and_dry(self):
+        done = self.dem("out", "--quiet", *SHORT)
+        self.assertEqual((done.stdout, done.stderr), ("", ""))
+        before = snapshot(self.folder)
+        self.assertIn("beads of radius", self.expect(0, "dem", "bed.toml", "--dry-run").stdout)
+        self.assertEqual(snapshot(self.folder), before)
+
+    def test_check_says_what_is_run(self):
+        checked = self.expect(0, "check", "bed.toml").stdout
+        self.dem("out")
+        self.assertEqual(int(re.search(r"(\d+) beads of radius", checked)[1]), self.summary("out")["beads"])
+        self.assertIn(f"phi_b = {self.summary('out')['phi_b']:.4f}", checked)
+        self.assertIn("a table of 41 rows", checked)  # from t = 0 on
+        self.assertIn("21 frames of", checked)
+
+
+class SameTest(BedTest):
+    def test_seeds(self):
+        self.dem("one", *SHORT)
+        self.dem("again", *SHORT)
+        self.assert_same("one", "again")
+        self.dem("other", *SHORT, "--seed", "2")
+        self.assertNotEqual(self.hash("other"), self.hash("one"))
+        self.dem("key", *SHORT, *setting(seed=2))
+        self.assertEqual(self.hash("key"), self.hash("other"))
+
+    def test_differences_are_seen(self):
+        self.dem("one", *SHORT)
+        for name in ("table.csv", "tracks.csv", "trajectory.h5md", "last_period.h5md", "summary.json"):
+            with self.subTest(name):
+                shutil.copytree(self.folder / "one", self.folder / f"not_{name}")
+                self.assert_same("one", f"not_{name}")
+                self.change(self.out(f"not_{name}", name))
+                with self.assertRaises(self.failureException):
+                    self.assert_same("one", f"not_{name}")
+
+    def change(self, file):
+        if file.suffix == ".h5md":
+            with h5py.File(file, "r+") as opened:
+                value = opened["/particles/trajectory/position/value"]
+                value[0, 0, 0] = numpy.nextafter(value[0, 0, 0], 1.0)
+        elif file.suffix == ".json":
+            file.write_text(re.sub(r'"state_hash": "(.)', lambda m: m[0][:-1] + ("0" if m[1] != "0" else "1"), file.read_text()))
+        else:
+            flip_byte(file)
+
+    def ensemble(self, run, *arguments):
+        """runs.csv without its column of CPU time, and the hash of all."""
+        self.dem(run, *SHORT, *arguments)
+        runs = columns(self.out(run, "runs.csv"))
+        del runs["cpu_seconds"]
+        return runs, self.hash(run)
+
+    def test_ensembles_on_any_number_of_threads(self):
+        one = self.ensemble("one", *setting(runs=3), "-j", 1)
+        self.assertEqual(one[0]["run"], [0, 1, 2])
+        self.assertEqual(len(set(one[0]["T_xy"])), 3)
+        for threads in (2, 3):
+            self.assertEqual(self.ensemble(f"on{threads}", *setting(runs=3), "-j", threads), one)
+        # The number of a run is part of what is random: the first of an ensemble is the run alone.
+        self.dem("alone", *SHORT)
+        self.assert_same("alone", "one/runs/0001")
+        self.assertEqual(self.summary("one/runs/0002")["run"], 1)
+        self.assertNotEqual(self.hash("one/runs/0002"), self.hash("alone"))
+        self.assertNotEqual(self.ensemble("less", *setting(runs=2))[1], one[1])
+
+    def test_an_ensemble_grows(self):
+        four = self.ensemble("four", *setting(runs=4))
+        self.ensemble("grown", *setting(runs=2))
+        record = json.loads(self.out("grown", "provenance.json").read_text())
+        self.out("grown", "provenance.json").write_text(json.dumps({**record, "status": "interrupted"}))
+        before = snapshot(self.folder / "grown/runs")
+        self.assertEqual(self.ensemble("grown", *setting(runs=4)), four)
+        after = snapshot(self.folder / "grown/runs")
+        self.assertEqual({name: after.get(name) for name in before}, before)
+
+    def test_one_run_on_threads(self):
+        big = (*BEADS_ONLY, *setting(phi_b=0.785, box='"200 a"', equilibrate=0, duration=0.0015, output__frames=0.0005, output__table=0.0005))
+        self.dem("one", *big, "-j", 1)
+        self.assertEqual(self.summary("one")["beads"], round(0.785 * 200**2 / math.pi))
+        self.dem("two", *big, "-j", 2)
+        self.assert_same("one", "two")
+
+
+class RestartTest(InterruptionTest):
+    def test_kills(self):
+        stopped = went_on = 0
+        for k in range(8):
+            stopped += self.finish_after(f"run{k}", 1, (signal.SIGKILL, signal.SIGTERM)[k % 2:][:1], self.seconds)
+            went_on += any(step > 0 for step in self.steps_gone_on_from(f"run{k}"))
+        self.assertGreaterEqual(stopped, 4)
+        self.assertGreaterEqual(went_on, 2)
+
+    def test_a_chain(self):
+        self.assertGreaterEqual(self.finish_after("run", 5, (signal.SIGKILL, signal.SIGTERM), 0.5 * self.seconds), 2)
+
+
+class SignalTest(BedTest):
+    def begin(self, *arguments):
+        return self.started("dem", "bed.toml", "-o", "out", *ENDLESS, *arguments)
+
+    def test_stop(self):
+        for number, code in ((signal.SIGTERM, 143), (signal.SIGINT, 130)):
+            with self.begin("--force", "--quiet") as process:
+                self.wait_for(process, "out/rows.log")
+                time.sleep(0.1)
+                self.assertEqual(self.stop(process, number, SECONDS), (code, "", ""))
+            self.assertTrue(self.out("out", "checkpoint.rwc").exists())
+            self.assertEqual(self.status("out"), "interrupted")
+            self.assert_no_temporaries()
+
+    def test_checkpoint_on_demand(self):
+        with self.started("dem", "bed.toml", "-o", "out", *setting(duration=6.0)) as process:
+            self.wait_for(process, "out/rows.log")
+            self.assertFalse(self.out("out", "checkpoint.rwc").exists())
+            process.send_signal(signal.SIGUSR1)
+            self.assertTrue(wait_until(lambda: self.out("out", "checkpoint.rwc").exists(), SECONDS))
+            process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 0)
+        self.assertEqual(self.names("out"), FINAL)
+
+    def test_ensemble(self):
+        parts = [f"runs/{k:04}" for k in (1, 2)]
+        with self.begin("--quiet", "-j", 2, *setting(runs=3)) as process:
+            self.wait_for(process, *(f"out/{part}/rows.log" for part in parts))
+            process.send_signal(signal.SIGUSR1)  # every run that is under way
+            self.assertTrue(wait_until(lambda: all(self.out("out", f"{part}/checkpoint.rwc").exists() for part in parts), SECONDS))
+            self.assertIsNone(process.poll())
+            self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS), (143, "", ""))
+        self.assertFalse(self.out("out", "runs/0003").exists())
+
+    def test_an_ensemble_goes_on(self):
+        ensemble = setting(runs=2, duration=1.0, output__checkpoint=0.02)
+        self.dem("whole", *ensemble, "--quiet")
+        with self.started("dem", "bed.toml", "-o", "out", *ensemble, "-j", 2, "--quiet") as process:
+            self.wait_for(process, "out/runs/0001/checkpoint.rwc")
+            self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS)[0], 143)
+        self.dem("out", *ensemble, "--quiet")
+        self.assertEqual(self.hash("out"), self.hash("whole"))
+        for run in ("runs/0001", "runs/0002"):
+            self.assert_same(f"out/{run}", f"whole/{run}")
+
+
+class CheckpointTest(BedTest):
+    """A run that was stopped after two checkpoints, and what became of them."""
+
+    SETTINGS = (*setting(duration=2.0, output__checkpoint=0.01), "--quiet")
+
+    def setUp(self):
+        super().setUp()
+        self.dem("whole", *self.SETTINGS)
+        with self.started("dem", "bed.toml", "-o", "out", *self.SETTINGS) as process:
+            self.wait_for(process, "out/checkpoint.rwc.previous")
+            self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS)[0], 143)
+        self.newest, self.previous = self.out("out", "checkpoint.rwc"), self.out("out", "checkpoint.rwc.previous")
+
+    def go_on(self):
+        done = self.dem("out", *(part for part in self.SETTINGS if part != "--quiet"))
+        self.assertGreater(self.steps_gone_on_from("out")[-1], 0)
+        self.assert_same("out", "whole")
+        return done.stderr
+
+    def test_damaged(self):
+        flip_byte(self.newest)
+        self.assertRegex(self.go_on(), r"checkpoint\.rwc: .*going on from .*checkpoint\.rwc\.previous")
+
+    def test_missing(self):
+        self.newest.unlink()
+        self.assertRegex(self.go_on(), r"checkpoint\.rwc: is missing; going on from .*checkpoint\.rwc\.previous")
+
+    def test_both_damaged(self):
+        for file in (self.newest, self.previous):
+            flip_byte(file)
+        before = snapshot(self.folder / "out")
+        done = self.dem("out", *self.SETTINGS, code=2)
+        self.assertRegex(done.stderr, r"checkpoint\.rwc.*checkpoint\.rwc\.previous.*remove what is there to start again")
+        after = snapshot(self.folder / "out")
+        self.assertLessEqual({"checkpoint.rwc", "checkpoint.rwc.previous", "rows.log", "frames.log", "last_period.log"}, before.keys())
+        for name in before:
+            if name.endswith((".rwc", ".previous", ".log")) and name != "log.txt":
+                self.assertEqual(after.get(name), before[name], name)
+
+    def test_of_another_scene(self):
+        for other in (setting(phi_b=0.6), ("--seed", "7"), setting(output__frames=0.02), setting(duration=3.0)):
+            done = self.dem("out", *self.SETTINGS, *other, code=2)
+            self.assertRegex(done.stderr, "belongs to another scene, seed or run; choose another folder with -o, or --force")
+        self.go_on()
+
+    def test_force_starts_anew(self):
+        self.dem("out", *self.SETTINGS, "--force")
+        self.assertEqual(self.steps_gone_on_from("out"), [])
+        self.assert_same("out", "whole")
+
+
+class FullDiskTest(BedTest):
+    """Frames come fast and checkpoints often; there is room for some of them."""
+
+    SETTINGS = (*setting(duration=2.0, output__frames=0.002, output__checkpoint=0.01), "--quiet")
+
+    def go_on(self, run):
+        """With room again."""
+        self.dem("whole", *self.SETTINGS)
+        self.assertTrue((self.folder / run / "checkpoint.rwc").exists())
+        self.dem(run, *self.SETTINGS)
+        self.assertGreater(self.steps_gone_on_from(run)[-1], 0)
+        self.assert_same(run, "whole")
+
+    @staticmethod
+    def small_files():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1500000, resource.RLIM_INFINITY))
+
+    def test_files_cannot_grow(self):
+        done = self.dem("out", *self.SETTINGS, code=1, preexec_fn=self.small_files)
+        self.assertRegex(done.stderr, r"rodwake: .*frames\.log: .*" + os.strerror(27))
+        self.assert_no_temporaries()
+        self.go_on("out")
+
+    @contextlib.contextmanager
+    def small_disk(self):
+        folder = self.folder / "small"
+        folder.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "none", folder], capture_output=True).returncode != 0:
+            self.skipTest("needs the right to mount")
+        try:
+            yield folder
+        finally:
+            subprocess.run(["umount", folder], check=True)
+
+    def test_full(self):
+        with self.small_disk() as folder:
+            done = self.dem("small/out", *self.SETTINGS, code=1)
+            self.assertRegex(done.stderr, "rodwake: .*" + os.strerror(28))
+            self.assert_no_temporaries()
+            self.assertNotEqual(self.status("small/out"), "finished")
+            subprocess.run(["mount", "-o", "remount,size=64m", folder], check=True)
+            self.go_on("small/out")
+
+
+class GuardTest(BedTest):
+    def test_a_time_step_that_is_too_large(self):
+        for rods in ([], BEADS_ONLY):
+            done = self.dem("out", "--force", *rods, *setting(phi_b=0.8, time_step=5e-4), code=1)
+            self.assertRegex(done.stderr, r"run 1: step \d+ \(t = .* s\): .*(bead|rod).*time_step.*too large; 0\.0005 s was used")
+            self.assertEqual(self.status("out"), "failed")
+            self.assertIn("table.csv", self.names("out"))
+            self.assertNotIn("summary.json", self.names("out"))
+            self.assert_finite("out")
+
+    def test_in_an_ensemble(self):
+        done = self.dem("out", *setting(phi_b=0.8, time_step=5e-4, runs=2), code=1)
+        self.assertRegex(done.stderr, r"run 1: step (.|\n)*run 2: step ")
+
+
+class ExtremesTest(BedTest):
+    def refuse_bed(self, pattern, *arguments):
+        self.refuse(2, pattern, "dem", "bed.toml", "-o", "out", *arguments)
+
+    def test_what_cannot_be_is_refused_before_anything_is_written(self):
+        self.write("full.toml", BED.replace("phi_b = 0.7", "beads = 80"))
+        self.refuse(2, r"together .*; use fewer beads", "dem", "full.toml", "-o", "out")
+        for pattern, keys in [(r"gap = .*bead diameter", {"plates__gap": 0.7e-3}), (r"phi_b = 0.95: must be", {"phi_b": 0.95}),
+                              (r"rod 0.*box", {"box": '"9 a"', "phi_b": 0.1, "count_rod_area": "false"}),
+                              (r"bed\.toml|phi_bb|did you mean", {"phi_bb": 0.7}),
+                              (r"no such checkpoint", {"start": '"restart"', "restart_from": '"nowhere/final.rwc"'})]:
+            with self.subTest(keys):
+                self.refuse_bed(pattern, *setting(**keys))
+
+    def test_what_cannot_be_does_not_replace_a_run(self):
+        self.dem("out", *SHORT)
+        self.refuse_bed("gap", "--force", *setting(plates__gap=0.7e-3))
+        self.refuse_bed("restart_from lies in out", "--force", *setting(start='"restart"', restart_from='"out/final.rwc"'))
+
+    def test_one_bead(self):
+        self.dem("out", *BEADS_ONLY, *setting(beads=1, phi_b=0.7), code=2)
+        self.write("bed.toml", BED.replace("phi_b = 0.7", "beads = 1"))
+        self.dem("out", *BEADS_ONLY)
+        self.assertEqual(self.summary("out")["beads"], 1)
+        self.assertEqual(self.summary("out")["T_xy"], 0.0)  # in the frame of the centre of mass
+        self.assert_finite("out")
+
+    def test_no_beads(self):
+        self.write("bed.toml", BED.replace("phi_b = 0.7", "beads = 0"))
+        self.dem("out")
+        self.assert_finite("out")
+
+    def test_static_plates(self):
+        self.dem("out", *setting(plates__gamma=0, duration=0.5))
+        table = columns(self.out("out", "table.csv"))
+        self.assertLess(table["T_z"][-1], 1e-6 * table["T_z"][0])
+        self.assertLess(table["kinetic"][-1], 0.01 * table["kinetic"][0])  # what is left rolls: nothing stops that
+        self.assert_finite("out")
+
+    # The heading is read off an axis that is turned 11000 times by pitching: roundings add up like the sum.
+    TURN = 11000 * 2.0**-53
+
+    def test_pinned(self):
+        self.dem("out", *setting(rods__0__imposed_speed=0, rods__0__heading=0.4))
+        track = columns(self.out("out", "tracks.csv"))
+        for name in ("x0", "y0"):
+            self.assertEqual(len(set(track[name])), 1, name)
+        for heading in track["theta0"]:
+            self.assertAlmostEqual(heading, 0.4, delta=self.TURN)
+        self.assertEqual(self.summary("out")["rods"][0]["mean_speed"], 0.0)
+        self.dem("free", *setting(rods__0__heading=0.4))  # which moves
+        self.assertGreater(len(set(columns(self.out("free", "tracks.csv"))["x0"])), 1)
+
+    def test_dragged(self):
+        self.dem("out", *setting(rods__0__imposed_speed=1e-3))
+        track = columns(self.out("out", "tracks.csv"))
+        rounding = 10000 * 2.0**-53 * 16 * A  # of the sum over all steps
+        for t, x, y, heading in zip(track["t"], track["x0"], track["y0"], track["theta0"]):
+            self.assertAlmostEqual(x, 8 * A + 1e-3 * max(t, 0.0), delta=rounding)
+            self.assertEqual(y, 8 * A)
+            self.assertAlmostEqual(heading, 0.0, delta=self.TURN)
+        self.assertAlmostEqual(self.summary("out")["rods"][0]["mean_speed"], 1e-3, delta=rounding / 0.2)
+
+    def test_starts(self):
+        self.dem("first")
+        self.dem("restart", *SHORT, *setting(start='"restart"', restart_from='"first/final.rwc"', equilibrate=0))
+        self.dem("random", *SHORT, *setting(start='"random"', equilibrate=0.01))
+        self.dem("turned", *SHORT, *setting(orientation='"90 deg"'))
+        self.dem("lattice", *SHORT)
+        self.assertEqual(len({self.hash(run) for run in ("restart", "random", "turned", "lattice")}), 4)
+        for run in ("restart", "random", "turned"):
+            self.assert_finite(run)
+        self.assertEqual(columns(self.out("restart", "table.csv"))["t"][0], 0.0)  # no equilibration
+
+    def test_a_damaged_restart(self):
+        self.dem("first", *SHORT)
+        flip_byte(self.out("first", "final.rwc"))
+        self.refuse_bed(r"first/final\.rwc", *setting(start='"restart"', restart_from='"first/final.rwc"'))
+
+
+if __name__ == "__main__":
+    rodwake.main()
