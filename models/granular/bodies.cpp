@@ -78,7 +78,8 @@ Temperatures bead_temperatures(const Bodies& bodies) {
     Vector3 mean = Vector3::Zero(), variance = Vector3::Zero();
     for (std::size_t i = 0; i < bodies.beads; ++i)
         mean += row(bodies.velocity, i) / count;
-    for (std::size_t i = 0; i < bodies.beads; ++i) // two passes: a difference of squares can come out negative
+    for (std::size_t i = 0; i < bodies.beads;
+         ++i) // two passes: a difference of squares can come out negative
         variance += (row(bodies.velocity, i) - mean).cwiseAbs2() / count;
     return {(variance.x() + variance.y()) / 2.0, variance.z()};
 }

@@ -1,12 +1,12 @@
 #pragma once
 // The moving bodies in the layout the step works on: four doubles a sphere (x, y, z, 0), so that one vector
-// load brings a whole position. Measured against separate x, y, z arrays with gathers it halves the cost of the overlap
-// test; the state that is stored and handed out is a structure of arrays (state.hpp).
+// load brings a whole position. Measured against separate x, y, z arrays with gathers it halves the cost of
+// the overlap test; the state that is stored and handed out is a structure of arrays (state.hpp).
 
 #include "rod_motion.hpp"
 #include "rodwake/granular/observe.hpp"
-#include "rows.hpp"
 #include "rodwake/granular/state.hpp"
+#include "rows.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -17,11 +17,11 @@ struct Bodies {
     std::size_t beads = 0;
     double bead_radius = 0.0, bead_mass = 0.0, bead_inertia = 0.0;
 
-    Rows position;                      ///< [beads + rod spheres][4], unwrapped
-    Rows velocity, spin;                ///< [beads][4]
+    Rows position;       ///< [beads + rod spheres][4], unwrapped
+    Rows velocity, spin; ///< [beads][4]
     std::vector<MovingRod> rods;
-    std::vector<double> radius;         ///< [beads + rod spheres]
-    std::vector<std::uint32_t> rod_of;  ///< [rod spheres]
+    std::vector<double> radius;        ///< [beads + rod spheres]
+    std::vector<std::uint32_t> rod_of; ///< [rod spheres]
 
     std::size_t spheres() const { return radius.size(); }
     bool is_bead(std::size_t sphere) const { return sphere < beads; }

@@ -24,7 +24,9 @@ struct Grid {
 
 Grid make_grid(const Rows& position, std::size_t count, double box, double reach) {
     const double fit = std::floor(box / reach);
-    const auto side = static_cast<std::size_t>(std::clamp(fit, 1.0, 4096.0));
+    // more cells than spheres would only cost memory
+    const double most = std::ceil(std::sqrt(static_cast<double>(count))) + 1.0;
+    const auto side = static_cast<std::size_t>(std::clamp(fit, 1.0, most));
     Grid grid{box, box / static_cast<double>(side), side, {}, {}, {}};
     grid.start.assign(side * side + 1, 0);
     grid.cell_of.resize(count);

@@ -15,8 +15,8 @@ Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix
     frame.col(2) = normal;
     frame.col(1) = normal.cross(beside).normalized();
     frame.col(0) = frame.col(1).cross(normal);
-    const Impact impact =
-        stronge_impact(frame.transpose() * inverse_mass * frame, frame.transpose() * relative_velocity, surface);
+    const Impact impact = stronge_impact(frame.transpose() * inverse_mass * frame,
+                                         frame.transpose() * relative_velocity, surface);
     return frame * impact.impulse;
 }
 

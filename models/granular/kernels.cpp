@@ -38,8 +38,8 @@ bool Outside(const double* x, const Drift& d) {
     return !(x[2] > d.lowest && x[2] < d.highest && std::abs(x[0]) + std::abs(x[1]) < 1e300);
 }
 
-void DriftBeads(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d, Range& range,
-                std::vector<std::uint32_t>& out) {
+void DriftBeads(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
+                Range& range, std::vector<std::uint32_t>& out) {
     std::size_t i = begin;
 #if RODWAKE_ROWS
     // as many beads at a time as fit into a vector: one or two
@@ -104,8 +104,8 @@ std::uint32_t Bits(hn::Mask<Row> mask) {
 }
 
 /// The same for four pairs.
-HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs, V box, V per_box,
-                             V& flat2, V& height) {
+HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs, V box,
+                             V per_box, V& flat2, V& height) {
     const Row row;
     const auto difference = [&](int k) {
         return hn::Sub(hn::LoadU(row, position + 4 * std::size_t{pairs[k].first}),
@@ -122,11 +122,11 @@ HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HW
 }
 #endif
 
-/// Calls the test on four pairs at a time and then on the rest, and keeps the indices that pass. Written without
-/// branches on the answer, which nobody can predict.
-template <class Four, class One>
-HWY_INLINE std::size_t Select(std::size_t begin, std::size_t end, std::uint32_t* HWY_RESTRICT out, const Four& four,
-                              const One& one) {
+/// Calls the test on four pairs at a time and then on the rest, and keeps the indices that pass. Written
+/// without branches on the answer, which nobody can predict.
+template<class Four, class One>
+HWY_INLINE std::size_t Select(std::size_t begin, std::size_t end, std::uint32_t* HWY_RESTRICT out,
+                              const Four& four, const One& one) {
     std::size_t k = begin, count = 0;
 #if RODWAKE_ROWS
     for (; k + 4 <= end; k += 4) {
@@ -230,18 +230,18 @@ void PairList::clear() {
     reach.clear();
 }
 
-void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d, Range& velocities,
-           std::vector<std::uint32_t>& out) {
+void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
+           Range& velocities, std::vector<std::uint32_t>& out) {
     HWY_DYNAMIC_DISPATCH(DriftBeads)(position, velocity, begin, end, d, velocities, out);
 }
 
-std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
-                        std::uint32_t* found) {
+std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end,
+                        double box, std::uint32_t* found) {
     return HWY_DYNAMIC_DISPATCH(OverlappingPairs)(position, list, begin, end, box, found);
 }
 
-std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
-                         double flat, double upright, std::uint32_t* found) {
+std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
+                         double box, double flat, double upright, std::uint32_t* found) {
     return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, flat, upright, found);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
-// The two loops that every step runs over all beads and all near pairs, with vector instructions chosen at run
-// time (Highway). Positions and velocities are packed rows x, y, z, 0 (bodies.hpp). Every target gives the same bits: no
-// sum is reordered and no product is fused.
+// The two loops that every step runs over all beads and all near pairs, with vector instructions chosen at
+// run time (Highway). Positions and velocities are packed rows x, y, z, 0 (bodies.hpp). Every target gives
+// the same bits: no sum is reordered and no product is fused.
 
 #include <cstddef>
 #include <cstdint>
@@ -41,14 +41,14 @@ struct PairList {
     void clear();
 };
 
-/// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room for
-/// end - begin + 4; `box`: side of the periodic square.
-std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
-                        std::uint32_t* found);
+/// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room
+/// for end - begin + 4; `box`: side of the periodic square.
+std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end,
+                        double box, std::uint32_t* found);
 
-/// Pairs of [begin, end) that can overlap before their bodies approach by more than `flat` in the plane and `upright` in
-/// height.
-std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end, double box,
-                         double flat, double upright, std::uint32_t* found);
+/// Pairs of [begin, end) that can overlap before their bodies approach by more than `flat` in the plane and
+/// `upright` in height.
+std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
+                         double box, double flat, double upright, std::uint32_t* found);
 
 } // namespace rodwake::granular

@@ -7,8 +7,8 @@
 
 namespace rodwake::granular {
 
-std::vector<std::complex<double>> local_psi6(const std::vector<double>& x, const std::vector<double>& y, double box,
-                                             double cutoff) {
+std::vector<std::complex<double>> local_psi6(const std::vector<double>& x, const std::vector<double>& y,
+                                             double box, double cutoff) {
     const std::size_t count = x.size();
     Rows rows(4 * count, 0.0);
     for (std::size_t i = 0; i < count; ++i) {

@@ -15,7 +15,8 @@ using Eigen::Matrix3d;
 /// Of a point at distance `arm` from the centre along the normal.
 Matrix3d bead_inverse_mass(const Bodies& bodies, const Vector3& normal, double arm) {
     const Matrix3d along = normal * normal.transpose();
-    return Matrix3d::Identity() / bodies.bead_mass + (Matrix3d::Identity() - along) * (arm * arm / bodies.bead_inertia);
+    return Matrix3d::Identity() / bodies.bead_mass +
+           (Matrix3d::Identity() - along) * (arm * arm / bodies.bead_inertia);
 }
 
 void push(Bodies& bodies, std::size_t bead, const Vector3& impulse, const Vector3& arm) {
@@ -58,10 +59,12 @@ void PairContacts::bead_bead(Bodies& bodies, const Pair& pair, const Touch& touc
     const Vector3 slip = relative - approach * n;
     const double speed = slip.norm();
     const Vector3 p = uncoupled_impact(k_t, k_n, Vector3(speed, 0.0, approach), table_.bead_bead).impulse;
-    const Vector3 impulse = p.z() * n + (speed > 0.0 ? Vector3(p.x() / speed * slip) : Vector3(Vector3::Zero()));
+    const Vector3 impulse =
+        p.z() * n + (speed > 0.0 ? Vector3(p.x() / speed * slip) : Vector3(Vector3::Zero()));
     v1 += impulse / bodies.bead_mass;
     v2 -= impulse / bodies.bead_mass;
-    const Vector3 turn = (-arm / bodies.bead_inertia) * n.cross(impulse); // arms -arm n and +arm n, impulses P and -P
+    const Vector3 turn =
+        (-arm / bodies.bead_inertia) * n.cross(impulse); // arms -arm n and +arm n, impulses P and -P
     row(bodies.spin, pair.first) += turn;
     row(bodies.spin, pair.second) += turn;
     ++tallies.bead_bead;
@@ -106,7 +109,8 @@ void PairContacts::rod_rod(Bodies& bodies, const Pair& pair, const Touch& touch,
 }
 
 void PairContacts::keep_deepest(const Bodies& bodies, const Pair& pair, const Touch& touch) {
-    const std::uint32_t one = bodies.rod_of[pair.first - bodies.beads], two = bodies.rod_of[pair.second - bodies.beads];
+    const std::uint32_t one = bodies.rod_of[pair.first - bodies.beads],
+                        two = bodies.rod_of[pair.second - bodies.beads];
     const auto known = std::find_if(rod_contacts_.begin(), rod_contacts_.end(), [&](const RodContact& c) {
         return c.first_rod == one && c.second_rod == two;
     });

@@ -19,8 +19,8 @@ class PairContacts {
 public:
     PairContacts(const ContactTable& table, double box) : table_(table), box_(box) {}
 
-    /// One sweep over the overlapping pairs in their order; adds to the tallies. Approaching pairs get an impulse; of the
-    /// contacts of a rod with one bead or one other rod only the deepest.
+    /// One sweep over the overlapping pairs in their order; adds to the tallies. Approaching pairs get an
+    /// impulse; of the contacts of a rod with one bead or one other rod only the deepest.
     WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies);
 
 private:

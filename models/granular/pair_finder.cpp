@@ -9,9 +9,10 @@ namespace rodwake::granular {
 
 namespace {
 
-constexpr std::size_t chunk = 4096;          // pairs a task; does not change results
-constexpr double inner_window = 25.0, hot_window = 5.0; // steps; measured, half or twice as much costs a few per cent
-constexpr double first_skin = 0.5;           // of a radius, as are the limits
+constexpr std::size_t chunk = 4096; // pairs a task; does not change results
+constexpr double inner_window = 25.0,
+                 hot_window = 5.0; // steps; measured, half or twice as much costs a few per cent
+constexpr double first_skin = 0.5; // of a radius, as are the limits
 constexpr double least_skin = 0.2, most_skin = 1.0;
 constexpr std::int64_t short_life = 400, long_life = 4000; // steps of an outer list
 
@@ -35,7 +36,9 @@ void PairFinder::Watch::note(double flat_motion, double upright_motion) {
 void PairFinder::Watch::adapt(double length) {
     const double per_step = window / static_cast<double>(std::max<std::int64_t>(steps, 1));
     const auto towards = [&](double allowance, double moved) {
-        return (std::clamp(per_step * moved, 1e-9 * length, 0.5 * length) + std::min(allowance, 0.5 * length)) / 2.0;
+        return (std::clamp(per_step * moved, 1e-9 * length, 0.5 * length) +
+                std::min(allowance, 0.5 * length)) /
+               2.0;
     };
     flat_allowance = towards(flat_allowance, flat);
     upright_allowance = towards(upright_allowance, upright);
@@ -44,14 +47,16 @@ void PairFinder::Watch::adapt(double length) {
 double PairFinder::furthest_moved(const Bodies& bodies) const {
     double furthest2 = 0.0;
     for (std::size_t i = 0; i < bodies.spheres(); ++i) {
-        const double x = bodies.position[4 * i] - origin_[4 * i], y = bodies.position[4 * i + 1] - origin_[4 * i + 1];
+        const double x = bodies.position[4 * i] - origin_[4 * i],
+                     y = bodies.position[4 * i + 1] - origin_[4 * i + 1];
         furthest2 = std::max(furthest2, x * x + y * y);
     }
     return std::sqrt(furthest2);
 }
 
 void PairFinder::rebuild(const Bodies& bodies) {
-    near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box_, skin_ + inner_.flat_allowance, outer_);
+    near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box_,
+               skin_ + inner_.flat_allowance, outer_);
     origin_ = bodies.position;
     outer_allowance_ = inner_.flat_allowance;
     steps_since_rebuild_ = 0;
@@ -65,7 +70,8 @@ void PairFinder::adapt_skin() {
         skin_ = std::max(0.9 * skin_, least_skin * length_);
 }
 
-template <class Test> void PairFinder::collect(std::size_t pairs, Team& team, const Test& test) {
+template<class Test>
+void PairFinder::collect(std::size_t pairs, Team& team, const Test& test) {
     const std::size_t chunks = chunks_of(pairs);
     while (found_.size() < chunks)
         found_.push_back({std::vector<std::uint32_t>(chunk + 4), 0});
@@ -76,7 +82,8 @@ template <class Test> void PairFinder::collect(std::size_t pairs, Team& team, co
 
 void PairFinder::draw(const Bodies& bodies, const PairList& from, Watch& watch, Team& team) {
     collect(from.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
-        return within_reach(bodies.position.data(), from, begin, end, box_, watch.flat_allowance, watch.upright_allowance, found);
+        return within_reach(bodies.position.data(), from, begin, end, box_, watch.flat_allowance,
+                            watch.upright_allowance, found);
     });
     watch.list.clear();
     for (std::size_t c = 0; c < chunks_of(from.size()); ++c)
@@ -90,8 +97,8 @@ void PairFinder::draw(const Bodies& bodies, const PairList& from, Watch& watch, 
 
 void PairFinder::refresh(const Bodies& bodies, Team& team) {
     inner_.adapt(length_);
-    // A pair outside the outer list is at least the skin away and approaches by twice what a sphere moved, and then by the
-    // allowance.
+    // A pair outside the outer list is at least the skin away and approaches by twice what a sphere moved,
+    // and then by the allowance.
     if (origin_.empty() || 2.0 * furthest_moved(bodies) > skin_) {
         if (!origin_.empty())
             adapt_skin();
@@ -102,11 +109,12 @@ void PairFinder::refresh(const Bodies& bodies, Team& team) {
     ++refreshes_;
 }
 
-std::span<const Pair> PairFinder::find(const Bodies& bodies, const Range& velocities, double time_step, double slack,
-                                       Team& team) {
+std::span<const Pair> PairFinder::find(const Bodies& bodies, const Range& velocities, double time_step,
+                                       double slack, Team& team) {
     ++steps_since_rebuild_;
     const double x = velocities.width(0), y = velocities.width(1);
-    const double flat = std::sqrt(x * x + y * y) * time_step, upright = velocities.width(2) * time_step + slack;
+    const double flat = std::sqrt(x * x + y * y) * time_step,
+                 upright = velocities.width(2) * time_step + slack;
     inner_.note(flat, upright);
     hot_.note(flat, upright);
     const bool stale = inner_.spent() || origin_.empty();

@@ -1,11 +1,12 @@
 #pragma once
 // Which spheres overlap, without asking every pair at every step.
 //
-// Three lists, each drawn from the one before: an outer one of pairs near in the plane, rebuilt from cells when a sphere has
-// moved half its skin; an inner one of those that may touch within some 25 steps; a hot one of those that may
-// touch within the next few. Motion in the plane is slow and motion in height is fast (a shaken layer), so the inner and
-// the hot list have one allowance for each. Allowances and skin follow the measured motion. What is found never depends on
-// the lists, only the time it takes: pairs come in the order (first, second).
+// Three lists, each drawn from the one before: an outer one of pairs near in the plane, rebuilt from cells
+// when a sphere has moved half its skin; an inner one of those that may touch within some 25 steps; a hot one
+// of those that may touch within the next few. Motion in the plane is slow and motion in height is fast (a
+// shaken layer), so the inner and the hot list have one allowance for each. Allowances and skin follow the
+// measured motion. What is found never depends on the lists, only the time it takes: pairs come in the order
+// (first, second).
 
 #include "bodies.hpp"
 #include "kernels.hpp"
@@ -35,10 +36,10 @@ private:
     /// Pairs that cannot touch before bodies approach by more than the allowances are not in the list.
     struct Watch {
         PairList list;
-        double window;                                           ///< steps it should last
-        double flat = 0.0, upright = 0.0;                        ///< moved since it was drawn, m
-        double flat_allowance = 0.0, upright_allowance = 0.0;    ///< m
-        std::int64_t steps = 0;                                  ///< since it was drawn
+        double window;                                        ///< steps it should last
+        double flat = 0.0, upright = 0.0;                     ///< moved since it was drawn, m
+        double flat_allowance = 0.0, upright_allowance = 0.0; ///< m
+        std::int64_t steps = 0;                               ///< since it was drawn
 
         void note(double flat_motion, double upright_motion);
         bool spent() const { return !(flat <= flat_allowance && upright <= upright_allowance); }
@@ -50,7 +51,8 @@ private:
     void draw(const Bodies& bodies, const PairList& from, Watch& watch, Team& team);
     void adapt_skin();
     double furthest_moved(const Bodies& bodies) const;
-    template <class Test> void collect(std::size_t pairs, Team& team, const Test& test);
+    template<class Test>
+    void collect(std::size_t pairs, Team& team, const Test& test);
 
     double box_, skin_, length_; ///< length_: scale for limits, a bead radius
     PairList outer_;

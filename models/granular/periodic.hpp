@@ -3,8 +3,8 @@
 
 namespace rodwake::granular {
 
-/// x to the nearest whole number, half to even, for |x| < 2^51: adding and taking off 1.5 2^52 leaves no digits behind the
-/// point. Inline on every machine, where std::nearbyint is a call.
+/// x to the nearest whole number, half to even, for |x| < 2^51: adding and taking off 1.5 2^52 leaves no
+/// digits behind the point. Inline on every machine, where std::nearbyint is a call.
 inline double nearest_whole(double x) {
     constexpr double shift = 6755399441055744.0;
     return (x + shift) - shift;

@@ -191,7 +191,10 @@ void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const 
         const Plate* plate = entered(flight, floor, lid);
         if (!plate)
             return;
-        tally.deepest_flight = std::max(tally.deepest_flight, -flight.gap_now(*plate) / bodies.bead_radius);
+        if (const double deep = -flight.gap_now(*plate) / bodies.bead_radius; deep > tally.deepest_flight) {
+            tally.deepest_flight = deep;
+            tally.deepest = bead;
+        }
         back = time_since_touch(flight, *plate);
         const bool rests = bounces == most_bounces ||
                            comes_to_rest(-flight.opening(*plate, back), *plate, surface.restitution);

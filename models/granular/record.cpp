@@ -11,17 +11,22 @@ namespace rodwake::granular {
 namespace {
 
 /// The angle equal to `angle` modulo 2 pi that is nearest to `last`.
-double continued(double angle, double last) { return last + std::remainder(angle - last, 2.0 * std::numbers::pi); }
+double continued(double angle, double last) {
+    return last + std::remainder(angle - last, 2.0 * std::numbers::pi);
+}
 
 Eigen::Vector2d along(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 } // namespace
 
 std::array<const char*, 10> TableRow::names() {
-    return {"t", "energy", "kinetic", "T_xy", "T_z", "psi6", "contacts", "floor_impulse", "lid_impulse", "max_overlap"};
+    return {"t",    "energy",   "kinetic",       "T_xy",        "T_z",
+            "psi6", "contacts", "floor_impulse", "lid_impulse", "max_overlap"};
 }
 
-std::array<const char*, 7> TrackPoint::names() { return {"x", "y", "z", "theta", "pitch", "speed", "pushed"}; }
+std::array<const char*, 7> TrackPoint::names() {
+    return {"x", "y", "z", "theta", "pitch", "speed", "pushed"};
+}
 
 void Record::begin(const Simulation& simulation) {
     sums_.run = {};
@@ -57,7 +62,8 @@ void Record::follow_pair(const Simulation& simulation) {
     const double before = side.dot(Eigen::Vector2d(a.x0 - b.x0, a.y0 - b.y0));
     const double now = side.dot(Eigen::Vector2d(a.x - b.x, a.y - b.y));
     sums_.pair.change = std::copysign(1.0, before) * (now - before);
-    const double advanced = ahead.dot(Eigen::Vector2d(a.x + b.x - a.x0 - b.x0, a.y + b.y - a.y0 - b.y0)) / 2.0;
+    const double advanced =
+        ahead.dot(Eigen::Vector2d(a.x + b.x - a.x0 - b.x0, a.y + b.y - a.y0 - b.y0)) / 2.0;
     if (sums_.pair.half_box_time < 0.0 && advanced >= simulation.problem().box / 2.0) {
         sums_.pair.half_box_time = simulation.time();
         sums_.pair.half_box_change = sums_.pair.change;
@@ -106,15 +112,17 @@ TableRow Record::row(const Simulation& simulation) {
 }
 
 std::vector<TrackPoint> Record::track(const Simulation& simulation) {
-    const double interval = static_cast<double>(simulation.step() - sums_.row_step) * simulation.problem().time_step;
+    const double interval =
+        static_cast<double>(simulation.step() - sums_.row_step) * simulation.problem().time_step;
     std::vector<TrackPoint> points;
     for (std::size_t i = 0; i < rods_.size(); ++i) {
         RodProgress& p = rods_[i];
         const RodBody& rod = simulation.rod(i);
-        const Eigen::Vector3d pushed = simulation.tallies().pushed[i] - Eigen::Map<const Eigen::Vector3d>(p.pushed0);
+        const Eigen::Vector3d pushed =
+            simulation.tallies().pushed[i] - Eigen::Map<const Eigen::Vector3d>(p.pushed0);
         const bool begun = simulation.time() >= 0.0;
-        points.push_back({rod.position.x(), rod.position.y(), rod.position.z(), begun ? p.heading : rod.heading(),
-                          std::asin(std::clamp(rod.axis().z(), -1.0, 1.0)),
+        points.push_back({rod.position.x(), rod.position.y(), rod.position.z(),
+                          begun ? p.heading : rod.heading(), std::asin(std::clamp(rod.axis().z(), -1.0, 1.0)),
                           interval > 0.0 ? (p.travelled - p.row_travelled) / interval : 0.0,
                           begun ? pushed.head<2>().dot(along(p.heading)) : 0.0});
         p.row_travelled = p.travelled;

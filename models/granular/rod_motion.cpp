@@ -58,15 +58,17 @@ void MovingRod::turn_freely(double time) {
     const double roll = L.dot(axis_) * (1.0 / clump_.axial_inertia - 1.0 / clump_.transverse_inertia) * time;
     const Eigen::AngleAxisd precession(size * time / clump_.transverse_inertia, L / size);
     const Eigen::AngleAxisd rolling(roll, Vector3d::UnitX());
-    body_.orientation = (Eigen::Quaterniond(precession) * body_.orientation * Eigen::Quaterniond(rolling)).normalized();
+    body_.orientation =
+        (Eigen::Quaterniond(precession) * body_.orientation * Eigen::Quaterniond(rolling)).normalized();
 }
 
 void MovingRod::turn_held(double time) {
     const double roll_rate = spin_.dot(axis_), pitch_rate = spin_.dot(across_);
     const Eigen::AngleAxisd pitch(pitch_rate * time, across_), roll(roll_rate * time, Vector3d::UnitX());
-    body_.orientation = (Eigen::Quaterniond(pitch) * body_.orientation * Eigen::Quaterniond(roll)).normalized();
-    body_.angular_momentum = clump_.axial_inertia * roll_rate * body_.axis() +
-                             clump_.transverse_inertia * pitch_rate * across_;
+    body_.orientation =
+        (Eigen::Quaterniond(pitch) * body_.orientation * Eigen::Quaterniond(roll)).normalized();
+    body_.angular_momentum =
+        clump_.axial_inertia * roll_rate * body_.axis() + clump_.transverse_inertia * pitch_rate * across_;
 }
 
 void MovingRod::move(double time, double gravity) {
@@ -80,8 +82,9 @@ void MovingRod::move(double time, double gravity) {
 void MovingRod::push(const Vector3d& impulse, const Vector3d& arm) {
     body_.velocity += inverse_mass_ * impulse;
     // what the bearings of a held rod do not take
-    body_.angular_momentum += held_ ? Vector3d((axis_ * axis_.transpose() + across_ * across_.transpose()) * arm.cross(impulse))
-                                    : Vector3d(arm.cross(impulse));
+    body_.angular_momentum +=
+        held_ ? Vector3d((axis_ * axis_.transpose() + across_ * across_.transpose()) * arm.cross(impulse))
+              : Vector3d(arm.cross(impulse));
     spin_ = inverse_inertia_ * body_.angular_momentum;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 // One rod between impacts and in an impact.
 //
-// Free motion is exact: the centre of mass on its parabola; an axisymmetric body turns about its fixed angular
-// momentum L by |L| t/I_t while it spins about its axis by L_a (1/I_a - 1/I_t) t.
-// Held rods (imposed speed) have infinite mass in the plane and cannot yaw: they pitch about the horizontal b across
-// their heading and roll about their axis.
+// Free motion is exact: the centre of mass on its parabola; an axisymmetric body turns about its fixed
+// angular momentum L by |L| t/I_t while it spins about its axis by L_a (1/I_a - 1/I_t) t. Held rods (imposed
+// speed) have infinite mass in the plane and cannot yaw: they pitch about the horizontal b across their
+// heading and roll about their axis.
 
 #include "rodwake/granular/problem.hpp"
 #include "rodwake/granular/state.hpp"
@@ -21,13 +21,18 @@ public:
     bool held() const { return held_.has_value(); }
     const Eigen::Vector2d& ahead() const { return ahead_; }
 
-    Eigen::Vector3d centre(std::size_t sphere) const { return body_.position + clump_.offset[sphere] * axis_; }
+    Eigen::Vector3d centre(std::size_t sphere) const {
+        return body_.position + clump_.offset[sphere] * axis_;
+    }
     /// Of the material point at `arm` from the centre of mass.
-    Eigen::Vector3d velocity_at(const Eigen::Vector3d& arm) const { return body_.velocity + spin_.cross(arm); }
+    Eigen::Vector3d velocity_at(const Eigen::Vector3d& arm) const {
+        return body_.velocity + spin_.cross(arm);
+    }
     /// Symmetric inverse mass of that point: dv = K dP.
     Eigen::Matrix3d inverse_mass_at(const Eigen::Vector3d& arm) const;
 
-    /// Holds the rod at this speed along the heading of its specification, or lets it go. Holding again changes no bit.
+    /// Holds the rod at this speed along the heading of its specification, or lets it go. Holding again
+    /// changes no bit.
     void hold(std::optional<double> speed);
     void move(double time, double gravity);
     void lift(double height) { body_.position.z() += height; }
@@ -44,9 +49,9 @@ private:
     Clump clump_;
     RodBody body_;
     std::optional<double> held_;
-    Eigen::Vector2d ahead_;                ///< held heading
-    Eigen::Vector3d across_;               ///< horizontal, across it
-    Eigen::Vector3d axis_, spin_;          ///< world
+    Eigen::Vector2d ahead_;       ///< held heading
+    Eigen::Vector3d across_;      ///< horizontal, across it
+    Eigen::Vector3d axis_, spin_; ///< world
     Eigen::Matrix3d inverse_inertia_, inverse_mass_;
 };
 

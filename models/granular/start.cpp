@@ -27,8 +27,8 @@ Eigen::Vector2d normal_pair(RandomStream& random) {
 struct RodStart {
     double height; ///< above the middle of the gap, m
     double speed;  ///< upwards, m/s
-    /// About the horizontal across the rod and about its axis, rad/s. Without them a symmetric rod would hop on its middle
-    /// for ever and a control experiment with it could not fail.
+    /// About the horizontal across the rod and about its axis, rad/s. Without them a symmetric rod would hop
+    /// on its middle for ever and a control experiment with it could not fail.
     double pitch_rate, roll_rate;
 };
 
@@ -93,7 +93,8 @@ void add_rods(State& state, const GranularProblem& problem, std::uint32_t run) {
         rod.orientation = Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half));
         const Clump clump = make_clump(spec.shape);
         const Eigen::Vector3d axis = rod.axis(), across(-axis.y(), axis.x(), 0.0);
-        rod.angular_momentum = clump.transverse_inertia * start.pitch_rate * across + clump.axial_inertia * start.roll_rate * axis;
+        rod.angular_momentum = clump.transverse_inertia * start.pitch_rate * across +
+                               clump.axial_inertia * start.roll_rate * axis;
         state.rods.push_back(rod);
     }
 }

@@ -23,7 +23,10 @@ RodNumbers numbers(const granular::RodBody& r) {
 }
 
 granular::RodBody rod_of(const RodNumbers& n) {
-    return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, Eigen::Quaterniond(n[6], n[7], n[8], n[9]), {n[10], n[11], n[12]}};
+    return {{n[0], n[1], n[2]},
+            {n[3], n[4], n[5]},
+            Eigen::Quaterniond(n[6], n[7], n[8], n[9]),
+            {n[10], n[11], n[12]}};
 }
 
 Block head_block(const DemCheckpoint& c) {
@@ -55,7 +58,8 @@ Block tally_block(const granular::Tallies& t) {
     ByteWriter out;
     for (const double value : {t.floor_impulse, t.lid_impulse, t.max_overlap})
         out.put(value);
-    for (const std::int64_t value : {t.bead_bead, t.bead_plate, t.bead_rod, t.rod_plate, t.rod_rod, t.overlaps})
+    for (const std::int64_t value :
+         {t.bead_bead, t.bead_plate, t.bead_rod, t.rod_plate, t.rod_rod, t.overlaps})
         out.put(value);
     std::vector<std::array<double, 3>> pushed;
     for (const Eigen::Vector3d& p : t.pushed)
@@ -95,7 +99,8 @@ void read_state(granular::State& state, ByteReader in) {
 void read_tallies(granular::Tallies& t, ByteReader in) {
     for (double* value : {&t.floor_impulse, &t.lid_impulse, &t.max_overlap})
         *value = in.get<double>();
-    for (std::int64_t* value : {&t.bead_bead, &t.bead_plate, &t.bead_rod, &t.rod_plate, &t.rod_rod, &t.overlaps})
+    for (std::int64_t* value :
+         {&t.bead_bead, &t.bead_plate, &t.bead_rod, &t.rod_plate, &t.rod_rod, &t.overlaps})
         *value = in.get<std::int64_t>();
     for (const auto& p : in.get_array<std::array<double, 3>>())
         t.pushed.emplace_back(p[0], p[1], p[2]);

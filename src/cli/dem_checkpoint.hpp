@@ -1,6 +1,6 @@
 #pragma once
-// Checkpoint of one granular run: state, sums and how much of the logs counts. It belongs to one scene, seed and run
-// number.
+// Checkpoint of one granular run: state, sums and how much of the logs counts. It belongs to one scene, seed
+// and run number.
 
 #include "dem_files.hpp"
 #include "rodwake/granular/record.hpp"

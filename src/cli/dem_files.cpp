@@ -48,7 +48,8 @@ store::FrameLayout layout_of(const granular::GranularProblem& p, const std::vect
 /// Positions and velocities of all spheres and the rods' bodies, in the order of store::Frame.
 void put(std::vector<double>& out, const Eigen::Vector3d& v) { out.insert(out.end(), {v.x(), v.y(), v.z()}); }
 
-void put_spheres(std::vector<double>& out, const State& state, const std::vector<granular::Clump>& clumps, bool velocity) {
+void put_spheres(std::vector<double>& out, const State& state, const std::vector<granular::Clump>& clumps,
+                 bool velocity) {
     const granular::Beads& b = state.beads;
     for (std::size_t i = 0; i < b.size(); ++i)
         velocity ? put(out, {b.vx[i], b.vy[i], b.vz[i]}) : put(out, {b.x[i], b.y[i], b.z[i]});
@@ -57,11 +58,14 @@ void put_spheres(std::vector<double>& out, const State& state, const std::vector
         // spin across the axis moves the centres: L = I_t w there
         const Eigen::Vector3d turning = rod.angular_momentum.cross(rod.axis()) / clumps[r].transverse_inertia;
         for (const double offset : clumps[r].offset)
-            velocity ? put(out, rod.velocity + offset * turning) : put(out, rod.position + offset * rod.axis());
+            velocity ? put(out, rod.velocity + offset * turning)
+                     : put(out, rod.position + offset * rod.axis());
     }
 }
 
-std::span<const std::byte> bytes(const std::vector<double>& values) { return std::as_bytes(std::span(values)); }
+std::span<const std::byte> bytes(const std::vector<double>& values) {
+    return std::as_bytes(std::span(values));
+}
 
 std::vector<double> doubles(const std::vector<std::byte>& record) {
     std::vector<double> values(record.size() / sizeof(double));
@@ -94,9 +98,9 @@ store::Frame frame_of(const std::vector<double>& record, std::size_t particles, 
 DemFiles::DemFiles(std::filesystem::path folder, const granular::GranularProblem& problem, DemFormats formats,
                    const LogLengths& kept)
     : folder_(std::move(folder)), problem_(problem), formats_(formats), clumps_(clumps_of(problem)),
-      layout_(layout_of(problem, clumps_)),
-      frame_doubles_(2 + 6 * layout_.particles() + 13 * layout_.rods()),
-      row_doubles_(granular::TableRow::names().size() + granular::TrackPoint::names().size() * layout_.rods()) {
+      layout_(layout_of(problem, clumps_)), frame_doubles_(2 + 6 * layout_.particles() + 13 * layout_.rods()),
+      row_doubles_(granular::TableRow::names().size() +
+                   granular::TrackPoint::names().size() * layout_.rods()) {
     std::filesystem::create_directories(folder_);
     rows_.emplace(folder_ / "rows.log", row_doubles_ * sizeof(double), kept.rows);
     if (formats_.h5md || formats_.xyz)
@@ -175,13 +179,15 @@ void DemFiles::write_tables() {
     if (layout_.rods() == 0)
         return;
     std::vector<std::string> track_names(names.begin() + static_cast<std::ptrdiff_t>(of_table), names.end());
-    std::vector<std::vector<double>> track(columns.begin() + static_cast<std::ptrdiff_t>(of_table), columns.end());
+    std::vector<std::vector<double>> track(columns.begin() + static_cast<std::ptrdiff_t>(of_table),
+                                           columns.end());
     track_names.insert(track_names.begin(), "t");
     track.insert(track.begin(), columns[0]);
     store::write_atomically(folder_ / "tracks.csv", store::to_csv(track_names, track));
 }
 
-void DemFiles::write_trajectory(const std::string& name, store::AppendLog& log, const store::H5mdInfo& info, bool xyz) {
+void DemFiles::write_trajectory(const std::string& name, store::AppendLog& log, const store::H5mdInfo& info,
+                                bool xyz) {
     std::optional<store::H5mdWriter> h5md;
     std::optional<store::ExtendedXyzWriter> text;
     if (formats_.h5md || !xyz)

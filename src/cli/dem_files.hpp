@@ -1,6 +1,7 @@
 #pragma once
-// The files of one granular run. While it goes on, frames and rows are appended to logs whose lengths a checkpoint
-// remembers; at its end they become table.csv, tracks.csv, trajectory.h5md (.xyz) and last_period.h5md.
+// The files of one granular run. While it goes on, frames and rows are appended to logs whose lengths a
+// checkpoint remembers; at its end they become table.csv, tracks.csv, trajectory.h5md (.xyz) and
+// last_period.h5md.
 
 #include "rodwake/granular/record.hpp"
 #include "rodwake/store/append_log.hpp"
@@ -43,7 +44,8 @@ public:
 
 private:
     std::vector<double> frame_record(const granular::State& state, double time) const;
-    void write_trajectory(const std::string& name, store::AppendLog& log, const store::H5mdInfo& info, bool xyz);
+    void write_trajectory(const std::string& name, store::AppendLog& log, const store::H5mdInfo& info,
+                          bool xyz);
 
     std::filesystem::path folder_;
     granular::GranularProblem problem_;

@@ -59,11 +59,13 @@ struct LastPeriod {
 class Run {
 public:
     Run(const DemPlan& plan, const DemTask& task, const Logger& log, std::size_t threads)
-        : plan_(plan), task_(task), log_(log), checkpoint_file_(task.folder / "checkpoint.rwc"), one_thread_(threads == 1),
-          loaded_(load()), simulation_(plan.problem, first_state(), first_tallies(), threads),
+        : plan_(plan), task_(task), log_(log), checkpoint_file_(task.folder / "checkpoint.rwc"),
+          one_thread_(threads == 1), loaded_(load()),
+          simulation_(plan.problem, first_state(), first_tallies(), threads),
           record_(plan.order_cutoff, plan.problem.rods.size()),
           files_(task.folder, plan.problem, plan.formats, loaded_ ? loaded_->logs : LogLengths{}),
-          period_(plan.problem), cpu_start_(cpu_now(one_thread_)), wall_start_(Clock::now()), saved_(wall_start_) {
+          period_(plan.problem), cpu_start_(cpu_now(one_thread_)), wall_start_(Clock::now()),
+          saved_(wall_start_) {
         if (loaded_)
             record_.restore(loaded_->sums, loaded_->progress);
         else
@@ -104,13 +106,13 @@ private:
             return std::nullopt;
         const DemCheckpoint& c = loaded->checkpoint;
         if (c.scene != plan_.scene_key || c.seed != plan_.problem.seed || c.run != task_.run)
-            throw InputError(checkpoint_file_.string() +
-                             ": belongs to another scene, seed or run; choose another folder with -o, or --force to start anew");
+            throw InputError(checkpoint_file_.string() + ": belongs to another scene, seed or run; choose "
+                                                         "another folder with -o, or --force to start anew");
         if (!loaded->notice.empty())
             log_->warn("{}", loaded->notice);
         if (c.build != build_name())
-            log_->warn("{}: written by rodwake {}; this is {}, and digits may differ", checkpoint_file_.string(), c.build,
-                       build_name());
+            log_->warn("{}: written by rodwake {}; this is {}, and digits may differ",
+                       checkpoint_file_.string(), c.build, build_name());
         log_->debug("run {}: going on from step {}", task_.run, c.state.step);
         return std::move(loaded->checkpoint);
     }
@@ -118,7 +120,8 @@ private:
     granular::State first_state() const {
         if (loaded_)
             return loaded_->state;
-        return plan_.restart ? granular::restart_from(plan_.problem, *plan_.restart, task_.run) : granular::make_start(plan_.problem, task_.run);
+        return plan_.restart ? granular::restart_from(plan_.problem, *plan_.restart, task_.run)
+                             : granular::make_start(plan_.problem, task_.run);
     }
 
     granular::Tallies first_tallies() const { return loaded_ ? loaded_->tallies : granular::Tallies{}; }
@@ -126,12 +129,14 @@ private:
     /// From t = 0 on.
     std::int64_t step() const { return simulation_.step() - plan_.problem.equilibration_steps; }
 
-    bool travelled() const { return plan_.stop_at_travel > 0.0 && record_.mean_advance() >= plan_.stop_at_travel; }
+    bool travelled() const {
+        return plan_.stop_at_travel > 0.0 && record_.mean_advance() >= plan_.stop_at_travel;
+    }
 
     std::int64_t steps_to_next_event() const {
         const std::int64_t now = step();
-        std::int64_t next = std::min({next_multiple(now, sample_every), next_multiple(now, plan_.row_every),
-                                      plan_.problem.steps});
+        std::int64_t next = std::min(
+            {next_multiple(now, sample_every), next_multiple(now, plan_.row_every), plan_.problem.steps});
         if (now < 0)
             next = std::min(next, std::int64_t{0});
         else
@@ -160,14 +165,18 @@ private:
             (*on_progress_)(simulation_, &row);
     }
 
-    double cpu_seconds() const { return cpu_now(one_thread_) - cpu_start_ + (loaded_ ? loaded_->cpu_seconds : 0.0); }
-    double wall_seconds() const { return seconds_since(wall_start_) + (loaded_ ? loaded_->wall_seconds : 0.0); }
+    double cpu_seconds() const {
+        return cpu_now(one_thread_) - cpu_start_ + (loaded_ ? loaded_->cpu_seconds : 0.0);
+    }
+    double wall_seconds() const {
+        return seconds_since(wall_start_) + (loaded_ ? loaded_->wall_seconds : 0.0);
+    }
 
     void checkpoint() {
         requests_seen_ = checkpoint_requests();
-        DemCheckpoint c{plan_.scene_key,      build_name(),    plan_.problem.seed, task_.run, cpu_seconds(),
-                        wall_seconds(),       simulation_.state(), simulation_.tallies(), record_.sums(), record_.rods(),
-                        files_.sync()};
+        DemCheckpoint c{plan_.scene_key, build_name(),   plan_.problem.seed,  task_.run,
+                        cpu_seconds(),   wall_seconds(), simulation_.state(), simulation_.tallies(),
+                        record_.sums(),  record_.rods(), files_.sync()};
         write_checkpoint(checkpoint_file_, c);
         saved_ = Clock::now();
     }
@@ -245,6 +254,7 @@ private:
         return info;
     }
 
+    int requests_seen_ = checkpoint_requests(); // first: what is asked from now on counts
     const DemPlan& plan_;
     const DemTask& task_;
     const Logger& log_;
@@ -257,7 +267,6 @@ private:
     LastPeriod period_;
     double cpu_start_;
     Clock::time_point wall_start_, saved_;
-    int requests_seen_ = checkpoint_requests();
     const std::function<void(const Simulation&, const granular::TableRow*)>* on_progress_ = nullptr;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
-// One granular run from its start, or from its checkpoint, to its files. Runs of an ensemble know nothing of each other.
+// One granular run from its start, or from its checkpoint, to its files. Runs of an ensemble know nothing of
+// each other.
 
 #include "dem_checkpoint.hpp"
 #include "log.hpp"
@@ -57,7 +58,8 @@ struct DemResult {
 };
 
 /// `on_progress`: called now and then with the seconds simulated by this run so far.
-DemResult run_dem(const DemPlan& plan, const DemTask& task, const Logger& log, std::size_t threads,
-                  const std::function<void(const granular::Simulation&, const granular::TableRow*)>& on_progress);
+DemResult
+run_dem(const DemPlan& plan, const DemTask& task, const Logger& log, std::size_t threads,
+        const std::function<void(const granular::Simulation&, const granular::TableRow*)>& on_progress);
 
 } // namespace rodwake::cli

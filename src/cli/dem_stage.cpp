@@ -29,8 +29,9 @@ std::string scene_key(const scene::Scene& scene) {
 LoadedCheckpoint stored_checkpoint(const std::string& file) {
     auto loaded = load_checkpoint(file);
     if (!loaded)
-        throw InputError(file + ": no such checkpoint (granular.restart_from); a finished run keeps its last state in "
-                                "final.rwc, one that goes on in checkpoint.rwc");
+        throw InputError(
+            file + ": no such checkpoint (granular.restart_from); a finished run keeps its last state in "
+                   "final.rwc, one that goes on in checkpoint.rwc");
     return std::move(*loaded);
 }
 
@@ -42,7 +43,8 @@ granular::State stored_state(const std::string& file, const Logger& log) {
 }
 
 bool within(const std::filesystem::path& file, const std::filesystem::path& folder) {
-    const auto below = std::filesystem::weakly_canonical(file).lexically_relative(std::filesystem::weakly_canonical(folder));
+    const auto below =
+        std::filesystem::weakly_canonical(file).lexically_relative(std::filesystem::weakly_canonical(folder));
     return !below.empty() && *below.begin() != "..";
 }
 
@@ -82,7 +84,8 @@ class SharedProgress {
 public:
     SharedProgress(const Session& session, const DemPlan& plan, std::size_t runs)
         : log_(session.log), single_(runs == 1),
-          of_one_(static_cast<double>(plan.problem.steps + plan.problem.equilibration_steps) * plan.problem.time_step),
+          of_one_(static_cast<double>(plan.problem.steps + plan.problem.equilibration_steps) *
+                  plan.problem.time_step),
           done_(runs, 0.0),
           progress_(session.log, session.options.quiet, "dem", of_one_ * static_cast<double>(runs), "s") {}
 
@@ -102,10 +105,10 @@ public:
 private:
     void print(const granular::TableRow& r) {
         if (next_line_ == 0.0)
-            log_->info("{:>9} {:>11} {:>10} {:>10} {:>6} {:>8} {:>10} {:>8}", "t/s", "energy/J", "T_xy", "T_z", "psi6",
-                       "contacts", "floor/N s", "overlap");
-        log_->info("{:9.3f} {:11.4e} {:10.3e} {:10.3e} {:6.3f} {:8.1f} {:10.3e} {:8.4f}", r.t, r.energy, r.T_xy, r.T_z,
-                   r.psi6, r.contacts, r.floor_impulse, r.max_overlap);
+            log_->info("{:>9} {:>11} {:>10} {:>10} {:>6} {:>8} {:>10} {:>8}", "t/s", "energy/J", "T_xy",
+                       "T_z", "psi6", "contacts", "floor/N s", "overlap");
+        log_->info("{:9.3f} {:11.4e} {:10.3e} {:10.3e} {:6.3f} {:8.1f} {:10.3e} {:8.4f}", r.t, r.energy,
+                   r.T_xy, r.T_z, r.psi6, r.contacts, r.floor_impulse, r.max_overlap);
         next_line_ += of_one_ / 20.0;
     }
 
@@ -124,8 +127,8 @@ std::optional<DemSummary> finished_before(const DemPlan& plan, const DemTask& ta
     if (!last)
         return std::nullopt;
     if (last->checkpoint.scene != plan.scene_key || last->checkpoint.seed != plan.problem.seed)
-        throw InputError(task.folder.string() +
-                         ": holds a run of another scene or seed; choose another folder with -o, or --force to start anew");
+        throw InputError(task.folder.string() + ": holds a run of another scene or seed; choose another "
+                                                "folder with -o, or --force to start anew");
     return known;
 }
 
@@ -138,16 +141,19 @@ DemResult execute(const Session& session, const DemPlan& plan, const DemTask& ta
     if (stop_signal())
         return {DemEnd::interrupted, {}, {}};
     return run_dem(plan, task, session.log, threads,
-                   [&](const granular::Simulation& s, const granular::TableRow* row) { progress.update(task.run, s, row); });
+                   [&](const granular::Simulation& s, const granular::TableRow* row) {
+                       progress.update(task.run, s, row);
+                   });
 }
 
 void report_one(const Session& session, const DemSummary& s) {
-    session.log->info("dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, largest "
-                      "overlap {:.4f} a",
-                      s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, s.max_overlap);
+    session.log->info(
+        "dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, largest "
+        "overlap {:.4f} a",
+        s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, s.max_overlap);
     for (std::size_t i = 0; i < s.rods.size(); ++i)
-        session.log->info("dem: rod {} ({}): {:.4g} mm/s thin end first, turned by {:.4g} rad", i, s.rods[i].kind,
-                          1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
+        session.log->info("dem: rod {} ({}): {:.4g} mm/s thin end first, turned by {:.4g} rad", i,
+                          s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
 }
 
 StageEnd conclude(const Session& session, const DemPlan& plan, const std::vector<DemResult>& results) {
@@ -168,8 +174,8 @@ StageEnd conclude(const Session& session, const DemPlan& plan, const std::vector
     if (results.size() > 1 && !finished.empty()) {
         session.directory.write("summary.json", ensemble_json(plan, finished, results.size()));
         session.directory.write("runs.csv", ensemble_csv(plan, finished));
-        session.log->info("dem: {} of {} runs finished; runs.csv and summary.json have the means", finished.size(),
-                          results.size());
+        session.log->info("dem: {} of {} runs finished; runs.csv and summary.json have the means",
+                          finished.size(), results.size());
     }
     return end;
 }
@@ -190,10 +196,11 @@ void require_dem(const scene::Scene& scene, const Options& options) {
 StageEnd run_dem_stage(Session& session) {
     const DemPlan plan = plan_of(session);
     const std::vector<DemTask> tasks = tasks_of(session);
-    session.log->info("dem: {} beads and {} rods, phi_b = {:.4f}, {} runs of {} + {} steps of {:g} s; {} instructions",
-                      plan.problem.beads, plan.problem.rods.size(), granular::bead_area_fraction(plan.problem),
-                      tasks.size(), plan.problem.equilibration_steps, plan.problem.steps, plan.problem.time_step,
-                      granular::vector_target());
+    session.log->info(
+        "dem: {} beads and {} rods, phi_b = {:.4f}, {} runs of {} + {} steps of {:g} s; {} instructions",
+        plan.problem.beads, plan.problem.rods.size(), granular::bead_area_fraction(plan.problem),
+        tasks.size(), plan.problem.equilibration_steps, plan.problem.steps, plan.problem.time_step,
+        granular::vector_target());
     SharedProgress progress(session, plan, tasks.size());
     std::vector<DemResult> results(tasks.size());
     const bool single = tasks.size() == 1;

@@ -35,17 +35,20 @@ ordered_json header(const DemPlan& plan) {
 ordered_json rods_json(const std::vector<RodSummary>& rods) {
     ordered_json list = ordered_json::array();
     for (const RodSummary& rod : rods)
-        list.push_back(
-            {{"kind", rod.kind}, {"mean_speed", rod.mean_speed}, {"net_turn", rod.net_turn}, {"force", rod.force}});
+        list.push_back({{"kind", rod.kind},
+                        {"mean_speed", rod.mean_speed},
+                        {"net_turn", rod.net_turn},
+                        {"force", rod.force}});
     return list;
 }
 
 /// null where there is no pair, or it has not come half a box.
 ordered_json pair_json(const granular::PairProgress& pair) {
     const bool there = pair.half_box_time >= 0.0;
-    return {{"separation_change", pair.change},
-            {"half_box_time", there ? ordered_json(pair.half_box_time) : ordered_json(nullptr)},
-            {"half_box_separation_change", there ? ordered_json(pair.half_box_change) : ordered_json(nullptr)}};
+    return {
+        {"separation_change", pair.change},
+        {"half_box_time", there ? ordered_json(pair.half_box_time) : ordered_json(nullptr)},
+        {"half_box_separation_change", there ? ordered_json(pair.half_box_change) : ordered_json(nullptr)}};
 }
 
 struct Mean {
@@ -93,7 +96,8 @@ ordered_json mean_pair(std::span<const DemSummary> runs) {
     pair["half_box_runs"] = far.size();
     if (!far.empty()) {
         put_mean(pair, "half_box_time", far, [](const DemSummary& s) { return s.pair.half_box_time; });
-        put_mean(pair, "half_box_separation_change", far, [](const DemSummary& s) { return s.pair.half_box_change; });
+        put_mean(pair, "half_box_separation_change", far,
+                 [](const DemSummary& s) { return s.pair.half_box_change; });
     }
     return pair;
 }
@@ -126,10 +130,14 @@ DemSummary summary_of(const json& j, std::uint32_t run) {
 } // namespace
 
 std::string summary_json(const DemPlan& plan, const DemSummary& s) {
-    ordered_json out = {{"simulated_time", s.simulated_time}, {"cpu_seconds", s.cpu_seconds},
-                        {"wall_seconds", s.wall_seconds},     {"T_xy", s.T_xy},
-                        {"T_z", s.T_z},                       {"max_overlap", s.max_overlap},
-                        {"psi6", s.psi6},                     {"rods", rods_json(s.rods)}};
+    ordered_json out = {{"simulated_time", s.simulated_time},
+                        {"cpu_seconds", s.cpu_seconds},
+                        {"wall_seconds", s.wall_seconds},
+                        {"T_xy", s.T_xy},
+                        {"T_z", s.T_z},
+                        {"max_overlap", s.max_overlap},
+                        {"psi6", s.psi6},
+                        {"rods", rods_json(s.rods)}};
     if (plan.problem.rods.size() == 2)
         out["pair"] = pair_json(s.pair);
     out["state_hash"] = hash_text(s.state_hash);
@@ -166,7 +174,8 @@ std::string ensemble_json(const DemPlan& plan, std::span<const DemSummary> runs,
 }
 
 std::string ensemble_csv(const DemPlan& plan, std::span<const DemSummary> runs) {
-    std::vector<std::string> names = {"run", "simulated_time", "cpu_seconds", "T_xy", "T_z", "psi6", "max_overlap"};
+    std::vector<std::string> names = {"run", "simulated_time", "cpu_seconds", "T_xy",
+                                      "T_z", "psi6",           "max_overlap"};
     for (std::size_t i = 0; i < plan.problem.rods.size(); ++i)
         for (const char* name : {"mean_speed", "net_turn", "force"})
             names.push_back(fmt::format("{}{}", name, i));
@@ -175,28 +184,36 @@ std::string ensemble_csv(const DemPlan& plan, std::span<const DemSummary> runs) 
         names.insert(names.end(), {"separation_change", "half_box_time", "half_box_separation_change"});
     std::vector<std::vector<double>> columns(names.size());
     for (const DemSummary& s : runs) {
-        std::vector<double> row = {static_cast<double>(s.run + 1), s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6,
+        std::vector<double> row = {static_cast<double>(s.run + 1),
+                                   s.simulated_time,
+                                   s.cpu_seconds,
+                                   s.T_xy,
+                                   s.T_z,
+                                   s.psi6,
                                    s.max_overlap};
         for (const RodSummary& rod : s.rods)
             row.insert(row.end(), {rod.mean_speed, rod.net_turn, rod.force});
         const double none = std::nan("");
         const bool far = s.pair.half_box_time >= 0.0;
         if (pair)
-            row.insert(row.end(), {s.pair.change, far ? s.pair.half_box_time : none, far ? s.pair.half_box_change : none});
+            row.insert(row.end(), {s.pair.change, far ? s.pair.half_box_time : none,
+                                   far ? s.pair.half_box_change : none});
         for (std::size_t k = 0; k < row.size(); ++k)
             columns[k].push_back(row[k]);
     }
     return store::to_csv(names, columns);
 }
 
-std::optional<DemSummary> read_summary(const std::filesystem::path& file, const DemPlan& plan, std::uint32_t run) {
+std::optional<DemSummary> read_summary(const std::filesystem::path& file, const DemPlan& plan,
+                                       std::uint32_t run) {
     std::ifstream in(file);
     const json parsed = json::parse(in, nullptr, false);
     if (!parsed.is_object())
         return std::nullopt;
     try {
         DemSummary summary = summary_of(parsed, run);
-        return summary.rods.size() == plan.problem.rods.size() ? std::optional(std::move(summary)) : std::nullopt;
+        return summary.rods.size() == plan.problem.rods.size() ? std::optional(std::move(summary))
+                                                               : std::nullopt;
     } catch (const std::exception&) { // a file of another version: the run is done again
         return std::nullopt;
     }

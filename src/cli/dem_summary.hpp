@@ -16,6 +16,7 @@ std::string ensemble_json(const DemPlan& plan, std::span<const DemSummary> runs,
 std::string ensemble_csv(const DemPlan& plan, std::span<const DemSummary> runs);
 
 /// What an earlier command wrote with summary_json; nothing if there is no such file or it cannot be read.
-std::optional<DemSummary> read_summary(const std::filesystem::path& file, const DemPlan& plan, std::uint32_t run);
+std::optional<DemSummary> read_summary(const std::filesystem::path& file, const DemPlan& plan,
+                                       std::uint32_t run);
 
 } // namespace rodwake::cli

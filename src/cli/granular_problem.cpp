@@ -143,8 +143,6 @@ std::optional<double> order_cutoff(const scene::Granular& bed, double phi_b) {
 
 double frame_interval(const scene::Granular& bed) { return bed.output.frames.value_or(bed.duration / 100.0); }
 
-double table_interval(const scene::Granular& bed) {
-    return bed.output.table.value_or(0.01);
-}
+double table_interval(const scene::Granular& bed) { return bed.output.table.value_or(0.01); }
 
 } // namespace rodwake::cli

@@ -59,9 +59,11 @@ void add_verbs(CLI::App& app, Options& options) {
     scene(add_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
                    "  rodwake rods scenes/quickstart.toml -o results/pair\n"
                    "  rodwake rods scenes/quickstart.toml -s coupling.kappa=100 -s rods_run.method=bdf"));
-    scene(add_verb(app, options, Verb::dem, "dem", "granular run of a scene; the same command resumes one that was stopped",
+    scene(add_verb(app, options, Verb::dem, "dem",
+                   "granular run of a scene; the same command resumes one that was stopped",
                    "  rodwake dem scenes/granular_quick.toml\n"
-                   "  rodwake dem scenes/pair_crystal.toml -s granular.phi_b=0.70 -s granular.runs=50 -j 2 -o results/fluid"));
+                   "  rodwake dem scenes/pair_crystal.toml -s granular.phi_b=0.70 -s granular.runs=50 -j 2 "
+                   "-o results/fluid"));
     add_verb(app, options, Verb::impact, "impact", "single impacts, one a row: the contact law by itself",
              "  rodwake impact --cases cases.csv > impacts.csv")
         ->add_option("--cases", options.cases,

@@ -1,5 +1,6 @@
 #pragma once
-// SIGUSR1 asks for a checkpoint. Ctrl-C and SIGTERM ask the running stage to stop at its next step; a second one ends the program at once.
+// SIGUSR1 asks for a checkpoint. Ctrl-C and SIGTERM ask the running stage to stop at its next step; a second
+// one ends the program at once.
 
 namespace rodwake::cli {
 

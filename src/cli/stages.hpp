@@ -13,7 +13,8 @@ StageEnd run_field_stage(Session& session);
 /// [[rods]] and [[variants]]: rods.csv, outcome.json, variants/<name>/..., and /rods in result.h5.
 StageEnd run_rods_stage(Session& session);
 
-/// [granular]: summary.json, table.csv, tracks.csv, trajectory.h5md, ...; with runs > 1 one folder a run in runs/.
+/// [granular]: summary.json, table.csv, tracks.csv, trajectory.h5md, ...; with runs > 1 one folder a run in
+/// runs/.
 StageEnd run_dem_stage(Session& session);
 /// Throws InputError for a bed that cannot be run, before anything is written or removed.
 void require_dem(const scene::Scene& scene, const Options& options);

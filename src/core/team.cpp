@@ -5,7 +5,8 @@ namespace rodwake {
 namespace {
 
 /// Spins a while before it gives the processor away: loops follow each other within microseconds.
-template <class Done> void wait_until(const Done& done) {
+template<class Done>
+void wait_until(const Done& done) {
     for (int spins = 0; !done(); ++spins)
         if (spins > 2000)
             std::this_thread::yield();

@@ -16,9 +16,24 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Left behind by a run that was killed: see PendingFile.
+bool is_temporary(const std::string& name) {
+    const auto end = name.rfind(".tmp");
+    return end != std::string::npos && end + 4 < name.size() &&
+           name.find_first_not_of("0123456789", end + 4) == std::string::npos;
+}
+
+/// A run that was killed before its first file was in place.
+bool is_stillborn(const fs::path& file) {
+    const std::string name = file.filename().string();
+    return name.starts_with("provenance.json.") && is_temporary(name);
+}
+
 bool has_files(const fs::path& folder) {
     std::error_code error;
-    return fs::directory_iterator(folder, error) != fs::directory_iterator{};
+    const fs::directory_iterator entries(folder, error);
+    return std::any_of(begin(entries), end(entries),
+                       [](const auto& entry) { return !is_stillborn(entry.path()); });
 }
 
 void refuse_foreign(const fs::path& path, const std::string& status) {
@@ -30,13 +45,6 @@ void refuse_foreign(const fs::path& path, const std::string& status) {
             path.string() +
             ": holds files that are not a rodwake run; choose another folder with -o, or --force to "
             "write among them");
-}
-
-/// Left behind by a run that was killed: see PendingFile.
-bool is_temporary(const std::string& name) {
-    const auto end = name.rfind(".tmp");
-    return end != std::string::npos && end + 4 < name.size() &&
-           name.find_first_not_of("0123456789", end + 4) == std::string::npos;
 }
 
 bool is_result(const fs::path& file) {
@@ -122,6 +130,9 @@ RunDirectory::RunDirectory(fs::path path, bool force) : path_(std::move(path)) {
 
 void RunDirectory::begin(std::string_view provenance) const {
     write("provenance.json", provenance);
+    for (const fs::directory_entry& entry : fs::directory_iterator(path_))
+        if (std::error_code ignored; is_stillborn(entry.path()))
+            fs::remove(entry.path(), ignored);
     if (had_run_)
         remove_results(path_, !resumed_);
 }

@@ -18,16 +18,19 @@ public:
     Team(Team&&) = delete;
     Team& operator=(Team&&) = delete;
 
-    /// Calls task(i) once for each i in [0, count) and returns when all are done. Which thread does which is left open. Tasks
-    /// must not throw.
-    template <class Task> void run(std::size_t count, Task&& task) {
+    /// Calls task(i) once for each i in [0, count) and returns when all are done. Which thread does which is
+    /// left open. Tasks must not throw.
+    template<class Task>
+    void run(std::size_t count, Task&& task) {
         if (workers_.empty() || count < 2) {
             for (std::size_t i = 0; i < count; ++i)
                 task(i);
             return;
         }
-        share(count, [](void* context, std::size_t i) { (*static_cast<std::remove_reference_t<Task>*>(context))(i); },
-              &task);
+        share(
+            count,
+            [](void* context, std::size_t i) { (*static_cast<std::remove_reference_t<Task>*>(context))(i); },
+            &task);
     }
 
 private:

@@ -19,8 +19,8 @@ struct Energy {
 
 /// Bond-orientational order of one bead: psi_6 = (1/n) sum exp(6 i angle) over the n beads nearer in the
 /// plane than the cut-off; 0 without any. Angles from +x.
-std::vector<std::complex<double>> local_psi6(const std::vector<double>& x, const std::vector<double>& y, double box,
-                                             double cutoff);
+std::vector<std::complex<double>> local_psi6(const std::vector<double>& x, const std::vector<double>& y,
+                                             double box, double cutoff);
 
 /// |mean of psi_6 over the beads|: 1 for one perfect crystal, about 1/sqrt(N) for a fluid.
 double global_psi6(const std::vector<double>& x, const std::vector<double>& y, double box, double cutoff);

@@ -38,8 +38,8 @@ struct RodSpec {
     RodShape shape;
     Eigen::Vector2d position = Eigen::Vector2d::Zero(); ///< of the centre of mass, m
     double heading = 0.0;                               ///< of the thin end from +x, rad, counter-clockwise
-    /// In-plane velocity along the heading that is held whatever hits the rod (0: pinned); the rod may still hop, pitch
-    /// and roll, but not yaw. Absent: the rod moves freely.
+    /// In-plane velocity along the heading that is held whatever hits the rod (0: pinned); the rod may still
+    /// hop, pitch and roll, but not yaw. Absent: the rod moves freely.
     std::optional<double> imposed_speed;
 
     bool operator==(const RodSpec&) const = default;
@@ -49,21 +49,21 @@ enum class Start { lattice, random };
 
 struct GranularProblem {
     std::size_t beads = 0;
-    double bead_radius = 0.4e-3;   ///< a, m
-    double bead_density = 2700.0;  ///< kg/m^3
-    double gravity = 9.81;         ///< m/s^2
-    double box = 78 * 0.4e-3;      ///< side of the periodic square, m
+    double bead_radius = 0.4e-3;  ///< a, m
+    double bead_density = 2700.0; ///< kg/m^3
+    double gravity = 9.81;        ///< m/s^2
+    double box = 78 * 0.4e-3;     ///< side of the periodic square, m
     Plates plates;
     ContactTable contacts;
     std::vector<RodSpec> rods;
     Start start = Start::lattice;
-    double orientation = 0.0;      ///< wanted angle of the close-packed rows from +x, rad
-    double start_speed = 0.02;     ///< rms of each velocity component of the beads at the start, m/s
-    double time_step = 2e-5;       ///< s
+    double orientation = 0.0;             ///< wanted angle of the close-packed rows from +x, rad
+    double start_speed = 0.02;            ///< rms of each velocity component of the beads at the start, m/s
+    double time_step = 2e-5;              ///< s
     std::int64_t equilibration_steps = 0; ///< before t = 0, rods held where they are
     std::int64_t steps = 0;               ///< from t = 0 on
     std::uint64_t seed = 1;
-    double overlap_limit = 0.1;    ///< the run stops if an overlap exceeds this fraction of the smaller radius
+    double overlap_limit = 0.1; ///< the run stops if an overlap exceeds this fraction of the smaller radius
 
     bool operator==(const GranularProblem&) const = default;
 };
@@ -71,8 +71,8 @@ struct GranularProblem {
 /// Area fraction N pi a^2/L^2 of the beads alone.
 double bead_area_fraction(const GranularProblem& problem);
 
-/// Throws InputError for what cannot be modelled: values outside their domain, a gap that a bead or rod does not fit
-/// into, more beads than fit into the box beside the rods, rods that overlap.
+/// Throws InputError for what cannot be modelled: values outside their domain, a gap that a bead or rod does
+/// not fit into, more beads than fit into the box beside the rods, rods that overlap.
 void validate(const GranularProblem& problem);
 
 } // namespace rodwake::granular

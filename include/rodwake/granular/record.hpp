@@ -1,6 +1,6 @@
 #pragma once
-// What is kept of a run while it goes on: running means, one row of numbers at an interval, the rods' tracks. Long
-// runs need not store frames.
+// What is kept of a run while it goes on: running means, one row of numbers at an interval, the rods' tracks.
+// Long runs need not store frames.
 
 #include "rodwake/granular/simulation.hpp"
 
@@ -31,11 +31,11 @@ struct TrackPoint {
 
 /// How far a rod came, forward along its own heading, since t = 0.
 struct RodProgress {
-    double x0, y0, heading0;          ///< at t = 0
-    double x, y, heading;             ///< at the last sample; heading without jumps
-    double travelled;                 ///< integral of velocity along the heading, m
-    double pushed0[3];                ///< Tallies::pushed at t = 0
-    double row_travelled;             ///< at the last row
+    double x0, y0, heading0; ///< at t = 0
+    double x, y, heading;    ///< at the last sample; heading without jumps
+    double travelled;        ///< integral of velocity along the heading, m
+    double pushed0[3];       ///< Tallies::pushed at t = 0
+    double row_travelled;    ///< at the last row
 };
 
 struct SampleSums {
@@ -45,23 +45,25 @@ struct SampleSums {
 
 /// Two rods: the change of their separation across their mean first heading, outwards positive.
 struct PairProgress {
-    double change;           ///< at the last sample, m
-    double half_box_time;    ///< when they had come half a box on average; negative: not yet
-    double half_box_change;  ///< then
+    double change;          ///< at the last sample, m
+    double half_box_time;   ///< when they had come half a box on average; negative: not yet
+    double half_box_change; ///< then
 };
 
 /// The accumulators; plain numbers, stored whole in checkpoints.
 struct RecordSums {
-    SampleSums run, row;          ///< since t = 0; since the last row
-    double psi6;                  ///< sum over rows since t = 0
-    std::int64_t rows;            ///< since t = 0
-    std::int64_t overlaps, row_step;   ///< tallies and step at the last row
+    SampleSums run, row;             ///< since t = 0; since the last row
+    double psi6;                     ///< sum over rows since t = 0
+    std::int64_t rows;               ///< since t = 0
+    std::int64_t overlaps, row_step; ///< tallies and step at the last row
     PairProgress pair;
 };
 
 class Record {
 public:
-    Record(double order_cutoff, std::size_t rods) : cutoff_(order_cutoff), rods_(rods) { sums_.pair.half_box_time = -1.0; }
+    Record(double order_cutoff, std::size_t rods) : cutoff_(order_cutoff), rods_(rods) {
+        sums_.pair.half_box_time = -1.0;
+    }
 
     /// Takes a sample now; the first one at t = 0 starts the means.
     void sample(const Simulation& simulation);

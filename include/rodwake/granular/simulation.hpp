@@ -1,10 +1,11 @@
 #pragma once
 // A granular run, step by step.
 //
-// One step of length dt: every body flies freely (exactly: parabola, symmetric top); beads that reach a plate bounce at
-// the instant they touch it; a rod is pushed at its deepest contact with each plate; then overlapping
-// approaching pairs get one impulse each, in the order of their numbers, of several contacts of one rod with the
-// same partner only the deepest. Impulses follow impact.hpp. A contact whose rebound cannot leave the plate rests on it.
+// One step of length dt: every body flies freely (exactly: parabola, symmetric top); beads that reach a plate
+// bounce at the instant they touch it; a rod is pushed at its deepest contact with each plate; then
+// overlapping approaching pairs get one impulse each, in the order of their numbers, of several contacts of
+// one rod with the same partner only the deepest. Impulses follow impact.hpp. A contact whose rebound cannot
+// leave the plate rests on it.
 //
 // Results do not depend on the number of threads, nor on interruptions: advancing by n and then by m steps
 // equals advancing by n + m, and a simulation made from state() goes on with the same bits.
@@ -23,9 +24,9 @@ namespace rodwake::granular {
 struct Tallies {
     double floor_impulse = 0.0, lid_impulse = 0.0; ///< upward momentum the plates gave, N s (lid: negative)
     std::int64_t bead_bead = 0, bead_plate = 0, bead_rod = 0, rod_plate = 0, rod_rod = 0; ///< impulses given
-    std::int64_t overlaps = 0;             ///< pairs found overlapping, summed over steps
-    double max_overlap = 0.0;              ///< of a pair or a rod and a plate, in radii of the smaller sphere
-    std::vector<Eigen::Vector3d> pushed;   ///< momentum each rod gave to the beads, N s
+    std::int64_t overlaps = 0;           ///< pairs found overlapping, summed over steps
+    double max_overlap = 0.0;            ///< of a pair or a rod and a plate, in radii of the smaller sphere
+    std::vector<Eigen::Vector3d> pushed; ///< momentum each rod gave to the beads, N s
 };
 
 /// Why a run cannot go on.
@@ -46,7 +47,8 @@ const char* vector_target();
 class Simulation {
 public:
     /// From a start or a stored state. Throws InputError if the state does not fit the problem.
-    Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies = {}, std::size_t threads = 1);
+    Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies = {},
+               std::size_t threads = 1);
     ~Simulation();
     Simulation(Simulation&&) noexcept;
     Simulation& operator=(Simulation&&) noexcept;

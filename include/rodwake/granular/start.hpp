@@ -1,6 +1,6 @@
 #pragma once
-// Where a run begins: beads on a relaxed triangular lattice, in a random packing or where an earlier run left them;
-// rods carved into any of these.
+// Where a run begins: beads on a relaxed triangular lattice, in a random packing or where an earlier run left
+// them; rods carved into any of these.
 
 #include "rodwake/granular/problem.hpp"
 #include "rodwake/granular/state.hpp"
@@ -9,27 +9,29 @@ namespace rodwake::granular {
 
 /// A triangular lattice that closes in the periodic square.
 struct LatticeFit {
-    int m1 = 0, n1 = 0, m2 = 0, n2 = 0; ///< box edges as lattice vectors: L x = m1 a1 + n1 a2, L y = m2 a1 + n2 a2
-    long sites = 0;                     ///< |m1 n2 - m2 n1|
-    double orientation = 0.0;           ///< angle of the a1 rows it really has, rad
-    double strain = 0.0;                ///< largest principal stretch from the perfect triangle, minus 1
-    double spacing = 0.0;               ///< shortest distance of neighbours, m
+    int m1 = 0, n1 = 0, m2 = 0,
+        n2 = 0;               ///< box edges as lattice vectors: L x = m1 a1 + n1 a2, L y = m2 a1 + n2 a2
+    long sites = 0;           ///< |m1 n2 - m2 n1|
+    double orientation = 0.0; ///< angle of the a1 rows it really has, rad
+    double strain = 0.0;      ///< largest principal stretch from the perfect triangle, minus 1
+    double spacing = 0.0;     ///< shortest distance of neighbours, m
 };
 
 /// The least strained lattice with at least `sites` sites, rows at about `orientation` (mod 60 degrees).
 LatticeFit fit_lattice(double box, long sites, double orientation);
 
-/// State at step 0. Deterministic in (problem, run): beads and velocities from the stream (seed, run). Nothing overlaps:
-/// beads with beads, rods or plates. Rods lie flat within 1 % of their free height of mid gap and move upwards at a
-/// normal speed of rms start_speed, so that runs differ without beads too; in the plane they rest. Throws RunError if
-/// no such packing was found.
+/// State at step 0. Deterministic in (problem, run): beads and velocities from the stream (seed, run).
+/// Nothing overlaps: beads with beads, rods or plates. Rods lie flat within 1 % of their free height of mid
+/// gap and move upwards at a normal speed of rms start_speed, so that runs differ without beads too; in the
+/// plane they rest. Throws RunError if no such packing was found.
 State make_start(const GranularProblem& problem, std::uint32_t run);
 
-/// State at step 0 with the bed of `stored`: its beads' places in the plane, wrapped into the box, and velocities;
-/// problem.start and orientation mean nothing. Beads beyond problem.beads are taken out: those that the rods cover,
-/// the deepest first, then others at random (seed, run). Beads start near mid gap, because heights at one phase of the
-/// plates mean nothing at another; stored rods are left out, this problem's are as in make_start. Throws InputError if
-/// `stored` has too few beads, RunError if the beads do not fit.
+/// State at step 0 with the bed of `stored`: its beads' places in the plane, wrapped into the box, and
+/// velocities; problem.start and orientation mean nothing. Beads beyond problem.beads are taken out: those
+/// that the rods cover, the deepest first, then others at random (seed, run). Beads start near mid gap,
+/// because heights at one phase of the plates mean nothing at another; stored rods are left out, this
+/// problem's are as in make_start. Throws InputError if `stored` has too few beads, RunError if the beads do
+/// not fit.
 State restart_from(const GranularProblem& problem, const State& stored, std::uint32_t run);
 
 } // namespace rodwake::granular

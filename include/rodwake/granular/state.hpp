@@ -21,9 +21,10 @@ struct Beads {
 };
 
 struct RodBody {
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();         ///< centre of mass, unwrapped, m
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();         ///< m/s
-    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity(); ///< body to world; the axis is the body's x
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(); ///< centre of mass, unwrapped, m
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero(); ///< m/s
+    Eigen::Quaterniond orientation =
+        Eigen::Quaterniond::Identity();                         ///< body to world; the axis is the body's x
     Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero(); ///< world, kg m^2/s
 
     /// Unit vector from the thick to the thin end.
