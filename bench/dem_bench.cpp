@@ -107,7 +107,7 @@ struct Near {
     explicit Near(double skin) {
         near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box,
                    skin * bodies.bead_radius, list);
-        found.resize(list.size() + 4);
+        found.resize(list.size() + 8);
     }
 };
 

@@ -121,7 +121,8 @@ def bed(lab):
 
 def pairs(lab):
     rows = []
-    cases = [("motile", 0.70, 0), ("motile", 0.74, 0), ("motile", 0.78, 0), ("motile", 0.78, 90), ("apolar", 0.70, 0), ("apolar", 0.78, 0)]
+    cases = [("motile", 0.70, 0), ("motile", 0.78, 0), ("motile", 0.70, 90), ("motile", 0.78, 90),
+             ("apolar", 0.70, 0), ("apolar", 0.78, 0)]
     for kind, phi, angle in cases:
         moving = kind == "motile"
         stop = 'stop_at_travel = "39.01 a"\n' if moving and not lab.quick else ""

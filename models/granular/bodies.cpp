@@ -74,14 +74,16 @@ State to_state(const Bodies& bodies, std::int64_t step) {
 Temperatures bead_temperatures(const Bodies& bodies) {
     if (bodies.beads == 0)
         return {};
+    // whole rows, four numbers at a time: this is done every few steps
+    const Eigen::Map<const Eigen::Array4Xd> v(bodies.velocity.data(), 4, static_cast<Eigen::Index>(bodies.beads));
     const double count = static_cast<double>(bodies.beads);
-    Vector3 mean = Vector3::Zero(), variance = Vector3::Zero();
-    for (std::size_t i = 0; i < bodies.beads; ++i)
-        mean += row(bodies.velocity, i) / count;
-    for (std::size_t i = 0; i < bodies.beads;
-         ++i) // two passes: a difference of squares can come out negative
-        variance += (row(bodies.velocity, i) - mean).cwiseAbs2() / count;
-    return {(variance.x() + variance.y()) / 2.0, variance.z()};
+    Eigen::Array4d sum = Eigen::Array4d::Zero(), squares = sum;
+    for (Eigen::Index i = 0; i < v.cols(); ++i)
+        sum += v.col(i);
+    const Eigen::Array4d mean = sum / count;
+    for (Eigen::Index i = 0; i < v.cols(); ++i) // two passes: a difference of squares can come out negative
+        squares += (v.col(i) - mean).square();
+    return {(squares[0] + squares[1]) / (2.0 * count), squares[2] / count};
 }
 
 Energy total_energy(const Bodies& bodies, double gravity) {

@@ -42,7 +42,7 @@ struct PairList {
 };
 
 /// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room
-/// for end - begin + 4; `box`: side of the periodic square.
+/// for end - begin + 8; `box`: side of the periodic square.
 std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end,
                         double box, std::uint32_t* found);
 

@@ -74,7 +74,7 @@ template<class Test>
 void PairFinder::collect(std::size_t pairs, Team& team, const Test& test) {
     const std::size_t chunks = chunks_of(pairs);
     while (found_.size() < chunks)
-        found_.push_back({std::vector<std::uint32_t>(chunk + 4), 0});
+        found_.push_back({std::vector<std::uint32_t>(chunk + 8), 0});
     team.run(chunks, [&](std::size_t c) {
         found_[c].count = test(c * chunk, std::min(pairs, (c + 1) * chunk), found_[c].index.data());
     });

@@ -100,7 +100,6 @@ public:
         if (row && single_ && now >= next_line_)
             print(*row);
     }
-    void begin_at(std::size_t run, double simulated) { done_[run] = simulated; }
 
 private:
     void print(const granular::TableRow& r) {

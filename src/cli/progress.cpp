@@ -27,6 +27,9 @@ Progress::~Progress() {
 void Progress::update(double value) {
     if (quiet_)
         return;
+    if (!begun_) // what an earlier command did took this one no time
+        begin_ = value;
+    begun_ = true;
     const auto now = Clock::now();
     if (now < next_)
         return;
@@ -35,7 +38,7 @@ void Progress::update(double value) {
 }
 
 void Progress::print(double value, double seconds) {
-    const double rate = value / seconds, left = rate > 0.0 ? (end_ - value) / rate : 0.0;
+    const double rate = (value - begin_) / seconds, left = rate > 0.0 ? (end_ - value) / rate : 0.0;
     const std::string line = fmt::format("{}: {:.4g} of {:.4g} {} ({:.0f} %), {:.3g} {}/s, {:.0f} s left",
                                          what_, value, end_, unit_, 100.0 * value / end_, rate, unit_, left);
     if (terminal_) {

@@ -27,7 +27,8 @@ private:
 
     Logger logger_;
     std::string what_, unit_;
-    double end_;
+    double end_, begin_ = 0.0; ///< value at the end, and at the first update
+    bool begun_ = false;
     bool quiet_, terminal_, drawn_ = false;
     Clock::time_point start_, next_;
 };

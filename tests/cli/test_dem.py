@@ -1,26 +1,18 @@
-"""rodwake dem: what a granular run leaves, that it can be stopped anywhere, and what it refuses."""
+"""rodwake dem: what a granular run leaves, what is the same of two runs, and what it refuses."""
 
-import contextlib
 import json
 import math
-import os
 import re
-import resource
 import shutil
-import signal
-import subprocess
-import time
 
 import h5py
 import numpy
 import rodwake
-from beds import BED, FINAL, BedTest, InterruptionTest, columns, flip_byte, setting
-from rodwake import SCENES, snapshot, wait_until
+from beds import BED, FINAL, BedTest, columns, flip_byte, setting
+from rodwake import SCENES, snapshot
 
-SECONDS = 5.0  # what is promised: a run stops within this time
-A = 0.4e-3     # radius of a bead, m
+A = 0.4e-3  # radius of a bead, m
 SHORT = setting(duration=0.02, output__frames=0.005)
-ENDLESS = setting(duration=5000.0, output__frames=1.0, output__table=1.0)
 BEADS_ONLY = setting(rods=[])
 
 
@@ -149,14 +141,14 @@ class SameTest(BedTest):
 
     def test_ensembles_on_any_number_of_threads(self):
         one = self.ensemble("one", *setting(runs=3), "-j", 1)
-        self.assertEqual(one[0]["run"], [0, 1, 2])
+        self.assertEqual(one[0]["run"], [1, 2, 3])
         self.assertEqual(len(set(one[0]["T_xy"])), 3)
         for threads in (2, 3):
             self.assertEqual(self.ensemble(f"on{threads}", *setting(runs=3), "-j", threads), one)
         # The number of a run is part of what is random: the first of an ensemble is the run alone.
         self.dem("alone", *SHORT)
         self.assert_same("alone", "one/runs/0001")
-        self.assertEqual(self.summary("one/runs/0002")["run"], 1)
+        self.assertEqual(self.summary("one/runs/0002")["run"], 2)
         self.assertNotEqual(self.hash("one/runs/0002"), self.hash("alone"))
         self.assertNotEqual(self.ensemble("less", *setting(runs=2))[1], one[1])
 
@@ -176,161 +168,6 @@ class SameTest(BedTest):
         self.assertEqual(self.summary("one")["beads"], round(0.785 * 200**2 / math.pi))
         self.dem("two", *big, "-j", 2)
         self.assert_same("one", "two")
-
-
-class RestartTest(InterruptionTest):
-    def test_kills(self):
-        stopped = went_on = 0
-        for k in range(8):
-            stopped += self.finish_after(f"run{k}", 1, (signal.SIGKILL, signal.SIGTERM)[k % 2:][:1], self.seconds)
-            went_on += any(step > 0 for step in self.steps_gone_on_from(f"run{k}"))
-        self.assertGreaterEqual(stopped, 4)
-        self.assertGreaterEqual(went_on, 2)
-
-    def test_a_chain(self):
-        self.assertGreaterEqual(self.finish_after("run", 5, (signal.SIGKILL, signal.SIGTERM), 0.5 * self.seconds), 2)
-
-
-class SignalTest(BedTest):
-    def begin(self, *arguments):
-        return self.started("dem", "bed.toml", "-o", "out", *ENDLESS, *arguments)
-
-    def test_stop(self):
-        for number, code in ((signal.SIGTERM, 143), (signal.SIGINT, 130)):
-            with self.begin("--force", "--quiet") as process:
-                self.wait_for(process, "out/rows.log")
-                time.sleep(0.1)
-                self.assertEqual(self.stop(process, number, SECONDS), (code, "", ""))
-            self.assertTrue(self.out("out", "checkpoint.rwc").exists())
-            self.assertEqual(self.status("out"), "interrupted")
-            self.assert_no_temporaries()
-
-    def test_checkpoint_on_demand(self):
-        with self.started("dem", "bed.toml", "-o", "out", *setting(duration=6.0)) as process:
-            self.wait_for(process, "out/rows.log")
-            self.assertFalse(self.out("out", "checkpoint.rwc").exists())
-            process.send_signal(signal.SIGUSR1)
-            self.assertTrue(wait_until(lambda: self.out("out", "checkpoint.rwc").exists(), SECONDS))
-            process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 0)
-        self.assertEqual(self.names("out"), FINAL)
-
-    def test_ensemble(self):
-        parts = [f"runs/{k:04}" for k in (1, 2)]
-        with self.begin("--quiet", "-j", 2, *setting(runs=3)) as process:
-            self.wait_for(process, *(f"out/{part}/rows.log" for part in parts))
-            process.send_signal(signal.SIGUSR1)  # every run that is under way
-            self.assertTrue(wait_until(lambda: all(self.out("out", f"{part}/checkpoint.rwc").exists() for part in parts), SECONDS))
-            self.assertIsNone(process.poll())
-            self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS), (143, "", ""))
-        self.assertFalse(self.out("out", "runs/0003").exists())
-
-    def test_an_ensemble_goes_on(self):
-        ensemble = setting(runs=2, duration=1.0, output__checkpoint=0.02)
-        self.dem("whole", *ensemble, "--quiet")
-        with self.started("dem", "bed.toml", "-o", "out", *ensemble, "-j", 2, "--quiet") as process:
-            self.wait_for(process, "out/runs/0001/checkpoint.rwc")
-            self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS)[0], 143)
-        self.dem("out", *ensemble, "--quiet")
-        self.assertEqual(self.hash("out"), self.hash("whole"))
-        for run in ("runs/0001", "runs/0002"):
-            self.assert_same(f"out/{run}", f"whole/{run}")
-
-
-class CheckpointTest(BedTest):
-    """A run that was stopped after two checkpoints, and what became of them."""
-
-    SETTINGS = (*setting(duration=2.0, output__checkpoint=0.01), "--quiet")
-
-    def setUp(self):
-        super().setUp()
-        self.dem("whole", *self.SETTINGS)
-        with self.started("dem", "bed.toml", "-o", "out", *self.SETTINGS) as process:
-            self.wait_for(process, "out/checkpoint.rwc.previous")
-            self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS)[0], 143)
-        self.newest, self.previous = self.out("out", "checkpoint.rwc"), self.out("out", "checkpoint.rwc.previous")
-
-    def go_on(self):
-        done = self.dem("out", *(part for part in self.SETTINGS if part != "--quiet"))
-        self.assertGreater(self.steps_gone_on_from("out")[-1], 0)
-        self.assert_same("out", "whole")
-        return done.stderr
-
-    def test_damaged(self):
-        flip_byte(self.newest)
-        self.assertRegex(self.go_on(), r"checkpoint\.rwc: .*going on from .*checkpoint\.rwc\.previous")
-
-    def test_missing(self):
-        self.newest.unlink()
-        self.assertRegex(self.go_on(), r"checkpoint\.rwc: is missing; going on from .*checkpoint\.rwc\.previous")
-
-    def test_both_damaged(self):
-        for file in (self.newest, self.previous):
-            flip_byte(file)
-        before = snapshot(self.folder / "out")
-        done = self.dem("out", *self.SETTINGS, code=2)
-        self.assertRegex(done.stderr, r"checkpoint\.rwc.*checkpoint\.rwc\.previous.*remove what is there to start again")
-        after = snapshot(self.folder / "out")
-        self.assertLessEqual({"checkpoint.rwc", "checkpoint.rwc.previous", "rows.log", "frames.log", "last_period.log"}, before.keys())
-        for name in before:
-            if name.endswith((".rwc", ".previous", ".log")) and name != "log.txt":
-                self.assertEqual(after.get(name), before[name], name)
-
-    def test_of_another_scene(self):
-        for other in (setting(phi_b=0.6), ("--seed", "7"), setting(output__frames=0.02), setting(duration=3.0)):
-            done = self.dem("out", *self.SETTINGS, *other, code=2)
-            self.assertRegex(done.stderr, "belongs to another scene, seed or run; choose another folder with -o, or --force")
-        self.go_on()
-
-    def test_force_starts_anew(self):
-        self.dem("out", *self.SETTINGS, "--force")
-        self.assertEqual(self.steps_gone_on_from("out"), [])
-        self.assert_same("out", "whole")
-
-
-class FullDiskTest(BedTest):
-    """Frames come fast and checkpoints often; there is room for some of them."""
-
-    SETTINGS = (*setting(duration=2.0, output__frames=0.002, output__checkpoint=0.01), "--quiet")
-
-    def go_on(self, run):
-        """With room again."""
-        self.dem("whole", *self.SETTINGS)
-        self.assertTrue((self.folder / run / "checkpoint.rwc").exists())
-        self.dem(run, *self.SETTINGS)
-        self.assertGreater(self.steps_gone_on_from(run)[-1], 0)
-        self.assert_same(run, "whole")
-
-    @staticmethod
-    def small_files():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1500000, resource.RLIM_INFINITY))
-
-    def test_files_cannot_grow(self):
-        done = self.dem("out", *self.SETTINGS, code=1, preexec_fn=self.small_files)
-        self.assertRegex(done.stderr, r"rodwake: .*frames\.log: .*" + os.strerror(27))
-        self.assert_no_temporaries()
-        self.go_on("out")
-
-    @contextlib.contextmanager
-    def small_disk(self):
-        folder = self.folder / "small"
-        folder.mkdir()
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "none", folder], capture_output=True).returncode != 0:
-            self.skipTest("needs the right to mount")
-        try:
-            yield folder
-        finally:
-            subprocess.run(["umount", folder], check=True)
-
-    def test_full(self):
-        with self.small_disk() as folder:
-            done = self.dem("small/out", *self.SETTINGS, code=1)
-            self.assertRegex(done.stderr, "rodwake: .*" + os.strerror(28))
-            self.assert_no_temporaries()
-            self.assertNotEqual(self.status("small/out"), "finished")
-            subprocess.run(["mount", "-o", "remount,size=64m", folder], check=True)
-            self.go_on("small/out")
 
 
 class GuardTest(BedTest):
@@ -374,6 +211,13 @@ class ExtremesTest(BedTest):
         self.assertEqual(self.summary("out")["beads"], 1)
         self.assertEqual(self.summary("out")["T_xy"], 0.0)  # in the frame of the centre of mass
         self.assert_finite("out")
+
+    def test_any_number_of_beads(self):
+        """Also one more than the thousands that are moved together."""
+        for beads in (2, 3, 2048, 2049, 2050):
+            self.write("bed.toml", f"schema = 1\n[granular]\nbeads = {beads}\nbox = \"92 a\"\nequilibrate = 0\nduration = 2e-4\n")
+            self.dem("out", "--force", "--quiet")
+            self.assertEqual(self.summary("out")["beads"], beads)
 
     def test_no_beads(self):
         self.write("bed.toml", BED.replace("phi_b = 0.7", "beads = 0"))

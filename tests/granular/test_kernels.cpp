@@ -130,7 +130,7 @@ TEST_CASE("pairs are selected alike on every instruction set") {
                 list.reach.push_back(random.uniform(5e-4, 3e-3));
             }
         const auto find = [&](bool near, std::size_t begin) {
-            std::vector<std::uint32_t> found(list.size() + 4);
+            std::vector<std::uint32_t> found(list.size() + 8);
             const std::size_t n =
                 near ? within_reach(position.data(), list, begin, list.size(), box, 4e-4, 2e-4, found.data())
                      : overlapping(position.data(), list, begin, list.size(), box, found.data());
