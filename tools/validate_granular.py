@@ -75,7 +75,7 @@ def impacts(lab):
 
 def lone(lab):
     rows = []
-    for kind, runs, asked in (("motile", 16, "2 to 4"), ("apolar", 16, "0 within 2 errors")):
+    for kind, runs, asked in (("motile", 16, "2 to 4"), ("apolar", 64, "0 within 2 errors")):
         for dt in ("5e-6", "1e-5", "2e-5"):
             keys = f'beads = 0\n{BOX}time_step = "{dt} s"\nequilibrate = "0.1 s"\nduration = {lab.seconds(5)}\n'
             s, _ = lab.run(keys, rod(39, 39, kind), runs)
