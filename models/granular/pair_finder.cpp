@@ -13,7 +13,7 @@ constexpr std::size_t chunk = 4096; // pairs a task; does not change results
 constexpr double inner_window = 25.0,
                  hot_window = 5.0; // steps; measured, half or twice as much costs a few per cent
 constexpr double first_skin = 0.5; // of a radius, as are the limits
-constexpr double least_skin = 0.2, most_skin = 1.0;
+constexpr double least_skin = 0.2, most_skin = 1.5;
 constexpr std::int64_t short_life = 400, long_life = 4000; // steps of an outer list
 
 std::size_t chunks_of(std::size_t count) { return (count + chunk - 1) / chunk; }
@@ -85,11 +85,15 @@ void PairFinder::draw(const Bodies& bodies, const PairList& from, Watch& watch, 
         return within_reach(bodies.position.data(), from, begin, end, box_, watch.flat_allowance,
                             watch.upright_allowance, found);
     });
-    watch.list.clear();
+    std::size_t total = 0, count = 0;
     for (std::size_t c = 0; c < chunks_of(from.size()); ++c)
-        for (std::size_t k = 0; k < found_[c].count; ++k) {
-            watch.list.pairs.push_back(from.pairs[found_[c].index[k]]);
-            watch.list.reach.push_back(from.reach[found_[c].index[k]]);
+        total += found_[c].count;
+    watch.list.pairs.resize(total);
+    watch.list.reach.resize(total);
+    for (std::size_t c = 0; c < chunks_of(from.size()); ++c)
+        for (std::size_t k = 0; k < found_[c].count; ++k, ++count) {
+            watch.list.pairs[count] = from.pairs[found_[c].index[k]];
+            watch.list.reach[count] = from.reach[found_[c].index[k]];
         }
     watch.flat = watch.upright = 0.0;
     watch.steps = 0;
