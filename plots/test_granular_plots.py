@@ -196,6 +196,8 @@ class GranularPlotsTest(PlotCase):
         write_result(self.folder)
         (self.folder / "outcome.json").write_text("{}")
         self.assert_fails("summary.json", "holds no beads")
+        (self.folder / "provenance.json").write_text('{"status": "interrupted"}')
+        self.assert_fails("summary.json", "is interrupted", "goes on")
 
     def test_theory_figures_need_a_result(self):
         self.build(figures=LINE)

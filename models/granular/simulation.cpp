@@ -162,7 +162,7 @@ struct Simulation::Impl {
         failure = Failure{
             step,
             fmt::format("step {} (t = {:.6g} s): {}. The likely cause is a time_step that is too large; "
-                        "{:g} s was used, try {:g} s",
+                        "{:g} s was used, try {:g} s in a new folder",
                         step, time(), what, problem.time_step, problem.time_step / 5.0)};
     }
 

@@ -53,7 +53,10 @@ class RunDir:
     @property
     def granular(self):
         if self._granular is None:
-            raise PlotError(f"{self.path / SUMMARY}: no such file: this run holds no beads")
+            status = (self.provenance or {}).get("status", "unknown")
+            stopped = status in ("unfinished", "interrupted", "failed")
+            why = f"this run is {status}; the same rodwake command goes on with it" if stopped else "this run holds no beads"
+            raise PlotError(f"{self.path / SUMMARY}: no such file: {why}")
         return self._granular
 
     @property

@@ -45,9 +45,9 @@ store::FrameLayout layout_of(const granular::GranularProblem& p, const std::vect
     return layout;
 }
 
-/// Positions and velocities of all spheres and the rods' bodies, in the order of store::Frame.
 void put(std::vector<double>& out, const Eigen::Vector3d& v) { out.insert(out.end(), {v.x(), v.y(), v.z()}); }
 
+/// Positions or velocities of all spheres, beads first.
 void put_spheres(std::vector<double>& out, const State& state, const std::vector<granular::Clump>& clumps,
                  bool velocity) {
     const granular::Beads& b = state.beads;

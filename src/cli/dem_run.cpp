@@ -250,7 +250,7 @@ private:
                            {"time_step", p.time_step},
                            {"phi_b", granular::bead_area_fraction(p)},
                            {"order_cutoff", plan_.order_cutoff},
-                           {"run", static_cast<double>(task_.run)}};
+                           {"run", static_cast<double>(task_.run + 1)}};
         return info;
     }
 

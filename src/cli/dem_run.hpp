@@ -14,7 +14,6 @@ namespace rodwake::cli {
 
 /// What all runs of a scene share.
 struct DemPlan {
-    const scene::Scene* scene = nullptr;
     granular::GranularProblem problem;
     double order_cutoff = 0.0;
     std::string scene_key; ///< DemCheckpoint::scene
@@ -57,7 +56,7 @@ struct DemResult {
     DemSummary summary;
 };
 
-/// `on_progress`: called now and then with the seconds simulated by this run so far.
+/// `on_progress`: called every few steps; with the row where one was just added to the table.
 DemResult
 run_dem(const DemPlan& plan, const DemTask& task, const Logger& log, std::size_t threads,
         const std::function<void(const granular::Simulation&, const granular::TableRow*)>& on_progress);

@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <mutex>
+#include <sstream>
 
 namespace rodwake::cli {
 
@@ -22,7 +23,7 @@ std::string scene_key(const scene::Scene& scene) {
     scene::Scene key;
     key.granular = scene.granular;
     key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
-    key.granular->runs = 1; // an ensemble may grow
+    key.granular->runs = 1; // an unfinished ensemble may grow
     return scene::to_toml(key);
 }
 
@@ -51,7 +52,6 @@ bool within(const std::filesystem::path& file, const std::filesystem::path& fold
 DemPlan plan_of(const Session& session) {
     const scene::Granular& bed = *session.scene.granular;
     DemPlan plan;
-    plan.scene = &session.scene;
     plan.problem = granular_problem(session.scene, session.options.seed);
     const double phi_b = granular::bead_area_fraction(plan.problem);
     plan.order_cutoff = order_cutoff(bed, phi_b).value_or(0.0);
@@ -70,12 +70,11 @@ DemPlan plan_of(const Session& session) {
 }
 
 /// The runs of a scene; who executes them is another matter.
-std::vector<DemTask> tasks_of(const Session& session) {
-    const long runs = session.scene.granular->runs;
+std::vector<DemTask> tasks_of(const scene::Scene& scene, const std::filesystem::path& folder) {
+    const long runs = scene.granular->runs;
     std::vector<DemTask> tasks;
     for (std::uint32_t run = 0; run < static_cast<std::uint32_t>(runs); ++run)
-        tasks.push_back({run, runs == 1 ? session.directory.path()
-                                        : session.directory.file(fmt::format("runs/{:04}", run + 1))});
+        tasks.push_back({run, runs == 1 ? folder : folder / fmt::format("runs/{:04}", run + 1)});
     return tasks;
 }
 
@@ -119,16 +118,30 @@ private:
     std::mutex mutex_;
 };
 
-/// The summary of a run of an ensemble that an earlier command finished.
+/// The summary of a run of an ensemble that an earlier command finished; require_dem saw that it is of this
+/// scene.
 std::optional<DemSummary> finished_before(const DemPlan& plan, const DemTask& task) {
     auto known = read_summary(task.folder / "summary.json", plan, task.run);
-    const auto last = known ? load_checkpoint(task.folder / "final.rwc") : std::nullopt;
-    if (!last)
-        return std::nullopt;
-    if (last->checkpoint.scene != plan.scene_key || last->checkpoint.seed != plan.problem.seed)
-        throw InputError(task.folder.string() + ": holds a run of another scene or seed; choose another "
-                                                "folder with -o, or --force to start anew");
-    return known;
+    return known && load_checkpoint(task.folder / "final.rwc") ? std::move(known) : std::nullopt;
+}
+
+/// The first line in which two scene texts differ, as "duration = 30.0 there, duration = 20.0 here".
+std::string first_difference(const std::string& there, const std::string& here) {
+    std::istringstream a(there), b(here);
+    std::string line_a, line_b;
+    while (std::getline(a, line_a) && std::getline(b, line_b))
+        if (line_a != line_b)
+            return fmt::format("{} there, {} here", line_a, line_b);
+    return "one has more keys than the other";
+}
+
+/// Refuses to take up what an earlier command left of another scene, before anything of it is touched.
+void require_same_scene(const std::filesystem::path& file, const std::string& key) {
+    const auto loaded = load_checkpoint(file);
+    if (loaded && loaded->checkpoint.scene != key)
+        throw InputError(fmt::format(
+            "{}: belongs to another scene ({}); choose another folder with -o, or --force to start anew",
+            file.string(), first_difference(loaded->checkpoint.scene, key)));
 }
 
 /// Executes one task unless an earlier command finished it.
@@ -183,6 +196,10 @@ StageEnd conclude(const Session& session, const DemPlan& plan, const std::vector
 
 void require_dem(const scene::Scene& scene, const Options& options) {
     granular_problem(scene, options.seed);
+    if (!options.force)
+        for (const DemTask& task : tasks_of(scene, output_folder(options)))
+            for (const char* name : {"checkpoint.rwc", "final.rwc"})
+                require_same_scene(task.folder / name, scene_key(scene));
     const scene::Granular& bed = *scene.granular;
     if (bed.start != scene::GranularStart::restart)
         return;
@@ -194,9 +211,9 @@ void require_dem(const scene::Scene& scene, const Options& options) {
 
 StageEnd run_dem_stage(Session& session) {
     const DemPlan plan = plan_of(session);
-    const std::vector<DemTask> tasks = tasks_of(session);
+    const std::vector<DemTask> tasks = tasks_of(session.scene, session.directory.path());
     session.log->info(
-        "dem: {} beads and {} rods, phi_b = {:.4f}, {} runs of {} + {} steps of {:g} s; {} instructions",
+        "dem: beads {}, rods {}, phi_b = {:.4f}, runs {}, steps {} + {} of {:g} s; {} instructions",
         plan.problem.beads, plan.problem.rods.size(), granular::bead_area_fraction(plan.problem),
         tasks.size(), plan.problem.equilibration_steps, plan.problem.steps, plan.problem.time_step,
         granular::vector_target());

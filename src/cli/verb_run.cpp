@@ -6,7 +6,10 @@
 #include "stages.hpp"
 #include "verbs.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <limits>
 
 namespace rodwake::cli {
 
@@ -71,10 +74,21 @@ int finish(const Session& session, StageEnd end) {
     return 0;
 }
 
+/// --seed becomes part of the scene, so that the scene.toml of the run makes the same run again.
+void take_seed(scene::Scene& scene, const Options& options) {
+    if (!options.seed || !scene.granular)
+        return;
+    constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<long>::max());
+    if (*options.seed > largest)
+        throw InputError(fmt::format("--seed {}: must be from 0 to {}", *options.seed, largest));
+    scene.granular->seed = static_cast<long>(*options.seed);
+}
+
 } // namespace
 
 int verb_stages(const Options& options) {
     scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    take_seed(scene, options);
     const std::vector<Stage> stages = stages_of(options, scene);
     if (options.dry_run)
         return verb_check(options);

@@ -127,7 +127,8 @@ class CheckpointTest(BedTest):
     def test_of_another_scene(self):
         for other in (setting(phi_b=0.6), ("--seed", "7"), setting(output__frames=0.02), setting(duration=3.0)):
             done = self.dem("out", *self.SETTINGS, *other, code=2)
-            self.assertRegex(done.stderr, "belongs to another scene, seed or run; choose another folder with -o, or --force")
+            self.assertRegex(done.stderr, r"another scene \((.+) = .+ there, \1 = .+ here\); choose another folder with -o, or --force")
+        self.assertIn("phi_b = 0.7", self.out("out", "scene.toml").read_text())  # the record of the good run stays
         self.go_on()
 
     def test_force_starts_anew(self):

@@ -24,7 +24,7 @@ struct TableRow {
 struct TrackPoint {
     double x, y, z, heading, pitch;
     double speed;  ///< along its heading, mean since the row before, m/s
-    double pushed; ///< momentum given to the beads along its heading since the start of the run, N s
+    double pushed; ///< momentum given to the beads along its heading since t = 0, N s
 
     static std::array<const char*, 7> names();
 };

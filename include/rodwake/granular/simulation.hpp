@@ -35,7 +35,7 @@ struct Failure {
     std::string message; ///< which particles, how deep, the likely cause
 };
 
-/// How the work was done, for the log.
+/// How the work was done, for benchmarks and tests.
 struct SimulationCost {
     std::size_t list_rebuilds = 0, list_refreshes = 0, outer_pairs = 0, inner_pairs = 0;
     double skin = 0.0; ///< m
