@@ -75,7 +75,8 @@ Temperatures bead_temperatures(const Bodies& bodies) {
     if (bodies.beads == 0)
         return {};
     // whole rows, four numbers at a time: this is done every few steps
-    const Eigen::Map<const Eigen::Array4Xd> v(bodies.velocity.data(), 4, static_cast<Eigen::Index>(bodies.beads));
+    const Eigen::Map<const Eigen::Array4Xd> v(bodies.velocity.data(), 4,
+                                              static_cast<Eigen::Index>(bodies.beads));
     const double count = static_cast<double>(bodies.beads);
     Eigen::Array4d sum = Eigen::Array4d::Zero(), squares = sum;
     for (Eigen::Index i = 0; i < v.cols(); ++i)

@@ -122,8 +122,8 @@ HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HW
 }
 #endif
 
-/// Calls the test on twice four pairs at a time and then on the rest, and keeps the indices that pass. Written
-/// without branches on the answer, which nobody can predict.
+/// Calls the test on twice four pairs at a time and then on the rest, and keeps the indices that pass.
+/// Written without branches on the answer, which nobody can predict.
 template<class Four, class One>
 HWY_INLINE std::size_t Select(std::size_t begin, std::size_t end, std::uint32_t* HWY_RESTRICT out,
                               const Four& four, const One& one) {
