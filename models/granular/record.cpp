@@ -1,5 +1,6 @@
 #include "rodwake/granular/record.hpp"
 
+#include "periodic.hpp"
 #include "rodwake/granular/observe.hpp"
 
 #include <algorithm>
@@ -59,9 +60,11 @@ void Record::follow_pair(const Simulation& simulation) {
     if (forward.norm() < 1e-6) // opposite headings have no common side
         return;
     const Eigen::Vector2d ahead = forward.normalized(), side(-ahead.y(), ahead.x());
-    const double before = side.dot(Eigen::Vector2d(a.x0 - b.x0, a.y0 - b.y0));
-    const double now = side.dot(Eigen::Vector2d(a.x - b.x, a.y - b.y));
-    sums_.pair.change = std::copysign(1.0, before) * (now - before);
+    const double box = simulation.problem().box; // rods may stand beside each other across its edge
+    const double before =
+        side.dot(Eigen::Vector2d(nearest_image(a.x0 - b.x0, box), nearest_image(a.y0 - b.y0, box)));
+    const double moved = side.dot(Eigen::Vector2d(a.x - b.x - a.x0 + b.x0, a.y - b.y - a.y0 + b.y0));
+    sums_.pair.change = std::copysign(1.0, before) * moved;
     const double advanced =
         ahead.dot(Eigen::Vector2d(a.x + b.x - a.x0 - b.x0, a.y + b.y - a.y0 - b.y0)) / 2.0;
     if (sums_.pair.half_box_time < 0.0 && advanced >= simulation.problem().box / 2.0) {

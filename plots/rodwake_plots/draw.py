@@ -2,14 +2,16 @@
 
 import matplotlib
 
-from . import (cut, extensional_axis, granular_table, movie, polar_streamlines, rod_tracks, side_view, snapshot, spec,
-               trajectories)
+from . import (bond_order, cut, displacement_map, dragged, extensional_axis, flow, granular_table, movie, msd, pair_correlation,
+               pair_tracks, polar_streamlines, profile, rod_tracks, series, side_view, snapshot, spec, trajectories)
 from .canvas import save
 from .errors import PlotError
 from .style import SETTINGS
 
 KINDS = {"extensional_axis": extensional_axis, "polar_streamlines": polar_streamlines, "cut": cut, "trajectories": trajectories,
-         "snapshot": snapshot, "rod_tracks": rod_tracks, "side_view": side_view, "movie": movie, "granular_table": granular_table}
+         "snapshot": snapshot, "rod_tracks": rod_tracks, "side_view": side_view, "movie": movie, "granular_table": granular_table,
+         "pair_correlation": pair_correlation, "bond_order": bond_order, "msd": msd, "series": series, "flow": flow,
+         "dragged": dragged, "profile": profile, "displacement_map": displacement_map, "pair_tracks": pair_tracks}
 
 
 def figures_of(run):

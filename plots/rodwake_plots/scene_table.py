@@ -47,7 +47,7 @@ MEANINGS = {
     },
 }
 NAMES = {"medium": "Medium", "coupling": "Coupling", "rods_run": "Integration", "noise": "Noise", "scales": "Scales", "field": "Field of one rod",
-         "rods": "Rods at the start", "cuts": "Cuts of the field", "variants": "Variants"}
+         "rods": "Rods at the start", "cuts": "Cuts of the field", "variants": "Variants", "measure": "Measures"}
 COLUMNS = {"position": LENGTH, "heading": "rad", "at": LENGTH, "from": LENGTH, "to": LENGTH}  # units in listings
 SKIPPED = {"figures"}  # the figures speak for themselves
 

@@ -1,6 +1,6 @@
 """The parts of the report that are words and tables."""
 
-from . import granular_sections, scene_table, words
+from . import granular_sections, measure_sections, scene_table, words
 from .trajectories import outcome_words, parameters as run_parameters
 
 
@@ -10,7 +10,7 @@ def table(heads, rows):
         return ""
     head = "".join(f"<th>{name}</th>" for name in heads)
     body = "\n".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows)
-    kind = ' class="keys"' if len(heads) == 4 else ""
+    kind = ' class="keys"' if heads[1:2] == ("Symbol",) else ""
     return f'<div class="scroll"><table{kind}>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
 
 
@@ -73,6 +73,11 @@ def granular(run):
              ("Run", ("Item", "Value"), ((words.escape(name), value) for name, value in flat(granular_sections.other(run)))))
     tables = ((name, table(heads, list(rows))) for name, heads, rows in parts)
     return "\n".join(f"<h3>{name}</h3>\n{made}" for name, made in tables if made)
+
+
+def measures(run):
+    """measure.json in words, of the scene and of its variants side by side."""
+    return table(*measure_sections.heads_and_rows(run)) if run.has_granular else ""
 
 
 def parameters(run):

@@ -1,10 +1,12 @@
 """Numbers and a little mathtext as text for a page."""
 
 import html
+import math
 import re
 
 GREEK = {"alpha": "α", "gamma": "γ", "eta": "η", "kappa": "κ", "mu": "μ", "nu": "ν", "xi": "ξ", "theta": "θ", "pm": "±",
-         "times": "×", "infty": "∞", "varepsilon": "ε", "epsilon": "ε", "zeta": "ζ", "lambda": "λ"}
+         "times": "×", "infty": "∞", "varepsilon": "ε", "epsilon": "ε", "zeta": "ζ", "lambda": "λ", "phi": "φ", "psi": "ψ",
+         "Gamma": "Γ", "Delta": "Δ"}
 
 SYMBOLS = {"eta": "<i>η</i>", "alpha": "<i>α</i>", "xi": "<i>ξ</i>", "nu": "<i>ν</i>", "kappa": "<i>κ</i>",
            "gamma1": "<i>γ</i><sub>1</sub>", "gamma2": "<i>γ</i><sub>2</sub>"}
@@ -54,9 +56,25 @@ def escape(value):
 def label_html(text):
     """A run's label, mathtext included, as HTML."""
     def formula(match):
-        inner = re.sub(r"\\([a-zA-Z]+) ?", lambda m: GREEK.get(m[1], ""), match[1])
+        inner = re.sub(r"\\([a-zA-Z]+) ?", lambda m: GREEK.get(m[1], ""), match[1].replace(r"\,", "\u2009"))
         inner = re.sub(r"_\{?([\w]+)\}?", r"<sub>\1</sub>", html.escape(inner))
         return re.sub(r"[{}\\]", "", inner)
     parts = re.split(r"(\$[^$]*\$)", text)
     return "".join(formula(re.fullmatch(r"\$([^$]*)\$", part)) if re.fullmatch(r"\$[^$]*\$", part) else html.escape(part)
                    for part in parts)
+
+
+def with_error(value, error, factor=1.0):
+    """`value ± error` with two digits of the error; an unknown error (nan or None) is left out."""
+    value *= factor
+    if error is None or not math.isfinite(error) or error < 0:
+        return number(float(value), 4)
+    error *= factor
+    size = max(abs(value), error)
+    power = math.floor(math.log10(size)) if size > 0 else 0
+    scale = 10.0 ** power if not -3 <= power <= 4 else 1.0
+    value, error = value / scale, error / scale
+    digits = max(0, 1 - math.floor(math.log10(error))) if error > 0 else 3
+    digits = min(digits, 8)
+    text = f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−")
+    return text if scale == 1.0 else f"({text}) × 10<sup>{str(power).replace('-', '−')}</sup>"

@@ -1,5 +1,6 @@
 #include "check_bed.hpp"
 
+#include "check_measure.hpp"
 #include "granular_problem.hpp"
 
 #include <fmt/format.h>
@@ -189,6 +190,8 @@ BedReport check_bed(const scene::Scene& scene, std::optional<std::uint64_t> seed
     add_rod_lines(problem, lines);
     add_order_line(bed, problem, lines);
     add_unused_lines(bed, lines);
+    const std::vector<CheckLine> measured = check_measure(scene, problem);
+    lines.insert(lines.end(), measured.begin(), measured.end());
     add_idealisations(lines);
     return {lines, cost_text(bed, problem)};
 }

@@ -3,6 +3,7 @@
 #include "rodwake/store/bytes.hpp"
 #include "rodwake/store/generations.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace rodwake::cli {
@@ -75,6 +76,13 @@ Block record_block(const DemCheckpoint& c) {
     return {"record", out.take()};
 }
 
+Block measure_block(const DemCheckpoint& c) {
+    ByteWriter out;
+    out.put_text(c.measure_keys);
+    out.put_array(c.measures);
+    return {"measures", out.take()};
+}
+
 void read_head(DemCheckpoint& c, ByteReader in) {
     c.scene = in.get_text();
     c.build = in.get_text();
@@ -107,6 +115,12 @@ void read_tallies(granular::Tallies& t, ByteReader in) {
     in.finish();
 }
 
+void read_measures(DemCheckpoint& c, ByteReader in) {
+    c.measure_keys = in.get_text();
+    c.measures = in.get_array<double>();
+    in.finish();
+}
+
 void read_record(DemCheckpoint& c, ByteReader in) {
     c.sums = in.get<granular::RecordSums>();
     c.progress = in.get_array<granular::RodProgress>();
@@ -116,7 +130,8 @@ void read_record(DemCheckpoint& c, ByteReader in) {
 } // namespace
 
 void write_checkpoint(const std::filesystem::path& file, const DemCheckpoint& c) {
-    const std::array blocks = {head_block(c), state_block(c.state), tally_block(c.tallies), record_block(c)};
+    const std::array blocks = {head_block(c), state_block(c.state), tally_block(c.tallies), record_block(c),
+                               measure_block(c)};
     store::write_generation(file, store::encode_blocks(blocks));
 }
 
@@ -133,6 +148,9 @@ std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& fil
     read_state(result.checkpoint.state, block("state"));
     read_tallies(result.checkpoint.tallies, block("tallies"));
     read_record(result.checkpoint, block("record"));
+    // files of earlier versions measure nothing
+    if (std::ranges::any_of(loaded->blocks, [](const Block& b) { return b.name == "measures"; }))
+        read_measures(result.checkpoint, block("measures"));
     return result;
 }
 

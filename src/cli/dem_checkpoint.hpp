@@ -22,6 +22,8 @@ struct DemCheckpoint {
     granular::RecordSums sums{};
     std::vector<granular::RodProgress> progress;
     LogLengths logs;
+    std::string measure_keys{}; ///< MeasurePlan::key_text; empty: nothing is measured on the way
+    std::vector<double> measures{};
 };
 
 /// Puts the checkpoint in place as the newest of two generations. Throws RunError.

@@ -1,6 +1,8 @@
 #include "dem_run.hpp"
 
 #include "dem_summary.hpp"
+#include "measure_frames.hpp"
+#include "measure_records.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/granular/start.hpp"
@@ -64,8 +66,8 @@ public:
           simulation_(plan.problem, first_state(), first_tallies(), threads),
           record_(plan.order_cutoff, plan.problem.rods.size()),
           files_(task.folder, plan.problem, plan.formats, loaded_ ? loaded_->logs : LogLengths{}),
-          period_(plan.problem), cpu_start_(cpu_now(one_thread_)), wall_start_(Clock::now()),
-          saved_(wall_start_) {
+          period_(plan.problem), measures_(first_measures()), cpu_start_(cpu_now(one_thread_)),
+          wall_start_(Clock::now()), saved_(wall_start_) {
         if (loaded_)
             record_.restore(loaded_->sums, loaded_->progress);
         else
@@ -124,6 +126,21 @@ private:
                              : granular::make_start(plan_.problem, task_.run);
     }
 
+    std::optional<measure::Measures> first_measures() const {
+        if (!plan_.measures)
+            return std::nullopt;
+        measure::Measures measures(plan_.measures->layout, plan_.measures->keys);
+        if (loaded_) {
+            if (loaded_->measure_keys != plan_.measures->key_text)
+                throw InputError(
+                    checkpoint_file_.string() +
+                    ": this run was begun with other [measure] keys; put them back to go on with it, "
+                    "or --force to start anew");
+            measures.unpack(loaded_->measures, checkpoint_file_.string());
+        }
+        return measures;
+    }
+
     granular::Tallies first_tallies() const { return loaded_ ? loaded_->tallies : granular::Tallies{}; }
 
     /// From t = 0 on.
@@ -141,6 +158,8 @@ private:
             next = std::min(next, std::int64_t{0});
         else
             next = std::min({next, next_multiple(now, plan_.frame_every), period_.next(now)});
+        if (measures_ && now >= 0)
+            next = std::min(next, next_multiple(now, plan_.measures->every));
         return next - now;
     }
 
@@ -153,6 +172,10 @@ private:
             add_row();
         if (now >= 0 && (now % plan_.frame_every == 0))
             files_.add_frame(simulation_.state(), simulation_.time());
+        if (measures_ && now >= 0 && now % plan_.measures->every == 0) {
+            fill_frame(frame_, simulation_.state(), simulation_.time(), plan_.problem.box);
+            measures_->add(frame_);
+        }
         if (now >= 0 && period_.due(now))
             files_.add_period_frame(simulation_.state(), simulation_.time());
     }
@@ -177,6 +200,10 @@ private:
         DemCheckpoint c{plan_.scene_key, build_name(),   plan_.problem.seed,  task_.run,
                         cpu_seconds(),   wall_seconds(), simulation_.state(), simulation_.tallies(),
                         record_.sums(),  record_.rods(), files_.sync()};
+        if (measures_) {
+            c.measure_keys = plan_.measures->key_text;
+            c.measures = measures_->pack();
+        }
         write_checkpoint(checkpoint_file_, c);
         saved_ = Clock::now();
     }
@@ -193,6 +220,8 @@ private:
         checkpoint();
         // until the last checkpoint goes, a crash costs nothing: the same command does this again
         files_.finish(h5md_info());
+        if (measures_)
+            write_records(task_.folder / "measure.rwc", *plan_.measures, *measures_);
         store::write_atomically(task_.folder / "summary.json", summary_json(plan_, done));
         std::filesystem::rename(checkpoint_file_, task_.folder / "final.rwc");
         store::remove_generations(checkpoint_file_);
@@ -265,6 +294,8 @@ private:
     granular::Record record_;
     DemFiles files_;
     LastPeriod period_;
+    std::optional<measure::Measures> measures_;
+    measure::Frame frame_;
     double cpu_start_;
     Clock::time_point wall_start_, saved_;
     const std::function<void(const Simulation&, const granular::TableRow*)>* on_progress_ = nullptr;

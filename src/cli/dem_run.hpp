@@ -4,6 +4,7 @@
 
 #include "dem_checkpoint.hpp"
 #include "log.hpp"
+#include "measure_plan.hpp"
 #include "rodwake/scene/scene.hpp"
 
 #include <filesystem>
@@ -23,6 +24,7 @@ struct DemPlan {
     double stop_at_travel = 0.0;                 ///< m; 0: goes on to the end
     DemFormats formats;
     std::optional<granular::State> restart; ///< start = "restart"
+    std::optional<MeasurePlan> measures;    ///< taken while the run goes on
     bool force = false;                     ///< do not take up checkpoints
 };
 

@@ -1,3 +1,4 @@
+#include "dem_cases.hpp"
 #include "dem_run.hpp"
 #include "dem_summary.hpp"
 #include "granular_problem.hpp"
@@ -49,13 +50,14 @@ bool within(const std::filesystem::path& file, const std::filesystem::path& fold
     return !below.empty() && *below.begin() != "..";
 }
 
-DemPlan plan_of(const Session& session) {
-    const scene::Granular& bed = *session.scene.granular;
+DemPlan plan_of(const Session& session, const scene::Scene& scene) {
+    const scene::Granular& bed = *scene.granular;
     DemPlan plan;
-    plan.problem = granular_problem(session.scene, session.options.seed);
+    plan.problem = granular_problem(scene, session.options.seed);
     const double phi_b = granular::bead_area_fraction(plan.problem);
     plan.order_cutoff = order_cutoff(bed, phi_b).value_or(0.0);
-    plan.scene_key = scene_key(session.scene);
+    plan.scene_key = scene_key(scene);
+    plan.measures = measure_plan(scene, plan.problem);
     plan.command = session.options.command;
     plan.row_every = whole_steps(table_interval(bed), bed.time_step, 1);
     plan.frame_every = whole_steps(frame_interval(bed), bed.time_step, 1);
@@ -69,38 +71,71 @@ DemPlan plan_of(const Session& session) {
     return plan;
 }
 
-/// The runs of a scene; who executes them is another matter.
-std::vector<DemTask> tasks_of(const scene::Scene& scene, const std::filesystem::path& folder) {
-    const long runs = scene.granular->runs;
+/// The scene as written or a variant of it, and its runs.
+struct PlannedCase {
+    DemCase of;
+    DemPlan plan;
     std::vector<DemTask> tasks;
-    for (std::uint32_t run = 0; run < static_cast<std::uint32_t>(runs); ++run)
-        tasks.push_back({run, runs == 1 ? folder : folder / fmt::format("runs/{:04}", run + 1)});
-    return tasks;
+    std::vector<DemResult> results;
+};
+
+std::vector<PlannedCase> planned_cases(const Session& session) {
+    std::vector<PlannedCase> cases;
+    for (DemCase& one : dem_cases(session.scene)) {
+        DemPlan plan = plan_of(session, one.scene);
+        std::vector<DemTask> tasks = dem_tasks(one, session.directory.path());
+        std::vector<DemResult> results(tasks.size());
+        cases.push_back({std::move(one), std::move(plan), std::move(tasks), std::move(results)});
+    }
+    return cases;
+}
+
+/// One run of one case.
+struct Job {
+    PlannedCase* of;
+    std::size_t task;
+};
+
+std::vector<Job> jobs_of(std::vector<PlannedCase>& cases) {
+    std::vector<Job> jobs;
+    for (PlannedCase& one : cases)
+        for (std::size_t i = 0; i < one.tasks.size(); ++i)
+            jobs.push_back({&one, i});
+    return jobs;
+}
+
+double simulated_seconds(const DemPlan& plan) {
+    return static_cast<double>(plan.problem.steps + plan.problem.equilibration_steps) *
+           plan.problem.time_step;
 }
 
 /// Progress of all runs together, in simulated seconds; called from many threads.
 class SharedProgress {
 public:
-    SharedProgress(const Session& session, const DemPlan& plan, std::size_t runs)
-        : log_(session.log), single_(runs == 1),
-          of_one_(static_cast<double>(plan.problem.steps + plan.problem.equilibration_steps) *
-                  plan.problem.time_step),
-          done_(runs, 0.0),
-          progress_(session.log, session.options.quiet, "dem", of_one_ * static_cast<double>(runs), "s") {}
+    SharedProgress(const Session& session, const std::vector<Job>& jobs)
+        : log_(session.log), single_(jobs.size() == 1), of_one_(simulated_seconds(jobs.front().of->plan)),
+          done_(jobs.size(), 0.0), progress_(session.log, session.options.quiet, "dem", total(jobs), "s") {}
 
-    void update(std::size_t run, const granular::Simulation& s, const granular::TableRow* row) {
+    void update(std::size_t job, const granular::Simulation& s, const granular::TableRow* row) {
         const std::unique_lock lock(mutex_, std::try_to_lock);
         if (!lock)
             return;
         const double now = static_cast<double>(s.step()) * s.problem().time_step;
-        sum_ += now - done_[run];
-        done_[run] = now;
+        sum_ += now - done_[job];
+        done_[job] = now;
         progress_.update(sum_);
         if (row && single_ && now >= next_line_)
             print(*row);
     }
 
 private:
+    static double total(const std::vector<Job>& jobs) {
+        double sum = 0.0;
+        for (const Job& job : jobs)
+            sum += simulated_seconds(job.of->plan);
+        return sum;
+    }
+
     void print(const granular::TableRow& r) {
         if (next_line_ == 0.0)
             log_->info("{:>9} {:>11} {:>10} {:>10} {:>6} {:>8} {:>10} {:>8}", "t/s", "energy/J", "T_xy",
@@ -144,17 +179,19 @@ void require_same_scene(const std::filesystem::path& file, const std::string& ke
             file.string(), first_difference(loaded->checkpoint.scene, key)));
 }
 
-/// Executes one task unless an earlier command finished it.
-DemResult execute(const Session& session, const DemPlan& plan, const DemTask& task, std::size_t threads,
-                  SharedProgress& progress, bool single) {
-    if (!single && !plan.force)
+/// Executes one job unless an earlier command finished it.
+DemResult execute(const Session& session, const Job& job, std::size_t number, std::size_t threads,
+                  SharedProgress& progress) {
+    const DemPlan& plan = job.of->plan;
+    const DemTask& task = job.of->tasks[job.task];
+    if (!plan.force)
         if (auto known = finished_before(plan, task))
             return {DemEnd::finished, {}, std::move(*known)};
     if (stop_signal())
         return {DemEnd::interrupted, {}, {}};
     return run_dem(plan, task, session.log, threads,
                    [&](const granular::Simulation& s, const granular::TableRow* row) {
-                       progress.update(task.run, s, row);
+                       progress.update(number, s, row);
                    });
 }
 
@@ -168,62 +205,88 @@ void report_one(const Session& session, const DemSummary& s) {
                           s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
 }
 
-StageEnd conclude(const Session& session, const DemPlan& plan, const std::vector<DemResult>& results) {
+StageEnd conclude(const Session& session, const PlannedCase& one) {
     std::vector<DemSummary> finished;
     StageEnd end = StageEnd::finished;
-    for (const DemResult& result : results) {
+    const std::string name = one.of.label.empty() ? "" : " (" + one.of.label + ")";
+    for (const DemResult& result : one.results) {
         if (result.end == DemEnd::finished)
             finished.push_back(result.summary);
         if (result.end == DemEnd::failed)
-            session.log->error("dem: run {}: {}", result.summary.run + 1, result.message);
+            session.log->error("dem{}: run {}: {}", name, result.summary.run + 1, result.message);
         if (result.end == DemEnd::interrupted && end == StageEnd::finished)
             end = StageEnd::interrupted;
         if (result.end == DemEnd::failed)
             end = StageEnd::failed;
     }
-    if (results.size() == 1 && !finished.empty())
+    if (one.results.size() == 1 && !finished.empty() && one.of.label.empty())
         report_one(session, finished[0]);
-    if (results.size() > 1 && !finished.empty()) {
-        session.directory.write("summary.json", ensemble_json(plan, finished, results.size()));
-        session.directory.write("runs.csv", ensemble_csv(plan, finished));
-        session.log->info("dem: {} of {} runs finished; runs.csv and summary.json have the means",
-                          finished.size(), results.size());
+    if (one.results.size() > 1 && !finished.empty()) {
+        session.directory.write(one.of.folder + "summary.json",
+                                ensemble_json(one.plan, finished, one.results.size()));
+        session.directory.write(one.of.folder + "runs.csv", ensemble_csv(one.plan, finished));
+        session.log->info("dem{}: {} of {} runs finished; runs.csv and summary.json have the means", name,
+                          finished.size(), one.results.size());
     }
     return end;
 }
 
+/// The worst: a failure weighs more than an interruption.
+StageEnd worse(StageEnd a, StageEnd b) {
+    if (a == StageEnd::failed || b == StageEnd::failed)
+        return StageEnd::failed;
+    return a == StageEnd::finished ? b : a;
+}
+
+void announce(const Session& session, const std::vector<PlannedCase>& cases) {
+    for (const PlannedCase& one : cases) {
+        const granular::GranularProblem& p = one.plan.problem;
+        session.log->info(
+            "dem{}: beads {}, rods {}, phi_b = {:.4f}, runs {}, steps {} + {} of {:g} s; {} instructions",
+            one.of.label.empty() ? "" : " (" + one.of.label + ")", p.beads, p.rods.size(),
+            granular::bead_area_fraction(p), one.tasks.size(), p.equilibration_steps, p.steps, p.time_step,
+            granular::vector_target());
+    }
+}
+
 } // namespace
 
-void require_dem(const scene::Scene& scene, const Options& options) {
-    granular_problem(scene, options.seed);
-    if (!options.force)
-        for (const DemTask& task : tasks_of(scene, output_folder(options)))
+void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder) {
+    for (const DemCase& one : dem_cases(scene))
+        for (const DemTask& task : dem_tasks(one, folder))
             for (const char* name : {"checkpoint.rwc", "final.rwc"})
-                require_same_scene(task.folder / name, scene_key(scene));
-    const scene::Granular& bed = *scene.granular;
-    if (bed.start != scene::GranularStart::restart)
-        return;
-    stored_checkpoint(bed.restart_from);
-    if (const auto folder = output_folder(options); within(bed.restart_from, folder))
-        throw InputError(bed.restart_from + ": granular.restart_from lies in " + folder.string() +
-                         ", where this run would replace it; choose another folder with -o");
+                require_same_scene(task.folder / name, scene_key(one.scene));
+}
+
+void require_dem(const scene::Scene& scene, const Options& options) {
+    if (!options.force)
+        require_same_beds(scene, output_folder(options));
+    for (const DemCase& one : dem_cases(scene)) {
+        measure_plan(one.scene, granular_problem(one.scene, options.seed));
+        const scene::Granular& bed = *one.scene.granular;
+        if (bed.start != scene::GranularStart::restart)
+            continue;
+        stored_checkpoint(bed.restart_from);
+        if (const auto folder = output_folder(options); within(bed.restart_from, folder))
+            throw InputError(bed.restart_from + ": granular.restart_from lies in " + folder.string() +
+                             ", where this run would replace it; choose another folder with -o");
+    }
 }
 
 StageEnd run_dem_stage(Session& session) {
-    const DemPlan plan = plan_of(session);
-    const std::vector<DemTask> tasks = tasks_of(session.scene, session.directory.path());
-    session.log->info(
-        "dem: beads {}, rods {}, phi_b = {:.4f}, runs {}, steps {} + {} of {:g} s; {} instructions",
-        plan.problem.beads, plan.problem.rods.size(), granular::bead_area_fraction(plan.problem),
-        tasks.size(), plan.problem.equilibration_steps, plan.problem.steps, plan.problem.time_step,
-        granular::vector_target());
-    SharedProgress progress(session, plan, tasks.size());
-    std::vector<DemResult> results(tasks.size());
-    const bool single = tasks.size() == 1;
-    parallel_for(tasks.size(), session.options.threads, [&](std::size_t i) {
-        results[i] = execute(session, plan, tasks[i], single ? session.options.threads : 1, progress, single);
+    std::vector<PlannedCase> cases = planned_cases(session);
+    const std::vector<Job> jobs = jobs_of(cases);
+    announce(session, cases);
+    SharedProgress progress(session, jobs);
+    const bool single = jobs.size() == 1;
+    parallel_for(jobs.size(), session.options.threads, [&](std::size_t i) {
+        jobs[i].of->results[jobs[i].task] =
+            execute(session, jobs[i], i, single ? session.options.threads : 1, progress);
     });
-    return conclude(session, plan, results);
+    StageEnd end = StageEnd::finished;
+    for (const PlannedCase& one : cases)
+        end = worse(end, conclude(session, one));
+    return end;
 }
 
 } // namespace rodwake::cli

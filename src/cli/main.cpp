@@ -24,6 +24,8 @@ int dispatch(const Options& options) {
         return verb_stages(options);
     case Verb::impact:
         return verb_impact(options);
+    case Verb::measure:
+        return verb_measure(options);
     case Verb::plot:
         return verb_plot(options);
     case Verb::info:

@@ -70,6 +70,12 @@ void add_verbs(CLI::App& app, Options& options) {
                      "CSV with columns Kxx,Kxy,Kxz,Kyy,Kyz,Kzz,vx,vy,vz,mu,e; Px,Py,Pz,wx,wy,wz go to "
                      "standard output")
         ->required();
+    scene(add_verb(
+        app, options, Verb::measure, "measure",
+        "what [measure] names, of the granular run in the results folder or of measure.trajectory",
+        "  rodwake measure scenes/wake.toml\n"
+        "  rodwake measure scenes/wake.toml -s measure.displacement=lagrangian --force\n"
+        "  rodwake measure scenes/wake.toml -s measure.trajectory=other/trajectory.h5md -o results/other"));
     scene(add_verb(app, options, Verb::run, "run",
                    "every stage the scene names, then figures and report.html",
                    "  rodwake run scenes/quickstart.toml\n"

@@ -18,6 +18,11 @@ StageEnd run_rods_stage(Session& session);
 StageEnd run_dem_stage(Session& session);
 /// Throws InputError for a bed that cannot be run, before anything is written or removed.
 void require_dem(const scene::Scene& scene, const Options& options);
+/// Throws InputError if the folder holds granular runs of another scene.
+void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder);
+
+/// [measure]: measure.json, measure.h5, profile_*.csv, ... of what [granular] ran, and of its variants.
+StageEnd run_measure_stage(Session& session);
 
 /// Content of outcome.json. Lengths and times in the session's output units.
 std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,

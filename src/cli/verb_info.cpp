@@ -38,7 +38,7 @@ int describe_run(const fs::path& folder) {
     if (status.empty())
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
     fmt::print("{}: {} run\n", folder.string(), status);
-    for (const char* name : {"provenance.json", "outcome.json", "summary.json"})
+    for (const char* name : {"provenance.json", "outcome.json", "summary.json", "measure.json"})
         if (fs::exists(folder / name)) {
             fmt::print("\n{}\n", name);
             print_file(folder / name);

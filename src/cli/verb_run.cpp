@@ -1,7 +1,11 @@
-// rodwake field, rods, dem, run: read the scene, do the stages, keep what was computed however it ended.
+// rodwake field, rods, dem, measure, run: read the scene, do the stages, keep what was computed however it
+// ended.
 
+#include "measure_stage.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
+#include "rodwake/scene/write.hpp"
+#include "rodwake/store/atomic_file.hpp"
 #include "signals.hpp"
 #include "stages.hpp"
 #include "verbs.hpp"
@@ -31,8 +35,11 @@ std::vector<Stage> stages_of(const Options& options, const scene::Scene& scene) 
         stages.push_back(run_field_stage);
     if (scene.rods_run && wanted(Verb::rods))
         stages.push_back(run_rods_stage);
-    if (scene.granular && wanted(Verb::dem))
+    const bool foreign = options.verb == Verb::run && scene.measure && !scene.measure->trajectory.empty();
+    if (scene.granular && wanted(Verb::dem) && !foreign)
         stages.push_back(run_dem_stage);
+    if (scene.measure && wanted(Verb::measure))
+        stages.push_back(run_measure_stage);
     return stages;
 }
 
@@ -84,7 +91,38 @@ void take_seed(scene::Scene& scene, const Options& options) {
     scene.granular->seed = static_cast<long>(*options.seed);
 }
 
+/// What [measure] adds to a folder that holds the run already.
+int measure_finished_run(const Options& options, const scene::Scene& scene) {
+    const std::filesystem::path folder = output_folder(options);
+    if (store::run_status(folder).empty())
+        throw InputError(folder.string() +
+                         ": holds no rodwake run; rodwake dem SCENE makes one, rodwake run SCENE makes "
+                         "and measures it; -o names its folder");
+    require_same_beds(scene, folder);
+    if (std::filesystem::exists(folder / "measure.json") && !options.force)
+        throw InputError(folder.string() + ": is measured already (measure.json); --force measures again");
+    const Logger log = make_logger(options, folder / "log.txt");
+    const StageEnd end = measure_folder(scene, options, folder, log);
+    if (end == StageEnd::interrupted) {
+        log->warn("measure: stopped by a signal; nothing was changed");
+        return signal_exit_code(stop_signal());
+    }
+    store::write_atomically(folder / "scene.toml", scene::to_toml(scene));
+    log->info("results in {}", folder.string());
+    return 0;
+}
+
 } // namespace
+
+int verb_measure(const Options& options) {
+    scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    take_seed(scene, options);
+    if (!scene.measure)
+        throw InputError(scene.path + ": no [measure] table, so there is nothing to measure");
+    if (options.dry_run)
+        return verb_check(options);
+    return scene.measure->trajectory.empty() ? measure_finished_run(options, scene) : verb_stages(options);
+}
 
 int verb_stages(const Options& options) {
     scene::Scene scene = scene::read_scene(options.target, options.overrides);
@@ -94,6 +132,8 @@ int verb_stages(const Options& options) {
         return verb_check(options);
     if (std::ranges::count(stages, &run_dem_stage) > 0)
         require_dem(scene, options);
+    if (std::ranges::count(stages, &run_measure_stage) > 0 && !scene.measure->trajectory.empty())
+        require_trajectory(scene, options);
     Session session(options, std::move(scene));
     return finish(session, run_recorded(session, stages));
 }

@@ -1,6 +1,7 @@
 #include "check.hpp"
 
 #include "check_granular.hpp"
+#include "check_measure.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -31,8 +32,10 @@ public:
             add("field", "[field] needs [medium]");
         if (scene_.rods.size() > 1 && root_.find("coupling") && !root_.find("medium"))
             add("coupling", "[coupling] of two or more rods needs [medium]");
-        if (root_.find("variants") && !rods)
-            add("variants", "[[variants]] run the rods again: they need [[rods]]");
+        if (root_.find("variants") && !rods && !root_.find("granular"))
+            add("variants", "[[variants]] run the rods or the bed again: they need [[rods]] or [granular]");
+        if (root_.find("measure") && !root_.find("granular"))
+            add("measure", "[measure] needs [granular], the bed that is measured");
     }
 
     void values() {
@@ -43,6 +46,8 @@ public:
             figure(scene_.figures[i], fmt::format("figures.{}", i));
         check_granular(scene_,
                        [this](const std::string& path, const std::string& message) { add(path, message); });
+        check_measure(scene_,
+                      [this](const std::string& path, const std::string& message) { add(path, message); });
         unique_names(scene_.figures, "figures");
         unique_names(scene_.variants, "variants");
     }
@@ -127,16 +132,19 @@ private:
         if (cut)
             cut_exists(figure, path);
         if (!cut)
-            no_cut_keys(figure, path);
+            no_cut_keys(figure, path, figure.kind == "profile");
     }
 
-    void no_cut_keys(const Figure& figure, const std::string& path) {
+    void no_cut_keys(const Figure& figure, const std::string& path, bool profile) {
         const Figure unset;
         const auto refuse = [&](bool differs, const std::string& key) {
             if (differs)
-                add(path + "." + key, key + " belongs to kind cut only");
+                add(path + "." + key, key + (key == "cut" ? " belongs to kind cut only"
+                                                          : " belongs to kinds cut and profile only"));
         };
         refuse(figure.cut != unset.cut, "cut");
+        if (profile)
+            return;
         refuse(figure.component != unset.component, "component");
         refuse(figure.sqrt_scaled != unset.sqrt_scaled, "sqrt_scaled");
     }

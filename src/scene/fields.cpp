@@ -55,12 +55,18 @@ void fields(Visitor& v, Scene& scene) {
                 .doc("Beads and rods between two vibrating plates, periodic in x and y. SI, with its "
                      "own `a`."),
             scene.granular);
+    v.use_units(si_units(scene.granular.value_or(Granular{}).bead_radius));
+    v.table(
+        key("measure").doc("What is measured of the granular run; what is absent is not measured. SI, with "
+                           "the bed's `a`."),
+        scene.measure);
     v.use_units(units);
     const Units bed = si_units(scene.granular.value_or(Granular{}).bead_radius);
     v.list(key("figures").items(0, 100).doc("What `rodwake plot` draws."), scene.figures,
            [&](Figure& figure) { fields(v, figure, units, bed); });
-    v.list(key("variants").items(0, 100).doc("The rods run again with some keys changed."), scene.variants);
-    for (const char* name : {"measure", "fit", "scan"})
+    v.list(key("variants").items(0, 100).doc("The rods, or the bed, run again with some keys changed."),
+           scene.variants);
+    for (const char* name : {"fit", "scan"})
         v.planned(name);
 }
 

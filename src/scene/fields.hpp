@@ -7,11 +7,11 @@ namespace rodwake::scene {
 
 inline constexpr std::size_t max_rods = 1000;
 
-/// Whether a figure is of the granular bed; such figures need [granular] and have their window in metres.
-inline bool shows_the_bed(const Figure& figure) {
-    return figure.kind == "snapshot" || figure.kind == "rod_tracks" || figure.kind == "side_view" ||
-           figure.kind == "movie" || figure.kind == "granular_table";
-}
+/// Whether a figure is of the granular bed, or of what was measured in it; such figures need [granular] and
+/// have their window in metres.
+bool shows_the_bed(const Figure& figure);
+/// Whether it is of what [measure] found.
+bool shows_measures(const Figure& figure);
 
 void fields(Visitor& v, Scales& scales);
 void fields(Visitor& v, FieldTable& table);
@@ -29,6 +29,7 @@ void fields(Visitor& v, Contacts& contacts);
 void fields(Visitor& v, GranularOutput& output);
 void fields(Visitor& v, GranularRod& rod);
 void fields(Visitor& v, Granular& granular);
+void fields(Visitor& v, Measure& measure);
 /// The window is in the units of the scene, or of the bed if that is what is drawn.
 void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_bed);
 void fields(Visitor& v, Variant& variant);

@@ -2,6 +2,8 @@
 
 #include "fields.hpp"
 
+#include <set>
+
 namespace rodwake::scene {
 
 namespace {
@@ -17,6 +19,19 @@ void window_fields(Visitor& v, std::vector<double>& x, std::vector<double>& y, c
 }
 
 } // namespace
+
+bool shows_measures(const Figure& figure) {
+    static const std::set<std::string> kinds = {
+        "pair_correlation", "bond_order",       "msd",        "series", "flow", "dragged",
+        "profile",          "displacement_map", "pair_tracks"};
+    return kinds.contains(figure.kind);
+}
+
+bool shows_the_bed(const Figure& figure) {
+    static const std::set<std::string> kinds = {"snapshot", "rod_tracks", "side_view", "movie",
+                                                "granular_table"};
+    return kinds.contains(figure.kind) || shows_measures(figure);
+}
 
 void fields(Visitor& v, Cut& cut) {
     v(key("along").one_of({"x", "y"}).doc("the coordinate that varies").example("\"x\""), cut.along);
@@ -39,9 +54,10 @@ void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_b
     v(key("kind")
           .required()
           .one_of({"extensional_axis", "polar_streamlines", "cut", "trajectories", "snapshot", "rod_tracks",
-                   "side_view", "movie", "granular_table"})
+                   "side_view", "movie", "granular_table", "pair_correlation", "bond_order", "msd", "series",
+                   "flow", "dragged", "profile", "displacement_map", "pair_tracks"})
           .doc("what is drawn: the first two need the grid of [field], cut one of field.cuts, trajectories "
-               "[[rods]], the others [granular]")
+               "[[rods]], the five from snapshot on [granular], the others what they show in [measure]")
           .example("\"cut\""),
       figure.kind);
     v(key("title").absent("made from the data").doc("title").example("\"Wake\""), figure.title);
@@ -53,15 +69,33 @@ void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_b
       figure.cut);
     v(key("component")
           .one_of({"Ux", "Uy"})
-          .written_if(is_kind("cut"))
-          .doc("kind cut: displacement component")
+          .written_if(is_kind("cut") || is_kind("profile"))
+          .doc("kinds cut, profile: displacement component")
           .example("\"Uy\""),
       figure.component);
     v(key("sqrt_scaled")
-          .written_if(is_kind("cut"))
-          .doc("kind cut: draw |s|^(1/2) U instead of U")
+          .written_if(is_kind("cut") || is_kind("profile"))
+          .doc("kinds cut, profile: draw |s|^(1/2) U instead of U")
           .example("true"),
       figure.sqrt_scaled);
+    v(key("along")
+          .one_of({"x", "y"})
+          .written_if(is_kind("profile"))
+          .doc("kind profile: the axis of the rod's frame along which U is drawn")
+          .example("\"y\""),
+      figure.along);
+    v(key("quantity")
+          .one_of({"psi6", "stiffness", "exponent", "delta_y", "non_reciprocity", "force", "speed"})
+          .written_if(is_kind("series"))
+          .doc("kind series: what is drawn, a point for the scene and one for each of [[variants]]")
+          .example("\"stiffness\""),
+      figure.quantity);
+    v(key("against")
+          .one_of({"phi_b", "d0", "imposed_speed"})
+          .written_if(is_kind("series"))
+          .doc("kind series: against what; d0 is the separation at which a pair starts")
+          .example("\"imposed_speed\""),
+      figure.against);
     v(key("gammas")
           .written_if(is_kind("polar_streamlines"))
           .unit(speed)

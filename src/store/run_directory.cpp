@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <span>
+#include <string_view>
 #include <vector>
 
 namespace rodwake::store {
@@ -47,21 +49,42 @@ void refuse_foreign(const fs::path& path, const std::string& status) {
             "write among them");
 }
 
-bool is_result(const fs::path& file) {
-    static constexpr std::array results = {
-        "result.h5", "rods.csv",   "outcome.json",    "report.html",    "summary.json",     "runs.csv",
-        "table.csv", "tracks.csv", "trajectory.h5md", "trajectory.xyz", "last_period.h5md", "final.rwc"};
+bool is_one_of(const fs::path& file, std::span<const std::string_view> names) {
+    return std::ranges::find(names, file.filename().string()) != names.end();
+}
+
+/// What a granular run leaves when it has finished; one that is taken up keeps it.
+bool is_of_finished_bed(const fs::path& file) {
+    static constexpr std::array<std::string_view, 8> names = {
+        "summary.json",    "runs.csv",       "table.csv",        "tracks.csv",
+        "trajectory.h5md", "trajectory.xyz", "last_period.h5md", "final.rwc"};
+    return is_one_of(file, names) || file.filename() == "measure.rwc";
+}
+
+/// What the measure stage makes.
+bool is_measure(const fs::path& file) {
+    static constexpr std::array<std::string_view, 10> names = {
+        "measure.json",  "measure.h5", "gr.csv",    "gB.csv",           "msd.csv",
+        "stiffness.csv", "marked.csv", "pairs.csv", "displacement.vti", "flow.vti"};
     const std::string name = file.filename().string();
-    return std::ranges::find(results, name) != results.end() ||
+    return is_one_of(file, names) || name == "series.csv" ||
+           (name.starts_with("profile_") && name.ends_with(".csv"));
+}
+
+bool is_result(const fs::path& file) {
+    static constexpr std::array<std::string_view, 4> names = {"result.h5", "rods.csv", "outcome.json",
+                                                              "report.html"};
+    const std::string name = file.filename().string();
+    return is_one_of(file, names) || is_measure(file) ||
            (name.starts_with("field_cut_") && name.ends_with(".csv")) || is_temporary(name) ||
            file.parent_path().filename() == "figures";
 }
 
 /// What a granular run goes on from: its checkpoints, and logs that mean nothing without them.
 bool is_progress(const fs::path& file) {
-    static constexpr std::array names = {"checkpoint.rwc", "checkpoint.rwc.previous", "rows.log",
-                                         "frames.log", "last_period.log"};
-    return std::ranges::find(names, file.filename().string()) != names.end();
+    static constexpr std::array<std::string_view, 5> names = {"checkpoint.rwc", "checkpoint.rwc.previous",
+                                                              "rows.log", "frames.log", "last_period.log"};
+    return is_one_of(file, names);
 }
 
 /// `anew`: nothing of the earlier run is gone on from.
@@ -69,12 +92,14 @@ std::vector<fs::path> outdated(const fs::path& folder, bool anew) {
     std::vector<fs::path> old;
     const auto add = [&](const auto& entries) {
         for (const fs::directory_entry& entry : entries)
-            if (entry.is_regular_file() && (is_result(entry.path()) || (anew && is_progress(entry.path()))))
+            if (entry.is_regular_file() &&
+                (is_result(entry.path()) ||
+                 (anew && (is_progress(entry.path()) || is_of_finished_bed(entry.path())))))
                 old.push_back(entry.path());
     };
     add(fs::directory_iterator(folder));
     for (const char* sub : {"figures", "variants", "runs"})
-        if (fs::is_directory(folder / sub) && (anew || sub != std::string_view("runs")))
+        if (fs::is_directory(folder / sub))
             add(fs::recursive_directory_iterator(folder / sub));
     return old;
 }

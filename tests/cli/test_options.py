@@ -6,7 +6,7 @@ import re
 import rodwake
 from rodwake import PAIR, QUICKSTART, ProgramTest, snapshot
 
-VERBS = ("check", "field", "rods", "dem", "impact", "run", "plot", "info")
+VERBS = ("check", "field", "rods", "dem", "impact", "measure", "run", "plot", "info")
 
 
 class HelpTest(ProgramTest):

@@ -6,8 +6,21 @@ import rodwake
 from rodwake import SCENES, ProgramTest
 
 
-LONG = {"pair_crystal", "pair_fluid"}  # minutes: only checked
-SHORTER = {"rod_in_bed": ["-s", "granular.duration=0.5 s"]}  # its film has a hundred pictures
+LONG = {"pair_crystal", "pair_fluid", "pair_series"}  # minutes, and nothing to draw of less: only checked
+
+
+def settings(**keys):
+    return [part for key, value in keys.items() for part in ("-s", f"{key.replace('__', '.')}={value}")]
+
+
+def bed(duration, frames, runs=1, **keys):
+    return settings(granular__duration=duration, granular__output__frames=frames, granular__runs=runs, granular__equilibrate=0.05, **keys)
+
+
+SHORTER = {"rod_in_bed": settings(granular__duration=0.5),  # its film has a hundred pictures
+           "order": bed(0.35, 0.01, measure__block=0.1, measure__order_interval=0.05), "wake": bed(0.6, 0.05, measure__from=0),
+           "wake_large": bed(0.2, 0.02, measure__from=0), "bead_drag": bed(0.5, 0.1), "pursuit_bed": bed(0.3, 0.1, 2),
+           "force": bed(0.3, 0.1, 2)}
 
 
 class ScenesTest(ProgramTest):

@@ -17,9 +17,10 @@ ALLOWED = {
     "elastic": {"elastic", "core"},
     "rods": {"rods", "elastic", "integrate", "core"},
     "granular": {"granular", "core"},
+    "measure": {"measure", "granular", "elastic", "core"},
     "scene": {"scene", "elastic", "core"},
     "store": {"store", "core"},
-    "cli": {"cli", "scene", "store", "granular", "rods", "elastic", "integrate", "core"},
+    "cli": {"cli", "scene", "store", "measure", "granular", "rods", "elastic", "integrate", "core"},
 }
 # Libraries that stay in one part, or a few.
 ONLY_IN = {
@@ -29,7 +30,7 @@ ONLY_IN = {
     "cli": re.compile(r"^(CLI|spdlog)/"),
     "core": re.compile(r"^Random123/"),
     "store|granular": re.compile(r"^xxhash\.h"),
-    "granular": re.compile(r"^hwy/"),
+    "granular|measure": re.compile(r"^hwy/"),
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 MACHINE_PATH = re.compile(r"/(?:work|root|tmp/bash\w*|home/\w+)(?:/|\b)")

@@ -48,6 +48,11 @@ formats = ["h5md", "xyz"]
 [[granular.rods]]
 position = ["20 a", "46.5 a"]
 taper = "stepwise"
+[[granular.rods]]
+position = ["20 a", "31.5 a"]
+[measure]
+order = true
+displacement = "phase"
 [[figures]]
 name = "wake"
 kind = "cut"

@@ -36,7 +36,7 @@ TEST_CASE("tables that need each other") {
     says(
         "schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[[variants]]\nname = \"v\"\n"
         "set = { \"medium.eta\" = 2 }\n",
-        "[[variants]] run the rods again: they need [[rods]]");
+        "[[variants]] run the rods or the bed again: they need [[rods]] or [granular]");
     CHECK(error_text(
               "schema = 1\n[coupling]\nkappa = 1\n[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\n") ==
           "");
@@ -78,8 +78,9 @@ TEST_CASE("figures") {
     says(with_figure("kind = \"cut\"\ngammas = [[1, 0], [1]]\n"),
          "figures[0].gammas[1]: expected 2 numbers, found 1");
     says(with_figure("kind = \"trajectories\"\nsqrt_scaled = true\n"),
-         "sqrt_scaled belongs to kind cut only");
-    says(with_figure("kind = \"trajectories\"\ncomponent = \"Uy\"\n"), "component belongs to kind cut only");
+         "sqrt_scaled belongs to kinds cut and profile only");
+    says(with_figure("kind = \"trajectories\"\ncomponent = \"Uy\"\n"),
+         "component belongs to kinds cut and profile only");
     says(with_figure("kind = \"trajectories\"\ncut = 3\n"), "cut belongs to kind cut only");
     says(with_figure("kind = \"cut\"\nx = [2, 1]\n"), "min = 2 must be below max = 1");
     says("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[[figures]]\nname = \"f\"\n"

@@ -46,7 +46,8 @@ Names left_by_begin(const Scratch& scratch, const Names& files, const std::strin
 
 const Names granular_results = {"summary.json",     "runs.csv",        "table.csv",
                                 "tracks.csv",       "trajectory.h5md", "trajectory.xyz",
-                                "last_period.h5md", "final.rwc",       "table.csv.tmp77"};
+                                "last_period.h5md", "final.rwc",       "measure.rwc"};
+const Names litter = {"table.csv.tmp77"};
 const Names granular_progress = {"checkpoint.rwc", "checkpoint.rwc.previous", "rows.log", "frames.log",
                                  "last_period.log"};
 const Names foreign = {"notes.log", "log.txt", "checkpoint.txt", "trajectory.gsd"};
@@ -141,14 +142,18 @@ TEST_CASE(
     const Scratch scratch;
     const Names members =
         in_folder("runs/0001/", granular_results) + in_folder("runs/0002/", granular_progress);
-    CHECK(left_by_begin(scratch, granular_results + granular_progress + foreign + members, status, false) ==
-          granular_progress + foreign + members);
+    const Names beds =
+        granular_results + granular_progress + foreign + members + in_folder("variants/v/", granular_results);
+    // what the measure stage made of them is made again, what was recorded on the way is not
+    const Names measured = {"measure.json", "gB.csv", "profile_Ux_x.csv", "series.csv",
+                            "variants/v/flow.vti"};
+    CHECK(left_by_begin(scratch, beds + measured + litter, status, false) == beds);
 }
 
 TEST_CASE("A granular run that is replaced leaves nothing of its own") {
     const auto status = GENERATE(as<std::string>{}, "finished", "unfinished", "interrupted", "failed");
     const Scratch scratch;
-    const Names own = granular_results + granular_progress;
+    const Names own = granular_results + granular_progress + litter;
     const Names others = foreign + in_folder("runs/0002/", foreign);
     CHECK(left_by_begin(scratch, own + others + in_folder("runs/0001/", own) + in_folder("runs/0002/", own),
                         status, true) == others);

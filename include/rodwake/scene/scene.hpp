@@ -8,6 +8,7 @@
 // (scene/granular.hpp).
 
 #include "rodwake/scene/granular.hpp"
+#include "rodwake/scene/measure.hpp"
 
 #include <optional>
 #include <string>
@@ -105,13 +106,18 @@ struct Field {
 
 /// [[figures]]: what `rodwake plot` draws from the results.
 struct Figure {
-    std::string name;  ///< file name without ending
-    std::string kind;  ///< extensional_axis | polar_streamlines | cut | trajectories, or of the granular bed:
-                       ///< snapshot | rod_tracks | side_view | movie | granular_table
-    std::string title; ///< empty: made from the data
-    long cut = 0;      ///< kind cut: index into field.cuts
-    std::string component = "Ux";            ///< kind cut: Ux | Uy
-    bool sqrt_scaled = false;                ///< kind cut: draw |s|^(1/2) U instead of U
+    std::string name; ///< file name without ending
+    std::string kind; ///< extensional_axis | polar_streamlines | cut | trajectories, of the granular bed:
+                      ///< snapshot | rod_tracks | side_view | movie | granular_table, or of what was measured
+                      ///< in it: pair_correlation | bond_order | msd | series | flow | dragged | profile |
+                      ///< displacement_map | pair_tracks
+    std::string title;                       ///< empty: made from the data
+    long cut = 0;                            ///< kind cut: index into field.cuts
+    std::string component = "Ux";            ///< kinds cut, profile: Ux | Uy
+    bool sqrt_scaled = false;                ///< kinds cut, profile: draw |s|^(1/2) U instead of U
+    std::string along = "x";                 ///< kind profile: x | y
+    std::string quantity = "psi6";           ///< kind series: what is drawn ...
+    std::string against = "phi_b";           ///< ... against what
     std::vector<std::vector<double>> gammas; ///< kind polar_streamlines: a panel for each [gamma1, gamma2]
     long frame = -1;                         ///< kind snapshot: which stored frame, from 0; -1: the last
     std::string colour = "order";            ///< kinds snapshot, movie: order | orientation
@@ -143,6 +149,7 @@ struct Scene {
     std::optional<RodsRun> rods_run;
     std::optional<Field> field;
     std::optional<Granular> granular;
+    std::optional<Measure> measure;
     std::vector<Figure> figures;
     std::vector<Variant> variants;
 

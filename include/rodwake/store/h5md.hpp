@@ -2,15 +2,14 @@
 // Trajectories as H5MD 1.1, in the form that h5py, MDAnalysis and VMD read. The file appears at commit.
 //
 //   particles/trajectory        every sphere: position (wrapped), image, velocity, id, box/edges in time;
-//   species,
-//                               mass, radius
+//                               species, mass, radius
 //   particles/trajectory_rods   the rods, if there are any: position (of the centre of mass, wrapped), image,
-//   velocity,
-//                               orientation (quaternion, real part first, body to world), angular_momentum,
-//                               id, box; mass
+//                               velocity, orientation (quaternion, real part first, body to world),
+//                               angular_momentum, id, box; mass
 //   observables/<name>          one number a frame
 //   parameters                  named numbers (attributes), units, kinds (number of each species),
-//   rod_of_sphere rodwake                     version, command, seed and other texts
+//                               rod_of_sphere
+//   rodwake                     version, command, seed and other texts
 //
 // Absolute position = position + image * L. Everything in time shares one `step` and `time` by hard links.
 // Box edges are the 3 x 3 matrix of the spec's general form: MDAnalysis takes the shorter vector form for no

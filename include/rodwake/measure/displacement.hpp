@@ -1,0 +1,117 @@
+#pragma once
+// The displacement field U of the beads around a moving rod, in the frame that moves and turns with it
+// (rod_grid.hpp), with a standard error in each bin.
+//
+// Convention, the paper's rho_0(r) = rho(r + U(r)): U at r is the displacement of what would be at r if the
+// rod were not there. Both r and U are in the rod's frame. U is relative to its mean over the box (reference
+// box: the zero Fourier mode removed, as in the periodic solution of docs/physics.md) or to the beads
+// farther than far_from from the rod (reference far). The drift of the crystal as a whole drops out of both.
+//
+// Estimators:
+//   phase       Local phases of the crystal's Bragg peaks: bead i at r_i carries exp(i G_k.r_i), which is
+//               exp(i G_k.u(r_i)), G_k the three first reciprocal vectors. Means of it in bins over time,
+//               relative to the far field at each time, give G_k.U; three give U by least squares, unwrapped
+//               from the far field inwards. Blind to slip by whole lattice vectors, hence robust. Outside
+//               3.5 bead radii from the rod's centre its bias is below 2 % of the largest |U| there.
+//   lagrangian  Displacement of each bead from its mean place before the rod came (while it was in the zone
+//               far ahead of the rod), drift removed. Sees plastic slip as displacement. In a periodic box
+//               the images displace the zone ahead too: in one of 78 bead radii by 13 to 18 % of the
+//               largest |U|.
+//   density     The same phases of the time-averaged density in the rod's frame: rho_0(r) = rho(r + U(r)),
+//               rho_0 the far field's lattice. Needs a rod that keeps its place relative to the rows;
+//               otherwise the mean smears out, which `coherence` shows. Blurred over 0.75 lattice spacings.
+//
+// A value is a mean over one cell of the lattice around the bin's middle (cell_window.hpp says why), so bins
+// closer than two lattice spacings share data: their errors are not independent, a fit to a grid finer than
+// the lattice must allow for it. Each bin's own sigma is right. Domain: gradients of U below 1.
+
+#include "rodwake/measure/bragg.hpp"
+#include "rodwake/measure/frame.hpp"
+#include "rodwake/measure/packing.hpp"
+#include "rodwake/measure/rod_grid.hpp"
+#include "rodwake/measure/statistics.hpp"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rodwake::measure {
+
+enum class DisplacementMethod { phase, lagrangian, density };
+enum class Reference { box, far };
+const char* to_string(DisplacementMethod method);
+
+struct DisplacementKeys {
+    DisplacementMethod method = DisplacementMethod::phase;
+    Reference reference = Reference::box;
+    std::size_t rod = 0;   ///< in whose frame
+    double spacing = 0.0;  ///< wanted spacing of the grid, m; e.g. 1 a
+    double far_from = 0.0; ///< m; 0: 0.3 L. Beads farther than this from every rod are the far field
+    double block = 5.0;    ///< s; also ends when the rod has turned by 0.1 rad since the block began
+    double from = 0.0;     ///< s; frames before this time are passed over (the wake must build up)
+    bool mirror = false;   ///< average with the mirror image y -> -y: U_x even, U_y odd
+
+    bool operator==(const DisplacementKeys&) const = default;
+};
+
+/// Sums over the frames of one run; what an estimator needs and no more.
+class DisplacementRecord {
+public:
+    /// Throws InputError for keys outside their domain, no such rod, or fewer than 50 beads.
+    DisplacementRecord(const Layout& layout, const DisplacementKeys& keys);
+    ~DisplacementRecord();
+    DisplacementRecord(const DisplacementRecord& other);
+    DisplacementRecord& operator=(const DisplacementRecord& other);
+    DisplacementRecord(DisplacementRecord&&) noexcept;
+    DisplacementRecord& operator=(DisplacementRecord&&) noexcept;
+
+    void add(const Frame& frame);
+    void pack(Packer& out) const;
+    void unpack(Unpacker& in);
+
+    const Layout& layout() const;
+    const DisplacementKeys& keys() const;
+
+    struct Impl;
+    const Impl& impl() const { return *impl_; }
+
+private:
+    std::unique_ptr<Impl> impl_;
+};
+
+/// On the grid, [row y][column x]. Bins without data have count 0; their value is filled in smoothly from
+/// their neighbours (discrete Laplace equation) so that the field can be interpolated, and their sigma is
+/// the scatter of the whole field. Nothing is NaN.
+struct DisplacementField {
+    RodGrid grid;
+    DisplacementMethod method = DisplacementMethod::phase;
+    std::vector<double> Ux, Uy, sigma_x, sigma_y; ///< m
+    std::vector<double>
+        count; ///< beads seen over all frames by a bin of the cell around the middle, on average
+    std::vector<double>
+        coherence; ///< |mean of exp(i phase)| over the three peaks; lagrangian: 1 where measured
+    Reference reference = Reference::box;
+    Vector2 offset;   ///< taken off so that the reference is zero, m
+    BraggPeaks peaks; ///< phase and density
+    std::size_t blocks = 0, frames = 0;
+    double block_correlation = 0.0; ///< mean correlation of successive blocks; sigma allows for it
+    double mean_speed = 0.0;        ///< of the rod along its heading, m/s
+};
+
+/// All runs together. Throws InputError without frames or with records of different keys; RunError if there
+/// is no crystal to speak of (phase, density: largest Bragg peak below 20 times that of a liquid's ring).
+DisplacementField reduce(std::span<const DisplacementRecord> runs);
+
+/// Values along a line parallel to an axis of the rod's frame; bins without data are left out.
+struct Profile {
+    std::string component;                          ///< "Ux" | "Uy"
+    std::string along;                              ///< "x" | "y"
+    double at = 0.0;                                ///< the other coordinate, m
+    std::vector<double> place, value, sigma, count; ///< m
+};
+/// From the row or column of bins whose middle is nearest to `at`.
+Profile profile(const DisplacementField& field, const std::string& component, const std::string& along,
+                double at);
+
+} // namespace rodwake::measure

@@ -1,0 +1,99 @@
+#pragma once
+// Single-bead microrheology (paper Sec. III.B): mean-square displacement with the drift of all beads removed,
+// its Laplace transform, and the stiffness of the effective potential of a bead.
+//
+//   Delta(t)   = <|x(t0 + t) - x(t0)|^2>,  x in the plane, the mean displacement of all beads taken off
+//   Delta~(s)  = int_0^inf Delta(t) exp(-s t) dt
+//   stiffness  = 1/(s Delta~(s)) as s -> 0,  1/m^2;  k = 4 m T_xy times it, N/m, by equipartition (m T_xy in
+//                place of the temperature; the 4 belongs to Delta = 4 T/k of a bound bead in the plane)
+//
+// Multi-tau: lags 1..16 frames, then 8 more an octave; each octave uses every second frame of the one before
+// (no averaging: that would bias Delta). Frames must be evenly spaced.
+
+#include "rodwake/measure/even_times.hpp"
+#include "rodwake/measure/frame.hpp"
+#include "rodwake/measure/packing.hpp"
+#include "rodwake/measure/statistics.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace rodwake::measure {
+
+struct MicrorheologyKeys {
+    double longest_lag = 0.0; ///< s; 0: as long as the run allows
+    /// Range of s for the extrapolation s -> 0, 1/s; absent: 2/t_max to 8/t_max with t_max the longest lag
+    /// that has at least a quarter of the run's time origins. Why: lower, more than e^-2 of the transform is
+    /// the tail's, not the data's; higher, times are too short to tell a cage that lasts from one that is
+    /// left. A liquid gives s/(4 D), a line through 0, a bound bead a plateau.
+    std::optional<double> s_low, s_high;
+
+    bool operator==(const MicrorheologyKeys&) const = default;
+};
+
+class MicrorheologyRecord {
+public:
+    MicrorheologyRecord(const Layout& layout, const MicrorheologyKeys& keys);
+
+    void add(const Frame& frame);
+    void pack(Packer& out) const;
+    void unpack(Unpacker& in);
+
+    const Layout& layout() const { return layout_; }
+    const MicrorheologyKeys& keys() const { return keys_; }
+    std::size_t frames() const { return times_.frames; }
+    double interval() const { return times_.interval; } ///< s; 0 before the second frame
+    double temperature() const;                         ///< T_xy, m^2/s^2, mean over the frames
+
+    static constexpr std::size_t channels = 16, groups = 16;
+    /// One octave of lags: 1..channels frames of every 2^level-th frame (from the second octave on the upper
+    /// half of them). Beads are split into groups by the y of their first places, for the errors.
+    struct Level {
+        /// The last `channels` frames of this octave, newest last; beads in the order of their groups.
+        std::vector<std::vector<double>> x, y;
+        std::vector<double> sum;     ///< [channels][groups], of |dx|^2 over beads and origins
+        std::vector<double> origins; ///< [channels]
+        double frames = 0.0;         ///< that came to this octave
+    };
+    const std::vector<Level>& levels() const { return levels_; }
+    const std::vector<double>& group_sizes() const { return group_sizes_; }
+
+private:
+    void start(const Frame& frame);
+    bool within_longest(std::size_t lag) const;
+    void correlate(std::size_t level, const std::vector<double>& x, const std::vector<double>& y);
+    void push(std::size_t level, const std::vector<double>& x, const std::vector<double>& y);
+
+    Layout layout_;
+    MicrorheologyKeys keys_;
+    EvenTimes times_;
+    double temperature_sum_ = 0.0;
+    std::vector<double> first_x_, first_y_; ///< unwrapped places in the first frame, beads by group
+    std::vector<std::size_t> order_;        ///< the beads by group
+    std::vector<double> group_sizes_;
+    std::vector<Level> levels_;
+};
+
+struct MicrorheologyResult {
+    std::vector<double> lag, msd, msd_error, origins;  ///< s, m^2
+    std::vector<double> s, stiffness, stiffness_error; ///< 1/s, 1/(s Delta~(s)) in 1/m^2 over a range of s
+    double s_low = 0.0, s_high = 0.0;                  ///< window of the extrapolation, 1/s
+    /// s -> 0, 1/m^2. Its error is that of the scatter and of the bend together. Where beads hop now and then
+    /// the curve bends towards 0 below the hopping rate: the value is the stiffness felt over times of 1/s in
+    /// the window, and the bend says how far it may still fall.
+    Estimate stiffness_zero;
+    double scatter = 0.0; ///< part of the error: from noise, 1/m^2
+    double bend = 0.0;    ///< part of the error: what the bend of the curve within the window, beyond noise,
+                          ///< puts the straight line off at s = 0, 1/m^2
+    Estimate spring;      ///< k, N/m
+    double temperature = 0.0;     ///< T_xy, m^2/s^2
+    bool window_narrowed = false; ///< too few lags for the wanted window: the one used is given
+    std::size_t frames = 0;
+};
+
+/// Errors: jackknife of the whole fit over runs if there are at least 4, else over groups of beads
+/// (neighbouring groups move together a little, which this leaves out). Throws InputError for fewer than 32
+/// frames, or records of different keys or intervals.
+MicrorheologyResult reduce(std::span<const MicrorheologyRecord> runs);
+
+} // namespace rodwake::measure

@@ -1,0 +1,49 @@
+#pragma once
+// Means with standard errors, and straight lines through points with errors.
+
+#include <cstddef>
+#include <span>
+
+namespace rodwake::measure {
+
+/// A number with its standard error. `samples` independent values stand behind it; with fewer than 2 the
+/// error is unknown, which is said by error < 0.
+struct Estimate {
+    double value = 0.0, error = -1.0;
+    std::size_t samples = 0;
+
+    bool known() const { return error >= 0.0; }
+};
+
+/// Weighted mean of block values w_b, v_b; the error allows for unequal weights:
+///   error^2 = sum w_b^2 (v_b - mean)^2 / (sum w_b)^2 * n/(n - 1),   n blocks of positive weight.
+/// Equal weights: the usual s/sqrt(n). Empty weights: all equal. Without any weight: 0 samples, value 0.
+Estimate mean_of_blocks(std::span<const double> values, std::span<const double> weights = {});
+
+/// Correlation of successive values, sum (v_b - m)(v_b+1 - m) / sum (v_b - m)^2, in [-1, 1]; 0 for fewer than
+/// 3 values or no scatter.
+double successive_correlation(std::span<const double> values);
+
+/// What the standard error of a mean grows by when successive blocks correlate: sqrt((1 + r)/(1 - r)) for r
+/// in (0, 0.9], 1 below, that of 0.9 above.
+double correlation_factor(double r);
+
+/// y = intercept + slope x by weighted least squares, weights 1/error^2. Errors follow from the given errors;
+/// chi2 tells whether those explain the scatter (dof = points - parameters).
+struct LineFit {
+    Estimate intercept, slope;
+    double covariance = 0.0; ///< of intercept and slope
+    double chi2 = 0.0;
+    long dof = 0;
+};
+
+/// Throws InputError for fewer than 2 points, fewer than 2 different x, or errors that are not positive.
+LineFit fit_line(std::span<const double> x, std::span<const double> y, std::span<const double> error);
+
+/// The same through the origin; the intercept is 0 with error 0.
+LineFit fit_proportional(std::span<const double> x, std::span<const double> y, std::span<const double> error);
+
+/// Probability that chi2 with dof degrees of freedom is at least this large; 1 for dof = 0.
+double chi2_probability(double chi2, long dof);
+
+} // namespace rodwake::measure

@@ -1,0 +1,69 @@
+#pragma once
+// Reads trajectories of beds that H5mdWriter wrote (h5md.hpp), frame by frame, exactly the stored bits.
+// Species 0 are the beads: the first particles of a frame, all of one radius and one mass. The spheres of
+// rods are passed over: of a rod its centre of mass and its orientation are read.
+//
+// A file that is none of these, is cut short, damaged, or holds what cannot be (values that are not finite,
+// places outside the box, a box that changes, steps or times that do not increase) is an InputError that
+// names the file.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rodwake::store {
+
+/// What is the same in every frame, and when the frames are. SI.
+struct TrajectoryInfo {
+    std::array<double, 3> box{}; ///< sides, m; x and y are periodic
+    std::size_t particles = 0;   ///< beads and spheres of rods
+    std::size_t beads = 0, rods = 0;
+    double bead_radius = 0.0; ///< m
+    double bead_mass = 0.0;   ///< kg
+    std::map<std::string, double> parameters;
+    std::uint64_t seed = 0;
+    std::vector<std::int64_t> step; ///< [frames], increasing
+    std::vector<double> time;       ///< [frames], s, increasing
+
+    std::size_t frames() const { return step.size(); }
+};
+
+/// Centre of mass of a rod: place in the box and number of the box.
+struct StoredRod {
+    double x = 0.0, y = 0.0; ///< m, in [0, box)
+    std::int32_t image_x = 0, image_y = 0;
+    std::array<double, 4> orientation{}; ///< quaternion, real part first, body to world; not 0
+};
+
+struct StoredFrame {
+    std::int64_t step = 0;
+    double time = 0.0;                          ///< s
+    std::vector<double> x, y;                   ///< [beads], m, in [0, box)
+    std::vector<std::int32_t> image_x, image_y; ///< [beads], number of the box
+    std::vector<double> vx, vy;                 ///< [beads], m/s
+    std::vector<StoredRod> rods;                ///< [rods]
+};
+
+class H5mdReader {
+public:
+    /// Reads and checks everything but the frames themselves. Throws InputError.
+    explicit H5mdReader(const std::filesystem::path& path);
+    ~H5mdReader();
+    H5mdReader(H5mdReader&&) noexcept;
+    H5mdReader& operator=(H5mdReader&&) noexcept;
+
+    const TrajectoryInfo& info() const;
+    /// Frame `frame` < info().frames(); the vectors of `out` are used again. Throws InputError.
+    void read(std::size_t frame, StoredFrame& out);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace rodwake::store

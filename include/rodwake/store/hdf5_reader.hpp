@@ -1,0 +1,43 @@
+#pragma once
+// Reads back what Hdf5Writer wrote: datasets of doubles with their units, attributes of groups. Whatever is
+// missing, damaged, not finite or of another kind is an InputError that names the file.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rodwake::store {
+
+class Hdf5Input;
+
+/// Values in C order.
+struct Hdf5Dataset {
+    std::vector<double> values;
+    std::vector<std::size_t> shape;
+    std::string unit;
+};
+
+class Hdf5Reader {
+public:
+    explicit Hdf5Reader(const std::filesystem::path& path);
+    ~Hdf5Reader();
+    Hdf5Reader(Hdf5Reader&&) noexcept;
+    Hdf5Reader& operator=(Hdf5Reader&&) noexcept;
+
+    /// Whether there is such a group or dataset.
+    bool has(const std::string& path) const;
+    /// At an absolute path ("/field/grid/Ux").
+    Hdf5Dataset dataset(const std::string& path) const;
+
+    /// Attributes of a group ("/" or "/medium"); each must be of the kind that is asked for.
+    double real(const std::string& group, const std::string& name) const;
+    std::int64_t integer(const std::string& group, const std::string& name) const;
+    std::string text(const std::string& group, const std::string& name) const;
+
+private:
+    std::unique_ptr<Hdf5Input> file_;
+};
+
+} // namespace rodwake::store

@@ -1,0 +1,148 @@
+"""The files of a measured run: of a scene with variants one set for the scene itself and one in variants/<name> each.
+
+Lengths in these files are in bead radii a, times in s.
+"""
+
+import json
+import math
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from . import csv_columns, hdf5, words
+from .errors import PlotError
+from .granular_run import SUMMARY, GranularRun
+
+RESULTS, FIELDS, SERIES = "measure.json", "measure.h5", "series.csv"
+AGAINST = {"phi_b": (r"\phi_b", ""), "d0": ("d_0", r"\,a"), "imposed_speed": ("v", r"\,a/\mathrm{s}")}  # what variants differ in
+
+
+class Estimate(NamedTuple):
+    value: float
+    error: float  # standard error; nan: unknown
+    samples: int
+
+
+class Part:
+    """The scene itself or one variant."""
+
+    def __init__(self, name, label, folder):
+        self.name, self.label, self.folder = name, label, folder
+
+    def has(self, name):
+        return (self.folder / name).is_file()
+
+    def table(self, name, *columns):
+        """The columns in that order, one row at least; empty cells are nan."""
+        path = self.folder / name
+        found = csv_columns.read_with_gaps(path)
+        values = [csv_columns.column(path, found, column) for column in columns]
+        if values[0].size == 0:
+            raise PlotError(f"{path}: holds no rows: nothing to draw")
+        return values
+
+    def has_group(self, group):
+        """Whether measure.h5 is there and holds the group."""
+        if not self.has(FIELDS):
+            return False
+        with hdf5.open_file(self.folder / FIELDS) as file:
+            return group in file
+
+    @cached_property
+    def results(self):
+        path = self.folder / RESULTS
+        if not path.is_file():
+            raise PlotError(f"{path}: no such file: rodwake measure writes it")
+        try:
+            found = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise PlotError(f"{path}: not valid JSON: {error}") from error
+        if not isinstance(found, dict):
+            raise PlotError(f"{path}: not a JSON object")
+        return found
+
+    def told(self, table, key):
+        """A plain value of measure.json; None where it was not measured."""
+        found = self.results.get(table, {})
+        if not isinstance(found, dict):
+            raise PlotError(f"{self.folder / RESULTS}: {table} is not a table")
+        return found.get(key)
+
+    def number(self, table, key):
+        value = self.told(table, key)
+        if value is not None and not words.is_number(value):
+            raise PlotError(f'{self.folder / RESULTS}: {table}.{key} is "{value}", not a number')
+        return value
+
+    def estimate(self, table, key):
+        """None where it was not measured."""
+        found = self.told(table, key)
+        if found is None or (isinstance(found, dict) and found.get("value", 0) is None):
+            return None
+        value, error = (found.get("value"), found.get("error")) if isinstance(found, dict) else (None, None)
+        if not words.is_number(value) or not (error is None or words.is_number(error)):
+            raise PlotError(f"{self.folder / RESULTS}: {table}.{key} is not of the form "
+                            '{"value": number, "error": number or null, "samples": n}')
+        return Estimate(value, math.nan if error is None else error, found.get("samples", 0))
+
+    def grid(self, group, *names):
+        """x, y and the named datasets [y][x] of a group of measure.h5."""
+        path = self.folder / FIELDS
+        with hdf5.open_file(path) as file:
+            x, y, *fields = (np.asarray(hdf5.dataset(file, f"{group}/{name}"), dtype=float) for name in ("x", "y", *names))
+        if x.ndim != 1 or y.ndim != 1 or min(x.size, y.size) < 2:
+            raise PlotError(f"{path}: /{group}/x and y are of shape {x.shape} and {y.shape}, not rows of two places or more")
+        for name, field in zip(names, fields):
+            if field.shape != (y.size, x.size):
+                raise PlotError(f"{path}: /{group}/{name} has shape {field.shape}, expected {(y.size, x.size)}")
+        return x, y, *fields
+
+    @cached_property
+    def granular(self):
+        if not self.has(SUMMARY):
+            raise PlotError(f"{self.folder / SUMMARY}: no such file: this run is not finished; the same rodwake command goes on with it")
+        return GranularRun(self.folder)
+
+
+def parts(run):
+    variants = run.scene.get("variants", [])
+    found = [Part(one["name"], one.get("label") or one["name"], run.path / "variants" / one["name"]) for one in variants]
+    return [Part("", told_apart(run) if found else "", run.path), *found]
+
+
+def holders(run, name, group=None):
+    """The parts that have this file, and in it this group; if none has, the error names it."""
+    found = [part for part in parts(run) if (part.has_group(group) if group else part.has(name))]
+    if not found:
+        lacking = f"/{group} is missing" if group and (run.path / name).is_file() else "no such file"
+        raise PlotError(f"{run.path / name}: {lacking}: this run has not measured it; ask for it in [measure] and run "
+                        "rodwake measure on the stored frames, or the scene again")
+    return found
+
+
+def not_measured(run, name, group=None):
+    """For a caption: which variants lack the file."""
+    lacking = [words.label_html(part.label) for part in parts(run) if not (part.has_group(group) if group else part.has(name))]
+    return f" Not measured: {', '.join(lacking)}." if lacking else ""
+
+
+def told_apart(run):
+    """Label of the scene itself: that in which its variants differ."""
+    path = run.path / SERIES
+    if not path.is_file():
+        return "as written"
+    columns = csv_columns.read_with_gaps(path, text=("name",))
+    differing = [key for key in AGAINST if key in columns and len({f"{value:.4g}" for value in columns[key]}) > 1]
+    return ", ".join(f"${AGAINST[key][0]} = {columns[key][0]:.3g}{AGAINST[key][1]}$" for key in differing
+                     if np.isfinite(columns[key][0])) or "as written"
+
+
+def known(sigma):
+    """Errors as they can be drawn: nan where unknown."""
+    return np.where(sigma > 0, sigma, np.nan)
+
+
+def inside(values, asked, a):
+    """Which places (in a) lie in a figure's window (in the resolved scene: m); all without one."""
+    return (values >= asked[0] / a) & (values <= asked[1] / a) if asked else np.ones(values.size, dtype=bool)

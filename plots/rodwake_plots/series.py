@@ -1,0 +1,192 @@
+"""One number of each run of a series of runs, against what the runs differ in (paper, Figs. hop a, micro a, trajectory d, rel_fv)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from . import canvas, csv_columns, curves, line_fit, measured, style, units, words
+from .errors import PlotError
+
+
+class Quantity(NamedTuple):
+    label: str
+    unit: str      # N gets a prefix
+    words: str     # for the caption
+    zero: bool     # whether zero is a mark to see
+    factor: float = 1.0
+
+
+QUANTITIES = {
+    "psi6": Quantity(r"$\psi_6$", "", "Global bond order <i>ψ</i><sub>6</sub> of the beads", False),
+    "exponent": Quantity(r"$\eta_6$", "",
+                         "Exponent <i>η</i><sub>6</sub> of <i>g<sub>B</sub></i> ∝ <i>r</i><sup>−<i>η</i><sub>6</sub></sup>", False),
+    "stiffness": Quantity(r"$1/(s\,\tilde{\Delta}(s))|_{s\to 0}$", "a^{-2}",
+                          "Stiffness 1/(<i>s</i> Δ̃(<i>s</i>)), <i>s</i> → 0, of what holds a bead", True),
+    "delta_y": Quantity(r"$\Delta y$", "a",
+                        "Change of the rods' separation while they go half the box; below zero they come together", True),
+    "non_reciprocity": Quantity("non-reciprocity", "",
+                                "Who turns: 1 the rear rod alone, −1 the front rod alone, 0 both alike", True),
+    "force": Quantity(r"$F$", "N", "Force of the rod on the beads", True),
+    "speed": Quantity("speed", r"a/\mathrm{s}", "Speed of the rod", True),
+}
+AXES = {"phi_b": r"$\phi_b$", "d0": r"$d_0$ ($a$)", "imposed_speed": r"$v$ ($a/\mathrm{s}$)"}
+WORDS = {"phi_b": "<i>φ<sub>b</sub></i>", "d0": "the starting separation <i>d</i><sub>0</sub>", "imposed_speed": "the imposed speed <i>v</i>"}
+ASIDE = 0.014  # of the range
+CLASSES = (("o", "liquid"), ("s", "hexatic"), ("^", "crystal"))  # g_B falls exponentially, as a power, not to zero
+
+
+class Group(NamedTuple):
+    """Runs alike but for what stands on the x axis, in its order."""
+    label: str
+    x: np.ndarray
+    y: np.ndarray
+    sigma: np.ndarray
+    kind: np.ndarray  # of decay; -1: not known
+
+
+def draw(run, spec):
+    groups, quantity = read(run, spec), QUANTITIES[spec.quantity]
+    figure, axes = curves.panel(len(groups))
+    if quantity.zero:
+        axes.axhline(0, color=style.GREY, linewidth=0.6)
+    if spec.quantity == "exponent":
+        axes.axhline(0.25, **curves.FAINT)
+    factor, unit = scale(groups, quantity)
+    for index, (group, colour) in enumerate(zip(apart(groups, spec), curves.colours(len(groups)))):
+        draw_group(axes, spec, group._replace(y=group.y * factor, sigma=group.sigma * factor), colour, index)
+    axes.set(xlabel=AXES[spec.against], ylabel=f"{quantity.label} (${unit}$)" if unit else quantity.label)
+    if spec.quantity == "psi6":
+        axes.set_ylim(0, 1.02)
+    if spec.quantity in ("force", "speed"):
+        axes.set_xlim(left=0)
+    curves.legend(axes)
+    canvas.heading(axes, style.safe(spec.title))
+    return figure
+
+
+def apart(groups, spec):
+    """Groups moved a little along the axis, so that their bars do not hide each other; not where a line is fitted."""
+    if spec.quantity == "force":
+        return groups
+    x = np.concatenate([group.x for group in groups])
+    step = ASIDE * np.ptp(x)
+    return [group._replace(x=group.x + step * (index - (len(groups) - 1) / 2)) for index, group in enumerate(groups)]
+
+
+def scale(groups, quantity):
+    if quantity.unit != "N":
+        return quantity.factor, quantity.unit
+    factor, prefix = units.prefix_for(max(np.nanmax(np.abs(group.y)) for group in groups))
+    return factor, rf"\mathrm{{{prefix}N}}"
+
+
+def read(run, spec):
+    path = run.path / measured.SERIES
+    columns = csv_columns.read_with_gaps(path, text=("name",))
+    x, y = (csv_columns.column(path, columns, name) for name in (spec.against, spec.quantity))
+    kept = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+    if kept.size == 0:
+        raise PlotError(f"{path}: holds no row with both {spec.against} and {spec.quantity}: nothing to draw; switch the measure on in "
+                        "[measure], and name the runs in [[variants]]")
+    nothing = np.full(x.size, np.nan)
+    sigma = measured.known(columns.get(f"{spec.quantity}_error", nothing))
+    kind = np.nan_to_num(columns.get("class", nothing), nan=-1).astype(int)
+    members = {}
+    for index in kept[np.argsort(x[kept], kind="stable")]:
+        members.setdefault(told_apart(columns, spec.against, index, kept), []).append(index)
+    return [Group(label, x[rows], y[rows], sigma[rows], kind[rows]) for label, rows in sorted(members.items(), key=lambda one: min(one[1]))]
+
+
+def measured_in(run):
+    """(quantity, against) of what series.csv holds two points or more of."""
+    path = run.path / measured.SERIES
+    if not path.is_file():
+        return []
+    columns = csv_columns.read_with_gaps(path, text=("name",))
+    found = []
+    for quantity in QUANTITIES:
+        kept = np.isfinite(columns.get(quantity, np.empty(0)))
+        against = [key for key in measured.AGAINST if key in columns and differ(columns[key][kept])]
+        found += [(quantity, against[0])] if against else []
+    return found
+
+
+def differ(values):
+    return len({f"{value:.3g}" for value in values if np.isfinite(value)}) > 1
+
+
+def told_apart(columns, against, row, rows):
+    """A row's label: what, besides the x axis, the rows differ in."""
+    parts = []
+    for key, (symbol, unit) in measured.AGAINST.items():
+        values = columns.get(key)
+        if key == against or values is None or len({f"{value:.3g}" for value in values[rows]}) < 2:
+            continue
+        parts.append(rf"${symbol} = {values[row]:.3g}{unit}$" if np.isfinite(values[row]) else rf"no ${symbol}$")
+    return ", ".join(parts)
+
+
+def draw_group(axes, spec, group, colour, index):
+    if spec.quantity == "force" and line_fit.can_fit(group.x, group.sigma):
+        draw_fits(axes, group, colour)
+    elif len(group.x) > 1:
+        axes.plot(group.x, group.y, color=style.GREY if by_class(spec, group) else colour, linewidth=0.7, alpha=0.55, zorder=2)
+    if not by_class(spec, group):
+        curves.points(axes, group.x, group.y, group.sigma, colour, group.label or None, curves.mark(index))
+        return
+    for kind, (mark, name) in enumerate(CLASSES):
+        of = group.kind == kind
+        if of.any():
+            curves.points(axes, group.x[of], group.y[of], group.sigma[of], curves.FEW[kind], name, mark)
+    rest = group.kind < 0
+    if rest.any():
+        curves.points(axes, group.x[rest], group.y[rest], group.sigma[rest], style.GREY, "not classified", "x")
+
+
+def by_class(spec, group):
+    """Whether the marks tell how g_B decays; several groups need them to be told apart."""
+    return spec.quantity in ("psi6", "exponent") and (group.kind >= 0).any() and not group.label
+
+
+def draw_fits(axes, group, colour):
+    """The weighted line with its band, and the best line through the origin."""
+    line, through = fits(group)
+    x = np.linspace(0, group.x.max() * 1.04, 60)
+    axes.fill_between(x, line(x) - line.sigma(x), line(x) + line.sigma(x), color=colour, alpha=0.18, linewidth=0)
+    axes.plot(x, line(x), color=colour, linewidth=1.1, label=None if group.label else r"$F_0 + c\,v$")
+    axes.plot(x, through(x), color=colour, linewidth=1.0, linestyle=(0, (5, 3)), label=None if group.label else r"$\propto v$")
+
+
+def fits(group):
+    usable = np.isfinite(group.sigma)
+    x, y, sigma = group.x[usable], group.y[usable], group.sigma[usable]
+    return line_fit.fit(x, y, sigma), line_fit.fit(x, y, sigma, proportional=True)
+
+
+def caption(run, spec):
+    groups = read(run, spec)
+    text = f"{QUANTITIES[spec.quantity].words}, against {WORDS[spec.against]}, one point a run or ensemble of runs; bars: standard error."
+    if spec.quantity == "exponent":
+        text += " Broken line: 1/4, where a hexatic phase ends."
+    unknown = sum(int(np.isnan(group.sigma).sum()) for group in groups)
+    if unknown:
+        text += f" {unknown} point{'s have' if unknown > 1 else ' has'} no known error."
+    if len(groups) > 1 and spec.quantity != "force":
+        text += " The groups are moved a little apart along the axis."
+    return text + "".join(fit_told(group) for group in groups if spec.quantity == "force")
+
+
+def fit_told(group):
+    who = f"{words.label_html(group.label)}: " if group.label else ""
+    if not line_fit.can_fit(group.x, group.sigma):
+        return f" {who}No line is fitted: that needs three points of known error at different speeds."
+    line, through = fits(group)
+    (at_rest, slope), (error, slope_error) = line.values, line.errors
+    return (f" {who}Line with band, weighted fit <i>F</i> = <i>F</i><sub>0</sub> + <i>cv</i>: <i>F</i><sub>0</sub> = "
+            f"{words.with_error(at_rest, error, 1e6)} µN, <i>c</i> = {words.with_error(slope, slope_error, 1e6)} µN s/<i>a</i>, "
+            f"{chi2(line)}. Broken line, <i>F</i> ∝ <i>v</i>: {words.with_error(through.values[0], through.errors[0], 1e6)} µN s/<i>a</i>, "
+            f"{chi2(through)}.")
+
+
+def chi2(fit):
+    return f"<i>χ</i>² = {words.number(fit.chi2, 3)} for {fit.dof} degree{'' if fit.dof == 1 else 's'} of freedom"

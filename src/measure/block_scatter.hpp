@@ -1,0 +1,38 @@
+#pragma once
+// Standard errors of bins from what each block pulls a bin's value by.
+//
+//   error^2 = n/(n - 1) sum_b pull_b^2,   pull_b = w_b (v_b - mean)/sum w                  (as
+//   mean_of_blocks)
+//
+// With few blocks such an error is itself uncertain by 1/sqrt(2 (n - 1)), and the ratio of a deviation to it
+// has long tails. So it is mixed with what the whole field suggests for a bin of so many beads, s^2/count,
+// as if that came from four more blocks. Correlation of successive blocks, of all bins together, then makes
+// all errors larger by correlation_factor.
+
+#include "bin_samples.hpp"
+
+#include <span>
+
+namespace rodwake::measure {
+
+class BlockScatter {
+public:
+    /// Pulls of the blocks of one bin in order of time and runs; successive[b]: b follows b - 1 in one run.
+    /// Blocks without data have pull 0 and are not present.
+    void add(std::size_t bin, std::span<const Vector2> pulls, const std::vector<bool>& present,
+             const std::vector<bool>& successive);
+
+    /// Writes sigma, blocks and block_correlation. Count must be there.
+    void finish(BinSamples& samples) const;
+
+    explicit BlockScatter(std::size_t bins) : squares_(bins), blocks_(bins) {}
+
+private:
+    Vector2 typical(const BinSamples& samples) const;
+
+    std::vector<Vector2> squares_; ///< sums of pull^2
+    std::vector<double> blocks_;
+    double products_ = 0.0, product_squares_ = 0.0;
+};
+
+} // namespace rodwake::measure

@@ -1,0 +1,181 @@
+#include "rodwake/measure/bragg.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include "plane_waves.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace rodwake::measure {
+
+namespace {
+
+constexpr double ring_width = 0.12;    // relative, on either side
+constexpr std::size_t strongest = 200; // of the ring that may belong to the triple
+constexpr std::size_t least_points = 12;
+
+using Complex = std::complex<double>;
+using Order = std::pair<int, int>;
+
+struct Wave {
+    Order order;
+    double strength;
+};
+
+/// exp(2 pi i m place/box) for m = 0..most: [m][place].
+std::vector<std::vector<Complex>> powers(std::span<const double> places, double box, int most) {
+    std::vector<std::vector<Complex>> rows(static_cast<std::size_t>(most) + 1,
+                                           std::vector<Complex>(places.size(), Complex{1.0, 0.0}));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const Complex step = turn_by(2.0 * M_PI * places[i] / box);
+        for (std::size_t m = 1; m < rows.size(); ++m)
+            rows[m][i] = times(rows[m - 1][i], step);
+    }
+    return rows;
+}
+
+double strength_of(const std::vector<Complex>& along_x, const std::vector<Complex>& along_y, bool conjugate) {
+    Complex sum = 0.0;
+    for (std::size_t i = 0; i < along_x.size(); ++i)
+        sum += times(along_x[i], conjugate ? std::conj(along_y[i]) : along_y[i]);
+    return std::norm(sum / static_cast<double>(along_x.size()));
+}
+
+/// Half of the ring (n > 0, or n = 0 and m > 0); the other half is its mirror image.
+std::vector<Wave> ring_of(std::span<const double> x, std::span<const double> y, double box) {
+    // number of waves across the box: rows of a triangular lattice of N sites
+    const double middle = std::sqrt(2.0 * static_cast<double>(x.size()) / std::sqrt(3.0));
+    const int most = static_cast<int>(std::ceil(middle * (1.0 + ring_width)));
+    const auto along_x = powers(x, box, most), along_y = powers(y, box, most);
+    std::vector<Wave> ring;
+    for (int n = 0; n <= most; ++n)
+        for (int m = n == 0 ? 1 : -most; m <= most; ++m)
+            if (std::abs(std::hypot(m, n) - middle) <= ring_width * middle)
+                ring.push_back({{m, n}, // conj(sum) has the same size: the sign of m goes to n
+                                strength_of(along_x[static_cast<std::size_t>(std::abs(m))],
+                                            along_y[static_cast<std::size_t>(n)], m < 0)});
+    return ring;
+}
+
+/// Between 45 and 75 degrees apart.
+bool sixty_degrees(const Order& a, const Order& b) {
+    const double dot = a.first * b.first + a.second * b.second;
+    const double cosine = dot / (std::hypot(a.first, a.second) * std::hypot(b.first, b.second));
+    return cosine > 0.2588 && cosine < 0.7072;
+}
+
+struct Triple {
+    std::array<Order, 3> order{};
+    double product = -1.0;
+};
+
+/// The middle one of a triple is the sum of the other two, either sign of which may be in the half ring.
+Triple best_triple(const std::vector<Wave>& waves) {
+    std::map<Order, double> strength;
+    for (const Wave& wave : waves) {
+        strength[wave.order] = wave.strength;
+        strength[{-wave.order.first, -wave.order.second}] = wave.strength;
+    }
+    Triple best;
+    for (const Wave& middle : waves)
+        for (const auto& [side, of_side] : strength) {
+            const Order other{middle.order.first - side.first, middle.order.second - side.second};
+            const auto found = strength.find(other);
+            if (found == strength.end() || !sixty_degrees(middle.order, side) ||
+                !sixty_degrees(middle.order, other))
+                continue;
+            const double product = middle.strength * of_side * found->second;
+            if (product > best.product * (1.0 + 1e-9)) // equal ones differ by rounding: the first
+                best = {{side, middle.order, other}, product};
+        }
+    return best;
+}
+
+/// Orders with angles in [0, pi), rising: then the middle one is the sum of the others.
+std::array<Order, 3> canonical(std::array<Order, 3> order) {
+    for (Order& one : order)
+        if (one.second < 0 || (one.second == 0 && one.first < 0))
+            one = {-one.first, -one.second};
+    std::ranges::sort(order, [](const Order& a, const Order& b) {
+        return std::atan2(a.second, a.first) < std::atan2(b.second, b.first);
+    });
+    return order;
+}
+
+double strength_in(const std::vector<Wave>& ring, const Order& order) {
+    return std::ranges::find(ring, order, &Wave::order)->strength;
+}
+
+BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& order, double box) {
+    BraggPeaks peaks;
+    double total = 0.0;
+    for (const Wave& wave : ring)
+        total += wave.strength;
+    for (std::size_t k = 0; k < 3; ++k) {
+        peaks.m[k] = order[k].first;
+        peaks.n[k] = order[k].second;
+        peaks.G[k] = {2.0 * M_PI * peaks.m[k] / box, 2.0 * M_PI * peaks.n[k] / box};
+        peaks.strength[k] = strength_in(ring, order[k]);
+        total -= peaks.strength[k];
+    }
+    peaks.liquid_strength = std::max(total, 0.0) / static_cast<double>(ring.size() - 3);
+    return peaks;
+}
+
+} // namespace
+
+double BraggPeaks::contrast() const {
+    const double peak = std::ranges::max(strength);
+    return peak / std::max(liquid_strength, 1e-12); // a perfect lattice has nothing but its peaks
+}
+
+double BraggPeaks::row_angle() const {
+    double sum = 0.0; // rows are perpendicular to a peak; peaks are 60 degrees apart
+    for (std::size_t k = 0; k < 3; ++k)
+        sum += std::atan2(G[k].y, G[k].x) - static_cast<double>(k) * M_PI / 3.0;
+    const double angle = std::fmod(sum / 3.0 + M_PI / 2.0, M_PI / 3.0);
+    return angle < 0.0 ? angle + M_PI / 3.0 : angle;
+}
+
+BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, double box) {
+    if (x.size() < least_points || x.size() != y.size())
+        throw InputError(
+            fmt::format("measure: Bragg peaks of {} and {} coordinates: needs as many y as x, at "
+                        "least {}",
+                        x.size(), y.size(), least_points));
+    const auto ring = ring_of(x, y, box);
+    auto waves = ring;
+    std::ranges::stable_sort(waves, std::greater{}, &Wave::strength);
+    if (waves.size() > strongest)
+        waves.resize(strongest);
+    Triple best = best_triple(waves);
+    if (best.product < 0.0)
+        best = best_triple(ring);
+    if (best.product < 0.0)
+        throw RunError(
+            fmt::format("measure: no three wave vectors of a lattice of {} beads fit the box", x.size()));
+    return peaks_of(ring, canonical(best.order), box);
+}
+
+Vector2 displacement_of(const BraggPeaks& peaks, const std::array<double, 3>& phase) {
+    double xx = 0.0, xy = 0.0, yy = 0.0, bx = 0.0, by = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vector2& g = peaks.G[k];
+        xx += g.x * g.x;
+        xy += g.x * g.y;
+        yy += g.y * g.y;
+        bx += g.x * phase[k];
+        by += g.y * phase[k];
+    }
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 0.0))
+        throw InputError("measure: displacement from wave vectors that are parallel");
+    return {(yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant};
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,29 @@
+#pragma once
+// Least squares of A m(r; k) to points with errors, where k alone is nonlinear: A follows from k.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace rodwake::measure {
+
+struct ShapeFit {
+    double k = 0.0, amplitude = 0.0, chi2 = 0.0;
+    double error = -1.0; ///< of k, where chi2 has grown by 1 by its curvature; < 0: no curvature
+};
+
+/// m(r; k) at one distance. `box` 0: infinite plane.
+using Shape = double (*)(double r, double k, double box);
+double algebraic_shape(double r, double eta, double box);    ///< exp(-eta s), see structure.hpp
+double exponential_shape(double r, double rate, double box); ///< rate = 1/xi
+
+struct Points {
+    std::span<const double> r, value, error;
+};
+double chi2_of_shape(Shape shape, const Points& points, double k, double box);
+/// The smallest chi2 of k in [low, high], which holds one minimum; the error stays unknown.
+ShapeFit refine_shape(Shape shape, const Points& points, double low, double high, double box);
+/// The same where there may be several, from a scan that is then refined.
+ShapeFit fit_shape(Shape shape, const Points& points, double low, double high, double box);
+
+} // namespace rodwake::measure

@@ -1,0 +1,179 @@
+#include "rodwake/core/error.hpp"
+
+#include "fill_in.hpp"
+#include "lagrangian_samples.hpp"
+#include "phase_samples.hpp"
+#include "regrid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::measure {
+
+namespace {
+
+constexpr int reference_rounds = 3;
+
+void check(std::span<const DisplacementRecord> runs) {
+    const bool same = std::ranges::all_of(runs, [&](const DisplacementRecord& run) {
+        return run.layout() == runs[0].layout() && run.keys() == runs[0].keys();
+    });
+    if (!same)
+        throw InputError("measure: displacement: records of different beds or keys cannot be put together");
+    if (std::ranges::none_of(runs, [](const DisplacementRecord& run) { return run.impl().frames > 0; }))
+        throw InputError(
+            "measure: displacement: there are no frames to measure, or none has a bead farther than "
+            "far_from from every rod; lengthen the runs or lower `from` or `far_from`");
+}
+
+std::vector<bool> known(const DisplacementField& field) {
+    std::vector<bool> result(field.count.size());
+    for (std::size_t j = 0; j < result.size(); ++j)
+        result[j] = field.count[j] > 0.0;
+    return result;
+}
+
+/// Mean of the filled field over the reference.
+Vector2 reference_of(const DisplacementField& field, double far_from) {
+    const RodGrid& grid = field.grid;
+    const double inside = 0.5 * grid.spacing * static_cast<double>(grid.n); // in the box at any heading
+    Vector2 sum;
+    double total = 0.0;
+    for (std::size_t j = 0; j < grid.bins(); ++j) {
+        const double r = std::hypot(grid.middle(j % grid.n), grid.middle(j / grid.n));
+        const bool counts = field.reference == Reference::far ? field.count[j] > 0.0 && r > far_from
+                                                              : field.count[j] > 0.0 || r < inside;
+        if (!counts)
+            continue;
+        sum.x += field.Ux[j];
+        sum.y += field.Uy[j];
+        total += 1.0;
+    }
+    return total > 0.0 ? Vector2{sum.x / total, sum.y / total} : Vector2{};
+}
+
+void shift(DisplacementField& field, const Vector2& by) {
+    for (double& u : field.Ux)
+        u -= by.x;
+    for (double& u : field.Uy)
+        u -= by.y;
+}
+
+void fill_gaps(DisplacementField& field) {
+    const auto measured = known(field);
+    if (std::ranges::find(measured, true) == measured.end())
+        throw InputError("measure: displacement: no bead came into any bin of the grid");
+    fill_in(field.Ux, measured, field.grid.n);
+    fill_in(field.Uy, measured, field.grid.n);
+}
+
+/// Where a displaced sample was depends on what counts as no displacement, so the two are found together.
+void place(const BinSamples& samples, double far_from, DisplacementField& field) {
+    const bool displaced = field.method != DisplacementMethod::lagrangian;
+    std::vector<Vector2> undisplaced = samples.place;
+    for (int round = 0; round < reference_rounds; ++round) {
+        if (displaced)
+            for (std::size_t j = 0; j < undisplaced.size(); ++j)
+                undisplaced[j] = {samples.place[j].x - samples.value[j].x + field.offset.x,
+                                  samples.place[j].y - samples.value[j].y + field.offset.y};
+        regrid(samples, undisplaced, field);
+        fill_gaps(field);
+        field.offset = reference_of(field, far_from);
+    }
+    shift(field, field.offset);
+}
+
+/// Bin of (x, -y).
+std::size_t mirrored(std::size_t bin, std::size_t n) { return (n - bin / n) % n * n + bin % n; }
+
+struct Pair {
+    double value, sigma;
+};
+
+Pair mean_of(double u, double v, double su, double sv, double cu, double cv) {
+    return {(cu * u + cv * v) / (cu + cv), std::hypot(cu * su, cv * sv) / (cu + cv)};
+}
+
+/// The mean of the field and its mirror image; on the axis U_y is 0 and sigma stays as it is.
+DisplacementField with_mirror_image(const DisplacementField& field) {
+    DisplacementField mean = field;
+    for (std::size_t j = 0; j < field.grid.bins(); ++j) {
+        const std::size_t k = mirrored(j, field.grid.n);
+        if (field.count[j] + field.count[k] == 0.0)
+            continue;
+        const auto x = mean_of(field.Ux[j], field.Ux[k], field.sigma_x[j], field.sigma_x[k], field.count[j],
+                               field.count[k]);
+        const auto y = mean_of(field.Uy[j], -field.Uy[k], field.sigma_y[j], field.sigma_y[k], field.count[j],
+                               field.count[k]);
+        mean.Ux[j] = x.value;
+        mean.Uy[j] = y.value;
+        if (j == k)
+            continue;
+        mean.sigma_x[j] = x.sigma;
+        mean.sigma_y[j] = y.sigma;
+        mean.count[j] = field.count[j] + field.count[k];
+        mean.coherence[j] =
+            (field.count[j] * field.coherence[j] + field.count[k] * field.coherence[k]) / mean.count[j];
+    }
+    fill_gaps(mean);
+    return mean;
+}
+
+double scatter(const std::vector<double>& values, const std::vector<bool>& measured) {
+    double sum = 0.0, squares = 0.0, count = 0.0;
+    for (std::size_t j = 0; j < values.size(); ++j)
+        if (measured[j]) {
+            sum += values[j];
+            squares += values[j] * values[j];
+            count += 1.0;
+        }
+    return std::sqrt(std::max(squares / count - sum * sum / (count * count), 0.0));
+}
+
+/// Errors of bins without data, and of all if there is but one block.
+void unknown_errors(DisplacementField& field) {
+    const auto measured = known(field);
+    const double sx = scatter(field.Ux, measured), sy = scatter(field.Uy, measured);
+    for (std::size_t j = 0; j < field.grid.bins(); ++j)
+        if (!measured[j] || field.blocks < 2) {
+            field.sigma_x[j] = sx;
+            field.sigma_y[j] = sy;
+        }
+}
+
+void describe(std::span<const DisplacementRecord> runs, DisplacementField& field) {
+    double path = 0.0, duration = 0.0;
+    for (const DisplacementRecord& run : runs) {
+        const auto& impl = run.impl();
+        field.frames += impl.frames;
+        path += impl.path;
+        duration += impl.duration;
+        std::visit([&](const auto& sums) { field.blocks += sums.blocks().size(); }, impl.sums);
+        if (const auto* phase = std::get_if<PhaseRecord>(&impl.sums);
+            phase && phase->peaks() && field.peaks.m[0] == 0 && field.peaks.n[0] == 0)
+            field.peaks = *phase->peaks();
+    }
+    field.mean_speed = duration > 0.0 ? path / duration : 0.0;
+}
+
+} // namespace
+
+DisplacementField reduce(std::span<const DisplacementRecord> runs) {
+    check(runs);
+    const DisplacementKeys& keys = runs[0].keys();
+    DisplacementField field;
+    field.grid = RodGrid(runs[0].layout().box, keys.spacing);
+    field.method = keys.method;
+    field.reference = keys.reference;
+    describe(runs, field);
+    const BinSamples samples =
+        keys.method == DisplacementMethod::lagrangian ? lagrangian_samples(runs) : phase_samples(runs);
+    field.block_correlation = samples.block_correlation;
+    place(samples, runs[0].impl().far_from, field);
+    if (keys.mirror)
+        field = with_mirror_image(field);
+    unknown_errors(field);
+    return field;
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,67 @@
+#include "rodwake/measure/frame.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::measure {
+
+namespace {
+
+void want_positive(const char* what, double value) {
+    if (!(std::isfinite(value) && value > 0.0))
+        throw InputError(fmt::format("measure: {} {}: must be finite and positive", what, value));
+}
+
+void want_values(const char* what, const std::vector<double>& values, std::size_t count) {
+    if (values.size() != count)
+        throw RunError(fmt::format("measure: {} {} in a frame, expected {}", values.size(), what, count));
+    if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); }))
+        throw RunError(fmt::format("measure: {} that are not finite", what));
+}
+
+void want_inside(const std::vector<double>& places, double box) {
+    for (const double place : places)
+        if (!(place >= 0.0 && place < box))
+            throw RunError(
+                fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?", place, box));
+}
+
+} // namespace
+
+void validate(const Layout& layout) {
+    want_positive("side of the box", layout.box);
+    want_positive("bead radius", layout.bead_radius);
+    want_positive("bead mass", layout.bead_mass);
+    if (layout.box < 8.0 * layout.bead_radius)
+        throw InputError(fmt::format("measure: a box of side {:.3g} a: must be at least 8 a",
+                                     layout.box / layout.bead_radius));
+    if (layout.beads == 0)
+        throw InputError("measure: there are no beads to measure");
+}
+
+void check_frame(const Layout& layout, const Frame& frame) {
+    if (!std::isfinite(frame.time))
+        throw RunError("measure: the time of a frame is not finite");
+    for (const auto* values : {&frame.x, &frame.y, &frame.free_x, &frame.free_y})
+        want_values("coordinates of beads", *values, layout.beads);
+    for (const auto* values : {&frame.vx, &frame.vy})
+        want_values("velocities of beads", *values, layout.beads);
+    want_inside(frame.x, layout.box);
+    want_inside(frame.y, layout.box);
+    if (frame.rods.size() != layout.rods)
+        throw RunError(
+            fmt::format("measure: {} rods in a frame, expected {}", frame.rods.size(), layout.rods));
+    for (const RodPlace& rod : frame.rods)
+        if (!(std::isfinite(rod.x) && std::isfinite(rod.y) && std::isfinite(rod.heading)))
+            throw RunError("measure: the place of a rod is not finite");
+}
+
+double nearest(double difference, double box) {
+    return std::remainder(difference, box); // exact, but a call: inner loops have their own
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,95 @@
+#include "pair_counts.hpp"
+
+#include "pair_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace rodwake::measure {
+
+namespace {
+
+/// Structure of arrays of what a pair needs of a bead.
+struct Columns {
+    std::vector<double> x, y, re, im;
+
+    PairColumns rows() const { return {x.data(), y.data(), re.data(), im.data()}; }
+};
+
+Columns columns(const std::vector<double>& x, const std::vector<double>& y,
+                const std::vector<std::complex<double>>& psi) {
+    const std::vector<double> none(x.size() + padding, 0.0);
+    Columns c{none, none, none, none};
+    std::ranges::copy(x, c.x.begin());
+    std::ranges::copy(y, c.y.begin());
+    for (std::size_t i = 0; i < psi.size(); ++i) {
+        c.re[i] = psi[i].real();
+        c.im[i] = psi[i].imag();
+    }
+    return c;
+}
+
+struct Slot {
+    double pairs = 0.0, order = 0.0; // side by side: one cache line, one vector of two
+};
+
+/// One pair after the other: a sum's order never changes.
+void add_row(const std::int32_t* at, const double* order, std::size_t count, Slot* slots) {
+    for (std::size_t k = 0; k < count; ++k) {
+        slots[at[k]].pairs += 1.0;
+        slots[at[k]].order += order[k];
+    }
+}
+
+PairSums split(const std::vector<Slot>& slots, std::size_t bins) {
+    PairSums sums{std::vector<double>(bins), std::vector<double>(bins)};
+    for (std::size_t k = 0; k < bins; ++k) {
+        sums.pairs[k] = slots[k].pairs;
+        sums.order[k] = slots[k].order;
+    }
+    return sums;
+}
+
+} // namespace
+
+PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
+                     const std::vector<std::complex<double>>& psi, double box, double bin, std::size_t bins) {
+    const Columns c = columns(x, y, psi);
+    const double per_bin = 1.0 / bin;
+    // Slots as far as the corners of the box, box/sqrt(2), so that the loop need not ask.
+    std::vector<Slot> slots(static_cast<std::size_t>(0.7072 * box * per_bin) + 2);
+    slots.resize(std::max(slots.size(), bins));
+    std::vector<std::int32_t> at(x.size() + padding);
+    std::vector<double> order(x.size() + padding);
+    for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+        const std::size_t count = x.size() - i - 1;
+        fill_pair_row(c.rows(), i, count, box, per_bin, at.data(), order.data());
+        add_row(at.data(), order.data(), count, slots.data());
+    }
+    return split(slots, bins);
+}
+
+std::size_t whole_bins(double box, double bin) {
+    return static_cast<std::size_t>(box / (2.0 * bin) * (1.0 + 1e-12));
+}
+
+std::vector<double> pair_correlation(const std::vector<double>& pairs, double frames, std::size_t beads,
+                                     double box, double bin) {
+    const double n = static_cast<double>(beads), all = frames * n * (n - 1.0) / 2.0;
+    std::vector<double> g(pairs.size(), 0.0);
+    for (std::size_t k = 0; k < g.size() && all > 0.0; ++k) {
+        const double ring = M_PI * bin * bin * (2.0 * static_cast<double>(k) + 1.0);
+        g[k] = pairs[k] / (all * ring / (box * box));
+    }
+    return g;
+}
+
+std::vector<double> middles(std::size_t bins, double bin) {
+    std::vector<double> r(bins);
+    for (std::size_t k = 0; k < bins; ++k)
+        r[k] = (static_cast<double>(k) + 0.5) * bin;
+    return r;
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,25 @@
+#pragma once
+// The blocks of all runs of an estimator with phases, ready to be put together.
+
+#include "displacement_impl.hpp"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace rodwake::measure {
+
+struct PhaseBlock {
+    std::span<const double> sums; ///< [bin][PhaseRecord::channels]
+    std::array<Vector2, 3> g;     ///< along the rod's axes
+    std::array<int, 3> m{}, n{};  ///< of the lattice
+    double heading = 0.0, frames = 0.0;
+    bool successive = false; ///< follows the one before in the same run
+};
+
+/// `smoothed` holds the sums of those that are made new: for `density` the far field's phases of each block
+/// are taken off and the sums are averaged over a window wider than the lattice spacing.
+std::vector<PhaseBlock> phase_blocks(std::span<const DisplacementRecord> runs,
+                                     std::vector<std::vector<double>>& smoothed);
+
+} // namespace rodwake::measure

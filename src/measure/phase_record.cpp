@@ -1,0 +1,104 @@
+#include "phase_record.hpp"
+
+namespace rodwake::measure {
+
+namespace {
+
+Phases referenced(const Phases& waves, const Phases& reference) {
+    return {times(waves[0], reference[0]), times(waves[1], reference[1]), times(waves[2], reference[2])};
+}
+
+} // namespace
+
+PhaseRecord::PhaseRecord(const Layout& layout, const DisplacementKeys& keys)
+    : layout_(layout), keys_(keys), grid_(layout.box, keys.spacing),
+      blocks_(grid_.bins(), channels, keys.block), waves_(layout.beads) {}
+
+bool PhaseRecord::add(const Frame& frame) {
+    if (!peaks_)
+        peaks_ = find_peaks(frame.x, frame.y, layout_.box);
+    for (std::size_t i = 0; i < layout_.beads; ++i)
+        waves_[i] = plane_waves(peaks_->G, frame.x[i], frame.y[i]);
+    const auto reference = far_phases(frame);
+    if (!reference)
+        return false;
+    const RodPlace& place = frame.rods[keys_.rod];
+    const RodView rod(place, layout_.box);
+    BlockSums& block = blocks_.at(frame.time, place.heading);
+    const auto turned = seen_along(peaks_->G, block.first_heading);
+    for (std::size_t i = 0; i < layout_.beads; ++i) {
+        const Seen now = rod.at(frame.x[i], frame.y[i]);
+        if (keys_.method == DisplacementMethod::density)
+            count(now, plane_waves(turned, now.x, now.y), block);
+        else
+            count(now, referenced(waves_[i], *reference), block);
+    }
+    return true;
+}
+
+/// Unit numbers to multiply by, so that the far field's mean phases become 0.
+std::optional<Phases> PhaseRecord::far_phases(const Frame& frame) const {
+    const FarField far(frame, layout_.box, keys_.far_from);
+    Phases sum{};
+    for (std::size_t i = 0; i < layout_.beads; ++i)
+        if (far.has(frame.x[i], frame.y[i]))
+            for (std::size_t k = 0; k < 3; ++k)
+                sum[k] += waves_[i][k];
+    for (auto& phase : sum) {
+        if (phase == 0.0)
+            return std::nullopt;
+        phase = std::conj(phase) / std::abs(phase);
+    }
+    return sum;
+}
+
+void PhaseRecord::count(const Seen& now, const Phases& waves, BlockSums& block) const {
+    const auto bin = grid_.bin(now.x, now.y);
+    if (!bin)
+        return;
+    double* sums = block.sums.data() + *bin * channels;
+    for (std::size_t k = 0; k < 3; ++k) {
+        sums[2 * k] += waves[k].real();
+        sums[2 * k + 1] += waves[k].imag();
+    }
+    sums[beads] += 1.0;
+    sums[place_x] += nearest_step(now.x - grid_.middle(*bin % grid_.n), layout_.box);
+    sums[place_y] += nearest_step(now.y - grid_.middle(*bin / grid_.n), layout_.box);
+}
+
+void PhaseRecord::pack(Packer& out) const {
+    measure::pack(out, peaks_);
+    blocks_.pack(out);
+}
+
+void PhaseRecord::unpack(Unpacker& in) {
+    peaks_ = unpack_peaks(in);
+    blocks_.unpack(in);
+}
+
+void pack(Packer& out, const std::optional<BraggPeaks>& peaks) {
+    out.put(std::size_t{peaks ? 1U : 0U});
+    if (!peaks)
+        return;
+    for (std::size_t k = 0; k < 3; ++k)
+        for (const double value : {static_cast<double>(peaks->m[k]), static_cast<double>(peaks->n[k]),
+                                   peaks->G[k].x, peaks->G[k].y, peaks->strength[k]})
+            out.put(value);
+    out.put(peaks->liquid_strength);
+}
+
+std::optional<BraggPeaks> unpack_peaks(Unpacker& in) {
+    if (in.count() == 0)
+        return std::nullopt;
+    BraggPeaks peaks;
+    for (std::size_t k = 0; k < 3; ++k) {
+        peaks.m[k] = static_cast<int>(in.get());
+        peaks.n[k] = static_cast<int>(in.get());
+        peaks.G[k] = {in.get(), in.get()};
+        peaks.strength[k] = in.get();
+    }
+    peaks.liquid_strength = in.get();
+    return peaks;
+}
+
+} // namespace rodwake::measure

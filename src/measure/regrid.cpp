@@ -1,0 +1,63 @@
+#include "regrid.hpp"
+
+#include "local_fit.hpp"
+
+#include <cmath>
+#include <optional>
+
+namespace rodwake::measure {
+
+namespace {
+
+constexpr double own = 0.5, nearest_allowed = 0.75; // in spacings
+
+std::vector<Near> behind(const std::vector<Near>& near) {
+    std::vector<Near> found;
+    std::optional<Near> nearest;
+    const auto size = [](const Near& one) { return std::max(std::abs(one.x), std::abs(one.y)); };
+    for (const Near& one : near) {
+        if (size(one) <= own)
+            found.push_back(one);
+        if (!nearest || size(one) < size(*nearest))
+            nearest = one;
+    }
+    if (found.empty() && nearest && size(*nearest) <= nearest_allowed)
+        found.push_back(*nearest);
+    return found;
+}
+
+void put(std::size_t bin, const std::vector<Near>& own_samples, const LocalFit& fit,
+         const BinSamples& samples, DisplacementField& field) {
+    double total = 0.0;
+    for (const Near& one : own_samples) {
+        const std::size_t k = one.sample;
+        const double w = samples.count[k];
+        const Vector2 apart = fit.difference(one.x, one.y);
+        field.Ux[bin] += w * (samples.value[k].x - apart.x);
+        field.Uy[bin] += w * (samples.value[k].y - apart.y);
+        field.sigma_x[bin] += w * samples.sigma[k].x; // neighbours share their cell, so errors do not cancel
+        field.sigma_y[bin] += w * samples.sigma[k].y;
+        field.coherence[bin] += w * samples.coherence[k];
+        total += w;
+    }
+    for (auto* values : {&field.Ux, &field.Uy, &field.sigma_x, &field.sigma_y, &field.coherence})
+        (*values)[bin] /= total;
+    field.count[bin] = total / static_cast<double>(own_samples.size());
+}
+
+} // namespace
+
+void regrid(const BinSamples& samples, const std::vector<Vector2>& undisplaced, DisplacementField& field) {
+    for (auto* values :
+         {&field.Ux, &field.Uy, &field.sigma_x, &field.sigma_y, &field.coherence, &field.count})
+        values->assign(field.grid.bins(), 0.0);
+    const Scattered scattered(samples, undisplaced, field.grid);
+    for (std::size_t bin = 0; bin < field.grid.bins(); ++bin) {
+        const auto near = scattered.around(bin, LocalFit::reach);
+        const auto own_samples = behind(near);
+        if (!own_samples.empty())
+            put(bin, own_samples, LocalFit(near, samples), samples, field);
+    }
+}
+
+} // namespace rodwake::measure

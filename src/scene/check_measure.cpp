@@ -1,0 +1,131 @@
+#include "check_measure.hpp"
+
+#include "fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+using Report = std::function<void(const std::string&, const std::string&)>;
+
+void rods(const Measure& m, const Granular& bed, const Report& report) {
+    const auto count = static_cast<long>(bed.rods.size());
+    const auto want_rod = [&](bool wanted, const char* key) {
+        if (wanted && count == 0)
+            report(std::string("measure.") + key,
+                   fmt::format("{} needs [[granular.rods]]: it is seen from a rod", key));
+    };
+    want_rod(m.flow, "flow");
+    want_rod(m.force, "force");
+    want_rod(m.displacement != DisplacementMethod::none, "displacement");
+    if (m.pairs && count != 2)
+        report("measure.pairs", fmt::format("pairs needs two [[granular.rods]]; there are {}", count));
+    if (count > 0 && m.rod >= count)
+        report("measure.rod",
+               fmt::format("there is no rod {}: granular.rods has {} (numbered from 0)", m.rod, count));
+}
+
+void times(const Measure& m, const Granular& bed, const Report& report) {
+    const double interval = m.interval.value_or(bed.output.frames.value_or(bed.duration / 100.0));
+    if (m.interval && *m.interval < bed.time_step)
+        report("measure.interval",
+               fmt::format("interval = {:g} s is shorter than granular.time_step = {:g} s", *m.interval,
+                           bed.time_step));
+    if (m.block < interval)
+        report("measure.block",
+               fmt::format("block = {:g} s is shorter than the interval of {:g} s", m.block, interval));
+    if (m.from >= bed.duration && m.trajectory.empty())
+        report("measure.from",
+               fmt::format("from = {:g} s is not before the end of the run, {:g} s: nothing would "
+                           "be measured",
+                           m.from, bed.duration));
+    if (m.order_interval) {
+        const double ratio = *m.order_interval / interval;
+        if (ratio < 0.999 || std::abs(ratio - std::round(ratio)) > 1e-6 * ratio)
+            report("measure.order_interval",
+                   fmt::format("order_interval = {:g} s is no whole multiple of the interval "
+                               "of {:g} s",
+                               *m.order_interval, interval));
+    }
+    if (m.s_low && m.s_high && !(*m.s_low < *m.s_high))
+        report("measure.s_high",
+               fmt::format("s_high = {:g} must be above s_low = {:g}", *m.s_high, *m.s_low));
+}
+
+void lengths(const Measure& m, const Granular& bed, const Report& report) {
+    const auto want_below = [&](const std::optional<double>& value, const char* key, double most,
+                                const char* why) {
+        if (value && *value > most)
+            report(std::string("measure.") + key,
+                   fmt::format("{} = {:g} m: at most {:g} m, {}", key, *value, most, why));
+    };
+    want_below(m.spacing, "spacing", bed.box / 4.0, "a quarter of the box");
+    want_below(m.flow_spacing, "flow_spacing", bed.box / 4.0, "a quarter of the box");
+    want_below(m.order_cutoff, "order_cutoff", bed.box / 4.0, "a quarter of the box");
+    want_below(m.marked_within, "marked_within", bed.box / 2.0, "half the box");
+    want_below(m.profile_offset, "profile_offset", bed.box / 2.0, "half the box");
+    want_below(m.far_from, "far_from", 0.45 * bed.box, "0.45 of the box: beyond it hardly a bead is left");
+    if (m.order_cutoff && m.order_neighbours == NeighbourRule::delaunay)
+        report("measure.order_cutoff", "order_cutoff belongs to order_neighbours = \"cutoff\" only");
+}
+
+/// What a figure shows has to be measured.
+std::string missing(const Figure& figure, const Scene& scene) {
+    const Measure m = scene.measure.value_or(Measure{});
+    const std::string &kind = figure.kind, &what = figure.quantity;
+    const auto series_of = [&](std::initializer_list<const char*> quantities) {
+        return kind == "series" && std::ranges::find(quantities, what) != quantities.end();
+    };
+    if (kind == "series" && scene.variants.empty())
+        return "[[variants]]: a point each";
+    if ((kind == "pair_correlation" || kind == "bond_order" || series_of({"psi6", "exponent"})) && !m.order)
+        return "measure.order = true";
+    if ((kind == "msd" || series_of({"stiffness"})) && !m.microrheology)
+        return "measure.microrheology = true";
+    if ((kind == "flow" || kind == "dragged") && !m.flow)
+        return "measure.flow = true";
+    if ((kind == "pair_tracks" || series_of({"delta_y", "non_reciprocity"})) && !m.pairs)
+        return "measure.pairs = true";
+    if (series_of({"force", "speed"}) && !m.force)
+        return "measure.force = true";
+    if ((kind == "profile" || kind == "displacement_map") && m.displacement == DisplacementMethod::none)
+        return "measure.displacement";
+    return "";
+}
+
+void options(const Figure& figure, const std::string& path, const Report& report) {
+    const Figure unset;
+    if (figure.kind != "profile" && figure.along != unset.along)
+        report(path + ".along", "along belongs to kind profile only");
+    if (figure.kind != "series" && figure.quantity != unset.quantity)
+        report(path + ".quantity", "quantity belongs to kind series only");
+    if (figure.kind != "series" && figure.against != unset.against)
+        report(path + ".against", "against belongs to kind series only");
+    if (figure.kind == "profile" && figure.sqrt_scaled && figure.along == "y")
+        report(path + ".sqrt_scaled",
+               "sqrt_scaled belongs to profiles along x: behind the rod U falls as |x|^(-1/2)");
+}
+
+} // namespace
+
+void check_measure(const Scene& scene, const Report& report) {
+    for (std::size_t i = 0; i < scene.figures.size(); ++i) {
+        const Figure& figure = scene.figures[i];
+        const std::string path = fmt::format("figures.{}", i);
+        if (shows_measures(figure))
+            if (const std::string what = missing(figure, scene); !what.empty())
+                report(path + ".kind", fmt::format("a figure of kind {} needs {}", figure.kind, what));
+        options(figure, path, report);
+    }
+    if (!scene.measure || !scene.granular)
+        return;
+    rods(*scene.measure, *scene.granular, report);
+    times(*scene.measure, *scene.granular, report);
+    lengths(*scene.measure, *scene.granular, report);
+}
+
+} // namespace rodwake::scene

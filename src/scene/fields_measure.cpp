@@ -1,0 +1,185 @@
+// Field list of [measure]. SI, with the bed's `a` (fields(Scene) says so).
+
+#include "fields.hpp"
+
+namespace rodwake::scene {
+
+namespace {
+
+using enum Dimension;
+
+void what_fields(Visitor& v, Measure& m) {
+    v(key("order")
+          .doc("g(r), psi6 and g_B(r) with its class: exponential (liquid), algebraic (hexatic), long-range "
+               "(crystal)")
+          .example("true"),
+      m.order);
+    v(key("microrheology")
+          .doc("mean-square displacement of the beads and the stiffness 1/(s MSD~(s)), s -> 0")
+          .example("true"),
+      m.microrheology);
+    v(key("flow")
+          .doc("velocity of the beads in the rod's frame, and how far beads are dragged")
+          .example("true"),
+      m.flow);
+    v(key("displacement")
+          .doc("displacement field U in the rod's frame. phase: from the local phase of the Bragg peaks, the "
+               "robust one; lagrangian: from each bead's place before the rod came; density: from the mean "
+               "density in the rod's frame")
+          .example("\"phase\""),
+      choice(m.displacement, {{"none", DisplacementMethod::none},
+                              {"phase", DisplacementMethod::phase},
+                              {"lagrangian", DisplacementMethod::lagrangian},
+                              {"density", DisplacementMethod::density}}));
+    v(key("pairs")
+          .doc("two rods: change of their separation over half the box, who turned, outcome; needs two "
+               "[[granular.rods]]")
+          .example("true"),
+      m.pairs);
+    v(key("force")
+          .doc("mean force of the rod on the beads along its heading, from the momentum it hands over")
+          .example("true"),
+      m.force);
+}
+
+void when_fields(Visitor& v, Measure& m) {
+    v(key("interval")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("that of the stored frames, granular.output.frames")
+          .doc("between the frames that are measured")
+          .example("\"0.1 s\""),
+      m.interval);
+    v(key("from").unit(time).within(0.0, 1e7).doc("earlier frames are not measured").example("\"2 s\""),
+      m.from);
+    v(key("block")
+          .unit(time)
+          .above(0.0, 1e7)
+          .doc("time that counts as one independent value in standard errors")
+          .example("\"10 s\""),
+      m.block);
+    v(key("trajectory")
+          .absent("the granular run of this scene")
+          .doc("H5MD file to measure instead, seen from where the program runs; of a bed like this one")
+          .example("\"results/bed/trajectory.h5md\""),
+      m.trajectory);
+    v(key("rod").within(0, 999).doc("whose frame and force: index into granular.rods, from 0").example("0"),
+      m.rod);
+}
+
+void order_fields(Visitor& v, Measure& m) {
+    v(key("order_interval")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("interval, or the next multiple of it from 0.5 s on")
+          .doc("between the frames whose order is measured; a whole multiple of interval")
+          .example("\"1 s\""),
+      m.order_interval);
+    v(key("order_neighbours")
+          .doc("whose angles count in psi6: beads nearer than order_cutoff, or Delaunay neighbours")
+          .example("\"delaunay\""),
+      choice(m.order_neighbours, {{"cutoff", NeighbourRule::cutoff}, {"delaunay", NeighbourRule::delaunay}}));
+    v(key("order_cutoff")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("first minimum of g(r) of the first 16 frames")
+          .doc("beads nearer than this are neighbours; with order_neighbours = \"cutoff\"")
+          .example("\"2.9 a\""),
+      m.order_cutoff);
+    v(key("s_low")
+          .unit(rate)
+          .above(0.0, 1e6)
+          .absent("from the length of the run")
+          .doc("lower end of the range of s from which the stiffness is extrapolated to s = 0")
+          .example("0.1"),
+      m.s_low);
+    v(key("s_high")
+          .unit(rate)
+          .above(0.0, 1e6)
+          .absent("from the length of the run")
+          .doc("upper end of it")
+          .example("0.4"),
+      m.s_high);
+}
+
+void flow_fields(Visitor& v, Measure& m) {
+    v(key("flow_lag")
+          .unit(time)
+          .above(0.0, 1e7)
+          .doc("a bead's velocity is its displacement over this time; rounded to whole intervals")
+          .example("\"0.2 s\""),
+      m.flow_lag);
+    v(key("flow_spacing")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("2 a")
+          .doc("spacing of the flow's grid")
+          .example("\"2 a\""),
+      m.flow_spacing);
+    v(key("marked_within")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("6 a")
+          .doc("beads this close to the rod's centre in the first frame are marked and followed")
+          .example("\"8 a\""),
+      m.marked_within);
+    v(key("marked_travel")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("to the end of the run")
+          .doc("the marked beads are followed until the rod has come this far")
+          .example("\"20 a\""),
+      m.marked_travel);
+}
+
+void displacement_fields(Visitor& v, Measure& m) {
+    v(key("spacing")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("1 a")
+          .doc("spacing of U's grid")
+          .example("\"0.5 a\""),
+      m.spacing);
+    v(key("reference")
+          .doc("what U is relative to. box: its mean over the periodic box, as in the periodic theory; far: "
+               "beads farther than far_from from every rod")
+          .example("\"far\""),
+      choice(m.reference, {{"box", DisplacementReference::box}, {"far", DisplacementReference::far}}));
+    v(key("far_from")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("0.3 of the box")
+          .doc("beads farther than this from every rod are the far field")
+          .example("\"25 a\""),
+      m.far_from);
+    v(key("mirror")
+          .doc("average U with its mirror image across the rod: U_x even, U_y odd in y")
+          .example("true"),
+      m.mirror);
+    v(key("profile_offset")
+          .unit(length)
+          .within(0.0, 1e3)
+          .absent("4 a")
+          .doc("y of the profile of U_y along x")
+          .example("\"4 a\""),
+      m.profile_offset);
+    v(key("contact_distance")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("the length of the longer rod")
+          .doc("pairs: centres nearer than this are in contact")
+          .example("\"12 a\""),
+      m.contact_distance);
+}
+
+} // namespace
+
+void fields(Visitor& v, Measure& measure) {
+    what_fields(v, measure);
+    when_fields(v, measure);
+    order_fields(v, measure);
+    flow_fields(v, measure);
+    displacement_fields(v, measure);
+}
+
+} // namespace rodwake::scene

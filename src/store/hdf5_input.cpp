@@ -1,0 +1,144 @@
+#include "hdf5_input.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::store {
+
+namespace {
+
+hid_t open_for_reading(const std::filesystem::path& path, const std::string& advice) {
+    set_up_hdf5();
+    const auto refuse = [&](const char* what) {
+        throw InputError(fmt::format("{}: {}; {}", path.string(), what, advice));
+    };
+    std::error_code ignored;
+    const auto kind = std::filesystem::status(path, ignored).type();
+    if (kind == std::filesystem::file_type::not_found)
+        refuse("no such file");
+    if (kind != std::filesystem::file_type::regular)
+        refuse("not a file that can be read");
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    if (file < 0 && H5Fis_hdf5(path.c_str()) > 0)
+        refuse("the HDF5 file is cut short or damaged");
+    if (file < 0)
+        refuse("not a readable HDF5 file");
+    return file;
+}
+
+/// Rows are read once and in order: a cache of chunks would only copy them.
+Hdf5Handle without_cache(const Hdf5Input& file) {
+    const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
+    H5Pset_chunk_cache(access, 0, 0, 0.0);
+    return file.handle(access, H5Pclose, "set up reading");
+}
+
+Hdf5Handle open_dataset(const Hdf5Input& file, const std::string& path) {
+    if (!file.has(path))
+        file.refuse(fmt::format("dataset {} is missing", path));
+    const Hdf5Handle access = without_cache(file);
+    return file.handle(H5Dopen2(file.get(), path.c_str(), access.get()), H5Dclose, "open dataset " + path);
+}
+
+std::vector<hsize_t> extents(hid_t space) {
+    std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+    H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+    return shape;
+}
+
+double product(const std::vector<hsize_t>& shape) {
+    double out = 1.0;
+    for (const hsize_t extent : shape)
+        out *= static_cast<double>(extent);
+    return out;
+}
+
+/// What the dataset takes in the file at most.
+double stored_bytes(const Hdf5Input& file, hid_t dataset) {
+    hsize_t whole = 0;
+    H5Fget_filesize(file.get(), &whole);
+    return static_cast<double>(std::min(whole, H5Dget_storage_size(dataset)));
+}
+
+} // namespace
+
+Hdf5Input::Hdf5Input(std::filesystem::path path, std::string advice)
+    : path_(std::move(path)), advice_(std::move(advice)),
+      file_(open_for_reading(path_, advice_), H5Fclose, "open " + path_.string()) {}
+
+void Hdf5Input::refuse(const std::string& what) const {
+    throw InputError(fmt::format("{}: {}; {}", path_.string(), what, advice_));
+}
+
+Hdf5Handle Hdf5Input::handle(hid_t id, Hdf5Handle::Close close, const std::string& doing) const {
+    if (id < 0)
+        refuse(fmt::format("cannot {}{}: the file is damaged or of another form", doing, hdf5_reason()));
+    return Hdf5Handle(id, close, doing);
+}
+
+bool Hdf5Input::has(const std::string& path) const {
+    return path == "/" || H5Lexists(get(), path.c_str(), H5P_DEFAULT) > 0;
+}
+
+Hdf5Table::Hdf5Table(const Hdf5Input& file, std::string path, hid_t type)
+    : file_(&file), path_(std::move(path)), type_(type), data_(open_dataset(file, path_)),
+      space_(file.handle(H5Dget_space(data_.get()), H5Sclose, "read the shape of " + path_)),
+      shape_(extents(space_.get())) {
+    check_type();
+    check_storage();
+}
+
+void Hdf5Table::check_type() const {
+    const Hdf5Handle found = file_->handle(H5Dget_type(get()), H5Tclose, "read the type of " + path_);
+    if (H5Tequal(found.get(), type_) <= 0)
+        file_->refuse(path_ + " holds values of another type");
+    if (H5Sget_simple_extent_type(space_.get()) == H5S_NULL)
+        file_->refuse(path_ + " holds no values");
+}
+
+/// What was never written would be read as zeros, and a damaged shape would ask for any amount of memory.
+void Hdf5Table::check_storage() const {
+    const Hdf5Handle made = file_->handle(H5Dget_create_plist(get()), H5Pclose, "read about " + path_);
+    const double most = H5Pget_nfilters(made.get()) > 0 ? 1100.0 : 1.0; // deflate's best is 1032
+    const double needed = product(shape_) * static_cast<double>(H5Tget_size(type_));
+    if (needed > most * stored_bytes(*file_, get()))
+        file_->refuse(path_ + " is not complete");
+}
+
+std::size_t Hdf5Table::size() const { return static_cast<std::size_t>(product(shape_)); }
+
+void Hdf5Table::want_shape(const std::vector<hsize_t>& wanted) const {
+    if (shape_ != wanted)
+        file_->refuse(fmt::format("{} is of shape {}, expected {}", path_, shape_, wanted));
+}
+
+void Hdf5Table::read(void* values) const {
+    if (size() > 0 && H5Dread(get(), type_, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+        file_->refuse(fmt::format("{} cannot be read{}: the file is damaged", path_, hdf5_reason()));
+}
+
+void Hdf5Table::read_rows(hsize_t first, hsize_t count, void* values) const {
+    std::vector<hsize_t> start(shape_.size(), 0), extent = shape_;
+    start[0] = first;
+    extent[0] = count;
+    const Hdf5Handle rows =
+        file_->handle(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose,
+                      "shape rows of " + path_);
+    H5Sselect_hyperslab(space_.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr);
+    if (H5Dread(get(), type_, rows.get(), space_.get(), H5P_DEFAULT, values) < 0)
+        file_->refuse(fmt::format("{} cannot be read from row {} on{}: the file is damaged", path_, first,
+                                  hdf5_reason()));
+}
+
+std::vector<double> read_finite(const Hdf5Input& file, const std::string& path, const Hdf5Table& table) {
+    std::vector<double> values(table.size());
+    table.read(values.data());
+    if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); }))
+        file.refuse(path + " holds values that are not finite");
+    return values;
+}
+
+} // namespace rodwake::store

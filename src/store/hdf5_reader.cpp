@@ -1,0 +1,54 @@
+#include "rodwake/store/hdf5_reader.hpp"
+
+#include "hdf5_input.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::store {
+
+namespace {
+
+const std::string advice = "give a result file as rodwake writes it, or repeat the run if this should be one";
+
+std::string one_text(const Hdf5Input& file, const std::string& owner, const std::string& name) {
+    const auto texts = text_attribute(file, owner, name);
+    if (texts.size() != 1)
+        file.refuse(fmt::format("attribute {} of {} is a list of texts, expected one", name, owner));
+    return texts[0];
+}
+
+} // namespace
+
+Hdf5Reader::Hdf5Reader(const std::filesystem::path& path)
+    : file_(std::make_unique<Hdf5Input>(path, advice)) {}
+
+Hdf5Reader::~Hdf5Reader() = default;
+Hdf5Reader::Hdf5Reader(Hdf5Reader&&) noexcept = default;
+Hdf5Reader& Hdf5Reader::operator=(Hdf5Reader&&) noexcept = default;
+
+bool Hdf5Reader::has(const std::string& path) const { return file_->has(path); }
+
+Hdf5Dataset Hdf5Reader::dataset(const std::string& path) const {
+    const Hdf5Table table(*file_, path, H5T_IEEE_F64LE);
+    const auto& shape = table.shape();
+    return {read_finite(*file_, path, table), {shape.begin(), shape.end()}, one_text(*file_, path, "unit")};
+}
+
+double Hdf5Reader::real(const std::string& group, const std::string& name) const {
+    const double value = real_attribute(*file_, group, name);
+    if (!std::isfinite(value))
+        file_->refuse(fmt::format("attribute {} of {} is not finite", name, group));
+    return value;
+}
+
+std::int64_t Hdf5Reader::integer(const std::string& group, const std::string& name) const {
+    return integer_attribute(*file_, group, name);
+}
+
+std::string Hdf5Reader::text(const std::string& group, const std::string& name) const {
+    return one_text(*file_, group, name);
+}
+
+} // namespace rodwake::store

@@ -1,0 +1,130 @@
+#include "rodwake/store/vti.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/atomic_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <set>
+
+namespace rodwake::store {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the bytes of numbers are written as they are");
+
+constexpr std::size_t most_points = std::size_t{1} << 31; ///< extents are int in VTK
+
+void check_grid(const VtiGrid& grid) {
+    if (grid.nx == 0 || grid.ny == 0 || grid.nx >= most_points || grid.ny >= most_points)
+        throw InputError(
+            fmt::format("vti: a grid of {} x {} points; both must be from 1 to 2^31 - 1", grid.nx, grid.ny));
+    for (std::size_t c = 0; c < 2; ++c) {
+        if (!std::isfinite(grid.origin[c]))
+            throw InputError(fmt::format("vti: the grid's origin is {}: must be finite", grid.origin[c]));
+        if (!(grid.spacing[c] > 0.0) || !std::isfinite(grid.spacing[c]))
+            throw InputError(
+                fmt::format("vti: the grid's spacing is {}: must be positive and finite", grid.spacing[c]));
+    }
+}
+
+void check_name(const std::string& name) {
+    const auto bad = [](char c) { return c < ' ' || c > '~'; };
+    if (name.empty() || std::ranges::any_of(name, bad))
+        throw InputError(fmt::format("vti: \"{}\" is no name of a field; use printable ASCII", name));
+}
+
+void check_array(const VtiGrid& grid, const VtiArray& array) {
+    check_name(array.name);
+    if (array.components != 1 && array.components != 3)
+        throw InputError(
+            fmt::format("vti: field {} has {} components; 1 and 3 are legal", array.name, array.components));
+    if (array.values.size() != grid.nx * grid.ny * array.components)
+        throw InputError(fmt::format("vti: field {} has {} values, expected {} x {} x {}", array.name,
+                                     array.values.size(), grid.ny, grid.nx, array.components));
+    if (!std::ranges::all_of(array.values, [](double value) { return std::isfinite(value); }))
+        throw InputError(fmt::format("vti: field {} has values that are not finite", array.name));
+}
+
+void check(const VtiGrid& grid, std::span<const VtiArray> arrays) {
+    check_grid(grid);
+    std::set<std::string> names;
+    for (const VtiArray& array : arrays) {
+        check_array(grid, array);
+        if (!names.insert(array.name).second)
+            throw InputError(fmt::format("vti: two fields are named {}", array.name));
+    }
+}
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+        if (c == '&')
+            out += "&amp;";
+        else if (c == '<')
+            out += "&lt;";
+        else if (c == '"')
+            out += "&quot;";
+        else
+            out += c;
+    }
+    return out;
+}
+
+void append_bytes(std::string& out, const void* data, std::size_t size) {
+    out.append(static_cast<const char*>(data), size);
+}
+
+std::string base64(const std::string& bytes) {
+    static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    out.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t three = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+        for (std::size_t k = 0; k < 4; ++k)
+            out += i + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63U] : '=';
+    }
+    return out;
+}
+
+/// Count of bytes and values are one run of bytes; VTK wants no gap between them.
+std::string data_array(const VtiArray& array) {
+    std::string bytes;
+    const std::uint64_t count = array.values.size_bytes();
+    append_bytes(bytes, &count, sizeof count);
+    append_bytes(bytes, array.values.data(), array.values.size_bytes());
+    return fmt::format("        <DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" "
+                       "format=\"binary\">\n{}\n        </DataArray>\n",
+                       escaped(array.name), array.components, base64(bytes));
+}
+
+std::string head(const VtiGrid& grid) {
+    const std::string extent = fmt::format("0 {} 0 {} 0 0", grid.nx - 1, grid.ny - 1);
+    return fmt::format("<?xml version=\"1.0\"?>\n"
+                       "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+                       "header_type=\"UInt64\">\n"
+                       "  <ImageData WholeExtent=\"{0}\" Origin=\"{1} {2} 0\" Spacing=\"{3} {4} 1\">\n"
+                       "    <Piece Extent=\"{0}\">\n"
+                       "      <PointData>\n",
+                       extent, grid.origin[0], grid.origin[1], grid.spacing[0], grid.spacing[1]);
+}
+
+} // namespace
+
+void write_vti(const std::filesystem::path& target, const VtiGrid& grid, std::span<const VtiArray> arrays) {
+    check(grid, arrays);
+    PendingFile file(target);
+    file.write(head(grid));
+    for (const VtiArray& array : arrays)
+        file.write(data_array(array));
+    file.write("      </PointData>\n    </Piece>\n  </ImageData>\n</VTKFile>\n");
+    file.commit();
+}
+
+} // namespace rodwake::store

@@ -1,0 +1,252 @@
+// Displacement by local phases, on wakes whose field is known.
+
+#include "catch2/catch.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include "measured_wake.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace rodwake;
+using namespace rodwake::measure;
+using namespace measure_test;
+
+namespace {
+
+/// Noise-free: what the method itself does wrong. 3.5: outside it 2 % hold for all media of the long test;
+/// the next bins in, whose cells reach to 1.6 from the rod, see up to 3.5 %.
+void check_bias(const Comparison& outer, const Comparison& inner) {
+    CHECK(outer.bias_x < 0.02);
+    CHECK(outer.bias_y < 0.02);
+    CHECK(inner.bias_x < 0.036);
+    CHECK(inner.bias_y < 0.02);
+    CHECK(outer.rms < 0.0015);
+    CHECK(std::abs(outer.mean_x) < 0.001); // the core's part of the box's mean: 7 of 6084 bins
+    CHECK(outer.bins > 6000.0);
+}
+
+void check_unbiased(const WakeSetup& setup, std::size_t frames) {
+    const SyntheticWake wake(setup);
+    const auto field = measured(wake, {}, frames);
+    INFO("eta " << setup.medium.eta << " xi " << setup.medium.xi << " f/mu " << setup.strength << " rows "
+                << setup.lattice_angle << " heading " << setup.heading);
+    check_bias(compare(field, truth_of(wake), 3.5), compare(field, truth_of(wake), 3.0));
+    CHECK(field.mean_speed == Approx(setup.speed).epsilon(1e-9)); // constant speed
+}
+
+WakeSetup noisy() {
+    WakeSetup setup;
+    setup.noise = 0.1;
+    setup.medium = {1.3, 20.0};
+    return setup;
+}
+
+std::vector<double> packed(const DisplacementRecord& record) {
+    Packer out;
+    record.pack(out);
+    return out.take();
+}
+
+} // namespace
+
+TEST_CASE("phase recovers the field without bias", "[displacement]") {
+    WakeSetup setup;
+    setup.medium = {1.3, 20.0};
+    check_unbiased(setup, 200);
+    setup.lattice_angle = M_PI / 6.0;
+    setup.heading = M_PI / 2.0;
+    setup.medium = {5.0, 5.0};
+    setup.strength = 3.0;
+    check_unbiased(setup, 200);
+}
+
+TEST_CASE("phase is unbiased for all media, strengths, lattices and headings", "[.][long]") {
+    for (const double eta : {0.3, 1.3, 5.0})
+        for (const double strength : {1.0, 2.2, 3.0})
+            for (const double xi : {5.0, 20.0})
+                for (const double angle : {0.0, M_PI / 6.0})
+                    for (const double heading : {0.0, M_PI / 2.0, M_PI}) {
+                        WakeSetup setup;
+                        setup.medium = {eta, xi};
+                        setup.strength = strength;
+                        setup.lattice_angle = angle;
+                        setup.heading = heading;
+                        check_unbiased(setup, 200);
+                    }
+}
+
+TEST_CASE("phase states its errors, and the comparison sees what is wrong", "[displacement]") {
+    const SyntheticWake wake(noisy());
+    const auto field = measured(wake, {}, 400);
+    const auto good = compare(field, truth_of(wake), 3.5);
+    // 12 blocks and 4 borrowed: mean of t^2 with 15 degrees of freedom 1.15; some 1500 independent cells:
+    // 0.04
+    CHECK(good.chi2_x > 0.7);
+    CHECK(good.chi2_x < 1.5);
+    CHECK(good.chi2_y > 0.7);
+    CHECK(good.chi2_y < 1.5);
+    CHECK(good.rms < 0.012);
+    CHECK(field.coherence[0] == Approx(std::exp(-0.5 * 0.01 * 3.4 * 3.4)).margin(0.02)); // exp(-(G s)^2/2)
+    const auto mirrored = compare(field, truth_of(wake, 1.0, -1.0), 3.5);
+    CHECK(mirrored.chi2_y > 10.0);
+    CHECK(mirrored.bias_y > 0.2);
+    const auto strong = compare(field, truth_of(wake, 1.1), 3.5);
+    CHECK(strong.chi2_x > 2.0);
+    CHECK(strong.bias_x > 0.05);
+}
+
+TEST_CASE("a rod that keeps its place between the rows makes no difference", "[displacement]") {
+    WakeSetup setup = noisy();
+    setup.drift_x = setup.drift_y = 0.0; // rows along x: no bead between them but by noise
+    const SyntheticWake wake(setup);
+    const auto good = compare(measured(wake, {}, 400), truth_of(wake), 3.5);
+    CHECK(good.rms < 0.012);
+    CHECK(good.bias_x < 0.05);
+    CHECK(good.bias_y < 0.05);
+    CHECK(good.bins > 6000.0); // those between the rows too
+}
+
+TEST_CASE("mirror images halve the variance and keep the signs", "[displacement]") {
+    const SyntheticWake wake(noisy());
+    DisplacementKeys keys;
+    const auto single = compare(measured(wake, keys, 200), truth_of(wake), 3.5);
+    keys.mirror = true;
+    const auto field = measured(wake, keys, 200);
+    const auto both = compare(field, truth_of(wake), 3.5);
+    CHECK(both.rms == Approx(single.rms / std::sqrt(2.0)).epsilon(0.1)); // 1500 independent cells: 2 %
+    CHECK(both.chi2_y < 1.6);
+    for (const double u : profile(field, "Uy", "x", 0.0).value)
+        CHECK(u == 0.0);
+}
+
+TEST_CASE("reference far: the far field's mean is 0 and the field differs by a constant", "[displacement]") {
+    WakeSetup setup;
+    const SyntheticWake wake(setup);
+    DisplacementKeys keys;
+    const auto box = measured(wake, keys, 100);
+    keys.reference = Reference::far;
+    const auto far = measured(wake, keys, 100);
+    double sum = 0.0, count = 0.0;
+    for (std::size_t j = 0; j < far.grid.bins(); ++j)
+        if (std::hypot(far.grid.middle(j % far.grid.n), far.grid.middle(j / far.grid.n)) > 0.3 * 78.0) {
+            sum += far.Ux[j];
+            count += 1.0;
+        }
+    CHECK(std::abs(sum / count) < 1e-12); // rounding
+    const std::size_t a = 10 * far.grid.n + 20, b = 60 * far.grid.n + 55;
+    CHECK(far.Ux[a] - box.Ux[a] ==
+          Approx(far.Ux[b] - box.Ux[b]).margin(1e-3)); // places shift by the constant
+    CHECK(std::abs(far.Ux[a] - box.Ux[a]) > 0.01);
+}
+
+TEST_CASE("a record goes on to the bit after it was packed", "[displacement]") {
+    const SyntheticWake wake(noisy());
+    for (const auto method :
+         {DisplacementMethod::phase, DisplacementMethod::lagrangian, DisplacementMethod::density}) {
+        DisplacementKeys keys;
+        keys.method = method;
+        keys.spacing = 2.0;
+        DisplacementRecord whole(wake.layout(), keys), first(wake.layout(), keys);
+        for (std::size_t k = 0; k < 80; ++k) {
+            whole.add(wake.frame(k));
+            if (k < 37)
+                first.add(wake.frame(k));
+        }
+        const auto row = packed(first);
+        DisplacementRecord rest(wake.layout(), keys);
+        Unpacker in(row, "test");
+        rest.unpack(in);
+        in.finish();
+        for (std::size_t k = 37; k < 80; ++k)
+            rest.add(wake.frame(k));
+        CHECK(packed(rest) == packed(whole));
+        CHECK(packed(first) != packed(whole));
+        const DisplacementRecord a[] = {whole}, b[] = {rest};
+        CHECK(reduce(a).Ux == reduce(b).Ux);
+    }
+}
+
+TEST_CASE("runs of different lattices and headings are put together", "[displacement]") {
+    WakeSetup setup = noisy();
+    const SyntheticWake along(setup);
+    setup.lattice_angle = M_PI / 6.0;
+    setup.heading = M_PI / 2.0;
+    setup.beads = static_cast<long>(along.layout().beads);
+    const SyntheticWake across(setup);
+    REQUIRE(across.layout() == along.layout());
+    const DisplacementRecord runs[] = {record_of(along, {}, 200), record_of(across, {}, 200)};
+    const auto both = compare(reduce(runs), truth_of(along), 3.5);
+    const auto one = compare(reduce(std::span(runs).first(1)), truth_of(along), 3.5);
+    CHECK(both.rms == Approx(one.rms / std::sqrt(2.0)).epsilon(0.15)); // 1500 independent cells: 2 %
+    CHECK(both.chi2_x < 1.5);
+}
+
+TEST_CASE("profiles are rows and columns of the grid", "[displacement]") {
+    const SyntheticWake wake(noisy());
+    const auto field = measured(wake, {}, 50);
+    const auto line = profile(field, "Uy", "x", 4.1);
+    CHECK(line.place.size() == 78);
+    const auto at = static_cast<std::size_t>(std::ranges::find(line.place, -7.0) - line.place.begin());
+    REQUIRE(at < line.place.size());
+    const std::size_t bin = (39 + 4) * 78 + (39 - 7);
+    CHECK(line.value[at] == field.Uy[bin]);
+    CHECK(line.sigma[at] == field.sigma_y[bin]);
+    CHECK(profile(field, "Ux", "y", 0.0).value[10] == field.Ux[10 * 78 + 39]);
+    CHECK_THROWS_AS(profile(field, "U", "x", 0.0), InputError);
+    CHECK_THROWS_AS(profile(field, "Ux", "z", 0.0), InputError);
+    CHECK_THROWS_AS(profile(field, "Ux", "x", 100.0), InputError);
+}
+
+TEST_CASE("short or useless input gives numbers or an error, never NaN", "[displacement]") {
+    const SyntheticWake wake(noisy());
+    const DisplacementRecord one[] = {record_of(wake, {}, 1)};
+    const auto field = reduce(one);
+    for (const auto* values :
+         {&field.Ux, &field.Uy, &field.sigma_x, &field.sigma_y, &field.count, &field.coherence})
+        CHECK(std::ranges::all_of(*values, [](double v) { return std::isfinite(v); }));
+    CHECK(std::ranges::count(field.count, 0.0) > 0);
+    CHECK(*std::ranges::min_element(field.sigma_x) >
+          0.01); // one block: nothing is known but the field's scatter
+
+    DisplacementKeys late;
+    late.from = 1e9;
+    const DisplacementRecord none[] = {record_of(wake, late, 3)};
+    CHECK_THROWS_AS(reduce(none), InputError);
+    const DisplacementRecord mixed[] = {one[0], none[0]};
+    CHECK_THROWS_AS(reduce(mixed), InputError);
+    CHECK_THROWS_AS(reduce(std::span<const DisplacementRecord>{}), InputError);
+}
+
+TEST_CASE("keys outside their domain are refused", "[displacement]") {
+    const SyntheticWake wake{WakeSetup{}};
+    const auto refuse = [&](auto change) {
+        DisplacementKeys keys;
+        keys.spacing = 1.0;
+        change(keys);
+        CHECK_THROWS_AS(DisplacementRecord(wake.layout(), keys), InputError);
+    };
+    refuse([](auto& keys) { keys.spacing = 0.0; });
+    refuse([](auto& keys) { keys.spacing = 50.0; });
+    refuse([](auto& keys) { keys.rod = 1; });
+    refuse([](auto& keys) { keys.far_from = 70.0; });
+    refuse([](auto& keys) { keys.far_from = -1.0; });
+    refuse([](auto& keys) { keys.block = 0.0; });
+    refuse([](auto& keys) { keys.from = std::nan(""); });
+    auto few = wake.layout();
+    few.beads = 49;
+    DisplacementKeys keys;
+    keys.spacing = 1.0;
+    CHECK_THROWS_AS(DisplacementRecord(few, keys), InputError);
+}
+
+TEST_CASE("a liquid has no phases", "[displacement]") {
+    const SyntheticWake wake([] {
+        WakeSetup setup;
+        setup.noise = 5.0;
+        return setup;
+    }());
+    const DisplacementRecord liquid[] = {record_of(wake, {}, 5)};
+    CHECK_THROWS_AS(reduce(liquid), RunError);
+}

@@ -1,0 +1,80 @@
+// [measure]: what it needs of the bed, and what figures need of it.
+
+#include "support.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace scene_test;
+
+namespace {
+
+void says(const std::string& text, const std::string& part) {
+    const std::string message = error_text(text);
+    INFO(message);
+    CHECK(message.find(part) != std::string::npos);
+}
+
+const std::string rod = "[[granular.rods]]\nposition = [\"8 a\", \"15 a\"]\n";
+
+std::string measured(const std::string& keys, const std::string& rods = rod) {
+    return bed(rods) + "[measure]\n" + keys;
+}
+
+std::string drawn(const std::string& keys, const std::string& figure) {
+    return measured(keys) + "[[figures]]\nname = \"f\"\n" + figure;
+}
+
+} // namespace
+
+TEST_CASE("lengths of [measure] are in metres, strings may use the bed's own radius") {
+    const auto m =
+        parse(bed("bead_radius = \"1 mm\"\n" + rod) + "[measure]\nspacing = \"0.5 a\"\nblock = \"2 s\"\n")
+            .measure;
+    REQUIRE(m);
+    CHECK(*m->spacing == Approx(5e-4));
+    CHECK(m->block == 2.0);
+    CHECK_FALSE(m->order);
+}
+
+TEST_CASE("[measure] needs the bed and its rods") {
+    says(two_rods("[measure]\norder = true\n"), "[measure] needs [granular], the bed that is measured");
+    for (const char* key : {"flow = true\n", "force = true\n", "displacement = \"phase\"\n"})
+        says(measured(key, ""), "needs [[granular.rods]]");
+    says(measured("pairs = true\n"), "pairs needs two [[granular.rods]]; there are 1");
+    says(measured("rod = 1\n"), "there is no rod 1: granular.rods has 1 (numbered from 0)");
+    CHECK(error_text(measured("order = true\nmicrorheology = true\n", "")) == "");
+}
+
+TEST_CASE("times and lengths of [measure] fit the run") {
+    says(measured("interval = 1e-6\n"), "shorter than granular.time_step");
+    says(measured("from = 2.0\n"), "not before the end of the run");
+    says(measured("interval = 0.1\nblock = 0.05\n"), "shorter than the interval of 0.1 s");
+    says(measured("interval = 0.1\norder_interval = 0.25\n"), "no whole multiple of the interval");
+    says(measured("s_low = 2.0\ns_high = 1.0\n"), "must be above s_low");
+    says(measured("spacing = \"20 a\"\n"), "a quarter of the box");
+    says(measured("far_from = \"25 a\"\n"), "0.45 of the box");
+    says(measured("order_cutoff = \"3 a\"\norder_neighbours = \"delaunay\"\n"),
+         "belongs to order_neighbours");
+    CHECK(error_text(measured("interval = 0.1\norder_interval = 0.5\n")) == "");
+}
+
+TEST_CASE("figures need what they show") {
+    says(drawn("", "kind = \"bond_order\"\n"), "a figure of kind bond_order needs measure.order = true");
+    says(drawn("", "kind = \"msd\"\n"), "needs measure.microrheology = true");
+    says(drawn("", "kind = \"flow\"\n"), "needs measure.flow = true");
+    says(drawn("", "kind = \"profile\"\n"), "needs measure.displacement");
+    says(drawn("", "kind = \"pair_tracks\"\n"), "needs measure.pairs = true");
+    says(drawn("order = true\n", "kind = \"series\"\n"), "needs [[variants]]");
+    says(drawn("order = true\n", "kind = \"bond_order\"\nalong = \"y\"\n"),
+         "along belongs to kind profile only");
+    says(drawn("order = true\n", "kind = \"bond_order\"\nquantity = \"force\"\n"),
+         "belongs to kind series only");
+    says(drawn("displacement = \"phase\"\n", "kind = \"profile\"\nalong = \"y\"\nsqrt_scaled = true\n"),
+         "sqrt_scaled belongs to profiles along x");
+    const std::string variant = "[[variants]]\nname = \"v\"\nset = { \"granular.phi_b\" = 0.6 }\n";
+    says(drawn("order = true\n", "kind = \"series\"\nquantity = \"force\"\n") + variant,
+         "needs measure.force = true");
+    CHECK(error_text(drawn("order = true\n", "kind = \"series\"\nquantity = \"psi6\"\n") + variant) == "");
+    CHECK(error_text(drawn("displacement = \"phase\"\n",
+                           "kind = \"profile\"\ncomponent = \"Uy\"\nalong = \"y\"\n")) == "");
+}
