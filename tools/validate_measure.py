@@ -48,9 +48,17 @@ def read(file):
     return list(csv.DictReader(lines))
 
 
+BINS_PER_VALUE = 4.2  # bins of 1 a closer than two lattice spacings share data: a fit has fewer values than bins
+
+
 def profile(folder, name):
     rows = read(folder / f"profile_{name}.csv")
     return tuple(np.array([float(row[key]) for row in rows]) for key in ("x", "value", "sigma"))
+
+
+def shared(sigma):
+    """Errors with which a fit may take the bins as independent."""
+    return sigma * np.sqrt(BINS_PER_VALUE)
 
 
 def measured(folder):
@@ -105,49 +113,45 @@ def fit_wake(x, U, sigma, box, core, eta):
             break
     chi2 = float(np.sum(((U - model(p)) / sigma) ** 2))
     dof = len(x) - 2
-    error = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * max(1.0, chi2 / dof))
-    return np.exp(p), np.exp(p) * error, chi2, dof
+    error = np.sqrt(np.diag(np.linalg.inv(J.T @ J)) * max(1.0, chi2 * BINS_PER_VALUE / dof))
+    return np.exp(p), np.exp(p) * error, chi2, dof / BINS_PER_VALUE
 
 
 def ratio(value, sigma, theory):
     """The factor k of value = k theory, with its error (scaled by chi)."""
     w = theory / sigma**2
     k = np.sum(w * value) / np.sum(w * theory)
-    chi2 = np.sum(((value - k * theory) / sigma) ** 2) / max(1, len(value) - 1)
+    chi2 = np.sum(((value - k * theory) / sigma) ** 2) * BINS_PER_VALUE / max(1, len(value) - 1)
     return f"{k:.2f} +- {np.sqrt(max(1.0, chi2) / np.sum(w * theory)):.2f}"
 
 
 def decays(folder):
-    """Distances at which U_x has fallen to half its value 6.5 a from the rod, ahead and behind, measured from the mean of the
-    far field ahead."""
+    """U_x on the axis behind and ahead, from the value half a box away, which both sides share."""
     x, U, sigma = profile(folder, "Ux_x")
-    far = np.mean(U[(x > 0.3 * (x[-1] - x[0]))])
-    out = []
-    for side in (1, -1):
-        s, v = side * x, U - far
-        at = np.argsort(s)
-        s, v = s[at], v[at]
-        first = np.interp(6.5, s, v)
-        beyond = (s > 6.5) & (v < 0.5 * first)
-        out.append(f"{s[beyond][0]:.1f}" if beyond.any() else f"> {s[-1]:.0f}")
-    return out
+    edge = U[0]
+    rows = []
+    for distance in (9.0, 15.0, 21.0, 27.0):
+        (behind, b), (ahead, a) = ((U[k] - edge, sigma[k]) for k in (np.argmin(np.abs(x + distance)), np.argmin(np.abs(x - distance))))
+        ratio = behind / ahead
+        rows.append([f"{distance:g}", f"{behind:.3f} +- {b:.3f}", f"{ahead:.3f} +- {a:.3f}",
+                     f"{ratio:.1f} +- {abs(ratio) * np.hypot(b / behind, a / ahead):.1f}"])
+    return rows
 
 
 def wake(lab, scene="wake.toml", name="wake", title="Wake in the 78 a box"):
     folder = lab.run(scene, name)
     m = measured(folder)["displacement"]
     x, U, sigma = profile(folder, "Ux_x")
-    box = len(np.unique(x)) * m["spacing"] if len(x) * m["spacing"] > 70 else 78.0
-    box = 156.0 if name == "large" else 78.0
-    ahead, behind = decays(folder)
-    rows = [["blocks, frames, rod speed", f"{m['blocks']}, {m['frames']}, {m['mean_speed']:.2f} a/s"],
-            ["U_x half of that at 6.5 a: ahead, behind", f"{ahead} a, {behind} a"]]
+    box = 155.0 if name == "large" else 78.0
+    table(title + ": U_x(x,0) - U_x(L/2,0)", ["distance, a", "behind, a", "ahead, a", "ratio"], decays(folder))
+    rows = [["blocks, frames, rod speed", f"{m['blocks']}, {m['frames']}, {m['mean_speed']:.2f} a/s"]]
     for core in (6.0, 8.0):
         for eta in (0.5, 1.3, 5.0):
-            p, e, chi2, dof = fit_wake(x, U, sigma, box, core, eta)
+            p, e, chi2, dof = fit_wake(x, U, shared(sigma), box, core, eta)
             cells = []
             for which, component in (("Ux_y", 0), ("Uy_x", 1), ("Uy_y", 1)):
                 s, v, d = profile(folder, which)
+                d = shared(d)
                 along_x = which.endswith("_x")
                 px, py = (s, np.full_like(s, 4.0)) if along_x else (np.zeros_like(s), s)
                 use = np.abs(s) > core
@@ -156,26 +160,27 @@ def wake(lab, scene="wake.toml", name="wake", title="Wake in the 78 a box"):
                     use = s > core
                     cells.append(ratio(v[use], d[use], periodic_wake.field(px, py, *p, eta, box)[component][use]))
             rows.append([f"|x| > {core:g} a, eta = {eta}: f/mu, xi; chi2/dof",
-                         f"{p[0]:.2f} +- {e[0]:.2f} a, {p[1]:.1f} +- {e[1]:.1f} a; {chi2:.0f}/{dof}"])
+                         f"{p[0]:.2f} +- {e[0]:.2f} a, {p[1]:.1f} +- {e[1]:.1f} a; {chi2:.0f}/{dof:.0f}"])
             rows.append(["measured over theory: U_x(0,y); U_y(x,4a) all; ahead; U_y(0,y)", "; ".join(cells)])
     table(title, ["", ""], rows)
     return folder
 
 
 def large(lab):
-    folder = wake(lab, "wake_large.toml", "large", "Wake in the 156 a box")
+    folder = wake(lab, "wake_large.toml", "large", "Wake in the 155 a box")
     x, U, sigma = profile(folder, "Ux_x")
     rows = []
     for low, high in ((9.0, 15.0), (15.0, 21.0), (9.0, 21.0)):
         use = (-x >= low) & (-x <= high)
-        s, v, d = -x[use], np.sqrt(-x[use]) * U[use], np.sqrt(-x[use]) * sigma[use]
+        wide = shared(sigma)
+        s, v, d = -x[use], np.sqrt(-x[use]) * U[use], np.sqrt(-x[use]) * wide[use]
         w = 1.0 / d**2
         mean = np.sum(w * v) / np.sum(w)
         line = np.polyfit(s, v, 1, w=1.0 / d, cov="unscaled")
-        power = np.polyfit(np.log(s), np.log(U[use]), 1, w=U[use] / sigma[use], cov="unscaled")
-        rows.append([f"{low:g} to {high:g} a behind", f"{mean:.3f}", f"{line[0][0]:.4f} +- {np.sqrt(line[1][0, 0]):.4f}",
+        power = np.polyfit(np.log(s), np.log(U[use]), 1, w=U[use] / wide[use], cov="unscaled")
+        rows.append([f"{low:g} to {high:g} a behind", f"{mean:.3f} +- {np.sum(w)**-0.5:.3f}", f"{line[0][0]:.4f} +- {np.sqrt(line[1][0, 0]):.4f}",
                      f"{power[0][0]:.2f} +- {np.sqrt(power[1][0, 0]):.2f}"])
-    table("|x|^(1/2) U_x behind the rod in the 156 a box", ["", "mean, a^(3/2)", "slope, a^(1/2)", "power of |x| of U_x"], rows)
+    table("|x|^(1/2) U_x behind the rod in the 155 a box", ["", "mean, a^(3/2)", "slope, a^(1/2)", "power of |x| of U_x"], rows)
 
 
 def flow(lab):

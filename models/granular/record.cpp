@@ -37,7 +37,7 @@ void Record::begin(const Simulation& simulation) {
         const RodBody& rod = simulation.rod(i);
         const Eigen::Vector3d& pushed = simulation.tallies().pushed[i];
         const double x = rod.position.x(), y = rod.position.y(), heading = rod.heading();
-        rods_[i] = {x, y, heading, x, y, heading, 0.0, {pushed.x(), pushed.y(), pushed.z()}, 0.0};
+        rods_[i] = {x, y, heading, x, y, heading, 0.0, {pushed.x(), pushed.y()}, 0.0, 0.0};
     }
 }
 
@@ -45,7 +45,11 @@ void Record::follow_rods(const Simulation& simulation) {
     for (std::size_t i = 0; i < rods_.size(); ++i) {
         RodProgress& p = rods_[i];
         const RodBody& rod = simulation.rod(i);
-        p.travelled += (rod.position.head<2>() - Eigen::Vector2d(p.x, p.y)).dot(along(p.heading));
+        const Eigen::Vector2d ahead = along(p.heading), pushed = simulation.tallies().pushed[i].head<2>();
+        p.travelled += (rod.position.head<2>() - Eigen::Vector2d(p.x, p.y)).dot(ahead);
+        p.pushed += (pushed - Eigen::Map<const Eigen::Vector2d>(p.pushed_at)).dot(ahead);
+        p.pushed_at[0] = pushed.x();
+        p.pushed_at[1] = pushed.y();
         p.x = rod.position.x();
         p.y = rod.position.y();
         p.heading = continued(rod.heading(), p.heading);
@@ -121,13 +125,11 @@ std::vector<TrackPoint> Record::track(const Simulation& simulation) {
     for (std::size_t i = 0; i < rods_.size(); ++i) {
         RodProgress& p = rods_[i];
         const RodBody& rod = simulation.rod(i);
-        const Eigen::Vector3d pushed =
-            simulation.tallies().pushed[i] - Eigen::Map<const Eigen::Vector3d>(p.pushed0);
         const bool begun = simulation.time() >= 0.0;
         points.push_back({rod.position.x(), rod.position.y(), rod.position.z(),
                           begun ? p.heading : rod.heading(), std::asin(std::clamp(rod.axis().z(), -1.0, 1.0)),
                           interval > 0.0 ? (p.travelled - p.row_travelled) / interval : 0.0,
-                          begun ? pushed.head<2>().dot(along(p.heading)) : 0.0});
+                          begun ? p.pushed : 0.0});
         p.row_travelled = p.travelled;
     }
     return points;

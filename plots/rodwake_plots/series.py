@@ -57,7 +57,7 @@ def draw(run, spec):
     axes.set(xlabel=AXES[spec.against], ylabel=f"{quantity.label} (${unit}$)" if unit else quantity.label)
     if spec.quantity == "psi6":
         axes.set_ylim(0, 1.02)
-    if spec.quantity in ("force", "speed"):
+    if spec.quantity in ("force", "speed") and spec.against == "imposed_speed":
         axes.set_xlim(left=0)
     curves.legend(axes)
     canvas.heading(axes, style.safe(spec.title))
@@ -66,7 +66,7 @@ def draw(run, spec):
 
 def apart(groups, spec):
     """Groups moved a little along the axis, so that their bars do not hide each other; not where a line is fitted."""
-    if spec.quantity == "force":
+    if fitted(spec):
         return groups
     x = np.concatenate([group.x for group in groups])
     step = ASIDE * np.ptp(x)
@@ -126,8 +126,13 @@ def told_apart(columns, against, row, rows):
     return ", ".join(parts)
 
 
+def fitted(spec):
+    """Force against the speed it was dragged at: a line, and one through the origin."""
+    return spec.quantity == "force" and spec.against == "imposed_speed"
+
+
 def draw_group(axes, spec, group, colour, index):
-    if spec.quantity == "force" and line_fit.can_fit(group.x, group.sigma):
+    if fitted(spec) and line_fit.can_fit(group.x, group.sigma):
         draw_fits(axes, group, colour)
     elif len(group.x) > 1:
         axes.plot(group.x, group.y, color=style.GREY if by_class(spec, group) else colour, linewidth=0.7, alpha=0.55, zorder=2)
@@ -171,9 +176,9 @@ def caption(run, spec):
     unknown = sum(int(np.isnan(group.sigma).sum()) for group in groups)
     if unknown:
         text += f" {unknown} point{'s have' if unknown > 1 else ' has'} no known error."
-    if len(groups) > 1 and spec.quantity != "force":
+    if len(groups) > 1 and not fitted(spec):
         text += " The groups are moved a little apart along the axis."
-    return text + "".join(fit_told(group) for group in groups if spec.quantity == "force")
+    return text + "".join(fit_told(group) for group in groups if fitted(spec))
 
 
 def fit_told(group):

@@ -237,9 +237,7 @@ private:
             return rod;
         rod.mean_speed = p.travelled / time;
         rod.net_turn = p.heading - p.heading0;
-        const Eigen::Vector3d pushed =
-            simulation_.tallies().pushed[i] - Eigen::Vector3d(p.pushed0[0], p.pushed0[1], p.pushed0[2]);
-        rod.force = pushed.head<2>().dot(Eigen::Vector2d(std::cos(p.heading), std::sin(p.heading))) / time;
+        rod.force = p.pushed / time;
         return rod;
     }
 

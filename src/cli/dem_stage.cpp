@@ -25,7 +25,7 @@ std::string scene_key(const scene::Scene& scene) {
     key.granular = scene.granular;
     key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
     key.granular->runs = 1; // an unfinished ensemble may grow
-    return scene::to_toml(key);
+    return scene::to_plain_toml(key);
 }
 
 LoadedCheckpoint stored_checkpoint(const std::string& file) {

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cmath>
+#include <string_view>
 
 namespace rodwake::cli {
 
@@ -23,6 +24,22 @@ Column scaled(const Column& values, double scale) {
     return out;
 }
 
+/// Errors for a CSV file: an empty field for one that is not known.
+Column errors(const Column& values, double scale = 1.0) {
+    Column out = values;
+    for (double& value : out)
+        value = value < 0.0 ? std::nan("") : value * scale;
+    return out;
+}
+
+/// Errors for a grid, where -1 stands for one that is not known.
+Column grid_errors(const Column& values, double scale) {
+    Column out = values;
+    for (double& value : out)
+        value = value < 0.0 ? -1.0 : value * scale;
+    return out;
+}
+
 void write_csv(const fs::path& file, const std::string& comment, const std::vector<std::string>& names,
                const std::vector<Column>& columns) {
     store::write_atomically(file, "# " + comment + "\n" + store::to_csv(names, columns));
@@ -30,18 +47,19 @@ void write_csv(const fs::path& file, const std::string& comment, const std::vect
 
 void write_structure(const fs::path& folder, const measure::StructureResult& r, double a) {
     write_csv(folder / "gr.csv", "pair correlation g(r); r in bead radii a", {"r", "g", "sigma"},
-              {scaled(r.r, 1.0 / a), r.g, r.g_error});
+              {scaled(r.r, 1.0 / a), r.g, errors(r.g_error)});
     write_csv(folder / "gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value",
-              {"r", "gB", "sigma", "pairs"}, {scaled(r.order_r, 1.0 / a), r.g_B, r.g_B_error, r.order_pairs});
+              {"r", "gB", "sigma", "pairs"},
+              {scaled(r.order_r, 1.0 / a), r.g_B, errors(r.g_B_error), r.order_pairs});
 }
 
 void write_microrheology(const fs::path& folder, const measure::MicrorheologyResult& r, double a) {
     const double area = 1.0 / (a * a);
     write_csv(folder / "msd.csv", "mean-square displacement, drift removed; lag in s, msd in a^2",
               {"lag", "msd", "sigma", "origins"},
-              {r.lag, scaled(r.msd, area), scaled(r.msd_error, area), r.origins});
+              {r.lag, scaled(r.msd, area), errors(r.msd_error, area), r.origins});
     write_csv(folder / "stiffness.csv", "1/(s MSD~(s)) in 1/a^2; s in 1/s", {"s", "value", "sigma"},
-              {r.s, scaled(r.stiffness, a * a), scaled(r.stiffness_error, a * a)});
+              {r.s, scaled(r.stiffness, a * a), errors(r.stiffness_error, a * a)});
 }
 
 void write_profile(const fs::path& folder, const measure::DisplacementField& u, const char* component,
@@ -54,7 +72,7 @@ void write_profile(const fs::path& folder, const measure::DisplacementField& u, 
             "x is the place along the line",
             component, along, *along == 'x' ? "y" : "x", p.at / a, a),
         {"x", "value", "sigma", "count"},
-        {scaled(p.place, 1.0 / a), scaled(p.value, 1.0 / a), scaled(p.sigma, 1.0 / a), p.count});
+        {scaled(p.place, 1.0 / a), scaled(p.value, 1.0 / a), errors(p.sigma, 1.0 / a), p.count});
 }
 
 Column middles(const measure::RodGrid& grid, double scale) {
@@ -89,9 +107,14 @@ void put_grid(store::Hdf5Writer& out, const std::string& group, const measure::R
               std::initializer_list<Layer> layers) {
     for (const char* axis : {"x", "y"})
         out.dataset(group + "/" + axis, middles(grid, 1.0 / a), {grid.n}, "a");
-    for (const Layer& layer : layers)
-        out.dataset(group + "/" + layer.name, scaled(*layer.values, layer.scale), {grid.n, grid.n},
-                    layer.unit);
+    for (const Layer& layer : layers) {
+        const bool error = std::string_view(layer.name).starts_with("sigma");
+        out.dataset(group + "/" + layer.name,
+                    error ? grid_errors(*layer.values, layer.scale) : scaled(*layer.values, layer.scale),
+                    {grid.n, grid.n}, layer.unit);
+    }
+    out.attribute(group, "unknown_sigma", -1.0);
+    out.attribute(group, "spacing", grid.spacing / a);
 }
 
 void write_displacement(store::Hdf5Writer& h5, const fs::path& folder, const measure::DisplacementField& u,
@@ -109,7 +132,12 @@ void write_displacement(store::Hdf5Writer& h5, const fs::path& folder, const mea
               {"count", &u.count, 1.0, ""},
               {"coherence", &u.coherence, 1.0, ""}});
     h5.attribute("/displacement", "method", std::string(to_string(u.method)));
-    h5.attribute("/displacement", "mean_speed", u.mean_speed * to_a);
+    h5.attribute("/displacement", "reference",
+                 std::string(u.reference == measure::Reference::box ? "box" : "far"));
+    h5.attribute("/displacement", "mean_speed_a_per_s", u.mean_speed * to_a);
+    h5.attribute("/displacement", "offset_x", u.offset.x * to_a);
+    h5.attribute("/displacement", "offset_y", u.offset.y * to_a);
+    h5.attribute("/displacement", "blocks", static_cast<std::int64_t>(u.blocks));
     const Column U = vectors(u.Ux, u.Uy, to_a), sigma = vectors(u.sigma_x, u.sigma_y, to_a);
     const std::array<store::VtiArray, 4> arrays = {
         {{"U", 3, U}, {"sigma", 3, sigma}, {"count", 1, u.count}, {"coherence", 1, u.coherence}}};
@@ -123,10 +151,10 @@ void write_marked(const fs::path& folder, const std::vector<measure::MarkedBead>
         for (std::size_t k = 0; k < 5; ++k)
             columns[k].push_back(row[k]);
     }
-    write_csv(
-        folder / "marked.csv",
-        "beads near the rod in the first frame, there and in the last frame, unwrapped, drift removed; a",
-        {"bead", "x0", "y0", "x1", "y1"}, columns);
+    write_csv(folder / "marked.csv",
+              "of run 1: beads near the rod in the first frame, there and in the last frame, unwrapped, "
+              "drift removed; a",
+              {"bead", "x0", "y0", "x1", "y1"}, columns);
 }
 
 void write_flow(store::Hdf5Writer& h5, const fs::path& folder, const measure::FlowField& f, double a) {
@@ -175,10 +203,19 @@ void write_pairs(const fs::path& folder, const measure::PairResult& pairs, doubl
               names, columns);
 }
 
+/// What an earlier measure of this folder left: files that this one does not make would tell of another.
+void remove_earlier(const fs::path& folder) {
+    for (const char* name : {"measure.json", "measure.h5", "gr.csv", "gB.csv", "msd.csv", "stiffness.csv",
+                             "marked.csv", "pairs.csv", "displacement.vti", "flow.vti", "profile_Ux_x.csv",
+                             "profile_Ux_y.csv", "profile_Uy_x.csv", "profile_Uy_y.csv"})
+        fs::remove(folder / name);
+}
+
 } // namespace
 
 void write_measures(const fs::path& folder, const CaseResults& r, const MeasureOrigin& origin) {
     const double a = r.bead_radius;
+    remove_earlier(folder);
     if (r.structure)
         write_structure(folder, *r.structure, a);
     if (r.microrheology)

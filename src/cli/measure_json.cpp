@@ -12,7 +12,7 @@ using measure::Estimate;
 using nlohmann::ordered_json;
 
 ordered_json number(const Estimate& e, double scale = 1.0) {
-    return {{"value", e.value * scale},
+    return {{"value", e.samples > 0 ? ordered_json(e.value * scale) : ordered_json(nullptr)},
             {"error", e.known() ? ordered_json(e.error * scale) : ordered_json(nullptr)},
             {"samples", e.samples}};
 }
@@ -105,6 +105,8 @@ std::string measure_json(const CaseResults& r, const MeasureOrigin& origin) {
         out["pairs"] = pairs_json(*r.pairs, a);
     if (r.force)
         out["force"] = {{"force", number(r.force->force)}, {"speed", number(r.force->speed)}};
+    for (const auto& [name, reason] : r.not_measured)
+        out["not_measured"][name] = reason;
     out["provenance"] = {{"command", origin.command},
                          {"seed", origin.seed},
                          {"version", build_info().version},

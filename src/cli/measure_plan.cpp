@@ -85,8 +85,11 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
     kept.trajectory = unset.trajectory;
     kept.profile_offset = unset.profile_offset;
     kept.contact_distance = unset.contact_distance;
+    kept.reference = unset.reference;
+    kept.mirror = unset.mirror;
+    kept.s_low = kept.s_high = std::nullopt;
     kept.interval = plan.interval;
-    return fmt::format("{}# box {:.17g}, beads {}, rods {}\n", scene::to_toml(key), plan.layout.box,
+    return fmt::format("{}box {:.17g}, beads {}, rods {}\n", scene::to_plain_toml(key), plan.layout.box,
                        plan.layout.beads, plan.layout.rods);
 }
 
@@ -118,7 +121,7 @@ std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granula
     try {
         measure::Measures(plan.layout, plan.keys); // says now what cannot be measured
     } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: [measure] {}", scene.path, error.what()));
+        throw InputError(fmt::format("{}: {}", scene.path, error.what()));
     }
     return plan;
 }
@@ -131,7 +134,7 @@ double contact_distance(const scene::Scene& scene) {
     double longest = 0.0;
     for (const scene::GranularRod& rod : scene.granular->rods)
         longest = std::max(longest, rod.length);
-    return scene.measure->contact_distance.value_or(longest);
+    return scene.measure->contact_distance.value_or(0.5 * longest);
 }
 
 } // namespace rodwake::cli

@@ -29,6 +29,7 @@ struct CaseResults {
     std::optional<measure::DisplacementField> displacement;
     std::optional<measure::PairResult> pairs;
     std::optional<ForceResult> force;
+    std::vector<std::pair<std::string, std::string>> not_measured; ///< what was wanted and why it is missing
 };
 
 /// Who measured, how.
@@ -41,8 +42,9 @@ struct MeasureOrigin {
 void write_measures(const std::filesystem::path& folder, const CaseResults& results,
                     const MeasureOrigin& origin);
 
-/// series.csv: a row for each case. Throws RunError.
-void write_series(const std::filesystem::path& file, const std::vector<CaseResults>& cases);
+/// series.csv: a row for each case; series.json: the line of force against imposed speed, where there is one.
+/// Throws RunError.
+void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases);
 
 /// A few lines for the terminal.
 std::vector<std::string> describe(const CaseResults& results);

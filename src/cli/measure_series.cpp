@@ -5,7 +5,9 @@
 #include "rodwake/store/csv.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rodwake::cli {
@@ -61,9 +63,35 @@ std::string text(const Estimate& e, double scale = 1.0) {
                      : fmt::format("{:.4g} (error unknown)", e.value * scale);
 }
 
+nlohmann::ordered_json line_json(const measure::LineFit& fit) {
+    const auto number = [](const Estimate& e, double scale) {
+        return nlohmann::ordered_json{{"value", e.value * scale}, {"error", e.error * scale}};
+    };
+    return {{"intercept_N", number(fit.intercept, 1.0)},
+            {"slope_N_s_per_m", number(fit.slope, 1.0)},
+            {"chi2", fit.chi2},
+            {"dof", fit.dof},
+            {"probability", measure::chi2_probability(fit.chi2, fit.dof)}};
+}
+
+/// f = f0 + c v and f = c v; empty without three imposed speeds with errors.
+nlohmann::ordered_json force_lines(const std::vector<CaseResults>& cases) {
+    std::vector<double> v, f, error;
+    for (const CaseResults& one : cases)
+        if (one.imposed_speed && one.force && one.force->force.known() && one.force->force.error > 0.0) {
+            v.push_back(*one.imposed_speed);
+            f.push_back(one.force->force.value);
+            error.push_back(one.force->force.error);
+        }
+    if (v.size() < 3 || std::ranges::count(v, v[0]) == static_cast<long>(v.size()))
+        return {};
+    return {{"line", line_json(measure::fit_line(v, f, error))},
+            {"proportional", line_json(measure::fit_proportional(v, f, error))}};
+}
+
 } // namespace
 
-void write_series(const std::filesystem::path& file, const std::vector<CaseResults>& cases) {
+void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases) {
     std::string content =
         "# a row for the scene and one for each variant; lengths in a, speeds in a/s, force in N, stiffness "
         "in 1/a^2; class 0 "
@@ -73,7 +101,11 @@ void write_series(const std::filesystem::path& file, const std::vector<CaseResul
         "delta_y_error,runs,non_reciprocity,non_reciprocity_error,force,force_error,speed,speed_error\n";
     for (const CaseResults& one : cases)
         content += row(one);
-    store::write_atomically(file, content);
+    store::write_atomically(folder / "series.csv", content);
+    if (const auto lines = force_lines(cases); !lines.empty())
+        store::write_atomically(folder / "series.json",
+                                nlohmann::ordered_json{{"force_against_imposed_speed", lines}}.dump(2) +
+                                    "\n");
 }
 
 std::vector<std::string> describe(const CaseResults& r) {

@@ -86,12 +86,24 @@ std::optional<measure::Measures> measures_of(const RunFiles& run, const MeasureP
 }
 
 template<class Record>
-std::vector<Record> records(const std::vector<measure::Measures>& all,
-                            const std::optional<Record>& (measure::Measures::*part)() const) {
+std::vector<Record> records(std::vector<measure::Measures>& all,
+                            std::optional<Record>& (measure::Measures::*part)()) {
     std::vector<Record> out;
-    for (const measure::Measures& one : all)
-        out.push_back(*(one.*part)());
+    for (measure::Measures& one : all)
+        out.push_back(std::move(*(one.*part)()));
     return out;
+}
+
+/// One measure that cannot be had does not take the others with it: its reason is kept.
+template<class Make>
+void attempt(CaseResults& results, const char* name, const Make& make) {
+    try {
+        make();
+    } catch (const InputError& error) {
+        results.not_measured.emplace_back(name, error.what());
+    } catch (const RunError& error) {
+        results.not_measured.emplace_back(name, error.what());
+    }
 }
 
 /// False if a signal stopped it.
@@ -110,13 +122,15 @@ bool reduce_frames(const std::vector<RunFiles>& runs, const MeasurePlan& plan, c
         return false;
     using measure::Measures;
     if (plan.keys.structure)
-        out.structure = measure::reduce(records(all, &Measures::structure));
+        attempt(out, "order", [&] { out.structure = measure::reduce(records(all, &Measures::structure)); });
     if (plan.keys.microrheology)
-        out.microrheology = measure::reduce(records(all, &Measures::microrheology));
+        attempt(out, "microrheology",
+                [&] { out.microrheology = measure::reduce(records(all, &Measures::microrheology)); });
     if (plan.keys.flow)
-        out.flow = measure::reduce(records(all, &Measures::flow));
+        attempt(out, "flow", [&] { out.flow = measure::reduce(records(all, &Measures::flow)); });
     if (plan.keys.displacement)
-        out.displacement = measure::reduce(records(all, &Measures::displacement));
+        attempt(out, "displacement",
+                [&] { out.displacement = measure::reduce(records(all, &Measures::displacement)); });
     return true;
 }
 
@@ -152,21 +166,40 @@ measure::PairResult pairs_of(const std::vector<RunFiles>& runs, const scene::Sce
     return measure::reduce(followed);
 }
 
-ForceResult force_of(const std::vector<RunFiles>& runs, std::size_t rod) {
-    std::vector<double> force, speed;
+/// A number of each run's summary.
+template<class Find>
+std::vector<double> of_summaries(const std::vector<RunFiles>& runs, const char* what, const Find& find) {
+    std::vector<double> values;
     for (const RunFiles& run : runs) {
         const fs::path file = run.folder / "summary.json";
         std::ifstream in(file);
-        const auto json = nlohmann::json::parse(in, nullptr, false);
         try {
-            force.push_back(json.at("rods").at(rod).at("force"));
-            speed.push_back(json.at("rods").at(rod).at("mean_speed"));
+            values.push_back(find(nlohmann::json::parse(in, nullptr, false)));
         } catch (const nlohmann::json::exception&) {
-            throw InputError(
-                fmt::format("{}: no force of rod {}; make the granular run again", file.string(), rod));
+            throw InputError(fmt::format("{}: no {}; make the granular run again", file.string(), what));
         }
     }
-    return {measure::mean_of_blocks(force), measure::mean_of_blocks(speed)};
+    return values;
+}
+
+ForceResult force_of(const std::vector<RunFiles>& runs, std::size_t rod) {
+    const auto of_rod = [&](const char* name) {
+        return measure::mean_of_blocks(
+            of_summaries(runs, "rod with its force", [&](const nlohmann::json& json) {
+                return json.at("rods").at(rod).at(name).get<double>();
+            }));
+    };
+    return {of_rod("force"), of_rod("mean_speed")};
+}
+
+/// Frames may all lie at one phase of the plates; a run's own mean of T_xy is over all phases.
+void use_temperature(const std::vector<RunFiles>& runs, measure::MicrorheologyResult& result) {
+    const measure::Estimate T = measure::mean_of_blocks(
+        of_summaries(runs, "T_xy", [](const nlohmann::json& json) { return json.at("T_xy").get<double>(); }));
+    const double scale = T.value / result.temperature;
+    result.temperature = T.value;
+    result.spring.value *= scale;
+    result.spring.error *= result.spring.known() ? scale : 1.0;
 }
 
 CaseResults facts_of(const DemCase& one, const granular::GranularProblem& problem) {
@@ -200,13 +233,19 @@ std::optional<CaseResults> measure_case(const DemCase& one, const Options& optio
     if (const auto plan = measure_plan(one.scene, problem))
         if (!reduce_frames(runs, *plan, options, log, results))
             return std::nullopt;
-    if ((m.pairs || m.force) && !m.trajectory.empty())
-        log->warn("measure: pairs and force come from a run's own tables; with measure.trajectory they are "
-                  "left out");
-    else if (m.pairs)
-        results.pairs = pairs_of(runs, one.scene);
-    if (m.force && m.trajectory.empty())
-        results.force = force_of(runs, static_cast<std::size_t>(m.rod));
+    if (!m.trajectory.empty()) {
+        if (m.pairs || m.force)
+            log->warn("measure: pairs and force come from a run's own tables; with measure.trajectory they "
+                      "are left "
+                      "out");
+        return results;
+    }
+    if (results.microrheology)
+        use_temperature(runs, *results.microrheology);
+    if (m.pairs)
+        attempt(results, "pairs", [&] { results.pairs = pairs_of(runs, one.scene); });
+    if (m.force)
+        attempt(results, "force", [&] { results.force = force_of(runs, static_cast<std::size_t>(m.rod)); });
     return results;
 }
 
@@ -226,19 +265,24 @@ StageEnd measure_folder(const scene::Scene& scene, const Options& options, const
     const MeasureOrigin origin{options.command,
                                options.seed.value_or(static_cast<std::uint64_t>(scene.granular->seed))};
     std::vector<CaseResults> all;
+    StageEnd end = StageEnd::finished;
     for (const DemCase& one : dem_cases(scene)) {
         auto results = measure_case(one, options, folder, log);
         if (!results)
             return StageEnd::interrupted;
         fs::create_directories(folder / one.folder);
         write_measures(folder / one.folder, *results, origin);
+        for (const auto& [name, reason] : results->not_measured) {
+            log->error("measure{}: {}: {}", one.label.empty() ? "" : " (" + one.label + ")", name, reason);
+            end = StageEnd::failed;
+        }
         for (const std::string& line : describe(*results))
             log->info("{}", line);
         all.push_back(std::move(*results));
     }
     if (all.size() > 1)
-        write_series(folder / "series.csv", all);
-    return StageEnd::finished;
+        write_series(folder, all);
+    return end;
 }
 
 StageEnd run_measure_stage(Session& session) {

@@ -108,8 +108,8 @@ int measure_finished_run(const Options& options, const scene::Scene& scene) {
         return signal_exit_code(stop_signal());
     }
     store::write_atomically(folder / "scene.toml", scene::to_toml(scene));
-    log->info("results in {}", folder.string());
-    return 0;
+    log->info("results in {}; rodwake plot {} draws them", folder.string(), folder.string());
+    return end == StageEnd::failed ? 1 : 0;
 }
 
 } // namespace

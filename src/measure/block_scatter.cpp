@@ -21,21 +21,41 @@ double mixed(double squares, double blocks, double typical) {
 
 } // namespace
 
+Follows follows_of(const BlockSums* before, const BlockSums& now) {
+    if (!before)
+        return Follows::nothing;
+    return before->number == now.number ? Follows::same_block : Follows::block;
+}
+
 void BlockScatter::add(std::size_t bin, std::span<const Vector2> pulls, const std::vector<bool>& present,
-                       const std::vector<bool>& successive) {
-    for (std::size_t b = 0; b < pulls.size(); ++b) {
-        if (!present[b])
-            continue;
-        const double xx = pulls[b].x * pulls[b].x, yy = pulls[b].y * pulls[b].y;
-        squares_[bin].x += xx;
-        squares_[bin].y += yy;
-        blocks_[bin] += 1.0;
-        if (b == 0 || !successive[b] || !present[b - 1])
-            continue;
-        const Vector2& last = pulls[b - 1];
-        products_ += pulls[b].x * last.x + pulls[b].y * last.y;
-        product_squares_ += 0.5 * (xx + yy + last.x * last.x + last.y * last.y);
+                       std::span<const Follows> follows) {
+    Vector2 last;
+    bool had = false; // data in the block before
+    for (std::size_t first = 0, end = 0; first < pulls.size(); first = end) {
+        Vector2 pull;
+        bool has = false;
+        for (end = first; end < pulls.size() && (end == first || follows[end] == Follows::same_block);
+             ++end) {
+            pull.x += pulls[end].x;
+            pull.y += pulls[end].y;
+            has = has || present[end];
+        }
+        if (has)
+            count(bin, pull, had && follows[first] == Follows::block ? &last : nullptr);
+        last = pull;
+        had = has;
     }
+}
+
+void BlockScatter::count(std::size_t bin, const Vector2& pull, const Vector2* last) {
+    const double xx = pull.x * pull.x, yy = pull.y * pull.y;
+    squares_[bin].x += xx;
+    squares_[bin].y += yy;
+    blocks_[bin] += 1.0;
+    if (!last)
+        return;
+    products_ += pull.x * last->x + pull.y * last->y;
+    product_squares_ += 0.5 * (xx + yy + last->x * last->x + last->y * last->y);
 }
 
 /// s^2: mean of error^2 times count over the bins.

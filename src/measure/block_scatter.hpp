@@ -10,17 +10,25 @@
 // all errors larger by correlation_factor.
 
 #include "bin_samples.hpp"
+#include "block_sums.hpp"
 
 #include <span>
 
 namespace rodwake::measure {
 
+/// How a part of the data stands to the one before it. Parts of one block that differ in the rod's heading
+/// count as one value.
+enum class Follows { nothing, block, same_block };
+
+/// `before`: the part before it in the same run, if there is one.
+Follows follows_of(const BlockSums* before, const BlockSums& now);
+
 class BlockScatter {
 public:
-    /// Pulls of the blocks of one bin in order of time and runs; successive[b]: b follows b - 1 in one run.
-    /// Blocks without data have pull 0 and are not present.
+    /// Pulls of the parts of one bin in order of time and runs. Parts without data have pull 0 and are not
+    /// present.
     void add(std::size_t bin, std::span<const Vector2> pulls, const std::vector<bool>& present,
-             const std::vector<bool>& successive);
+             std::span<const Follows> follows);
 
     /// Writes sigma, blocks and block_correlation. Count must be there.
     void finish(BinSamples& samples) const;
@@ -28,6 +36,7 @@ public:
     explicit BlockScatter(std::size_t bins) : squares_(bins), blocks_(bins) {}
 
 private:
+    void count(std::size_t bin, const Vector2& pull, const Vector2* last);
     Vector2 typical(const BinSamples& samples) const;
 
     std::vector<Vector2> squares_; ///< sums of pull^2

@@ -141,6 +141,14 @@ void unknown_errors(DisplacementField& field) {
         }
 }
 
+/// Parts of one block that differ in the rod's heading count once.
+std::size_t block_count(std::span<const BlockSums> parts) {
+    std::size_t count = 0;
+    for (std::size_t b = 0; b < parts.size(); ++b)
+        count += b == 0 || parts[b].number != parts[b - 1].number;
+    return count;
+}
+
 void describe(std::span<const DisplacementRecord> runs, DisplacementField& field) {
     double path = 0.0, duration = 0.0;
     for (const DisplacementRecord& run : runs) {
@@ -148,7 +156,7 @@ void describe(std::span<const DisplacementRecord> runs, DisplacementField& field
         field.frames += impl.frames;
         path += impl.path;
         duration += impl.duration;
-        std::visit([&](const auto& sums) { field.blocks += sums.blocks().size(); }, impl.sums);
+        std::visit([&](const auto& sums) { field.blocks += block_count(sums.blocks()); }, impl.sums);
         if (const auto* phase = std::get_if<PhaseRecord>(&impl.sums);
             phase && phase->peaks() && field.peaks.m[0] == 0 && field.peaks.n[0] == 0)
             field.peaks = *phase->peaks();

@@ -14,16 +14,17 @@ using Sums = std::array<double, Record::channels>;
 
 struct Sources {
     std::vector<const BlockSums*> blocks;
-    std::vector<bool> successive;
+    std::vector<Follows> follows;
 };
 
 Sources sources_of(std::span<const DisplacementRecord> runs) {
     Sources sources;
     for (const DisplacementRecord& run : runs)
-        for (const BlockSums& block : std::get<Record>(run.impl().sums).blocks()) {
-            sources.successive.push_back(!sources.blocks.empty() &&
-                                         &block != &std::get<Record>(run.impl().sums).blocks()[0]);
+        for (const BlockSums* before = nullptr;
+             const BlockSums& block : std::get<Record>(run.impl().sums).blocks()) {
+            sources.follows.push_back(follows_of(before, block));
             sources.blocks.push_back(&block);
+            before = &block;
         }
     return sources;
 }
@@ -64,7 +65,7 @@ void put(const Sources& sources, std::size_t bin, const std::vector<CellPart>& p
     samples.coherence[bin] = 1.0;
     samples.place[bin].x += total[Record::place_x] / beads;
     samples.place[bin].y += total[Record::place_y] / beads;
-    scatter.add(bin, pulls, present, sources.successive);
+    scatter.add(bin, pulls, present, sources.follows);
 }
 
 double beads_in(const Sources& sources, std::size_t bin) {

@@ -7,13 +7,13 @@ namespace rodwake::measure {
 
 namespace {
 
-PhaseBlock lattice_of(const BraggPeaks& peaks, const BlockSums& block, bool successive) {
+PhaseBlock lattice_of(const BraggPeaks& peaks, const BlockSums& block, Follows follows) {
     PhaseBlock made;
     made.m = peaks.m;
     made.n = peaks.n;
     made.heading = block.heading();
     made.frames = block.frames;
-    made.successive = successive;
+    made.follows = follows;
     return made;
 }
 
@@ -25,10 +25,10 @@ std::vector<PhaseBlock> phase_blocks(std::span<const DisplacementRecord> runs,
     for (const DisplacementRecord& run : runs) {
         const auto& record = std::get<PhaseRecord>(run.impl().sums);
         const RodGrid grid(run.layout().box, run.keys().spacing);
-        bool successive = false;
+        const BlockSums* before = nullptr;
         for (const BlockSums& block : record.blocks()) {
-            PhaseBlock made = lattice_of(*record.peaks(), block, successive);
-            successive = true;
+            PhaseBlock made = lattice_of(*record.peaks(), block, follows_of(before, block));
+            before = &block;
             if (run.keys().method == DisplacementMethod::density) {
                 made.g = seen_along(record.peaks()->G, block.first_heading);
                 smoothed.push_back(

@@ -1,6 +1,7 @@
 #pragma once
 // The blocks of all runs of an estimator with phases, ready to be put together.
 
+#include "block_scatter.hpp"
 #include "displacement_impl.hpp"
 
 #include <array>
@@ -14,7 +15,7 @@ struct PhaseBlock {
     std::array<Vector2, 3> g;     ///< along the rod's axes
     std::array<int, 3> m{}, n{};  ///< of the lattice
     double heading = 0.0, frames = 0.0;
-    bool successive = false; ///< follows the one before in the same run
+    Follows follows = Follows::nothing;
 };
 
 /// `smoothed` holds the sums of those that are made new: for `density` the far field's phases of each block

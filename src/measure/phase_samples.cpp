@@ -14,11 +14,11 @@ namespace {
 
 constexpr double least_contrast = 20.0;
 
-std::vector<bool> successive_of(const std::vector<PhaseBlock>& blocks) {
-    std::vector<bool> successive(blocks.size());
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-        successive[b] = blocks[b].successive;
-    return successive;
+std::vector<Follows> follows_of(const std::vector<PhaseBlock>& blocks) {
+    std::vector<Follows> follows;
+    for (const PhaseBlock& block : blocks)
+        follows.push_back(block.follows);
+    return follows;
 }
 
 /// Places are those of the beads.
@@ -26,14 +26,14 @@ BinSamples of_bins(const std::vector<PhaseBlock>& blocks, std::vector<Vector2> g
     BinSamples samples(grid.bins());
     samples.value = std::move(guess);
     BlockScatter scatter(grid.bins());
-    const auto successive = successive_of(blocks);
+    const auto follows = follows_of(blocks);
     for (std::size_t j = 0; j < grid.bins(); ++j) {
         PhaseCell cell(blocks, {{j, 1.0, {}}});
         const double beads = samples.count[j] = cell.total(PhaseRecord::beads);
         if (!(beads > 0.0))
             continue;
         cell.solve(samples.value[j]);
-        scatter.add(j, cell.pulls(samples.value[j]), cell.present(), successive);
+        scatter.add(j, cell.pulls(samples.value[j]), cell.present(), follows);
         samples.coherence[j] = cell.coherence();
         samples.place[j] = {grid.middle(j % grid.n) + cell.total(PhaseRecord::place_x) / beads,
                             grid.middle(j / grid.n) + cell.total(PhaseRecord::place_y) / beads};
@@ -46,7 +46,7 @@ BinSamples of_bins(const std::vector<PhaseBlock>& blocks, std::vector<Vector2> g
 BinSamples of_cells(const std::vector<PhaseBlock>& blocks, const CellWindow& window, const RodGrid& grid) {
     BinSamples samples(grid.bins());
     BlockScatter scatter(grid.bins());
-    const auto successive = successive_of(blocks);
+    const auto follows = follows_of(blocks);
     for (std::size_t j = 0; j < grid.bins(); ++j) {
         const CellMean mean = window.around(j);
         samples.place[j] = {grid.middle(j % grid.n) + mean.place.x, grid.middle(j / grid.n) + mean.place.y};
@@ -56,7 +56,7 @@ BinSamples of_cells(const std::vector<PhaseBlock>& blocks, const CellWindow& win
             continue;
         PhaseCell cell(blocks, mean.parts);
         cell.solve(samples.value[j]);
-        scatter.add(j, cell.pulls(samples.value[j]), cell.present(), successive);
+        scatter.add(j, cell.pulls(samples.value[j]), cell.present(), follows);
         samples.coherence[j] = cell.coherence();
     }
     scatter.finish(samples);

@@ -27,7 +27,7 @@ Profile profile(const DisplacementField& field, const std::string& component, co
                                      grid.middle(0), grid.middle(grid.n - 1)));
     const auto& value = component == "Ux" ? field.Ux : field.Uy;
     const auto& sigma = component == "Ux" ? field.sigma_x : field.sigma_y;
-    Profile result{component, along, at, {}, {}, {}, {}};
+    Profile result{component, along, grid.middle(static_cast<std::size_t>(line)), {}, {}, {}, {}};
     for (std::size_t k = 0; k < grid.n; ++k) {
         const std::size_t fixed = static_cast<std::size_t>(line),
                           bin = along == "x" ? fixed * grid.n + k : k * grid.n + fixed;

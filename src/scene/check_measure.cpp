@@ -29,6 +29,19 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
                fmt::format("there is no rod {}: granular.rods has {} (numbered from 0)", m.rod, count));
 }
 
+/// What takes more than a few frames. Of a trajectory from elsewhere the number is not known here.
+void frames(const Measure& m, double intervals, const Report& report) {
+    constexpr double least = 32.0; // of microrheology
+    const double count = std::floor(intervals * (1.0 + 1e-9)) + 1.0;
+    if (m.microrheology && m.trajectory.empty() && count >= 1.0 && count < least)
+        report(
+            "measure.microrheology",
+            fmt::format(
+                "microrheology needs at least {:g} frames, and there are {:g}: shorten measure.interval or "
+                "granular.output.frames, or run longer",
+                least, count));
+}
+
 void times(const Measure& m, const Granular& bed, const Report& report) {
     const double interval = m.interval.value_or(bed.output.frames.value_or(bed.duration / 100.0));
     if (m.interval && *m.interval < bed.time_step)
@@ -51,6 +64,10 @@ void times(const Measure& m, const Granular& bed, const Report& report) {
                                "of {:g} s",
                                *m.order_interval, interval));
     }
+    frames(m, (bed.duration - m.from) / interval, report);
+    if (m.flow && m.flow_lag > m.block)
+        report("measure.flow_lag",
+               fmt::format("flow_lag = {:g} s is longer than block = {:g} s", m.flow_lag, m.block));
     if (m.s_low && m.s_high && !(*m.s_low < *m.s_high))
         report("measure.s_high",
                fmt::format("s_high = {:g} must be above s_low = {:g}", *m.s_high, *m.s_low));

@@ -166,7 +166,7 @@ void displacement_fields(Visitor& v, Measure& m) {
     v(key("contact_distance")
           .unit(length)
           .above(0.0, 1e3)
-          .absent("the length of the longer rod")
+          .absent("half the length of the longer rod")
           .doc("pairs: centres nearer than this are in contact")
           .example("\"12 a\""),
       m.contact_distance);

@@ -5,6 +5,7 @@
 #include "variants.hpp"
 
 #include <fmt/format.h>
+#include <sstream>
 
 namespace rodwake::scene {
 
@@ -117,6 +118,15 @@ std::string to_toml(const Scene& scene) {
     Writer writer;
     fields(writer, copy);
     return writer.text();
+}
+
+std::string to_plain_toml(const Scene& scene) {
+    std::istringstream lines(to_toml(scene));
+    std::string plain;
+    for (std::string line; std::getline(lines, line);)
+        if (!line.starts_with("#"))
+            plain += line + "\n";
+    return plain;
 }
 
 } // namespace rodwake::scene

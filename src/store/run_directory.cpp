@@ -67,7 +67,7 @@ bool is_measure(const fs::path& file) {
         "measure.json",  "measure.h5", "gr.csv",    "gB.csv",           "msd.csv",
         "stiffness.csv", "marked.csv", "pairs.csv", "displacement.vti", "flow.vti"};
     const std::string name = file.filename().string();
-    return is_one_of(file, names) || name == "series.csv" ||
+    return is_one_of(file, names) || name == "series.csv" || name == "series.json" ||
            (name.starts_with("profile_") && name.ends_with(".csv"));
 }
 

@@ -283,7 +283,7 @@ class RefusalTest(MeasureTest):
         run = self.made()
         (run / "measure.rwc").unlink()
         done = self.expect(2, "measure", "bed.toml", "-o", "run", "--quiet", "-s", "measure.interval=0.04 s",
-                           "-s", "measure.order_interval=0.04 s")
+                           "-s", "measure.order_interval=0.04 s", "-s", "measure.microrheology=false")
         self.assertRegex(done.stderr, "frames are 0.025 s apart; measure.interval = 0.04 s is no whole multiple")
 
     def test_other_keys_without_a_trajectory(self):
@@ -313,14 +313,42 @@ class RefusalTest(MeasureTest):
     def test_one_frame(self):
         keys = ("-s", "granular.output.frames=1 s", "-s", "granular.duration=0.5 s", "-s", "measure.order_interval=1 s",
                 "-s", "measure.block=1 s")
+        self.refuse(2, "microrheology needs at least 32 frames, and there are 1", "dem", "bed.toml", "-o", "run", *keys)
+        keys = (*keys, "-s", "measure.microrheology=false")
         self.made("run", *keys)
-        done = self.expect(2, "measure", "bed.toml", "-o", "run", "--quiet", *keys)
-        self.assertRegex(done.stderr, "frames")
-        alone = ("-s", "measure.microrheology=false", "-s", "measure.flow=false", "-s", "measure.displacement=none")
-        self.made("order", *keys, *alone)
-        found = self.measured("order", *keys, *alone)
+        done = self.expect(1, "measure", "bed.toml", "-o", "run", "--quiet", *keys)
+        self.assertIn("measure: flow: ", done.stderr)
+        found = json.loads((self.folder / "run/measure.json").read_text())
+        self.assertIn("flow", found["not_measured"])  # with its reason; the others are there
+        self.assertNotIn("flow", found)
         self.assertIsNone(found["order"]["psi6"]["error"])
         self.assertEqual(found["order"]["psi6"]["samples"], 1)
+        self.assertIsNone(found["order"]["exponent"]["value"])
+        self.assertTrue(np.all(np.isnan(read(self.folder / "run/gB.csv")["sigma"])))
+
+    def test_no_crystal(self):
+        keys = ("-s", "granular.phi_b=0.4")
+        done = self.expect(1, "run", "bed.toml", "-o", "run", "--quiet", *keys)
+        self.assertRegex(done.stderr, "measure: displacement: .*crystal")
+        found = json.loads((self.folder / "run/measure.json").read_text())
+        self.assertEqual(set(found["not_measured"]), {"displacement"})
+        self.assertTrue({"order", "microrheology", "flow", "force"} <= set(found))
+        self.assertFalse((self.folder / "run/profile_Ux_x.csv").exists())
+
+    def test_other_keys_leave_nothing_old(self):
+        run = self.made()
+        self.measured()
+        self.measured("run", "--force", "-s", "measure.order=false", "-s", "measure.displacement=none")
+        names = {path.name for path in run.iterdir()}
+        self.assertFalse({"gr.csv", "profile_Ux_x.csv", "displacement.vti"} & names)
+        self.assertIn("flow.vti", names)
+
+    def test_what_is_decided_when_runs_are_put_together_needs_no_frames(self):
+        keys = ("-s", "granular.output.formats=[]")
+        self.made("run", *keys)
+        one = self.measured("run", *keys)
+        two = self.measured("run", "--force", *keys, "-s", "measure.mirror=true", "-s", "measure.reference=far")
+        self.assertEqual((one["displacement"]["reference"], two["displacement"]["reference"]), ("box", "far"))
 
 
 if __name__ == "__main__":

@@ -34,8 +34,9 @@ struct RodProgress {
     double x0, y0, heading0; ///< at t = 0
     double x, y, heading;    ///< at the last sample; heading without jumps
     double travelled;        ///< integral of velocity along the heading, m
-    double pushed0[3];       ///< Tallies::pushed at t = 0
-    double row_travelled;    ///< at the last row
+    double pushed_at[2];     ///< in-plane Tallies::pushed at the last sample
+    double pushed;        ///< momentum given to the beads along the heading of each moment since t = 0, N s
+    double row_travelled; ///< at the last row
 };
 
 struct SampleSums {

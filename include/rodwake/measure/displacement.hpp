@@ -107,7 +107,7 @@ DisplacementField reduce(std::span<const DisplacementRecord> runs);
 struct Profile {
     std::string component;                          ///< "Ux" | "Uy"
     std::string along;                              ///< "x" | "y"
-    double at = 0.0;                                ///< the other coordinate, m
+    double at = 0.0;                                ///< the other coordinate: middle of the row or column, m
     std::vector<double> place, value, sigma, count; ///< m
 };
 /// From the row or column of bins whose middle is nearest to `at`.

@@ -42,6 +42,11 @@ public:
     const std::optional<MicrorheologyRecord>& microrheology() const { return microrheology_; }
     const std::optional<FlowRecord>& flow() const { return flow_; }
     const std::optional<DisplacementRecord>& displacement() const { return displacement_; }
+    /// To move the records out.
+    std::optional<StructureRecord>& structure() { return structure_; }
+    std::optional<MicrorheologyRecord>& microrheology() { return microrheology_; }
+    std::optional<FlowRecord>& flow() { return flow_; }
+    std::optional<DisplacementRecord>& displacement() { return displacement_; }
 
 private:
     Layout layout_;

@@ -17,7 +17,7 @@ struct RodGrid {
     double spacing = 0.0; ///< L/n, m
 
     /// The even number of bins whose spacing is nearest to the wanted one. Throws InputError unless
-    /// L/4096 <= wanted <= L/4.
+    /// L/512 <= wanted <= L/4.
     RodGrid(double box, double wanted);
     RodGrid() = default;
 

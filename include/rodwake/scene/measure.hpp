@@ -31,7 +31,7 @@ struct Measure {
     std::optional<double> far_from; ///< m; absent: 0.3 L
     bool mirror = false;
     std::optional<double> profile_offset;   ///< y of the profile of U_y along x, m; absent: 4 a
-    std::optional<double> contact_distance; ///< of a pair, m; absent: the longer rod's length
+    std::optional<double> contact_distance; ///< of a pair, m; absent: half a rod's length
     std::string trajectory; ///< file to measure in place of the run's own; empty: the run's own
 
     bool operator==(const Measure&) const = default;

@@ -11,4 +11,8 @@ namespace rodwake::scene {
 /// that SI cannot hold exactly is written in reduced units ("2.5 f/mu").
 std::string to_toml(const Scene& scene);
 
+/// The same without comments: equal for scenes that mean the same, whatever the documentation says of their
+/// keys.
+std::string to_plain_toml(const Scene& scene);
+
 } // namespace rodwake::scene
