@@ -216,6 +216,9 @@ private:
     }
 
     DemResult finish() {
+        if (record_.sums().row_step !=
+            simulation_.step()) // stopped by its travel: the tables have the end too
+            add_row();
         DemSummary done = summary();
         checkpoint();
         // until the last checkpoint goes, a crash costs nothing: the same command does this again

@@ -243,7 +243,7 @@ class ManyCasesTest(MeasureTest):
         stand beside each other across the edge of the box."""
         self.write("bed.toml", BED.replace('position = ["16 a", "16 a"]', 'position = ["8 a", "28 a"]\n'
                    '[[granular.rods]]\nposition = ["8 a", "4 a"]'))
-        keys = ("-s", "measure.displacement=none", "-s", "measure.pairs=true", "-s", "granular.runs=2", "-s", "granular.duration=9 s",
+        keys = ("-s", "measure.displacement=none", "-s", "measure.pairs=true", "-s", "granular.runs=2", "-s", "granular.duration=9 s", "-s", "granular.stop_at_travel=16 a",
                 "-s", "granular.output.formats=[]")
         run = self.made("run", *keys, "-j", 2)
         self.measured("run", *keys)
