@@ -145,7 +145,7 @@ def wake(lab, scene="wake.toml", name="wake", title="Wake in the 78 a box"):
     box = 155.0 if name == "large" else 78.0
     table(title + ": U_x(x,0) - U_x(L/2,0)", ["distance, a", "behind, a", "ahead, a", "ratio"], decays(folder))
     rows = [["blocks, frames, rod speed", f"{m['blocks']}, {m['frames']}, {m['mean_speed']:.2f} a/s"]]
-    for core in (6.0, 8.0):
+    for core in (8.0, 10.0):
         for eta in (0.5, 1.3, 5.0):
             p, e, chi2, dof = fit_wake(x, U, shared(sigma), box, core, eta)
             cells = []
