@@ -6,6 +6,8 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Boost 1.74 REQUIRED)
 find_package(SUNDIALS 6.4 REQUIRED COMPONENTS cvodes arkode nvecserial sunmatrixdense sunlinsoldense
              sunnonlinsolnewton sunnonlinsolfixedpoint)
+# Debian ships two packages of this name; either gives the C library, and the C interface is all we use.
+find_package(NLopt 2.7 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)

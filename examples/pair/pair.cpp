@@ -1,5 +1,5 @@
 // Two rods walk side by side through an elastic medium. Each turns in the strain that the other leaves in its
-// wake, and so they meet. This is scenes/quickstart.toml from C++.
+// wake, and so they meet. This is scenes/pair.toml from C++.
 //
 // Problem, options and result are three types: say what is to be solved, then how, then read what came out.
 

@@ -5,19 +5,47 @@
 
 namespace rodwake::rods {
 
+namespace {
+
+/// The columns of the headings alone, by central differences.
+Eigen::MatrixXd difference_jacobian(const RodModel& model, std::vector<double> y) {
+    constexpr double step = 1e-5;
+    const std::size_t size = y.size();
+    Eigen::MatrixXd jacobian =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(size), static_cast<Eigen::Index>(size));
+    std::vector<double> up(size), down(size);
+    for (std::size_t column = 2; column < size; column += 3) {
+        const double heading = y[column];
+        y[column] = heading + step;
+        model.rhs(y, up);
+        y[column] = heading - step;
+        model.rhs(y, down);
+        y[column] = heading;
+        for (std::size_t row = 0; row < size; ++row)
+            jacobian(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) =
+                (up[row] - down[row]) / (2.0 * step);
+    }
+    return jacobian;
+}
+
+} // namespace
+
 double stiffness(const RodProblem& problem) {
-    const RodModel model(problem.medium, problem.couplings, problem.rods.size());
+    const RodModel model(problem.medium, problem.couplings, problem.rods.size(), problem.box);
     if (!model.interacting())
         return 0.0;
     const auto y = to_state(problem.rods);
     const auto size = static_cast<Eigen::Index>(y.size());
     Eigen::MatrixXd jacobian(size, size);
-    model.jacobian(y, jacobian);
+    if (problem.box)
+        jacobian = difference_jacobian(model, y);
+    else
+        model.jacobian(y, jacobian);
     double fastest = 0.0;
     for (Eigen::Index row = 2; row < size; row += 3)
         for (Eigen::Index column = 2; column < size; column += 3)
             fastest = std::max(fastest, std::abs(jacobian(row, column)));
-    return fastest * closest_pair(y).distance;
+    return fastest * (model.rods() > 1 ? closest_pair(y, problem.box).distance : *problem.box);
 }
 
 integrate::Method suitable_method(const RodProblem& problem) {

@@ -1,40 +1,17 @@
 #include "rodwake/rods/model.hpp"
 
-#include "interaction.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/elastic/periodic.hpp"
+#include "view.hpp"
 
 #include <array>
-#include <cmath>
 
 namespace rodwake::rods {
 
-namespace {
-
-struct Direction {
-    double cosine, sine;
-};
-
-Direction direction(integrate::State y, std::size_t rod) {
-    return {std::cos(y[3 * rod + 2]), std::sin(y[3 * rod + 2])};
-}
-
-/// Rod a as rod b sees it.
-struct View {
-    double x, y; ///< place of a in b's frame
-    RelativeHeading heading;
-};
-
-View view(integrate::State y, std::size_t a, std::size_t b, Direction na, Direction nb) {
-    const double dx = y[3 * a] - y[3 * b], dy = y[3 * a + 1] - y[3 * b + 1];
-    return {nb.cosine * dx + nb.sine * dy,
-            nb.cosine * dy - nb.sine * dx,
-            {na.cosine * nb.cosine + na.sine * nb.sine, na.sine * nb.cosine - na.cosine * nb.sine}};
-}
-
-} // namespace
-
-RodModel::RodModel(std::optional<elastic::Medium> medium, const Couplings& couplings, std::size_t rods)
-    : couplings_(couplings), rods_(rods) {
-    if (medium && couplings.any() && rods > 1)
+RodModel::RodModel(std::optional<elastic::Medium> medium, const Couplings& couplings, std::size_t rods,
+                   std::optional<double> box)
+    : box_(box), couplings_(couplings), rods_(rods) {
+    if (medium && couplings.any() && (rods > 1 || box))
         field_.emplace(*medium);
 }
 
@@ -47,6 +24,10 @@ void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
     }
     if (!field_)
         return;
+    if (box_) {
+        add_periodic_turning(y, ydot);
+        return;
+    }
     const elastic::Wanted wanted = wanted_by(couplings_, false);
     for (std::size_t a = 0; a < rods_; ++a)
         for (std::size_t b = 0; b < rods_; ++b) {
@@ -57,7 +38,24 @@ void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
         }
 }
 
+/// Sources outside: a periodic field is built for one heading.
+void RodModel::add_periodic_turning(integrate::State y, std::span<double> ydot) const {
+    const elastic::Wanted wanted = wanted_by(couplings_, false);
+    for (std::size_t b = 0; b < rods_; ++b) {
+        const elastic::PeriodicField field(field_->medium(), *box_, y[3 * b + 2]);
+        ydot[3 * b + 2] += turning_rate(field.at_own_place(wanted), couplings_, {1.0, 0.0});
+        for (std::size_t a = 0; a < rods_; ++a) {
+            if (a == b)
+                continue;
+            const View at = view(y, a, b, {ydot[3 * a], ydot[3 * a + 1]}, {ydot[3 * b], ydot[3 * b + 1]});
+            ydot[3 * a + 2] += turning_rate(field.at(at.x, at.y, wanted), couplings_, at.heading);
+        }
+    }
+}
+
 void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
+    if (box_ && field_)
+        throw InputError("rods in a periodic box have no analytic Jacobian; use difference quotients");
     jacobian.setZero();
     for (std::size_t a = 0; a < rods_; ++a) {
         const Direction na = direction(y, a);

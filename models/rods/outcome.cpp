@@ -17,28 +17,30 @@ double heading_difference(const Pose& a, const Pose& b) {
     return std::abs(std::remainder(a.heading - b.heading, 2.0 * std::numbers::pi));
 }
 
-/// `rear` sees `front` ahead of it, and sits behind `front` within `offset` of its axis.
-bool follows(const Pose& rear, const Pose& front, double offset) {
-    const double dx = rear.x - front.x, dy = rear.y - front.y, r = std::hypot(dx, dy);
+/// A rod at the offset `behind` from `front` sits behind it, within `limit` of its axis.
+bool follows(Offset behind, const Pose& front, double limit) {
+    const double dx = behind.x, dy = behind.y, r = std::hypot(dx, dy);
     const double along = dx * std::cos(front.heading) + dy * std::sin(front.heading);
     const double across = dy * std::cos(front.heading) - dx * std::sin(front.heading);
-    return along < 0.0 && std::abs(across) <= offset * r;
+    return along < 0.0 && std::abs(across) <= limit * r;
 }
 
-bool in_pursuit(const Pose& a, const Pose& b, const PairHistory& history, const EndingCriteria& limit) {
+bool in_pursuit(const Pose& a, const Pose& b, Offset d, const PairHistory& history,
+                const EndingCriteria& limit) {
     const double mean = 0.5 * (history.min_late + history.max_late);
     return heading_difference(a, b) <= limit.locked_heading &&
            history.max_late - history.min_late <= limit.steady_separation * mean &&
-           (follows(a, b, limit.lateral_offset) || follows(b, a, limit.lateral_offset));
+           (follows(d, b, limit.lateral_offset) || follows({-d.x, -d.y}, a, limit.lateral_offset));
 }
 
 bool escapes(State y, State ydot, std::size_t a, std::size_t b, const PairHistory& history,
-             const EndingCriteria& limit) {
-    const double rate = separation_rate(y, a, b);
+             const EndingCriteria& limit, Box box) {
+    const double rate = separation_rate(y, a, b, box);
     const double parting = std::hypot(ydot[3 * a] - ydot[3 * b], ydot[3 * a + 1] - ydot[3 * b + 1]);
     if (!(rate > 0.0 && parting > 0.0))
         return false;
-    const double r = std::hypot(y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1]);
+    const Offset d = offset(y, a, b, box);
+    const double r = std::hypot(d.x, d.y);
     const double turning =
         std::max({std::abs(ydot[3 * a + 2]), std::abs(ydot[3 * b + 2]), history.max_turning});
     return turning * r / parting <= limit.residual_turn;
@@ -47,10 +49,10 @@ bool escapes(State y, State ydot, std::size_t a, std::size_t b, const PairHistor
 } // namespace
 
 Ending classify_pair(State y, State ydot, std::size_t a, std::size_t b, const PairHistory& history,
-                     const EndingCriteria& criteria) {
-    if (in_pursuit(pose(y, a), pose(y, b), history, criteria))
+                     const EndingCriteria& criteria, Box box) {
+    if (in_pursuit(pose(y, a), pose(y, b), offset(y, a, b, box), history, criteria))
         return Ending::pursuit;
-    return escapes(y, ydot, a, b, history, criteria) ? Ending::escape : Ending::undecided;
+    return escapes(y, ydot, a, b, history, criteria, box) ? Ending::escape : Ending::undecided;
 }
 
 std::string to_string(Ending ending) {

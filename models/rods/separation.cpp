@@ -10,16 +10,20 @@ namespace {
 
 using integrate::State;
 
-double square_distance(State y, std::size_t a, std::size_t b) {
-    const double dx = y[3 * a] - y[3 * b], dy = y[3 * a + 1] - y[3 * b + 1];
-    return dx * dx + dy * dy;
+Offset plane_offset(State y, std::size_t a, std::size_t b) {
+    return {y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1]};
+}
+
+double square(Offset d) { return d.x * d.x + d.y * d.y; }
+
+double square_distance(State y, std::size_t a, std::size_t b, Box box) {
+    return square(offset(y, a, b, box));
 }
 
 /// d(r^2)/dt
-double square_rate(State y, std::size_t a, std::size_t b) {
-    const double dx = y[3 * a] - y[3 * b], dy = y[3 * a + 1] - y[3 * b + 1];
+double square_rate(State y, std::size_t a, std::size_t b, Offset d) {
     const double ta = y[3 * a + 2], tb = y[3 * b + 2];
-    return 2.0 * (dx * (std::cos(ta) - std::cos(tb)) + dy * (std::sin(ta) - std::sin(tb)));
+    return 2.0 * (d.x * (std::cos(ta) - std::cos(tb)) + d.y * (std::sin(ta) - std::sin(tb)));
 }
 
 /// Cubic on [0, 1] with end values f0, f1 and end slopes g0 < 0 < g1.
@@ -37,51 +41,81 @@ struct Hermite {
     }
 };
 
-std::optional<Approach> approach_of_pair(const integrate::Step& step, std::size_t a, std::size_t b) {
+/// Of one image of b, `shift` away from b itself.
+std::optional<Approach> approach_of_image(const integrate::Step& step, std::size_t a, std::size_t b,
+                                          Offset shift) {
     const double h = step.time - step.time_before;
-    const double g0 = h * square_rate(step.state_before, a, b), g1 = h * square_rate(step.state, a, b);
+    const Offset before = plane_offset(step.state_before, a, b), after = plane_offset(step.state, a, b);
+    const Offset d0{before.x - shift.x, before.y - shift.y}, d1{after.x - shift.x, after.y - shift.y};
+    const double g0 = h * square_rate(step.state_before, a, b, d0),
+                 g1 = h * square_rate(step.state, a, b, d1);
     if (!(g0 < 0.0 && g1 > 0.0))
         return std::nullopt;
-    const Hermite curve{square_distance(step.state_before, a, b), square_distance(step.state, a, b), g0, g1};
+    const Hermite curve{square(d0), square(d1), g0, g1};
     const double u = curve.minimum_at();
     return Approach{step.time_before + u * h, {a, b, std::sqrt(std::max(0.0, curve.at(u)))}};
 }
 
+/// Where the image of b nearest to a is.
+Offset nearest_image(State y, std::size_t a, std::size_t b, double box) {
+    const Offset d = plane_offset(y, a, b);
+    return {box * std::nearbyint(d.x / box), box * std::nearbyint(d.y / box)};
+}
+
+/// Of the images nearest at the step's start and at its end.
+std::optional<Approach> approach_of_pair(const integrate::Step& step, std::size_t a, std::size_t b, Box box) {
+    if (!box)
+        return approach_of_image(step, a, b, {0.0, 0.0});
+    const Offset start = nearest_image(step.state_before, a, b, *box),
+                 end = nearest_image(step.state, a, b, *box);
+    const auto first = approach_of_image(step, a, b, start);
+    if (start.x == end.x && start.y == end.y)
+        return first;
+    const auto second = approach_of_image(step, a, b, end);
+    return !first || (second && second->pair.distance < first->pair.distance) ? second : first;
+}
+
 } // namespace
 
-Separation closest_pair(State y) {
+Offset offset(State y, std::size_t a, std::size_t b, Box box) {
+    const Offset d = plane_offset(y, a, b);
+    return box ? Offset{std::remainder(d.x, *box), std::remainder(d.y, *box)} : d;
+}
+
+Separation closest_pair(State y, Box box) {
     const std::size_t rods = y.size() / 3;
-    Separation best{0, 1, square_distance(y, 0, 1)};
+    Separation best{0, 1, square_distance(y, 0, 1, box)};
     for (std::size_t a = 0; a < rods; ++a)
         for (std::size_t b = a + 1; b < rods; ++b)
-            if (const double square = square_distance(y, a, b); square < best.distance)
-                best = {a, b, square};
+            if (const double found = square_distance(y, a, b, box); found < best.distance)
+                best = {a, b, found};
     best.distance = std::sqrt(best.distance);
     return best;
 }
 
-double separation_rate(State y, std::size_t a, std::size_t b) {
-    return 0.5 * square_rate(y, a, b) / std::sqrt(square_distance(y, a, b));
+double separation_rate(State y, std::size_t a, std::size_t b, Box box) {
+    const Offset d = offset(y, a, b, box);
+    return 0.5 * square_rate(y, a, b, d) / std::sqrt(square(d));
 }
 
-double encounter_step(State y) {
+double encounter_step(State y, Box box) {
     const std::size_t rods = y.size() / 3;
     double limit = std::numeric_limits<double>::infinity();
     for (std::size_t a = 0; a < rods; ++a)
         for (std::size_t b = a + 1; b < rods; ++b) {
             const double relative_speed = 2.0 * std::abs(std::sin(0.5 * (y[3 * a + 2] - y[3 * b + 2])));
-            limit =
-                std::min(limit, std::sqrt(square_distance(y, a, b)) / (3.0 * std::max(relative_speed, 0.5)));
+            limit = std::min(limit, std::sqrt(square_distance(y, a, b, box)) /
+                                        (3.0 * std::max(relative_speed, 0.5)));
         }
     return limit;
 }
 
-std::optional<Approach> closest_approach(const integrate::Step& step) {
+std::optional<Approach> closest_approach(const integrate::Step& step, Box box) {
     const std::size_t rods = step.state.size() / 3;
     std::optional<Approach> best;
     for (std::size_t a = 0; a < rods; ++a)
         for (std::size_t b = a + 1; b < rods; ++b)
-            if (const auto approach = approach_of_pair(step, a, b))
+            if (const auto approach = approach_of_pair(step, a, b, box))
                 if (!best || approach->pair.distance < best->pair.distance)
                     best = approach;
     return best;

@@ -15,7 +15,7 @@ void keep_smaller(SeparationRecord& record, const Separation& pair) {
         record.smallest = pair;
 }
 
-void add_late(SeparationRecord& record, const integrate::Step& step) {
+void add_late(SeparationRecord& record, const integrate::Step& step, Box box) {
     const integrate::State y = step.state;
     const double duration = step.time - step.time_before;
     const std::size_t rods = y.size() / 3;
@@ -24,7 +24,8 @@ void add_late(SeparationRecord& record, const integrate::Step& step) {
     };
     for (std::size_t a = 0; a < rods; ++a)
         for (std::size_t b = a + 1; b < rods; ++b) {
-            const double r = std::hypot(y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1]);
+            const Offset d = offset(y, a, b, box);
+            const double r = std::hypot(d.x, d.y);
             PairHistory& range = record.late[a * rods + b];
             range = {std::min(range.min_late, r), std::max(range.max_late, r),
                      std::max({range.max_turning, turning(a), turning(b)})};
@@ -33,21 +34,21 @@ void add_late(SeparationRecord& record, const integrate::Step& step) {
 
 } // namespace
 
-SeparationRecord start_record(integrate::State y, double late_from) {
+SeparationRecord start_record(integrate::State y, double late_from, Box box) {
     const std::size_t rods = y.size() / 3;
     if (rods < 2)
         return {{0, 0, infinity}, late_from, {}};
-    return {closest_pair(y), late_from, std::vector<PairHistory>(rods * rods, {infinity, 0.0, 0.0})};
+    return {closest_pair(y, box), late_from, std::vector<PairHistory>(rods * rods, {infinity, 0.0, 0.0})};
 }
 
-void add_step(SeparationRecord& record, const integrate::Step& step) {
+void add_step(SeparationRecord& record, const integrate::Step& step, Box box) {
     if (record.late.empty())
         return;
-    keep_smaller(record, closest_pair(step.state));
-    if (const auto approach = closest_approach(step))
+    keep_smaller(record, closest_pair(step.state, box));
+    if (const auto approach = closest_approach(step, box))
         keep_smaller(record, approach->pair);
     if (step.time >= record.late_from)
-        add_late(record, step);
+        add_late(record, step, box);
 }
 
 } // namespace rodwake::rods

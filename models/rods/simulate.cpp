@@ -20,9 +20,12 @@ void validate(const RodProblem& problem) {
         throw InputError("no rods: give at least one");
     if (!(problem.t_end > 0.0 && std::isfinite(problem.t_end)))
         throw InputError(fmt::format("t_end = {}: must be > 0 and finite", problem.t_end));
+    if (problem.box && !(*problem.box > 0.0 && std::isfinite(*problem.box)))
+        throw InputError(
+            fmt::format("box = {}: the side of the periodic box must be > 0 and finite", *problem.box));
     if (problem.rods.size() < 2)
         return;
-    const Separation pair = closest_pair(to_state(problem.rods));
+    const Separation pair = closest_pair(to_state(problem.rods), problem.box);
     if (!(pair.distance > 0.0))
         throw InputError(
             fmt::format("rods[{}] and rods[{}] are in the same place: their fields are singular there",
@@ -34,14 +37,14 @@ void validate(const RodProblem& problem) {
                         *problem.contact_distance, pair.distance, pair.first, pair.second));
 }
 
-integrate::Event contact_event(double distance) {
+integrate::Event contact_event(double distance, Box box) {
     integrate::Event event;
     event.name = "contact";
-    event.value = [distance](double, State y) { return closest_pair(y).distance - distance; };
+    event.value = [distance, box](double, State y) { return closest_pair(y, box).distance - distance; };
     event.crossing = integrate::Crossing::falling;
     event.terminal = true;
-    event.suspect = [distance](const integrate::Step& step) -> std::optional<double> {
-        const auto approach = closest_approach(step);
+    event.suspect = [distance, box](const integrate::Step& step) -> std::optional<double> {
+        const auto approach = closest_approach(step, box);
         return approach && approach->pair.distance < distance ? std::optional(approach->time) : std::nullopt;
     };
     return event;
@@ -79,17 +82,19 @@ void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& st
 
 /// Ending of all pairs together; sets the pair it is about.
 void classify(RodOutcome& outcome, const RodModel& model, State y, const SeparationRecord& record,
-              const EndingCriteria& criteria) {
+              const EndingCriteria& criteria, Box box) {
     std::vector<double> ydot(y.size());
     model.rhs(y, ydot);
     bool all_escape = true;
     for (std::size_t a = 0; a < model.rods(); ++a)
         for (std::size_t b = a + 1; b < model.rods(); ++b) {
-            const Ending ending = classify_pair(y, ydot, a, b, record.late[a * model.rods() + b], criteria);
+            const Ending ending =
+                classify_pair(y, ydot, a, b, record.late[a * model.rods() + b], criteria, box);
             all_escape = all_escape && ending == Ending::escape;
             if (ending == Ending::pursuit && model.interacting() && outcome.ending != Ending::pursuit) {
                 outcome.ending = Ending::pursuit;
-                outcome.pair = {a, b, std::hypot(y[3 * a] - y[3 * b], y[3 * a + 1] - y[3 * b + 1])};
+                const Offset d = offset(y, a, b, box);
+                outcome.pair = {a, b, std::hypot(d.x, d.y)};
             }
         }
     if (all_escape)
@@ -105,13 +110,13 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
         outcome.turn.push_back(y[3 * a + 2] - problem.rods[a].heading);
     const bool contact = solution.status.outcome == integrate::Outcome::stopped_at_event;
     if (model.rods() > 1) {
-        outcome.pair = contact ? closest_pair(y) : record.smallest;
+        outcome.pair = contact ? closest_pair(y, problem.box) : record.smallest;
     }
     outcome.min_separation = contact ? outcome.pair.distance : record.smallest.distance;
     if (contact)
         outcome.ending = Ending::contact;
     else if (solution.status.outcome == integrate::Outcome::reached_end && model.rods() > 1)
-        classify(outcome, model, y, record, criteria);
+        classify(outcome, model, y, record, criteria, problem.box);
     describe(outcome, model.rods(), solution.status);
     return outcome;
 }
@@ -121,17 +126,18 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
 integrate::OdeProblem to_ode(const RodProblem& problem) {
     validate(problem);
     const auto model =
-        std::make_shared<const RodModel>(problem.medium, problem.couplings, problem.rods.size());
+        std::make_shared<const RodModel>(problem.medium, problem.couplings, problem.rods.size(), problem.box);
     integrate::OdeProblem ode;
     ode.initial_state = to_state(problem.rods);
     ode.rhs = [model](double, State y, std::span<double> ydot) { model->rhs(y, ydot); };
-    ode.jacobian = [model](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { model->jacobian(y, j); };
+    if (!problem.box) // else difference quotients
+        ode.jacobian = [model](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { model->jacobian(y, j); };
     ode.component_name = RodModel::component_name;
-    if (model->interacting())
-        ode.step_limit = [](double, State y) { return encounter_step(y); };
+    if (model->interacting() && model->rods() > 1)
+        ode.step_limit = [box = problem.box](double, State y) { return encounter_step(y, box); };
     ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
     if (problem.contact_distance && problem.rods.size() > 1)
-        ode.events.push_back(contact_event(*problem.contact_distance));
+        ode.events.push_back(contact_event(*problem.contact_distance, problem.box));
     return ode;
 }
 
@@ -155,15 +161,16 @@ double first_step(const integrate::OdeOptions& options) {
 RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& problem,
                         const EndingCriteria& criteria) {
     const double late_from = (1.0 - criteria.steady_fraction) * problem.t_end;
-    return {ode.start_time, ode.initial_state, {}, start_record(ode.initial_state, late_from), {}};
+    return {
+        ode.start_time, ode.initial_state, {}, start_record(ode.initial_state, late_from, problem.box), {}};
 }
 
 /// A solve that fails with two rods nearly in one place failed because their fields are singular there.
-void explain_collision(integrate::Solution& solution) {
+void explain_collision(integrate::Solution& solution, Box box) {
     constexpr double near = 0.05; // f/mu
     if (solution.status.ok() || solution.final_state.size() < 6)
         return;
-    const Separation pair = closest_pair(solution.final_state);
+    const Separation pair = closest_pair(solution.final_state, box);
     if (pair.distance > near)
         return;
     solution.status.cause =
@@ -195,7 +202,7 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     solver.segment_steps = std::min(solver.segment_steps, segment_steps(problem.rods.size()));
     solver.initial_step = first_step(options.ode);
     solver.on_step = [&](const integrate::Step& step) {
-        add_step(record, step);
+        add_step(record, step, problem.box);
         if (options.ode.on_step)
             options.ode.on_step(step);
     };
@@ -215,8 +222,8 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     RodResult result;
     result.solution = integrate::solve(ode, solver, std::span(times).subspan(from.outputs.size()));
     prepend(result.solution, from, times);
-    explain_collision(result.solution);
-    const RodModel model(problem.medium, problem.couplings, problem.rods.size());
+    explain_collision(result.solution, problem.box);
+    const RodModel model(problem.medium, problem.couplings, problem.rods.size(), problem.box);
     result.outcome = conclude(problem, model, result.solution, record, options.criteria);
     return result;
 }

@@ -2,8 +2,9 @@
 
 import matplotlib
 
-from . import (bond_order, cut, displacement_map, dragged, extensional_axis, flow, granular_table, movie, msd, pair_correlation,
-               pair_tracks, polar_streamlines, profile, rod_tracks, series, side_view, snapshot, spec, trajectories)
+from . import (bond_order, cut, defaults, displacement_map, dragged, extensional_axis, fit, fit_correlation, fit_likelihood, fit_starts,
+               fit_trajectories, flow, granular_table, movie, msd, pair_correlation, pair_tracks, polar_streamlines, profile,
+               rod_tracks, series, side_view, snapshot, spec, trajectories)
 from .canvas import save
 from .errors import PlotError
 from .style import SETTINGS
@@ -11,11 +12,14 @@ from .style import SETTINGS
 KINDS = {"extensional_axis": extensional_axis, "polar_streamlines": polar_streamlines, "cut": cut, "trajectories": trajectories,
          "snapshot": snapshot, "rod_tracks": rod_tracks, "side_view": side_view, "movie": movie, "granular_table": granular_table,
          "pair_correlation": pair_correlation, "bond_order": bond_order, "msd": msd, "series": series, "flow": flow,
-         "dragged": dragged, "profile": profile, "displacement_map": displacement_map, "pair_tracks": pair_tracks}
+         "dragged": dragged, "profile": profile, "displacement_map": displacement_map, "pair_tracks": pair_tracks,
+         "fit": fit, "fit_starts": fit_starts, "fit_likelihood": fit_likelihood, "fit_correlation": fit_correlation,
+         "fit_trajectories": fit_trajectories}
 
 
 def figures_of(run):
-    return spec.from_scene(run.scene) or spec.defaults(run)
+    asked = spec.from_scene(run.scene)
+    return asked + defaults.fit_besides(run, asked) if asked else defaults.of(run)
 
 
 def write_all(run, figures, pdf):

@@ -2,7 +2,7 @@
 
 import numpy as np
 from matplotlib.colors import LogNorm
-from matplotlib.ticker import LogFormatterSciNotation, LogLocator
+from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
 from .errors import PlotError
 
@@ -39,6 +39,14 @@ def log_bar(figure, image, axes, extend, label, **place):
     bar.ax.tick_params(which="both", direction="in")
     bar.set_label(label)
     return bar
+
+
+def plain_ticks(axis, low, high):
+    """1, 2, 5 in plain digits on a logarithmic axis of few decades."""
+    if high < 100 * low and 1e-3 < low and high < 1e4:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def linear_limits(values, trusted, below=0.06, above=0.06):

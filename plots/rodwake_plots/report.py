@@ -25,6 +25,7 @@ def document(run, figures):
     body = "\n".join(part for part in (
         sections.header(run),
         section("Figures", "\n".join(figure(run, one, number) for number, one in enumerate(figures, 1))),
+        section("Fit", sections.fit(run)),
         section("Granular bed", sections.granular(run)),
         section("Measures", sections.measures(run)),
         section("Runs", sections.runs(run)),

@@ -5,13 +5,15 @@ import tomllib
 from pathlib import Path
 
 from .errors import PlotError
+from .fit_result import FILE as FIT
+from .fit_result import FitResult
 from .granular_run import SUMMARY, GranularRun
 from .result import Result
 from .units import Units
 
 
 class RunDir:
-    """Opens result.h5, unless the run is a granular one alone, for as long as the `with` block lasts."""
+    """Opens result.h5, unless the run is a granular one or a fit alone, for as long as the `with` block lasts."""
 
     def __init__(self, path):
         self.path = Path(path)
@@ -23,8 +25,10 @@ class RunDir:
         self.provenance = self._json("provenance.json")
         self.log = self._text("log.txt") if (self.path / "log.txt").is_file() else ""
         self._granular = GranularRun(self.path) if (self.path / SUMMARY).is_file() else None
-        granular_alone = self._granular and not (self.path / "result.h5").is_file()
-        self._result = None if granular_alone else Result(self.path / "result.h5")
+        self._fit = FitResult(self.path) if (self.path / FIT).is_file() else None
+        self.medium = self._json("medium.json")  # of the rods, where it was fitted
+        alone = (self._granular or self._fit) and not (self.path / "result.h5").is_file()
+        self._result = None if alone else Result(self.path / "result.h5")
         if self.has_result and self.result.has("/rods") and self.outcome is None:
             self.result.close()
             raise PlotError(f"{self.path / 'outcome.json'}: missing, but result.h5 holds rods")
@@ -60,8 +64,20 @@ class RunDir:
         return self._granular
 
     @property
+    def has_fit(self):
+        return self._fit is not None
+
+    @property
+    def fit(self):
+        if self._fit is None:
+            raise PlotError(f"{self.path / FIT}: no such file: this run has fitted nothing; [fit] in the scene and rodwake fit write it")
+        return self._fit
+
+    @property
     def units(self):
-        return self.result.units if self.has_result else Units("si")
+        if self.has_result:
+            return self.result.units
+        return Units("si" if self.has_granular else self.scene.get("units", "reduced"))
 
     @property
     def version(self):

@@ -1,6 +1,6 @@
 """The resolved scene as tables: known keys with symbol and meaning, any others as they stand."""
 
-from . import granular_keys, words
+from . import fit_keys, granular_keys, words
 from .units import Units
 
 LENGTH, TIME, NONE = "length", "time", ""
@@ -13,6 +13,8 @@ MEANINGS = {
         "alpha": ("<i>α</i>", "(<i>f</i>/<i>μ</i>)/<i>ξ</i>", NONE),
         "field": ("", "how the field is evaluated: <i>exact</i> sums the closed form at every point", NONE),
         "table": ("", "interpolation of the field; not used with <i>exact</i>", NONE),
+        "periodic": ("", "side of the periodic box of the medium", LENGTH),
+        "fitted": ("", "<i>η</i> and <i>ξ</i> come from the fit of this scene", NONE),
     },
     "coupling": {
         "kappa": ("<i>κ</i>", "turning towards the extensional axis of the strain", NONE),
@@ -47,7 +49,7 @@ MEANINGS = {
     },
 }
 NAMES = {"medium": "Medium", "coupling": "Coupling", "rods_run": "Integration", "noise": "Noise", "scales": "Scales", "field": "Field of one rod",
-         "rods": "Rods at the start", "cuts": "Cuts of the field", "variants": "Variants", "measure": "Measures"}
+         "rods": "Rods at the start", "cuts": "Cuts of the field", "variants": "Variants", "measure": "Measures", "fit": "Fit"}
 COLUMNS = {"position": LENGTH, "heading": "rad", "at": LENGTH, "from": LENGTH, "to": LENGTH}  # units in listings
 SKIPPED = {"figures"}  # the figures speak for themselves
 
@@ -61,7 +63,8 @@ def tables(scene, units):
             yield from granular_tables(value)
         elif isinstance(value, dict):
             yield NAMES.get(key, key), ("Key", "Symbol", "Value", "Meaning"), rows(key, value, units)
-            yield from ((NAMES.get(inner, inner), *listing(items, units)) for inner, items in value.items() if is_listing(items))
+            names, columns = (fit_keys.NAMES, {}) if key == "fit" else (NAMES, COLUMNS)
+            yield from ((names.get(inner, inner), *listing(items, units, columns)) for inner, items in value.items() if is_listing(items))
         elif is_listing(value):
             yield NAMES.get(key, key), *listing(value, units)
 
@@ -82,7 +85,7 @@ def rows(table, values, units):
 
 
 def row(table, key, value, units):
-    symbol, meaning, unit = (MEANINGS | granular_keys.MEANINGS).get(table, {}).get(key, ("", "", NONE))
+    symbol, meaning, unit = (MEANINGS | granular_keys.MEANINGS | fit_keys.MEANINGS).get(table, {}).get(key, ("", "", NONE))
     return f"<code>{words.escape(key)}</code>", symbol, f"{shown(value)} {unit_of(units, unit)}".strip(), meaning
 
 

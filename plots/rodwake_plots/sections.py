@@ -1,6 +1,6 @@
 """The parts of the report that are words and tables."""
 
-from . import granular_sections, measure_sections, scene_table, words
+from . import fit_sections, fit_words, granular_sections, measure_sections, scene_table, words
 from .trajectories import outcome_words, parameters as run_parameters
 
 
@@ -10,7 +10,7 @@ def table(heads, rows):
         return ""
     head = "".join(f"<th>{name}</th>" for name in heads)
     body = "\n".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in rows)
-    kind = ' class="keys"' if heads[1:2] == ("Symbol",) else ""
+    kind = ' class="keys"' if heads[1:2] == ("Symbol",) else ' class="wide"' if len(heads) > 5 else ""
     return f'<div class="scroll"><table{kind}>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>'
 
 
@@ -29,9 +29,17 @@ def flat(record, prefix=""):
 def header(run):
     units = "SI units" if run.units.si else ("reduced units: lengths in <i>f</i>/<i>μ</i>, times in "
                                                     "<i>f</i>/(<i>μv</i><sub>0</sub>)")
+    if run.has_fit and not (has_theory(run) or run.has_granular):
+        units = f"lengths in {fit_words.unit_html(run.fit.unit)}"
     head = f'<header>\n<h1>{words.escape(run.title)}</h1>\n<div class="sub">rodwake {words.escape(run.version)}, {units}</div>'
     told = granular_sections.headline(run) if run.has_granular else ""
-    return f"{head}\n{told}{outcome(run) if run.has_result else ''}\n</header>"
+    told += fit_sections.headline(run) if run.has_fit else ""
+    return f"{head}\n{told}{outcome(run) if has_theory(run) else ''}\n</header>"
+
+
+def has_theory(run):
+    """Every run leaves a result file; that of a bed or a fit alone holds neither rods nor a field."""
+    return run.has_result and any(map(run.result.has, ("/rods", "/field")))
 
 
 def outcome(run):
@@ -61,6 +69,13 @@ def runs(run):
         return ""
     rows = [(words.label_html(one.label), outcome_words(run.result.units, one), run_parameters(one).rstrip(".")) for one in found]
     return table(("Run", "Outcome", "Parameters"), rows)
+
+
+def fit(run):
+    """Parameters, how good they are, and how they were found."""
+    if not run.has_fit:
+        return ""
+    return "\n".join(one if isinstance(one, str) else f"<h3>{one[0]}</h3>\n{table(*one[1:])}" for one in fit_sections.parts(run) if one)
 
 
 def granular(run):

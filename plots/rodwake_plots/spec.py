@@ -1,15 +1,15 @@
-"""What [[figures]] of the scene asks for, or what a result is drawn as when the scene asks for nothing."""
+"""What [[figures]] of the scene asks for."""
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from . import measured, series
 from .errors import PlotError
-from .granular_run import LAST_PERIOD, SUMMARY, TABLE, TRACKS, TRAJECTORY
 
 KINDS = ("extensional_axis", "polar_streamlines", "cut", "trajectories",
          "snapshot", "rod_tracks", "side_view", "movie", "granular_table", "pair_correlation", "bond_order", "msd", "series",
-         "flow", "dragged", "profile", "displacement_map", "pair_tracks")
+         "flow", "dragged", "profile", "displacement_map", "pair_tracks",
+         "fit", "fit_starts", "fit_likelihood", "fit_correlation", "fit_trajectories")
 COLOURS = ("order", "orientation")
 AGAINST, QUANTITIES = measured.AGAINST, series.QUANTITIES
 DEFAULT_GAMMAS = ((1.0, 0.0), (0.0, 1.0), (1.0, -1.0))
@@ -30,6 +30,9 @@ class Spec:
     frame: int = -1          # snapshot: from 0, or from the end
     colour: str = "order"    # snapshot, movie: what colours the beads
     fps: int = 20            # movie
+    profiles: tuple = ()     # fit: which, from 0; empty: all
+    residuals: bool = True   # fit: below each panel
+    parameter: str = ""      # fit_likelihood: whose; empty: the first
     x: tuple = ()  # window; empty: fit to the data
     y: tuple = ()
 
@@ -60,7 +63,7 @@ def _spec(table):
         raise PlotError(f'figure "{name}": component "{spec.component}" is neither "Ux" nor "Uy"')
     _check_granular(spec)
     _check_measured(spec)
-    return spec
+    return _checked_fit(spec)
 
 
 def _check_granular(spec):
@@ -78,6 +81,15 @@ def _check_measured(spec):
             raise PlotError(f'figure "{spec.name}": {key} "{getattr(spec, key)}" is none of {", ".join(legal)}')
 
 
+def _checked_fit(spec):
+    wanted = spec.profiles
+    if not isinstance(wanted, (list, tuple)) or not all(isinstance(one, int) and not isinstance(one, bool) for one in wanted):
+        raise PlotError(f'figure "{spec.name}": profiles = {wanted} is not a list of whole numbers, which count [[fit.profiles]] from 0')
+    if not isinstance(spec.residuals, bool):
+        raise PlotError(f'figure "{spec.name}": residuals = {spec.residuals} is neither true nor false')
+    return replace(spec, profiles=tuple(wanted))
+
+
 def _window(name, key, value):
     if value and not (len(value) == 2 and value[0] < value[1]):
         raise PlotError(f'figure "{name}": {key} = {value} is not [min, max]')
@@ -88,65 +100,3 @@ def _gammas(name, value):
     if any(len(pair) != 2 for pair in value):
         raise PlotError(f'figure "{name}": each entry of gammas is [gamma1, gamma2]')
     return tuple(tuple(pair) for pair in value) or DEFAULT_GAMMAS
-
-
-def defaults(run):
-    """A figure for everything the run directory holds."""
-    specs = granular_defaults(run.granular) + measured_defaults(run) if run.has_granular else []
-    specs += result_defaults(run.result) if run.has_result else []
-    if not specs:
-        raise PlotError(f"{run.path}: holds no rods, no field, no cuts and no tables or trajectories of beads: nothing to draw")
-    return specs
-
-
-def granular_defaults(granular):
-    """The film is made only where a scene asks for it: it takes longer than all the rest."""
-    kinds = {"snapshot": TRAJECTORY, "rod_tracks": TRACKS, "side_view": LAST_PERIOD, "granular_table": TABLE}
-    if not granular.rods:
-        del kinds["rod_tracks"]
-    return [Spec(kind, kind) for kind, file in kinds.items() if granular.has(file)]
-
-
-def measured_defaults(run):
-    """What [measure] has left in the run directory, on any of its variants."""
-    specs = [Spec(kind, kind) for kind, file in (("pair_correlation", "gr.csv"), ("bond_order", "gB.csv"), ("msd", "msd.csv"))
-             if _some(run, file)]
-    specs += [Spec("flow", "flow")] if _holds(run, "flow") else []
-    specs += [Spec("dragged", "dragged")] if _can_show_marked(run) else []
-    specs += [Spec("displacement_map", "displacement_map", component="U")] if _holds(run, "displacement") else []
-    for component, along in (("Ux", "x"), ("Ux", "y"), ("Uy", "x"), ("Uy", "y")):
-        if _some(run, f"profile_{component}_{along}.csv"):
-            specs.append(Spec(f"profile_{component}_{along}", "profile", component=component, along=along))
-    specs += [Spec("profile_Ux_x_scaled", "profile", sqrt_scaled=True)] if _some(run, "profile_Ux_x.csv") else []
-    specs += [Spec("pair_tracks", "pair_tracks")] if _some(run, "pairs.csv") and run.granular.has(TRACKS) else []
-    return specs + [Spec(f"series_{what}", "series", quantity=what, against=against) for what, against in series.measured_in(run)]
-
-
-def _some(run, file):
-    return any(part.has(file) for part in measured.parts(run))
-
-
-def _can_show_marked(run):
-    """Frames are not kept of every measured run."""
-    marked = [part for part in measured.parts(run) if part.has("marked.csv")]
-    return bool(marked) and all(part.has(SUMMARY) and part.granular.has(TRAJECTORY) for part in marked)
-
-
-def _holds(run, group):
-    return any(part.has_group(group) for part in measured.parts(run))
-
-
-def result_defaults(result):
-    specs = []
-    if result.has("/rods"):
-        specs.append(Spec("trajectories", "trajectories"))
-    if result.has("/field/grid"):
-        specs += [Spec("extensional_axis", "extensional_axis"), Spec("polar_streamlines", "polar_streamlines")]
-    for index in range(result.cut_count()):
-        specs += [Spec(f"cut{index}_{part}", "cut", cut=index, component=part) for part in _components(result.cut(index))]
-    return specs
-
-
-def _components(cut):
-    """U_y vanishes on the rod's own axis: no figure for a zero line."""
-    return ("Ux",) if cut.along == "x" and cut.at == 0 else ("Ux", "Uy")

@@ -75,6 +75,7 @@ def with_error(value, error, factor=1.0):
     scale = 10.0 ** power if not -3 <= power <= 4 else 1.0
     value, error = value / scale, error / scale
     digits = max(0, 1 - math.floor(math.log10(error))) if error > 0 else 3
-    digits = min(digits, 8)
+    if digits > 8:  # an error as small as rounding
+        return f"{number(value * scale, 9)} ± {number(error * scale, 2)}"
     text = f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−")
     return text if scale == 1.0 else f"({text}) × 10<sup>{str(power).replace('-', '−')}</sup>"

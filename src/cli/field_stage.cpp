@@ -1,5 +1,5 @@
 #include "rodwake/core/parallel.hpp"
-#include "rodwake/elastic/field.hpp"
+#include "rodwake/elastic/periodic.hpp"
 #include "rodwake/elastic/principal.hpp"
 #include "rodwake/store/csv.hpp"
 #include "signals.hpp"
@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
+#include <optional>
 
 namespace rodwake::cli {
 
@@ -24,9 +26,33 @@ std::vector<double> evenly_spaced(double from, double to, std::size_t count) {
     return values;
 }
 
+/// The field of a rod in the infinite plane, or of all its images in a periodic box.
+class RodField {
+public:
+    explicit RodField(const scene::Medium& medium) : plane_({medium.eta, medium.xi}) {
+        if (medium.periodic)
+            periodic_.emplace(elastic::Medium{medium.eta, medium.xi}, *medium.periodic);
+    }
+
+    FieldValues at(double x, double y, elastic::Wanted wanted) const {
+        return periodic_ ? periodic_->at(x, y, wanted) : plane_.at(x, y, wanted);
+    }
+
+    /// At the rod or an image.
+    bool singular(double x, double y) const {
+        if (!periodic_)
+            return x == 0.0 && y == 0.0;
+        return std::remainder(x, periodic_->box()) == 0.0 && std::remainder(y, periodic_->box()) == 0.0;
+    }
+
+private:
+    elastic::Field plane_;
+    std::optional<elastic::PeriodicField> periodic_;
+};
+
 /// The field, NaN at the rod itself, where it is singular: figures leave that point out.
-FieldValues field_or_nan(const elastic::Field& field, double x, double y, elastic::Wanted wanted) {
-    if (x != 0.0 || y != 0.0)
+FieldValues field_or_nan(const RodField& field, double x, double y, elastic::Wanted wanted) {
+    if (!field.singular(x, y))
         return field.at(x, y, wanted);
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     return {{nan, nan}, {nan, nan, nan}, {nan, nan}, {nan, nan}, {nan, nan}, {}, {}, {}, {}, {}, {}};
@@ -71,7 +97,7 @@ std::vector<double> scaled(std::vector<double> values, double by) {
     return values;
 }
 
-std::vector<FieldValues> evaluate_grid(const elastic::Field& field, const std::vector<double>& x,
+std::vector<FieldValues> evaluate_grid(const RodField& field, const std::vector<double>& x,
                                        const std::vector<double>& y, std::size_t threads) {
     std::vector<FieldValues> values(x.size() * y.size());
     parallel_for(y.size(), threads, [&](std::size_t row) {
@@ -82,7 +108,7 @@ std::vector<FieldValues> evaluate_grid(const elastic::Field& field, const std::v
     return values;
 }
 
-void store_grid(Session& session, const elastic::Field& field) {
+void store_grid(Session& session, const RodField& field) {
     const scene::Field& table = *session.scene.field;
     const auto x = evenly_spaced(table.x[0], table.x[1], static_cast<std::size_t>(table.nx));
     const auto y = evenly_spaced(table.y[0], table.y[1], static_cast<std::size_t>(table.ny));
@@ -101,7 +127,7 @@ void store_grid(Session& session, const elastic::Field& field) {
     }
 }
 
-void store_cut(Session& session, const elastic::Field& field, std::size_t index) {
+void store_cut(Session& session, const RodField& field, std::size_t index) {
     const scene::Cut& cut = session.scene.field->cuts[index];
     const OutputUnits& units = session.units;
     const std::vector<double> s = evenly_spaced(cut.from, cut.to, static_cast<std::size_t>(cut.count));
@@ -128,7 +154,7 @@ void store_cut(Session& session, const elastic::Field& field, std::size_t index)
 
 StageEnd run_field_stage(Session& session) {
     const scene::Field& table = *session.scene.field;
-    const elastic::Field field({session.scene.medium->eta, session.scene.medium->xi});
+    const RodField field(*session.modelled().medium);
     if (!table.x.empty())
         store_grid(session, field);
     for (std::size_t i = 0; i < table.cuts.size() && !stop_signal(); ++i)

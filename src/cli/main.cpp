@@ -26,6 +26,8 @@ int dispatch(const Options& options) {
         return verb_impact(options);
     case Verb::measure:
         return verb_measure(options);
+    case Verb::fit:
+        return verb_fit(options);
     case Verb::plot:
         return verb_plot(options);
     case Verb::info:

@@ -44,7 +44,7 @@ void add_verbs(CLI::App& app, Options& options) {
     scene(add_verb(app, options, Verb::check, "check",
                    "validate a scene; say what will be modelled and what not",
                    "  rodwake check scenes/quickstart.toml\n"
-                   "  rodwake check scenes/quickstart.toml -s coupling.kappa=100"));
+                   "  rodwake check scenes/pair.toml -s coupling.kappa=100"));
     CLI::App* field =
         add_verb(app, options, Verb::field, "field", "field of one rod, at points or on a scene's grid",
                  "  rodwake field --points points.csv > field.csv\n"
@@ -57,8 +57,8 @@ void add_verbs(CLI::App& app, Options& options) {
     field->add_option("--table-tolerance", options.table_tolerance,
                       "relative error of --backend table, 1e-14 to 0.1 [1e-8]");
     scene(add_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
-                   "  rodwake rods scenes/quickstart.toml -o results/pair\n"
-                   "  rodwake rods scenes/quickstart.toml -s coupling.kappa=100 -s rods_run.method=bdf"));
+                   "  rodwake rods scenes/pair.toml -o results/pair\n"
+                   "  rodwake rods scenes/pair.toml -s coupling.kappa=100 -s rods_run.method=bdf"));
     scene(add_verb(app, options, Verb::dem, "dem",
                    "granular run of a scene; the same command resumes one that was stopped",
                    "  rodwake dem scenes/granular_quick.toml\n"
@@ -76,6 +76,10 @@ void add_verbs(CLI::App& app, Options& options) {
         "  rodwake measure scenes/wake.toml\n"
         "  rodwake measure scenes/wake.toml -s measure.displacement=lagrangian --force\n"
         "  rodwake measure scenes/wake.toml -s measure.trajectory=other/trajectory.h5md -o results/other"));
+    scene(add_verb(app, options, Verb::fit, "fit",
+                   "elastic parameters and couplings from measured profiles and tracks, with their errors",
+                   "  rodwake fit fitting/problems/monopole.toml -o results/monopole\n"
+                   "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force"));
     scene(add_verb(app, options, Verb::run, "run",
                    "every stage the scene names, then figures and report.html",
                    "  rodwake run scenes/quickstart.toml\n"

@@ -8,7 +8,7 @@
 
 namespace rodwake::cli {
 
-enum class Verb { check, field, rods, dem, impact, measure, run, plot, info };
+enum class Verb { check, field, rods, dem, impact, measure, fit, run, plot, info };
 
 struct Options {
     Verb verb = Verb::check;

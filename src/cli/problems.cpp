@@ -15,8 +15,10 @@ rods::Couplings couplings_of(const scene::Scene& scene) {
 
 rods::RodProblem rod_problem(const scene::Scene& scene) {
     rods::RodProblem problem;
-    if (scene.medium)
+    if (scene.medium) {
         problem.medium = elastic::Medium{scene.medium->eta, scene.medium->xi};
+        problem.box = scene.medium->periodic;
+    }
     problem.couplings = couplings_of(scene);
     for (const scene::Rod& rod : scene.rods)
         problem.rods.push_back({rod.position[0], rod.position[1], rod.heading});

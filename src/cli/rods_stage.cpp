@@ -152,7 +152,7 @@ StageEnd report(const Session& session, const Case& one) {
 } // namespace
 
 StageEnd run_rods_stage(Session& session) {
-    std::vector<Case> cases = cases_of(session.scene);
+    std::vector<Case> cases = cases_of(session.modelled());
     parallel_for(cases.size(), session.options.threads,
                  [&](std::size_t i) { solve(session, cases[i], i == 0); });
     StageEnd end = StageEnd::finished;

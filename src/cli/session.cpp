@@ -11,7 +11,8 @@ namespace {
 
 /// The seed of everything random; 0 where nothing is.
 std::uint64_t used_seed(const Options& options, const scene::Scene& scene) {
-    return options.seed.value_or(scene.granular ? static_cast<std::uint64_t>(scene.granular->seed) : 0);
+    const long of_scene = scene.granular ? scene.granular->seed : scene.fit ? scene.fit->seed : 0;
+    return options.seed.value_or(static_cast<std::uint64_t>(of_scene));
 }
 
 /// The run directory, marked before the first other file: whatever fails afterwards, it can be taken over.
@@ -22,6 +23,13 @@ store::RunDirectory begun(const Options& options, const scene::Scene& scene) {
     return directory;
 }
 
+void write_medium(store::Hdf5Writer& results, const elastic::Medium& medium, const OutputUnits& units) {
+    results.attribute("/medium", "eta", medium.eta);
+    results.attribute("/medium", "nu", medium.nu());
+    results.attribute("/medium", "alpha", 1.0 / medium.xi);
+    results.attribute("/medium", "xi", medium.xi * units.length);
+}
+
 void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const OutputUnits& units) {
     results.attribute("/", "schema", std::int64_t{1});
     results.attribute("/", "rodwake_version", build_info().version);
@@ -30,13 +38,10 @@ void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const O
     results.attribute("/", "units", bed_only ? "si" : units.system);
     results.attribute("/", "length_unit", bed_only ? "m" : units.length_name);
     results.attribute("/", "time_unit", bed_only ? "s" : units.time_name);
-    if (scene.medium) {
-        const elastic::Medium medium{scene.medium->eta, scene.medium->xi};
-        results.attribute("/medium", "eta", medium.eta);
-        results.attribute("/medium", "nu", medium.nu());
-        results.attribute("/medium", "alpha", 1.0 / medium.xi);
-        results.attribute("/medium", "xi", medium.xi * units.length);
-    }
+    if (scene.medium && !scene.medium->fitted)
+        write_medium(results, {scene.medium->eta, scene.medium->xi}, units);
+    if (scene.medium && scene.medium->periodic)
+        results.attribute("/medium", "periodic", *scene.medium->periodic * units.length);
     if (scene.coupling) {
         const rods::Couplings c = couplings_of(scene);
         results.attribute("/coupling", "kappa", c.kappa);
@@ -62,6 +67,14 @@ Session::Session(const Options& given, scene::Scene read)
         log->info("{}: an earlier run did not finish; taking it up", directory.path().string());
     directory.write("scene.toml", scene::to_toml(scene));
     write_header(results, scene, units);
+}
+
+void Session::use_medium(double eta, double xi) {
+    fitted_ = scene;
+    fitted_->medium->fitted = false;
+    fitted_->medium->eta = eta;
+    fitted_->medium->xi = xi;
+    write_medium(results, {eta, xi}, units);
 }
 
 void Session::close(StageEnd end) {

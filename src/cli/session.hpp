@@ -26,6 +26,10 @@ public:
     const OutputUnits units;
     store::Hdf5Writer results;
 
+    /// The scene with the medium that was fitted, once it was; else as read. What the theory stages model.
+    const scene::Scene& modelled() const { return fitted_ ? *fitted_ : scene; }
+    void use_medium(double eta, double xi);
+
     /// Puts the result file in place and records how the run ended.
     void close(StageEnd end);
     /// Records that an exception ended the run; its results are dropped.
@@ -33,6 +37,7 @@ public:
 
 private:
     void write_provenance(const std::string& status) const;
+    std::optional<scene::Scene> fitted_;
     std::chrono::steady_clock::time_point start_;
 };
 

@@ -24,6 +24,10 @@ void require_same_beds(const scene::Scene& scene, const std::filesystem::path& f
 /// [measure]: measure.json, measure.h5, profile_*.csv, ... of what [granular] ran, and of its variants.
 StageEnd run_measure_stage(Session& session);
 
+/// [fit]: fit.json, fit.txt, fit_profile_<i>.csv, ...; medium.json and the medium of the later stages with
+/// medium.fitted.
+StageEnd run_fit_stage(Session& session);
+
 /// Content of outcome.json. Lengths and times in the session's output units.
 std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,
                          const OutputUnits& units);

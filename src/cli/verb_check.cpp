@@ -1,6 +1,7 @@
 // rodwake check: the resolved scene, what will be modelled and what not and why, and what it will cost.
 
 #include "check_bed.hpp"
+#include "check_fit.hpp"
 #include "problems.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/scene/write.hpp"
@@ -14,6 +15,17 @@
 namespace rodwake::cli {
 
 namespace {
+
+void add_medium_lines(const scene::Scene& scene, std::vector<CheckLine>& lines) {
+    if (!scene.medium)
+        return;
+    const scene::Medium& m = *scene.medium;
+    lines.push_back({true, m.fitted ? std::string("medium: eta and xi from the fit")
+                                    : fmt::format("medium: eta = {:g}, xi = {:g}", m.eta, m.xi)});
+    lines.push_back({m.periodic.has_value(),
+                     m.periodic ? fmt::format("periodic box of {:g} for rods and field", *m.periodic)
+                                : "periodic images of rods: no medium.periodic, infinite plane"});
+}
 
 void add_field_lines(const scene::Scene& scene, std::vector<CheckLine>& lines) {
     if (!scene.field) {
@@ -84,11 +96,14 @@ std::string cost(const scene::Scene& scene, const BedReport& bed) {
 int verb_check(const Options& options) {
     const scene::Scene scene = scene::read_scene(options.target, options.overrides);
     std::vector<CheckLine> lines;
+    add_medium_lines(scene, lines);
     add_field_lines(scene, lines);
     add_rod_lines(scene, lines);
     add_unused_lines(scene, lines);
     const BedReport bed = check_bed(scene, options.seed);
     lines.insert(lines.end(), bed.lines.begin(), bed.lines.end());
+    const std::vector<CheckLine> fit = check_fit(scene, options);
+    lines.insert(lines.end(), fit.begin(), fit.end());
     fmt::print("{}\n# modelled\n", scene::to_toml(scene));
     for (const CheckLine& line : lines)
         if (line.modelled)

@@ -1,6 +1,7 @@
-// rodwake field, rods, dem, measure, run: read the scene, do the stages, keep what was computed however it
-// ended.
+// rodwake field, rods, dem, measure, fit, run: read the scene, do the stages, keep what was computed however
+// it ended.
 
+#include "fit_plan.hpp"
 #include "measure_stage.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
@@ -8,12 +9,12 @@
 #include "rodwake/store/atomic_file.hpp"
 #include "signals.hpp"
 #include "stages.hpp"
+#include "take_seed.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace rodwake::cli {
 
@@ -29,17 +30,24 @@ std::vector<Stage> stages_of(const Options& options, const scene::Scene& scene) 
         throw InputError(scene.path + ": no [rods_run] table, so there are no rods to integrate");
     if (options.verb == Verb::dem && !scene.granular)
         throw InputError(scene.path + ": no [granular] table, so there is no bed to simulate");
+    if (scene.medium && scene.medium->fitted && (options.verb == Verb::field || options.verb == Verb::rods))
+        throw InputError(
+            scene.path +
+            ": medium.fitted = true takes eta and xi from [fit]: rodwake run fits first; or give eta and "
+            "xi in [medium]");
     const auto wanted = [&](Verb verb) { return options.verb == verb || options.verb == Verb::run; };
     std::vector<Stage> stages;
-    if (scene.field && wanted(Verb::field))
-        stages.push_back(run_field_stage);
-    if (scene.rods_run && wanted(Verb::rods))
-        stages.push_back(run_rods_stage);
     const bool foreign = options.verb == Verb::run && scene.measure && !scene.measure->trajectory.empty();
     if (scene.granular && wanted(Verb::dem) && !foreign)
         stages.push_back(run_dem_stage);
     if (scene.measure && wanted(Verb::measure))
         stages.push_back(run_measure_stage);
+    if (scene.fit && wanted(Verb::fit))
+        stages.push_back(run_fit_stage);
+    if (scene.field && wanted(Verb::field))
+        stages.push_back(run_field_stage);
+    if (scene.rods_run && wanted(Verb::rods))
+        stages.push_back(run_rods_stage);
     return stages;
 }
 
@@ -79,16 +87,6 @@ int finish(const Session& session, StageEnd end) {
     }
     session.log->info("results in {}", folder);
     return 0;
-}
-
-/// --seed becomes part of the scene, so that the scene.toml of the run makes the same run again.
-void take_seed(scene::Scene& scene, const Options& options) {
-    if (!options.seed || !scene.granular)
-        return;
-    constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<long>::max());
-    if (*options.seed > largest)
-        throw InputError(fmt::format("--seed {}: must be from 0 to {}", *options.seed, largest));
-    scene.granular->seed = static_cast<long>(*options.seed);
 }
 
 /// What [measure] adds to a folder that holds the run already.
@@ -134,6 +132,10 @@ int verb_stages(const Options& options) {
         require_dem(scene, options);
     if (std::ranges::count(stages, &run_measure_stage) > 0 && !scene.measure->trajectory.empty())
         require_trajectory(scene, options);
+    if (options.verb == Verb::fit)
+        fit_plan(scene, options, {}); // nothing is written if a file is missing or wrong
+    else if (std::ranges::count(stages, &run_fit_stage) > 0)
+        require_fit_files(scene, options);
     Session session(options, std::move(scene));
     return finish(session, run_recorded(session, stages));
 }

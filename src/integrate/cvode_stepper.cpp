@@ -22,6 +22,28 @@ int call_jacobian(double t, N_Vector y, N_Vector, SUNMatrix matrix, void* calls,
     return static_cast<ProblemCalls*>(calls)->jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
 }
 
+/// Columns to vectors and back.
+void copy(const Eigen::MatrixXd& from, N_Vector* to) {
+    for (Eigen::Index j = 0; j < from.cols(); ++j)
+        Eigen::Map<Eigen::VectorXd>(elements(to[j]).data(), from.rows()) = from.col(j);
+}
+void copy(N_Vector* from, Eigen::MatrixXd& to) {
+    for (Eigen::Index j = 0; j < to.cols(); ++j)
+        to.col(j) = Eigen::Map<Eigen::VectorXd>(elements(from[j]).data(), to.rows());
+}
+
+int call_sensitivity_rhs(int parameters, double t, N_Vector y, N_Vector, N_Vector* S, N_Vector* S_dot,
+                         void* calls, N_Vector, N_Vector) {
+    const State state = elements(y);
+    Eigen::MatrixXd matrix(static_cast<Eigen::Index>(state.size()), parameters),
+        slope(matrix.rows(), parameters);
+    copy(S, matrix);
+    const int result = static_cast<ProblemCalls*>(calls)->sensitivity_rhs(t, state, matrix, slope);
+    if (result == ProblemCalls::fine)
+        copy(slope, S_dot);
+    return result;
+}
+
 class CvodeStepper final : public Stepper {
 public:
     using Stepper::Stepper;
@@ -29,6 +51,7 @@ public:
     void start(double t, State y) override;
     bool advance() override;
     void interpolate(double t, std::span<double> y) override;
+    Eigen::MatrixXd sensitivities(double t) override;
     int order() const override;
     std::string flag_prefix() const override { return "CV"; }
     std::vector<double> weighted_errors() const override;
@@ -36,19 +59,25 @@ public:
 private:
     void attach_newton();
     void attach_fixed_point();
+    void attach_sensitivities(const Eigen::MatrixXd& start);
     Statistics segment_counts() const override;
     std::string flag_name() const override;
 
     // The integrator is destroyed before the solvers it points to: members are destroyed in reverse order.
     sundials::Matrix matrix_;
     sundials::LinearSolver linear_solver_;
-    sundials::NonlinearSolver fixed_point_;
+    sundials::NonlinearSolver fixed_point_, sensitivity_fixed_point_;
+    sundials::VectorArray sensitivities_;
     sundials::CvodeMemory memory_;
     int flag_ = CV_SUCCESS;
 };
 
 /// A new integrator, not CVodeReInit: a restart then equals a fresh solve whatever CVODES keeps internally.
 void CvodeStepper::start(double t, State y) {
+    const SensitivityProblem* sensitive = calls_.sensitivity();
+    Eigen::MatrixXd start_sensitivities;
+    if (sensitive)
+        start_sensitivities = memory_ ? sensitivities(t) : sensitive->initial;
     if (memory_)
         earlier_ = counts();
     set_start(t, y);
@@ -64,6 +93,8 @@ void CvodeStepper::start(double t, State y) {
     require(CVodeSetMaxStep(cvode, longest_step()));
     require(CVodeSetStopTime(cvode, end_time_));
     bdf ? attach_newton() : attach_fixed_point();
+    if (sensitive)
+        attach_sensitivities(start_sensitivities);
 }
 
 void CvodeStepper::attach_newton() {
@@ -80,6 +111,26 @@ void CvodeStepper::attach_fixed_point() {
     // The previous integrator is gone already, so its solver can go too.
     fixed_point_.reset(made(SUNNonlinSol_FixedPoint(after_.get(), 0, context_.get())));
     require(CVodeSetNonlinearSolver(memory_.get(), fixed_point_.get()));
+}
+
+/// Staggered: the state's corrector and error test come first, and the sensitivities' corrector needs the
+/// Jacobian once a step. With Newton CVODES makes the solver of both itself.
+void CvodeStepper::attach_sensitivities(const Eigen::MatrixXd& start) {
+    void* cvode = memory_.get();
+    const auto count = static_cast<int>(start.cols());
+    if (!sensitivities_.get())
+        sensitivities_ = sundials::VectorArray(start.cols(), after_.get());
+    copy(start, sensitivities_.get());
+    std::vector<double> atol(start.cols());
+    for (std::size_t j = 0; j < atol.size(); ++j)
+        atol[j] = calls_.sensitivity_atol(j);
+    require(CVodeSensInit(cvode, count, CV_STAGGERED, call_sensitivity_rhs, sensitivities_.get()));
+    require(CVodeSensSStolerances(cvode, calls_.sensitivity_rtol(), atol.data()));
+    require(CVodeSetSensErrCon(cvode, SUNTRUE));
+    if (options_.method == Method::bdf)
+        return;
+    sensitivity_fixed_point_.reset(made(SUNNonlinSol_FixedPointSens(count, after_.get(), 0, context_.get())));
+    require(CVodeSetNonlinearSolverSensStg(cvode, sensitivity_fixed_point_.get()));
 }
 
 bool CvodeStepper::advance() {
@@ -103,6 +154,17 @@ void CvodeStepper::interpolate(double t, std::span<double> y) {
     N_VSetArrayPointer(y.data(), view_.get());
     if (CVodeGetDky(memory_.get(), t, 0, view_.get()) != CV_SUCCESS)
         throw StepFailure{"BAD_T", solver_text_};
+}
+
+Eigen::MatrixXd CvodeStepper::sensitivities(double t) {
+    Eigen::MatrixXd S = calls_.sensitivity()->initial;
+    if (segment_counts().steps == 0)
+        copy(sensitivities_.get(), S); // where the segment started: untouched until asked for the first time
+    else if (CVodeGetSensDky(memory_.get(), t, 0, sensitivities_.get()) == CV_SUCCESS)
+        copy(sensitivities_.get(), S);
+    else
+        throw StepFailure{"BAD_T", solver_text_};
+    return S;
 }
 
 int CvodeStepper::order() const {

@@ -54,8 +54,9 @@ double strictness(Method method) {
 
 } // namespace
 
-ProblemCalls::ProblemCalls(const OdeProblem& problem, const OdeOptions& options)
-    : problem_(problem), rtol_(options.rtol * strictness(options.method)),
+ProblemCalls::ProblemCalls(const OdeProblem& problem, const OdeOptions& options,
+                           const SensitivityProblem* sensitivity)
+    : problem_(problem), sensitivity_(sensitivity), rtol_(options.rtol * strictness(options.method)),
       atol_(options.atol * strictness(options.method)) {}
 
 std::string ProblemCalls::component_name(std::size_t index) const {
@@ -97,6 +98,53 @@ ProblemCalls::Result ProblemCalls::jacobian(double t, State y, double* column_ma
     return give_up;
 }
 
+ProblemCalls::Result ProblemCalls::linearise(double t, State y) {
+    if (t == linear_.time && std::equal(y.begin(), y.end(), linear_.state.begin(), linear_.state.end()))
+        return fine;
+    linear_.time = std::numeric_limits<double>::quiet_NaN(); // until both are there
+    const auto n = static_cast<Eigen::Index>(y.size()),
+               parameters = static_cast<Eigen::Index>(sensitivity_->parameters);
+    linear_.by_state.resize(n, n);
+    if (const Result result = jacobian(t, y, linear_.by_state.data()); result != fine)
+        return result;
+    linear_.by_parameter.setZero(n, parameters);
+    sensitivity_->by_parameter(t, y, linear_.by_parameter);
+    if (!linear_.by_parameter.allFinite()) {
+        fault_ =
+            fmt::format("a derivative of the right-hand side by the parameters was not finite at t={}", t);
+        return try_shorter_step;
+    }
+    linear_.time = t;
+    linear_.state.assign(y.begin(), y.end());
+    return fine;
+}
+
+ProblemCalls::Result ProblemCalls::sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S,
+                                                   Eigen::MatrixXd& S_dot) noexcept try {
+    if (rhs_threw_)
+        return give_up;
+    const Result result = linearise(t, y);
+    rhs_threw_ = result == give_up;
+    if (result == fine)
+        S_dot.noalias() = linear_.by_state * S + linear_.by_parameter;
+    return result;
+} catch (...) {
+    rhs_threw_ = true;
+    fault_ = fmt::format("the derivatives of the right-hand side by the parameters threw at t={}: {}", t,
+                         exception_text());
+    return give_up;
+}
+
+/// The share of one component, as in error_weights. Not capped: a sensitivity has an origin.
+double ProblemCalls::sensitivity_rtol() const {
+    return rtol_ / std::sqrt(static_cast<double>(problem_.initial_state.size()));
+}
+
+double ProblemCalls::sensitivity_atol(std::size_t parameter) const {
+    return atol_ / std::sqrt(static_cast<double>(problem_.initial_state.size())) /
+           sensitivity_->parameter_scale[parameter];
+}
+
 /// SUNDIALS bounds the mean square of the weighted errors, in which one pair among a thousand idle rods would
 /// hardly count. With the root of the size in the weights it bounds their sum.
 void ProblemCalls::error_weights(State y, std::span<double> weights) const noexcept {
@@ -122,6 +170,24 @@ double ProblemCalls::event(std::size_t index, double t, State y) {
     if (!std::isfinite(value))
         throw StepFailure{"RTFUNC_FAIL", fmt::format("event '{}' was {} at t={}", event.name, value, t)};
     return value;
+}
+
+Eigen::VectorXd ProblemCalls::event_gradient(std::size_t index, double t, State y) const {
+    const auto fail = [&](const std::string& what) {
+        return StepFailure{"RTFUNC_FAIL", fmt::format("the gradient of event '{}' {} at t={}",
+                                                      problem_.events[index].name, what, t)};
+    };
+    Eigen::VectorXd gradient;
+    try {
+        gradient = sensitivity_->event_gradient[index](t, y);
+    } catch (...) {
+        throw fail("threw " + exception_text());
+    }
+    const auto size = static_cast<std::size_t>(gradient.size());
+    if (size != y.size() && size != y.size() + sensitivity_->parameters)
+        throw fail(fmt::format("has {} components, neither {} nor {}", size, y.size(),
+                               y.size() + sensitivity_->parameters));
+    return gradient;
 }
 
 std::optional<double> ProblemCalls::suspect(std::size_t index, const Step& step) const try {

@@ -2,7 +2,7 @@
 // The user's functions as SUNDIALS and the steppers call them: counted, checked for finite results, and with
 // exceptions turned into a fault, since none may cross SUNDIALS' C frames.
 
-#include "rodwake/integrate/ode.hpp"
+#include "rodwake/integrate/sensitivity.hpp"
 
 namespace rodwake::integrate {
 
@@ -11,21 +11,32 @@ public:
     /// What a callback returns to SUNDIALS.
     enum Result : int { fine = 0, try_shorter_step = 1, give_up = -1 };
 
-    ProblemCalls(const OdeProblem& problem, const OdeOptions& options);
+    /// `sensitivity`: of which `problem` is the ode, or null.
+    ProblemCalls(const OdeProblem& problem, const OdeOptions& options,
+                 const SensitivityProblem* sensitivity = nullptr);
 
     /// Once it has thrown it is not called again: CVODES' fixed-point iteration takes `give_up` for a failure
     /// to converge and retries.
     Result rhs(double t, State y, std::span<double> ydot) noexcept;
     Result jacobian(double t, State y, double* column_major) noexcept;
+    /// S' = (df/dy) S + df/dp, states x parameters. Like rhs, not called again once it has thrown.
+    Result sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S, Eigen::MatrixXd& S_dot) noexcept;
     /// One over the tolerance of each component.
     void error_weights(State y, std::span<double> weights) const noexcept;
     /// Throws StepFailure when the event throws or is not finite.
     double event(std::size_t index, double t, State y);
+    /// Of the problem with sensitivities: by the state, and by the parameters if it depends on them. Throws
+    /// StepFailure when the function throws or its result has another size.
+    Eigen::VectorXd event_gradient(std::size_t index, double t, State y) const;
     /// Throws StepFailure when the function throws.
     std::optional<double> suspect(std::size_t index, const Step& step) const;
 
     std::string component_name(std::size_t index) const;
     const OdeProblem& problem() const { return problem_; }
+    const SensitivityProblem* sensitivity() const { return sensitivity_; }
+    /// Of the sensitivities: relative, and absolute of parameter j.
+    double sensitivity_rtol() const;
+    double sensitivity_atol(std::size_t parameter) const;
     long rhs_evaluations() const { return rhs_evaluations_; }
     long event_evaluations() const { return event_evaluations_; }
     /// Time of the most recent right-hand side: the end of the step being tried.
@@ -40,8 +51,17 @@ public:
     }
 
 private:
+    Result linearise(double t, State y);
+
     const OdeProblem& problem_;
+    const SensitivityProblem* sensitivity_;
     double rtol_, atol_;
+    /// df/dy and df/dp where they were wanted last: the corrector asks for them several times at one place.
+    struct {
+        double time = std::numeric_limits<double>::quiet_NaN();
+        std::vector<double> state;
+        Eigen::MatrixXd by_state, by_parameter;
+    } linear_;
     long rhs_evaluations_ = 0, event_evaluations_ = 0;
     double last_time_ = 0.0;
     bool rhs_threw_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace rodwake::integrate {
 
@@ -20,6 +21,10 @@ void Stepper::set_start(double t, State y) {
     std::copy(y.begin(), y.end(), sundials::elements(before_.get()).begin());
     std::copy(state_before().begin(), state_before().end(), sundials::elements(after_.get()).begin());
     time_ = time_before_ = t;
+}
+
+Eigen::MatrixXd Stepper::sensitivities(double) {
+    throw std::logic_error("this integrator has no sensitivities");
 }
 
 Statistics Stepper::counts() const {

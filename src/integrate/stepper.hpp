@@ -23,6 +23,8 @@ public:
     virtual bool advance() = 0;
     /// The solution at a time within the last step, with the accuracy of the method.
     virtual void interpolate(double t, std::span<double> y) = 0;
+    /// dy/dp at a time within the last step, if the problem has parameters and the integrator can.
+    virtual Eigen::MatrixXd sensitivities(double t);
 
     virtual int order() const = 0;
     /// The solver's own text about its last failure.

@@ -1,5 +1,6 @@
 #include "check.hpp"
 
+#include "check_fit.hpp"
 #include "check_granular.hpp"
 #include "check_measure.hpp"
 
@@ -22,8 +23,8 @@ public:
 
     void tables() {
         const bool rods = has_rods(), run = root_.find("rods_run"), field = root_.find("field");
-        if (!rods && !run && !field && !root_.find("granular"))
-            add("", "nothing to do: give [[rods]] with [rods_run], or [field], or [granular]");
+        if (!rods && !run && !field && !root_.find("granular") && !root_.find("fit"))
+            add("", "nothing to do: give [[rods]] with [rods_run], or [field], or [granular], or [fit]");
         if (rods && !run)
             add("rods", "[[rods]] need [rods_run] with t_end");
         if (run && !rods)
@@ -48,6 +49,8 @@ public:
                        [this](const std::string& path, const std::string& message) { add(path, message); });
         check_measure(scene_,
                       [this](const std::string& path, const std::string& message) { add(path, message); });
+        check_fit(scene_,
+                  [this](const std::string& path, const std::string& message) { add(path, message); });
         unique_names(scene_.figures, "figures");
         unique_names(scene_.variants, "variants");
     }

@@ -59,7 +59,20 @@ public:
         std::string fallback;
         for (const auto& item : value)
             fallback += (fallback.empty() ? "" : ", ") + quoted(item);
-        add(key, key.count_text("names"), "[" + fallback + "]", names(key, key.choices));
+        add(key, key.count_text("names"), key.is_required ? "required" : "[" + fallback + "]",
+            names(key, key.choices));
+    }
+    void operator()(const Key& key, std::vector<long>&) override {
+        add(key, key.count_text("integers"), key.absent_text, key.range.text());
+    }
+    void operator()(const Key& key, std::map<std::string, double>&) override {
+        add_entries(key, "table of numbers");
+    }
+    void operator()(const Key& key, std::map<std::string, Interval>&) override {
+        add_entries(key, "table of [low, high]");
+    }
+    void operator()(const Key& key, std::map<std::string, Tie>&) override {
+        add_entries(key, "table of [name, factor]");
     }
     void settings(const Key& key, std::vector<std::string>&) override {
         add(key, "table of " + key.count_text("keys"), "required", "any keys of the scene");
@@ -116,10 +129,16 @@ private:
 
     void add(const Key& key, std::string type, std::string fallback, std::string legal) {
         const std::string reduced = reduced_unit(key.dimension), si = si_unit(key.dimension);
-        std::string unit = !units_.reduced_words || reduced == si ? si : reduced + "; si: " + si;
+        std::string unit = key.dimension == Dimension::length && units_.is_own() ? units_.own
+                           : !units_.reduced_words || reduced == si              ? si
+                                                                                 : reduced + "; si: " + si;
         current().keys.push_back({path_.empty() ? "" : path_.back(), key.name, std::move(type),
                                   std::move(unit), std::move(fallback), std::move(legal), key.meaning,
                                   key.example_value});
+    }
+
+    void add_entries(const Key& key, const std::string& type) {
+        add(key, type, key.is_required ? "required" : key.absent_text, names(key, key.choices));
     }
 
     std::vector<TableInfo> tables_;
@@ -175,6 +194,9 @@ string with one. Legal ranges hold for the reduced value, in `[scales]` and `[gr
 
 The granular bed has its own scale: plain numbers in `[granular]` and its tables, and in the windows of figures of it,
 are SI whatever `units` says, and `a` is `granular.bead_radius`. A scene with granular tables only needs no `[scales]`.
+
+Plain lengths in `[fit]` and in the windows of figures of it are in the unit of the measured profiles, whatever that
+is; strings with a unit become bead radii, which is what `rodwake measure` writes.
 
 * length: `"0.4 mm"` (m, cm, mm, um), `"78 a"` (bead radii, `scales.bead_radius`), `"2.2 f/mu"`
 * time: `"5 s"` (s, ms, us, min), `"30 f/(mu v0)"`

@@ -8,6 +8,13 @@ namespace {
 
 using enum Dimension;
 
+/// What "a" means in [fit].
+double bead_radius(const Scene& scene) {
+    if (scene.granular)
+        return scene.granular->bead_radius;
+    return scene.scales.value_or(Scales{}).bead_radius;
+}
+
 } // namespace
 
 void fields(Visitor& v, Scales& scales) {
@@ -60,14 +67,16 @@ void fields(Visitor& v, Scene& scene) {
         key("measure").doc("What is measured of the granular run; what is absent is not measured. SI, with "
                            "the bed's `a`."),
         scene.measure);
+    const FigureUnits of_figures{units, si_units(scene.granular.value_or(Granular{}).bead_radius),
+                                 file_units(bead_radius(scene))};
+    v.use_units(of_figures.fit);
+    v.table(key("fit").doc("What is fitted to measured profiles and tracks."), scene.fit);
     v.use_units(units);
-    const Units bed = si_units(scene.granular.value_or(Granular{}).bead_radius);
     v.list(key("figures").items(0, 100).doc("What `rodwake plot` draws."), scene.figures,
-           [&](Figure& figure) { fields(v, figure, units, bed); });
+           [&](Figure& figure) { fields(v, figure, of_figures); });
     v.list(key("variants").items(0, 100).doc("The rods, or the bed, run again with some keys changed."),
            scene.variants);
-    for (const char* name : {"fit", "scan"})
-        v.planned(name);
+    v.planned("scan");
 }
 
 } // namespace rodwake::scene

@@ -12,6 +12,8 @@ inline constexpr std::size_t max_rods = 1000;
 bool shows_the_bed(const Figure& figure);
 /// Whether it is of what [measure] found.
 bool shows_measures(const Figure& figure);
+/// Whether it is of what [fit] found; its window is in the unit of the profiles.
+bool shows_the_fit(const Figure& figure);
 
 void fields(Visitor& v, Scales& scales);
 void fields(Visitor& v, FieldTable& table);
@@ -30,8 +32,15 @@ void fields(Visitor& v, GranularOutput& output);
 void fields(Visitor& v, GranularRod& rod);
 void fields(Visitor& v, Granular& granular);
 void fields(Visitor& v, Measure& measure);
-/// The window is in the units of the scene, or of the bed if that is what is drawn.
-void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_bed);
+void fields(Visitor& v, FitProfile& profile);
+void fields(Visitor& v, FitTrajectory& trajectory);
+void fields(Visitor& v, FitCompare& compare);
+void fields(Visitor& v, Fit& fit);
+/// Units of a figure's window, by what is drawn.
+struct FigureUnits {
+    Units scene, bed, fit;
+};
+void fields(Visitor& v, Figure& figure, const FigureUnits& units);
 void fields(Visitor& v, Variant& variant);
 void fields(Visitor& v, Scene& scene);
 

@@ -33,9 +33,10 @@ struct EtaForms {
     }
 };
 
-void eta_keys(Visitor& v, EtaForms& k) {
+void eta_keys(Visitor& v, EtaForms& k, bool written) {
     v(key("eta")
           .above(-1.0)
+          .written_if(written)
           .because("the longitudinal modulus 1 + eta must be positive")
           .doc("(lambda_L + mu)/mu, the coefficient of grad div over mu; in 2-D also K/mu")
           .example("1.0"),
@@ -70,6 +71,23 @@ void resolve_eta(Visitor& v, const EtaForms& keys, int form, Medium& medium) try
         v.complain(names[form], fmt::format("is not usable: {}", error.what()));
 }
 
+/// What a fitted medium must not be given.
+void refuse_given(Visitor& v, const EtaForms& k, const std::optional<double>& xi,
+                  const std::optional<double>& alpha) {
+    const std::pair<const char*, bool> keys[] = {{"eta", k.eta.has_value()},
+                                                 {"poisson_ratio", k.poisson_ratio.has_value()},
+                                                 {"lame_lambda", k.lame_lambda.has_value()},
+                                                 {"bulk_modulus", k.bulk_modulus.has_value()},
+                                                 {"mu", k.mu.has_value()},
+                                                 {"xi", xi.has_value()},
+                                                 {"alpha", alpha.has_value()}};
+    for (const auto& [name, is_given] : keys)
+        if (is_given)
+            v.complain(
+                name,
+                "is given beside medium.fitted = true, which takes eta and xi from [fit]: leave one out");
+}
+
 } // namespace
 
 void fields(Visitor& v, FieldTable& table) {
@@ -78,10 +96,16 @@ void fields(Visitor& v, FieldTable& table) {
 }
 
 void fields(Visitor& v, Medium& medium) {
-    EtaForms elastic{medium.eta, {}, {}, {}, {}};
+    EtaForms given{medium.eta, {}, {}, {}, {}};
     std::optional<double> xi = medium.xi, alpha;
-    eta_keys(v, elastic);
-    v(key("xi").unit(length).within(1e-12, 1e12).doc("screening length mu/(zeta v0)").example("1.0"), xi);
+    eta_keys(v, given, !medium.fitted);
+    v(key("xi")
+          .unit(length)
+          .within(1e-12, 1e12)
+          .written_if(!medium.fitted)
+          .doc("screening length mu/(zeta v0)")
+          .example("1.0"),
+      xi);
     v(key("alpha")
           .within(1e-12, 1e12)
           .doc("(f/mu)/xi = f zeta v0/mu^2, the reading taken here of the paper's alpha, which it does not "
@@ -95,8 +119,23 @@ void fields(Visitor& v, Medium& medium) {
           .example("\"exact\""),
       choice(medium.field, {{"exact", FieldBackend::exact}}));
     v.table(key("table").doc("Interpolation of the field; not used with field = \"exact\"."), medium.table);
+    v(key("periodic")
+          .unit(length)
+          .above(0.0)
+          .absent("infinite plane")
+          .doc("side of a periodic box for the rods and the field: each rod acts with all its images")
+          .example("78.0"),
+      medium.periodic);
+    v(key("fitted")
+          .written_if(medium.fitted)
+          .doc("eta and xi come from this scene's [fit], in units of its f_over_mu; only with rodwake run. "
+               "Then eta, xi and their alternatives are not given")
+          .example("true"),
+      medium.fitted);
+    if (medium.fitted)
+        return v.derive([&] { refuse_given(v, given, xi, alpha); });
     v.one_form({{"eta"}, {"poisson_ratio"}, {"lame_lambda", "mu"}, {"bulk_modulus", "mu"}},
-               [&](int form) { resolve_eta(v, elastic, form, medium); });
+               [&](int form) { resolve_eta(v, given, form, medium); });
     v.one_form({{"xi"}, {"alpha"}},
                [&](int form) { medium.xi = form == 1 ? 1.0 / alpha.value_or(1.0) : xi.value_or(1.0); });
 }

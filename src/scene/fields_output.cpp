@@ -18,6 +18,29 @@ void window_fields(Visitor& v, std::vector<double>& x, std::vector<double>& y, c
       y);
 }
 
+void fit_figure_fields(Visitor& v, Figure& figure) {
+    v(key("profiles")
+          .within(0, 99)
+          .items(1, 100)
+          .absent("all")
+          .written_if(figure.kind == "fit")
+          .doc("kind fit: which of fit.profiles, indices from 0, a panel each")
+          .example("[0, 1]"),
+      figure.profiles);
+    v(key("residuals")
+          .written_if(figure.kind == "fit")
+          .doc("kind fit: residuals in sigma under each panel")
+          .example("false"),
+      figure.residuals);
+    v(key("parameter")
+          .one_of(fit_parameter_names())
+          .absent("the first of fit.likelihood")
+          .written_if(figure.kind == "fit_likelihood")
+          .doc("kind fit_likelihood: whose profile likelihood")
+          .example("\"eta\""),
+      figure.parameter);
+}
+
 } // namespace
 
 bool shows_measures(const Figure& figure) {
@@ -26,6 +49,8 @@ bool shows_measures(const Figure& figure) {
         "profile",          "displacement_map", "pair_tracks"};
     return kinds.contains(figure.kind);
 }
+
+bool shows_the_fit(const Figure& figure) { return figure.kind.starts_with("fit"); }
 
 bool shows_the_bed(const Figure& figure) {
     static const std::set<std::string> kinds = {"snapshot", "rod_tracks", "side_view", "movie",
@@ -48,16 +73,37 @@ void fields(Visitor& v, Field& field) {
     v.list(key("cuts").items(0, 100).doc("The field along lines parallel to an axis."), field.cuts);
 }
 
-void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_bed) {
+void fields(Visitor& v, Figure& figure, const FigureUnits& units) {
     const auto is_kind = [&](const char* kind) { return figure.kind == kind; };
     v(key("name").required().file_name().doc("file name without ending").example("\"wake\""), figure.name);
     v(key("kind")
           .required()
-          .one_of({"extensional_axis", "polar_streamlines", "cut", "trajectories", "snapshot", "rod_tracks",
-                   "side_view", "movie", "granular_table", "pair_correlation", "bond_order", "msd", "series",
-                   "flow", "dragged", "profile", "displacement_map", "pair_tracks"})
+          .one_of({"extensional_axis",
+                   "polar_streamlines",
+                   "cut",
+                   "trajectories",
+                   "snapshot",
+                   "rod_tracks",
+                   "side_view",
+                   "movie",
+                   "granular_table",
+                   "pair_correlation",
+                   "bond_order",
+                   "msd",
+                   "series",
+                   "flow",
+                   "dragged",
+                   "profile",
+                   "displacement_map",
+                   "pair_tracks",
+                   "fit",
+                   "fit_starts",
+                   "fit_likelihood",
+                   "fit_correlation",
+                   "fit_trajectories"})
           .doc("what is drawn: the first two need the grid of [field], cut one of field.cuts, trajectories "
-               "[[rods]], the five from snapshot on [granular], the others what they show in [measure]")
+               "[[rods]], the five from snapshot on [granular], those of the fit [fit], the others what they "
+               "show in [measure]")
           .example("\"cut\""),
       figure.kind);
     v(key("title").absent("made from the data").doc("title").example("\"Wake\""), figure.title);
@@ -122,7 +168,8 @@ void fields(Visitor& v, Figure& figure, const Units& of_scene, const Units& of_b
           .doc("kind movie: stored frames shown a second")
           .example("20"),
       figure.fps);
-    v.use_units(shows_the_bed(figure) ? of_bed : of_scene);
+    fit_figure_fields(v, figure);
+    v.use_units(shows_the_fit(figure) ? units.fit : shows_the_bed(figure) ? units.bed : units.scene);
     window_fields(v, figure.x, figure.y, "window", "fit to the data");
 }
 

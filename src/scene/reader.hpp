@@ -22,9 +22,13 @@ public:
     void operator()(const Key& key, bool& value) override;
     void operator()(const Key& key, std::string& value) override;
     void operator()(const Key& key, std::vector<double>& value) override;
+    void operator()(const Key& key, std::vector<long>& value) override;
     void operator()(const Key& key, std::vector<std::vector<double>>& value) override;
     void operator()(const Key& key, std::vector<std::string>& value) override;
     void operator()(const Key& key, const Choice& value) override;
+    void operator()(const Key& key, std::map<std::string, double>& value) override;
+    void operator()(const Key& key, std::map<std::string, Interval>& value) override;
+    void operator()(const Key& key, std::map<std::string, Tie>& value) override;
     void settings(const Key& key, std::vector<std::string>& value) override;
     void planned(const std::string& name) override;
     void use_units(const Units& units) override;
@@ -55,6 +59,9 @@ private:
     std::optional<double> number(const Key& key, const Node& node, const std::string& path);
     std::optional<double> quantity(const Key& key, const Node& node, const std::string& path);
     std::optional<std::vector<double>> numbers(const Key& key, const Node& node, const std::string& path);
+    /// Entries of a table whose keys are among key.choices; `read` gives the value of one, or nothing.
+    template<class T, class Read>
+    void entries(const Key& key, std::map<std::string, T>& value, const std::string& of, Read read);
     const std::string* text(const Key& key, const Node& node, const std::string& path);
     bool is_choice(const Key& key, const std::vector<std::string>& names, const Node& node,
                    const std::string& path);

@@ -19,6 +19,9 @@ struct Units {
     bool reduced_words =
         true; ///< "f/mu", "v0" may be used; not in [scales], which defines them, nor in [granular]
     bool bead_words = true; ///< "a", "a/s" may be used; not by the key that says what "a" is
+    std::string own{};      ///< name of a unit of length that the scene does not know; empty: none such
+
+    bool is_own() const { return !own.empty(); }
 };
 
 /// "a length"
@@ -29,7 +32,12 @@ std::string si_unit(Dimension dimension);
 
 /// SI in every scene, one metre being 1: for the tables that have their own scale. "a" is `bead_radius`.
 inline Units si_units(double bead_radius) {
-    return {UnitSystem::si, Scales{1.0, 1.0, bead_radius}, false, true};
+    return {UnitSystem::si, Scales{1.0, 1.0, bead_radius}, false, true, ""};
+}
+
+/// Plain lengths are in the unit of measured files; strings with a unit are in bead radii.
+inline Units file_units(double bead_radius) {
+    return {UnitSystem::reduced, Scales{bead_radius, 1.0, bead_radius}, false, true, "of the profiles"};
 }
 
 /// A value read from a string: reduced, or the reason why it could not be.

@@ -6,6 +6,7 @@
 #include "rodwake/scene/scene.hpp"
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,10 +30,15 @@ public:
     virtual void operator()(const Key& key, bool& value) = 0;
     virtual void operator()(const Key& key, std::string& value) = 0;
     virtual void operator()(const Key& key, std::vector<double>& value) = 0;
+    virtual void operator()(const Key& key, std::vector<long>& value) = 0;
     virtual void operator()(const Key& key, std::vector<std::vector<double>>& value) = 0;
     /// Some of key.choices, each at most once; reading keeps the value when the key is absent.
     virtual void operator()(const Key& key, std::vector<std::string>& value) = 0;
     virtual void operator()(const Key& key, const Choice& value) = 0;
+    /// Tables whose keys are among key.choices: numbers, [low, high], [other name, factor].
+    virtual void operator()(const Key& key, std::map<std::string, double>& value) = 0;
+    virtual void operator()(const Key& key, std::map<std::string, Interval>& value) = 0;
+    virtual void operator()(const Key& key, std::map<std::string, Tie>& value) = 0;
     /// A table of "path.to.key" = value, held as "path.to.key=value".
     virtual void settings(const Key& key, std::vector<std::string>& value) = 0;
 

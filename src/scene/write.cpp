@@ -60,6 +60,24 @@ public:
             inner += (inner.empty() ? "" : ", ") + quoted(item);
         line(key, "[" + inner + "]");
     }
+    void operator()(const Key& key, std::vector<long>& value) override {
+        if (value.empty())
+            absent(key);
+        else
+            line(key, fmt::format("[{}]", fmt::join(value, ", ")));
+    }
+    void operator()(const Key& key, std::map<std::string, double>& value) override {
+        entries(key, value, [](double number) { return number_text(number); });
+    }
+    void operator()(const Key& key, std::map<std::string, Interval>& value) override {
+        entries(key, value,
+                [](Interval i) { return fmt::format("[{}, {}]", number_text(i.low), number_text(i.high)); });
+    }
+    void operator()(const Key& key, std::map<std::string, Tie>& value) override {
+        entries(key, value, [](const Tie& tie) {
+            return fmt::format("[{}, {}]", quoted(tie.to), number_text(tie.factor));
+        });
+    }
     void settings(const Key& key, std::vector<std::string>& value) override {
         line(key, settings_text(value));
     }
@@ -97,6 +115,17 @@ private:
     void absent(const Key& key) {
         if (key.is_written && !key.absent_text.empty())
             text_ += fmt::format("# {}: {}\n", key.name, key.absent_text);
+    }
+
+    template<class T, class Text>
+    void entries(const Key& key, const std::map<std::string, T>& values, Text text) {
+        std::string inner;
+        for (const auto& [name, value] : values)
+            inner += fmt::format("{}{} = {}", inner.empty() ? "" : ", ", key_text(name), text(value));
+        if (values.empty())
+            absent(key);
+        else
+            line(key, "{ " + inner + " }");
     }
 
     std::string list_text(const Key& key, const std::vector<double>& values) const {

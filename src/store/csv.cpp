@@ -155,6 +155,14 @@ std::ifstream open(const std::filesystem::path& path) {
     return file;
 }
 
+/// NaN as an empty field, which is how it is read.
+void append_field(fmt::memory_buffer& out, bool comma, double value) {
+    if (comma)
+        out.push_back(',');
+    if (!std::isnan(value))
+        fmt::format_to(std::back_inserter(out), "{:.17g}", value);
+}
+
 } // namespace
 
 const std::vector<double>* Table::find(const std::string& name) const {
@@ -192,7 +200,7 @@ std::string to_csv(std::span<const std::string> names, std::span<const std::vect
     const std::size_t rows = columns.empty() ? 0 : columns.front().size();
     for (std::size_t row = 0; row < rows; ++row) {
         for (std::size_t column = 0; column < columns.size(); ++column)
-            fmt::format_to(std::back_inserter(out), "{}{:.17g}", column ? "," : "", columns[column][row]);
+            append_field(out, column > 0, columns[column][row]);
         out.push_back('\n');
     }
     return fmt::to_string(out);

@@ -71,19 +71,32 @@ bool is_measure(const fs::path& file) {
            (name.starts_with("profile_") && name.ends_with(".csv"));
 }
 
+/// What the fit stage makes.
+bool is_fit(const fs::path& file) {
+    static constexpr std::array<std::string_view, 3> names = {"fit.json", "fit.txt", "medium.json"};
+    static constexpr std::array<std::string_view, 3> tables = {"fit_profile_", "fit_curve_",
+                                                               "fit_trajectory_"};
+    const std::string name = file.filename().string();
+    return is_one_of(file, names) ||
+           (name.ends_with(".csv") &&
+            std::ranges::any_of(tables, [&](const auto& start) { return name.starts_with(start); }));
+}
+
 bool is_result(const fs::path& file) {
     static constexpr std::array<std::string_view, 4> names = {"result.h5", "rods.csv", "outcome.json",
                                                               "report.html"};
     const std::string name = file.filename().string();
-    return is_one_of(file, names) || is_measure(file) ||
+    return is_one_of(file, names) || is_measure(file) || is_fit(file) ||
            (name.starts_with("field_cut_") && name.ends_with(".csv")) || is_temporary(name) ||
            file.parent_path().filename() == "figures";
 }
 
-/// What a granular run goes on from: its checkpoints, and logs that mean nothing without them.
+/// What a granular run goes on from: its checkpoints, and logs that mean nothing without them; and the starts
+/// of a fit.
 bool is_progress(const fs::path& file) {
-    static constexpr std::array<std::string_view, 5> names = {"checkpoint.rwc", "checkpoint.rwc.previous",
-                                                              "rows.log", "frames.log", "last_period.log"};
+    static constexpr std::array<std::string_view, 6> names = {"checkpoint.rwc",  "checkpoint.rwc.previous",
+                                                              "rows.log",        "frames.log",
+                                                              "last_period.log", "fit_starts.log"};
     return is_one_of(file, names);
 }
 

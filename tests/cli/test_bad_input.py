@@ -5,7 +5,7 @@ import signal
 import subprocess
 
 import rodwake
-from rodwake import PAIR, QUICKSTART, ProgramTest, snapshot
+from rodwake import PAIR, THEORY_PAIR, ProgramTest, snapshot
 
 
 class BadInputTest(ProgramTest):
@@ -102,13 +102,13 @@ class UnwritableTest(ProgramTest):
         def limit():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
-        done = self.expect(1, "field", QUICKSTART, "-o", "out", preexec_fn=limit)
+        done = self.expect(1, "field", THEORY_PAIR, "-o", "out", preexec_fn=limit)
         self.assertRegex(done.stderr, "rodwake: .*(HDF5|cannot write)")
         self.assertEqual(self.status("out"), "failed")
         self.assertNotIn("result.h5", snapshot(self.folder / "out"))
         self.assert_no_temporaries()
         self.assertRegex((self.folder / "out/log.txt").read_text(), "error: .*(HDF5|cannot write)")
-        self.expect(0, "field", QUICKSTART, "-o", "out")
+        self.expect(0, "field", THEORY_PAIR, "-o", "out")
 
     def test_a_result_that_cannot_be_replaced(self):
         self.write("out/provenance.json", '{"status": "unfinished"}')

@@ -4,9 +4,9 @@ import json
 import re
 
 import rodwake
-from rodwake import PAIR, QUICKSTART, ProgramTest, snapshot
+from rodwake import PAIR, THEORY_PAIR, ProgramTest, snapshot
 
-VERBS = ("check", "field", "rods", "dem", "impact", "measure", "run", "plot", "info")
+VERBS = ("check", "field", "rods", "dem", "impact", "measure", "fit", "run", "plot", "info")
 
 
 class HelpTest(ProgramTest):
@@ -34,13 +34,13 @@ class HelpTest(ProgramTest):
 
     def test_usage_errors(self):
         self.refuse(2, "subcommand is required")
-        self.refuse(2, "rnu: no such verb; legal: check, field", "rnu", QUICKSTART)
-        self.refuse(2, "--hlep", "run", QUICKSTART, "--hlep")
-        self.refuse(2, "--frobnicate", "--frobnicate", "run", QUICKSTART)
+        self.refuse(2, "rnu: no such verb; legal: check, field", "rnu", THEORY_PAIR)
+        self.refuse(2, "--hlep", "run", THEORY_PAIR, "--hlep")
+        self.refuse(2, "--frobnicate", "--frobnicate", "run", THEORY_PAIR)
         self.refuse(2, "SCENE is required", "run")
-        self.refuse(2, "extra", "check", QUICKSTART, "extra")
+        self.refuse(2, "extra", "check", THEORY_PAIR, "extra")
         for option, value in (("--threads", "0"), ("--threads", "many"), ("--threads", "1e9"), ("--seed", "-1"), ("--seed", "x")):
-            self.refuse(2, option, "rods", QUICKSTART, option, value)
+            self.refuse(2, option, "rods", THEORY_PAIR, option, value)
 
 
 class CommonOptionsTest(ProgramTest):
@@ -64,12 +64,12 @@ class CommonOptionsTest(ProgramTest):
             done = self.expect(0, verb, "pair.toml", "--dry-run")
             self.assertIn("# modelled", done.stdout)
             self.expect(0, verb, "pair.toml", "--dry-run", "-o", "out", "--force")
-        self.expect(0, "field", QUICKSTART, "--dry-run")
+        self.expect(0, "field", THEORY_PAIR, "--dry-run")
         self.expect(0, "plot", "out", "--dry-run")
         self.assertEqual(snapshot(self.folder), before)
 
     def test_quiet_is_silent(self):
-        for verb, scene in (("rods", "pair.toml"), ("run", "pair.toml"), ("field", QUICKSTART)):
+        for verb, scene in (("rods", "pair.toml"), ("run", "pair.toml"), ("field", THEORY_PAIR)):
             done = self.expect(0, verb, scene, "--quiet", "-o", verb)
             self.assertEqual((done.stdout, done.stderr), ("", ""))
         done = self.expect(0, "plot", "run", "--quiet")

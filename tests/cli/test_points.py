@@ -18,11 +18,11 @@ def rows_of(text):
     return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(lines)]
 
 
-def worst_error(rows, expected):
+def worst_error(rows, expected, quantities=QUANTITIES):
     """Largest relative error of any quantity of any row."""
     worst = 0.0
     for row, wanted in zip(rows, expected, strict=True):
-        for names in QUANTITIES:
+        for names in quantities:
             norm = math.hypot(*(wanted[n] for n in names))
             worst = max(worst, math.hypot(*(row[n] - wanted[n] for n in names)) / norm)
     return worst
@@ -108,8 +108,36 @@ class PointsTest(ProgramTest):
         self.refuse(2, "nope.csv: cannot read", "field", "--points", "nope.csv")
         self.refuse(2, "is a folder", "field", "--points", ".")
 
+    def test_periodic_boxes_of_the_reference(self):
+        table = SOURCE / "tests/data/periodic_field.csv"
+        expected = rows_of(table.read_text())
+        self.assertEqual(len(expected), 60)
+        out = self.expect(0, "field", "--points", table).stdout
+        self.assertEqual(out.splitlines()[0], HEADER)
+        worst = worst_error(rows_of(out), expected, QUANTITIES[:2])
+        self.assertLess(worst, 1e-10)  # what include/rodwake/elastic/periodic.hpp promises
+        expected[7]["exy"] *= 1 + 1e-6
+        self.assertGreater(worst_error(rows_of(out), expected, QUANTITIES[:2]), 1e-10)
+
+    def test_a_box_changes_only_the_rows_that_have_it(self):
+        plain = self.points("x,y,xi,eta\n0.1,0.2,3,1\n0.3,-0.2,3,1\n0.3,0.1,2,5\n").stdout.splitlines()
+        mixed = self.points("L,x,y,xi,eta\n,0.1,0.2,3,1\n2,0.3,-0.2,3,1\n,0.3,0.1,2,5\n").stdout.splitlines()
+        self.assertEqual([plain[1], plain[3]], [mixed[1], mixed[3]])
+        self.assertNotEqual(plain[2], mixed[2])
+        moved = rows_of(self.points("x,y,xi,eta,L\n0.3,-0.2,3,1,2\n2.3,-4.2,3,1,2\n0.3,-0.2,3,1.5,2\n0.3,-0.2,3,1,2\n").stdout)
+        self.assertLess(worst_error([moved[1]], [moved[0]]), 1e-12)  # rounding of 2.3 - 2
+        self.assertGreater(worst_error([moved[2]], [moved[0]]), 1e-3)
+        self.assertEqual(moved[3], moved[0])
+
+    def test_bad_boxes(self):
+        for box in ("0", "-2"):
+            self.refused(f"x,y,xi,eta,L\n1,1,1,1,\n1,1,1,1,{box}\n", rf"points\.csv:3:1: box = {box}: .* > 0")
+        self.refused("x,y,xi,eta,L\n1,1,1,1,inf\n", r"points\.csv:2:\d+: ")
+        self.refused("x,y,xi,eta,L\n1,1,1,1,1e9\n", r"points\.csv:2:1: box = 1e\+09: .*infinite plane")
+        self.refused("x,y,xi,eta,L\n1,1,1,1,5\n10,-5,1,1,5\n", r"points\.csv:3:1: field at x = 10, y = -5: .*images is there")
+        self.refused("x,y,xi,eta,L\n1,1,1,-2,5\n", r"points\.csv:2:1: .*eta")
+
     def test_what_is_not_available_is_said(self):
-        self.refused("x,y,xi,eta,L\n1,1,1,1,\n1,1,1,1,10\n", r"points\.csv:3:1: column L .* not available")
         self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
         self.refuse(2, "--backend table: not available", "field", "--points", "points.csv", "--backend", "table")
         self.refuse(2, "backend", "field", "--points", "points.csv", "--backend", "magic")
@@ -117,7 +145,7 @@ class PointsTest(ProgramTest):
     def test_points_and_scene_exclude_each_other(self):
         self.refuse(2, "either a SCENE or --points", "field")
         self.write("points.csv", "x,y,xi,eta\n")
-        self.refuse(2, "either a SCENE or --points", "field", rodwake.QUICKSTART, "--points", "points.csv")
+        self.refuse(2, "either a SCENE or --points", "field", rodwake.THEORY_PAIR, "--points", "points.csv")
 
     def test_dry_run_checks_and_prints_nothing(self):
         self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")

@@ -6,14 +6,14 @@ import re
 
 import h5py
 import rodwake
-from rodwake import PAIR, QUICKSTART, ProgramTest, snapshot
+from rodwake import PAIR, THEORY_PAIR, ProgramTest, snapshot
 
-CONTACT_TIME = 40.595264757446582  # tests/data/rod_trajectories.json: the pair of scenes/quickstart.toml
+CONTACT_TIME = 40.595264757446582  # tests/data/rod_trajectories.json: the pair of scenes/pair.toml
 
 
 class RunTest(ProgramTest):
     def test_quickstart_leaves_everything(self):
-        self.expect(0, "run", QUICKSTART, "-o", "out", "--quiet")
+        self.expect(0, "run", THEORY_PAIR, "-o", "out", "--quiet")
         out = self.folder / "out"
         names = {str(p.relative_to(out)) for p in out.rglob("*") if p.is_file()}
         self.assertEqual(names, {"scene.toml", "provenance.json", "log.txt", "result.h5", "rods.csv", "outcome.json",
@@ -25,7 +25,7 @@ class RunTest(ProgramTest):
         self.assert_csv_and_hdf5_agree(out)
         # The resolved scene is a scene, and stands for the same thing.
         again = self.expect(0, "check", out / "scene.toml").stdout
-        self.assertEqual(again.split("# modelled")[0], self.expect(0, "check", QUICKSTART).stdout.split("# modelled")[0])
+        self.assertEqual(again.split("# modelled")[0], self.expect(0, "check", THEORY_PAIR).stdout.split("# modelled")[0])
 
     def assert_outcome(self, outcome):
         self.assertEqual((outcome["outcome"], outcome["pair"], outcome["solver"]["status"]), ("contact", [0, 1], "stopped_at_event"))
@@ -35,7 +35,7 @@ class RunTest(ProgramTest):
         self.assertAlmostEqual(outcome["min_separation"], 0.1, delta=1e-12)
 
     def assert_provenance(self, record):
-        self.assertEqual((record["program"], record["status"], record["scene"]), ("rodwake", "finished", str(QUICKSTART)))
+        self.assertEqual((record["program"], record["status"], record["scene"]), ("rodwake", "finished", str(THEORY_PAIR)))
         self.assertIn(" run ", record["command"])
         self.assertGreater(record["wall_seconds"], 0.0)
 

@@ -65,9 +65,9 @@ Potential::Potential(const Real& x, const Real& y, const Real& c) {
     }
 }
 
-Field::Field(const Point& at)
-    : xi_(at.xi), nu_(1 / (1 + Real(at.eta))), unit_(1 / boost::math::constants::two_pi<Real>()),
-      shear_(at.x, at.y, 1 / (2 * xi_)), longitudinal_(at.x, at.y, nu_ / (2 * xi_)) {}
+Field::Field(double x, double y, const Exactly& medium)
+    : xi_(medium.xi), nu_(1 / (1 + medium.eta)), unit_(1 / boost::math::constants::two_pi<Real>()),
+      shear_(x, y, 1 / (2 * xi_)), longitudinal_(x, y, nu_ / (2 * xi_)) {}
 
 Real Field::ux(int i, int j) const {
     const Real difference = shear_.derivative(i + 1, j) - longitudinal_.derivative(i + 1, j);

@@ -36,7 +36,12 @@ private:
 /// The displacement of a unit force along x or y and its derivatives, i + j <= 3.
 class Field {
 public:
-    explicit Field(const Point& at);
+    /// A medium between the doubles.
+    struct Exactly {
+        Real xi, eta;
+    };
+    explicit Field(const Point& at) : Field(at.x, at.y, Exactly{Real(at.xi), Real(at.eta)}) {}
+    Field(double x, double y, const Exactly& medium);
     Real ux(int i, int j) const;
     Real uy(int i, int j) const;
     /// div U = (nu/2 pi) d_x G_L: from ux and uy the shear potential would have to cancel, which leaves its

@@ -81,7 +81,7 @@ class InstallTest(unittest.TestCase):
 
     def test_the_installed_program_makes_its_own_figures(self):
         program = self.prefix / "bin/rodwake"
-        scene = self.prefix / "share/rodwake/scenes/quickstart.toml"
+        scene = self.prefix / "share/rodwake/scenes/pair.toml"
         done = run(program, "run", scene, "-o", self.folder / "out")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue((self.folder / "out/report.html").is_file())

@@ -53,6 +53,26 @@ position = ["20 a", "31.5 a"]
 [measure]
 order = true
 displacement = "phase"
+[fit]
+parameters = ["f_over_mu", "eta", "alpha"]
+fixed = { kappa = 0.75 }
+box = "78 a"
+likelihood = ["eta"]
+[[fit.profiles]]
+file = "profile_Ux_x.csv"
+[[fit.profiles]]
+file = "profile_Uy_x.csv"
+component = "Uy"
+at = "4 a"
+[[fit.trajectories]]
+file = "rods.csv"
+sigma_position = 0.1
+sigma_heading = 0.05
+contact_distance = 0.1
+contact_time = 40.6
+[[fit.compare]]
+name = "paper"
+values = { f_over_mu = 2.2 }
 [[figures]]
 name = "wake"
 kind = "cut"

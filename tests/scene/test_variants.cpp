@@ -64,7 +64,8 @@ TEST_CASE("a variant that is wrong by itself is reported where it stands") {
                     "0.25 apart") != std::string::npos);
     CHECK(error_text(with_set("{ \"rods.5.heading\" = 1 }")).find("no entry 5: rods has 2") !=
           std::string::npos);
-    CHECK(error_text(with_set("{ \"fit.start\" = 1 }")).find("[fit] is not available") != std::string::npos);
+    CHECK(error_text(with_set("{ \"scan.start\" = 1 }")).find("[scan] is not available") !=
+          std::string::npos);
     CHECK(error_text(with_set("{ \"a..b\" = 1 }")).find("is not a key") != std::string::npos);
     CHECK(error_text(with_set("{ \"coupling.kappa\" = nan }")).find("must be a finite number") !=
           std::string::npos);

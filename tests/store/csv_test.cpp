@@ -65,6 +65,15 @@ TEST_CASE("Columns in any order, comments, blank lines, spaces, CRLF, byte order
     CHECK(table.find("z") == nullptr);
 }
 
+TEST_CASE("NaN is written as an empty field and read as one") {
+    const std::vector<std::vector<double>> columns = {{1.0, 2.0}, {std::nan(""), 3.0}};
+    const std::string text = store::to_csv(Names{"x", "sigma"}, columns);
+    CHECK(text == "x,sigma\n1,\n2,3\n");
+    const store::Table table = read(text, {"x"}, {"sigma"});
+    CHECK(std::isnan(table.find("sigma")->at(0)));
+    CHECK(table.find("sigma")->at(1) == 3.0);
+}
+
 TEST_CASE("Columns that nobody asked for may hold anything") {
     const store::Table table = read("name,x,note,y\nrod one,1,,2\n,3,nan,4\n");
     CHECK(table.names == Names{"x", "y"});

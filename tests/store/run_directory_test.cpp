@@ -150,6 +150,15 @@ TEST_CASE(
     CHECK(left_by_begin(scratch, beds + measured + litter, status, false) == beds);
 }
 
+TEST_CASE("A fit that is taken up keeps the starts that are done, one that is replaced does not") {
+    const Scratch one, other;
+    const Names results = {
+        "fit.json", "fit.txt", "fit_profile_0.csv", "fit_curve_0.csv", "fit_trajectory_0.csv", "medium.json"};
+    const Names starts = {"fit_starts.log"}, others = {"fit_notes.csv", "my_fit.json"};
+    CHECK(left_by_begin(one, results + starts + others, "interrupted", false) == starts + others);
+    CHECK(left_by_begin(other, results + starts + others, "finished", true) == others);
+}
+
 TEST_CASE("A granular run that is replaced leaves nothing of its own") {
     const auto status = GENERATE(as<std::string>{}, "finished", "unfinished", "interrupted", "failed");
     const Scratch scratch;

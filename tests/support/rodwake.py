@@ -13,7 +13,7 @@ from pathlib import Path
 PROGRAM = Path(os.environ.get("RODWAKE_PROGRAM", "rodwake"))
 SOURCE = Path(os.environ.get("RODWAKE_SOURCE_DIR", Path(__file__).parents[2]))
 SCENES = SOURCE / "scenes"
-QUICKSTART = SCENES / "quickstart.toml"
+THEORY_PAIR = SCENES / "pair.toml"
 
 PAIR = """schema = 1
 title = "a pair"

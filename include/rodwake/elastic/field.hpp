@@ -72,6 +72,7 @@ public:
         double c_shear;                     ///< c_T = 1/(2 xi), 1/length
         double two_xi;
     };
+    const Constants& constants() const { return constants_; }
 
 private:
     Medium medium_;

@@ -26,24 +26,32 @@ struct Pose {
     double heading = 0.0; ///< theta, rad, counter-clockwise from +x
 };
 
-/// Right-hand side and Jacobian. Without medium, without coupling or with one rod no field is evaluated.
-/// Cost: N (N - 1) field points a call. Thread-safe. Throws InputError if two rods are in the same place.
+/// Right-hand side and Jacobian. Without medium, without coupling or with one rod on the infinite plane no
+/// field is evaluated. Cost: N (N - 1) field points a call. Thread-safe. Throws InputError if two rods are in
+/// the same place.
 class RodModel {
 public:
-    RodModel(std::optional<elastic::Medium> medium, const Couplings& couplings, std::size_t rods);
+    /// With `box` each rod's field is that of all its images in a periodic box of that side along the lab's
+    /// axes (elastic/periodic.hpp), and its own images turn a rod too.
+    RodModel(std::optional<elastic::Medium> medium, const Couplings& couplings, std::size_t rods,
+             std::optional<double> box = {});
 
     std::size_t rods() const { return rods_; }
     bool interacting() const { return field_.has_value(); }
 
     void rhs(integrate::State y, std::span<double> ydot) const;
-    /// jacobian(i, j) = d rhs_i / d y_j, 3 N x 3 N.
+    /// jacobian(i, j) = d rhs_i / d y_j, 3 N x 3 N. Throws InputError in a periodic box: take difference
+    /// quotients.
     void jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const;
 
     /// "rods[3].theta"
     static std::string component_name(std::size_t component);
 
 private:
+    void add_periodic_turning(integrate::State y, std::span<double> ydot) const;
+
     std::optional<elastic::Field> field_; ///< empty: nothing interacts
+    std::optional<double> box_;
     Couplings couplings_;
     std::size_t rods_;
 };

@@ -19,6 +19,7 @@
 
 #include "rodwake/integrate/ode.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,9 +42,11 @@ struct PairHistory {
     double max_turning = 0.0; ///< largest |theta'| of either rod over that part, mean over a step
 };
 
-/// Ending of the pair (a, b) from the final state and its time derivative; never `contact`.
+/// Ending of the pair (a, b) from the final state and its time derivative; never `contact`. In a periodic box
+/// of the nearest images (separation.hpp).
 Ending classify_pair(integrate::State y, integrate::State ydot, std::size_t a, std::size_t b,
-                     const PairHistory& history, const EndingCriteria& criteria = {});
+                     const PairHistory& history, const EndingCriteria& criteria = {},
+                     std::optional<double> box = {});
 
 std::string to_string(Ending ending);
 

@@ -1,6 +1,9 @@
 #pragma once
 // Distances between rods along a trajectory. Rods move at speed 1, so the rate of change of a separation is
 // known exactly from the headings: within a step it is followed by cubic Hermite interpolation of its square.
+//
+// In a periodic box (side `box`, axes of the lab) a separation is that of the nearest images; positions stay
+// unwrapped.
 
 #include "rodwake/integrate/ode.hpp"
 
@@ -10,6 +13,9 @@
 
 namespace rodwake::rods {
 
+/// Side of the periodic box; none: infinite plane.
+using Box = std::optional<double>;
+
 /// A pair (first < second) and how far apart it is. Unit of the positions.
 struct Separation {
     std::size_t first = 0, second = 0;
@@ -17,21 +23,27 @@ struct Separation {
 };
 
 /// The closest pair; needs two rods or more. O(N^2).
-Separation closest_pair(integrate::State y);
+Separation closest_pair(integrate::State y, Box box = {});
+
+/// R_a - R_b, of the nearest images.
+struct Offset {
+    double x, y;
+};
+Offset offset(integrate::State y, std::size_t a, std::size_t b, Box box = {});
 
 /// Rate of change of the distance of two rods, (R_a - R_b).(n_a - n_b)/r; between -2 and 2.
-double separation_rate(integrate::State y, std::size_t a, std::size_t b);
+double separation_rate(integrate::State y, std::size_t a, std::size_t b, Box box = {});
 
 /// Longest step in which no pair can meet and part unseen: the smallest of r/(3 max(|n_a - n_b|, 1/2)). At
 /// most a third of the separation is closed in it, two thirds if the limit is one step old; rods that walk
 /// abreast close in only by turning, which error control sees.
-double encounter_step(integrate::State y);
+double encounter_step(integrate::State y, Box box = {});
 
 /// The closest approach of a pair inside a step, if it comes closer there than at both ends.
 struct Approach {
     double time;
     Separation pair;
 };
-std::optional<Approach> closest_approach(const integrate::Step& step);
+std::optional<Approach> closest_approach(const integrate::Step& step, Box box = {});
 
 } // namespace rodwake::rods

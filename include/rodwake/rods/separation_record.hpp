@@ -16,7 +16,7 @@ struct SeparationRecord {
     std::vector<PairHistory> late; ///< of pair (a, b), a < b, at a N + b; empty for a single rod
 };
 
-SeparationRecord start_record(integrate::State y, double late_from);
-void add_step(SeparationRecord& record, const integrate::Step& step);
+SeparationRecord start_record(integrate::State y, double late_from, Box box = {});
+void add_step(SeparationRecord& record, const integrate::Step& step, Box box = {});
 
 } // namespace rodwake::rods

@@ -21,6 +21,7 @@ struct RodProblem {
     double t_end = 0.0;
     std::vector<double> output_times;       ///< increasing, in [0, t_end]; t_end is added if missing
     std::optional<double> contact_distance; ///< stop when two rods come this close
+    std::optional<double> box = {}; ///< side of the periodic box along x and y; absent: infinite plane
 };
 
 /// Where a run can be taken up again; going on from here repeats the uninterrupted run to the bit.

@@ -7,6 +7,7 @@
 // door (reading: scene/read.hpp; writing results: Scales below). The granular tables are SI
 // (scene/granular.hpp).
 
+#include "rodwake/scene/fit.hpp"
 #include "rodwake/scene/granular.hpp"
 #include "rodwake/scene/measure.hpp"
 
@@ -45,6 +46,8 @@ struct Medium {
     double xi = 1.0;  ///< > 0, in f/mu; alpha = 1/xi
     FieldBackend field = FieldBackend::exact;
     std::optional<FieldTable> table;
+    std::optional<double> periodic; ///< side of the periodic box, f/mu; absent: infinite plane
+    bool fitted = false;            ///< eta and xi come from [fit]; those here mean nothing until then
 
     bool operator==(const Medium&) const = default;
 };
@@ -110,7 +113,8 @@ struct Figure {
     std::string kind; ///< extensional_axis | polar_streamlines | cut | trajectories, of the granular bed:
                       ///< snapshot | rod_tracks | side_view | movie | granular_table, or of what was measured
                       ///< in it: pair_correlation | bond_order | msd | series | flow | dragged | profile |
-                      ///< displacement_map | pair_tracks
+                      ///< displacement_map | pair_tracks, or of the fit: fit | fit_starts | fit_likelihood |
+                      ///< fit_correlation | fit_trajectories
     std::string title;                       ///< empty: made from the data
     long cut = 0;                            ///< kind cut: index into field.cuts
     std::string component = "Ux";            ///< kinds cut, profile: Ux | Uy
@@ -122,7 +126,11 @@ struct Figure {
     long frame = -1;                         ///< kind snapshot: which stored frame, from 0; -1: the last
     std::string colour = "order";            ///< kinds snapshot, movie: order | orientation
     long fps = 20;                           ///< kind movie: frames a second
-    std::vector<double> x, y;                ///< window [min, max]; empty: fit to the data. Granular kinds: m
+    std::vector<long> profiles;              ///< kind fit: indices into fit.profiles; empty: all
+    bool residuals = true;                   ///< kind fit: residuals under each panel
+    std::string parameter;                   ///< kind fit_likelihood; empty: the first of fit.likelihood
+    std::vector<double> x,
+        y; ///< window [min, max]; empty: fit to the data. Granular kinds: m; fit kinds: as profiles
 
     bool operator==(const Figure&) const = default;
 };
@@ -150,6 +158,7 @@ struct Scene {
     std::optional<Field> field;
     std::optional<Granular> granular;
     std::optional<Measure> measure;
+    std::optional<Fit> fit;
     std::vector<Figure> figures;
     std::vector<Variant> variants;
 

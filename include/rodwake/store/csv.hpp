@@ -27,7 +27,7 @@ struct Table {
 Table read_csv(const std::filesystem::path& path, std::span<const std::string> required,
                std::span<const std::string> optional = {});
 
-/// Header and rows, 17 significant digits (exact round trip).
+/// Header and rows, 17 significant digits (exact round trip); NaN is an empty field.
 std::string to_csv(std::span<const std::string> names, std::span<const std::vector<double>> columns);
 
 } // namespace rodwake::store

@@ -1,0 +1,70 @@
+// Time per point of the field in a periodic box and of its derivatives by the medium, and of building it
+// anew, which a fit does for each trial medium and rods in a box at each step.
+//
+//   build/release/bench/bench_periodic --benchmark_min_time=0.5
+
+#include "rodwake/core/rng.hpp"
+#include "rodwake/elastic/periodic.hpp"
+
+#include <benchmark/benchmark.h>
+#include <vector>
+
+namespace {
+
+using rodwake::RandomStream;
+using namespace rodwake::elastic;
+
+/// Argument: L/xi in thousandths.
+Medium medium(const benchmark::State& state) {
+    return {.eta = 1.3, .xi = 1e3 / static_cast<double>(state.range(0))};
+}
+
+double heading(const benchmark::State& state) { return 0.1 * static_cast<double>(state.range(1)); }
+
+void construct(benchmark::State& state) {
+    for (auto _ : state)
+        benchmark::DoNotOptimize(PeriodicField(medium(state), 1.0, heading(state)));
+}
+
+/// Places over the whole box.
+template<class Evaluate>
+void over_box(benchmark::State& state, Evaluate evaluate) {
+    constexpr int points = 4096;
+    RandomStream random(1);
+    std::vector<Vector> set;
+    for (int k = 0; k < points; ++k)
+        set.push_back({random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)});
+    const PeriodicField field(medium(state), 1.0, heading(state));
+    for (auto _ : state)
+        for (const Vector& p : set)
+            benchmark::DoNotOptimize(evaluate(field, p));
+    using benchmark::Counter;
+    state.counters["s_per_point"] = Counter(points, Counter::kIsIterationInvariantRate | Counter::kInvert);
+}
+
+void displacement(benchmark::State& state) {
+    over_box(state, [](const PeriodicField& f, Vector p) { return f.at(p.x, p.y, {.displacement = true}); });
+}
+
+void strain(benchmark::State& state) {
+    over_box(state, [](const PeriodicField& f, Vector p) { return f.at(p.x, p.y, {.strain = true}); });
+}
+
+void displacement_derivatives(benchmark::State& state) {
+    over_box(state, [](const PeriodicField& f, Vector p) {
+        return f.medium_derivatives(p.x, p.y, {.displacement = true});
+    });
+}
+
+void media(benchmark::internal::Benchmark* b) {
+    for (const long turned : {0, 7})
+        for (const long ratio : {1, 100, 1000, 5000, 20000, 100000, 1000000})
+            b->Args({ratio, turned});
+}
+
+BENCHMARK(construct)->Apply(media);
+BENCHMARK(displacement)->Apply(media);
+BENCHMARK(strain)->Apply(media);
+BENCHMARK(displacement_derivatives)->Apply(media);
+
+} // namespace

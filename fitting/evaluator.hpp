@@ -1,0 +1,62 @@
+#pragma once
+// Objective of one search: guards the user's function, counts, keeps the best point seen.
+
+#include "loss.hpp"
+#include "search_space.hpp"
+
+namespace rodwake::fitting {
+
+/// A point of the search. Not finite: the residuals threw or were not finite there; nothing else is set.
+struct Point {
+    Eigen::VectorXd u;
+    Eigen::VectorXd r;
+    Eigen::MatrixXd jacobian; ///< d r/d u; empty if not asked for
+    double objective = std::numeric_limits<double>::infinity();
+
+    bool finite() const { return objective < std::numeric_limits<double>::infinity(); }
+};
+
+/// Gauss-Newton form of a loss: objective = |b|^2 + const to first order, curvature A^T A.
+struct Weighted {
+    Eigen::MatrixXd a;     ///< rows of the Jacobian times the root of their curvature
+    Eigen::VectorXd b;     ///< A^T b = gradient of objective/2
+    Eigen::VectorXd roots; ///< what the rows were multiplied by
+};
+
+class Evaluator {
+public:
+    Evaluator(const Problem& problem, const SearchSpace& space, LossShape loss,
+              std::function<bool()> stop = {});
+
+    Point operator()(const Eigen::VectorXd& u, bool with_jacobian);
+    Weighted weighted(const Point& point) const;
+    /// Of the objective, in u.
+    Eigen::VectorXd gradient(const Point& point) const;
+
+    const SearchSpace& space() const { return space_; }
+    long evaluations() const { return evaluations_; }
+    bool stopped() const { return stopped_; }
+    bool found() const { return best_ < std::numeric_limits<double>::infinity(); }
+    double best() const { return best_; }
+    const Eigen::VectorXd& best_u() const { return best_u_; }
+    /// Why the last point that was not finite was none.
+    const std::string& trouble() const { return trouble_; }
+
+private:
+    bool guarded(std::span<const double> values, Point& point, Eigen::MatrixXd* in_values);
+    double sum_of_losses(const Eigen::VectorXd& r) const;
+    bool all_finite(const Point& point, const Eigen::MatrixXd* in_values);
+
+    const Problem& problem_;
+    const SearchSpace& space_;
+    LossShape loss_;
+    std::function<bool()> stop_;
+    Eigen::MatrixXd in_values_;
+    long evaluations_ = 0;
+    bool stopped_ = false;
+    double best_ = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd best_u_;
+    std::string trouble_;
+};
+
+} // namespace rodwake::fitting

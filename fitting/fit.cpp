@@ -1,0 +1,185 @@
+#include "rodwake/fitting/fit.hpp"
+
+#include "check_method.hpp"
+#include "nlopt_search.hpp"
+#include "polish.hpp"
+#include "starts.hpp"
+#include "stationarity.hpp"
+
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/core/rng.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+namespace rodwake::fitting {
+
+namespace {
+
+constexpr std::array names = {"converged", "roundoff", "budget", "interrupted", "failed"};
+
+/// StartEnd::termination is "converged: reason", so that the words alone bring back both.
+Termination termination_in(const std::string& words) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (words.starts_with(names[i]))
+            return static_cast<Termination>(i);
+    return Termination::failed;
+}
+
+std::string reason_in(const std::string& words) {
+    const std::size_t colon = words.find(": ");
+    return colon == std::string::npos ? words : words.substr(colon + 2);
+}
+
+/// A polish that could not begin (stopped, no derivatives there) leaves the point where it was.
+SearchEnd with_polish(Evaluator& evaluator, const SearchEnd& end) {
+    SearchEnd polished = polish(evaluator, end.u);
+    if (!std::isfinite(polished.objective)) {
+        polished.u = end.u;
+        polished.objective = end.objective;
+        if (polished.termination == Termination::failed)
+            polished.termination = end.termination;
+    }
+    polished.reason = end.reason + "; " + polished.reason;
+    return polished;
+}
+
+SearchEnd search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
+                 std::uint32_t seed) {
+    if (start.size() == 0)
+        return polish(evaluator, start);
+    SearchEnd end = nlopt_search(evaluator, method, start, seed);
+    if (!evaluator.found()) {
+        if (!evaluator.stopped())
+            end.reason =
+                "nowhere finite residuals; the last trouble: " + evaluator.trouble() + "; " + end.reason;
+        return end;
+    }
+    if (!method.polish || evaluator.stopped())
+        return end;
+    return with_polish(evaluator, end);
+}
+
+StartEnd run_start(const Problem& problem, const Method& method, std::size_t index,
+                   const std::function<bool()>& stop) {
+    const SearchSpace space(problem);
+    Evaluator evaluator(problem, space, {method.loss, method.loss_width}, stop);
+    StartEnd result{index, start_values(problem, method, index), {}, 0.0, {}, 0};
+    RandomStream random(method.seed, static_cast<std::uint32_t>(index), 1);
+    const SearchEnd end =
+        search(evaluator, method, space.coordinates(result.start), static_cast<std::uint32_t>(random.bits()));
+    result.end = space.free_values(end.u);
+    result.objective = end.objective;
+    result.termination = to_string(end.termination) + ": " + end.reason;
+    result.evaluations = evaluator.evaluations();
+    return result;
+}
+
+/// All starts, those of an earlier run taken over; empty: not begun before the stop.
+class Starts {
+public:
+    Starts(const Problem& problem, const Method& method)
+        : problem_(problem), method_(method), ends_(method.starts) {
+        for (const StartEnd& done : method.done)
+            ends_[done.index] = done;
+    }
+
+    void run() {
+        parallel_for(ends_.size(), std::max<std::size_t>(method_.threads, 1), [this](std::size_t i) {
+            if (!ends_[i] && !stopped())
+                ends_[i] = finished(run_start(problem_, method_, i, [this] { return stopped(); }));
+        });
+    }
+
+    std::vector<StartEnd> ends() const {
+        std::vector<StartEnd> all;
+        for (const auto& end : ends_)
+            if (end)
+                all.push_back(*end);
+        return all;
+    }
+    bool complete() const { return !interrupted_; }
+
+private:
+    bool stopped() {
+        if (!method_.stop_requested)
+            return false;
+        const std::lock_guard lock(mutex_);
+        return interrupted_ = interrupted_ || method_.stop_requested();
+    }
+
+    StartEnd finished(StartEnd end) {
+        const std::lock_guard lock(mutex_);
+        if (method_.on_start_done && termination_in(end.termination) != Termination::interrupted)
+            method_.on_start_done(end);
+        return end;
+    }
+
+    const Problem& problem_;
+    const Method& method_;
+    std::mutex mutex_;
+    bool interrupted_ = false;
+    std::vector<std::optional<StartEnd>> ends_;
+};
+
+/// The first of those that differ by rounding errors only: with one minimum that is where the user's own
+/// start ended.
+std::vector<StartEnd>::const_iterator best_of(const std::vector<StartEnd>& ends) {
+    const auto least = std::ranges::min_element(ends, {}, &StartEnd::objective);
+    return std::ranges::find_if(
+        ends, [&](const StartEnd& end) { return !(end.objective > least->objective * (1.0 + 1e-13)); });
+}
+
+/// What the best end is like: chi2 and how far from stationary.
+void look_at(const Problem& problem, const Method& method, Fit& fit) {
+    std::vector<double> free;
+    for (const std::size_t i : free_parameters(problem))
+        free.push_back(fit.values[i]);
+    const SearchSpace space(problem);
+    Evaluator evaluator(problem, space, {method.loss, method.loss_width});
+    const Point point = evaluator(space.coordinates(free), true);
+    fit.chi2 = fit.distance = std::numeric_limits<double>::infinity();
+    if (!point.finite())
+        return;
+    fit.chi2 = point.r.squaredNorm();
+    fit.distance = stationarity(evaluator, point).distance;
+    const double dof = static_cast<double>(independent_values(problem)) - static_cast<double>(free.size());
+    if (!problem.sigma_known && fit.distance > 0.0 && dof > 0.0)
+        fit.distance /= std::sqrt(fit.objective / dof);
+}
+
+} // namespace
+
+std::string to_string(Termination termination) { return names[static_cast<std::size_t>(termination)]; }
+
+Fit fit(const Problem& problem, const Method& method) {
+    validate(problem);
+    check_method(problem, method);
+    Starts starts(problem, method);
+    starts.run();
+    Fit fit;
+    fit.loss = method.loss;
+    fit.loss_width = method.loss_width;
+    fit.starts = starts.ends();
+    for (const StartEnd& end : fit.starts)
+        fit.evaluations += end.evaluations;
+    const auto best = best_of(fit.starts);
+    if (best == fit.starts.end()) {
+        fit.values = all_values(problem, start_values(problem, method, 0));
+        fit.termination = Termination::interrupted;
+        fit.reason = "interrupted before the first start";
+        fit.objective = fit.chi2 = fit.distance = std::numeric_limits<double>::infinity();
+        return fit;
+    }
+    fit.values = all_values(problem, best->end);
+    fit.objective = best->objective;
+    fit.termination = starts.complete() ? termination_in(best->termination) : Termination::interrupted;
+    fit.reason = reason_in(best->termination);
+    look_at(problem, method, fit);
+    return fit;
+}
+
+} // namespace rodwake::fitting

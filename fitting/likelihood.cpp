@@ -1,0 +1,195 @@
+#include "rodwake/fitting/report.hpp"
+
+#include "curvature.hpp"
+#include "polish.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::fitting {
+
+namespace {
+
+constexpr double threshold = 3.841459; // 95 % of chi2 with one degree of freedom
+constexpr double far_enough = 6.0;
+constexpr double limit = 1000.0; // standard errors
+
+/// A point of the profile: the others re-optimised.
+struct Place {
+    double u = 0.0; ///< coordinate of the parameter
+    double z = 0.0; ///< sqrt of the rise of the objective, in units of its rise for one standard error
+    double value = 0.0, objective = std::numeric_limits<double>::infinity();
+    std::vector<double> values; ///< of all parameters: start of the neighbour's search
+};
+
+class Profile {
+public:
+    Profile(const Problem& problem, const Method& method, const Fit& best, std::size_t parameter)
+        : problem_(problem), method_(method), best_(best), parameter_(parameter), space_(problem) {
+        while (space_.free()[k_] != parameter)
+            ++k_;
+        measure();
+    }
+
+    Place centre() const {
+        const double value = best_.values[parameter_];
+        return {space_.coordinate(k_, value), 0.0, value, best_.objective, best_.values};
+    }
+
+    /// At coordinate u, starting from a neighbour.
+    Place at(double u, const Place& from) const {
+        Problem held = problem_;
+        Place place{u, 0.0, space_.value(k_, u), {}, {}};
+        for (std::size_t i = 0; i < held.parameters.size(); ++i)
+            held.parameters[i].start = i == parameter_ ? place.value : from.values[i];
+        held.parameters[parameter_].fixed = true;
+        const SearchSpace others(held);
+        Evaluator evaluator(held, others, {method_.loss, method_.loss_width}, method_.stop_requested);
+        std::vector<double> start;
+        for (const std::size_t i : others.free())
+            start.push_back(from.values[i]);
+        const SearchEnd end = polish(evaluator, others.coordinates(start));
+        stopped_ = stopped_ || evaluator.stopped();
+        place.objective = end.objective;
+        place.values = others.values(end.u);
+        place.z = std::sqrt(std::max(end.objective - best_.objective, 0.0) / rise_);
+        return place;
+    }
+
+    bool stopped() const { return stopped_; }
+    double error() const { return error_; }
+    /// The last coordinate in this direction: the bound, or the limit.
+    double end(int side) const {
+        const double bound = side < 0 ? space_.lower()[k_] : space_.upper()[k_];
+        const double centre_u = centre().u, reach = limit * error_;
+        return side < 0 ? std::max(bound, centre_u - reach) : std::min(bound, centre_u + reach);
+    }
+
+private:
+    /// Standard error in u and rise of the objective for it; a tenth of a natural step where it is infinite.
+    void measure() {
+        const LossShape loss{method_.loss, method_.loss_width};
+        Evaluator evaluator(problem_, space_, loss);
+        std::vector<double> free;
+        for (const std::size_t i : space_.free())
+            free.push_back(best_.values[i]);
+        const Point point = evaluator(space_.coordinates(free), true);
+        if (!point.finite())
+            throw RunError("fit: no profile likelihood: the residuals are not finite at the best values (" +
+                           evaluator.trouble() + ")");
+        const Curvature c =
+            curvature(space_, point, evaluator.gradient(point), ReportOptions{}.rank_tolerance);
+        const ErrorScale scale =
+            error_scale(problem_, loss, point, static_cast<long>(problem_.residuals) - c.rank);
+        if (std::isfinite(scale.rise) && scale.rise > 0.0)
+            rise_ = scale.rise;
+        const double error = c.standard_error[k_] * scale.factor;
+        error_ = std::isfinite(error) && error > 0.0 ? error : 0.1;
+    }
+
+    const Problem& problem_;
+    const Method& method_;
+    const Fit& best_;
+    std::size_t parameter_;
+    SearchSpace space_;
+    Eigen::Index k_ = 0;
+    double error_ = 0.1, rise_ = 1.0;
+    mutable bool stopped_ = false;
+};
+
+/// Between neighbours below and above the threshold: Illinois' false position, to a millionth of the rise.
+double crossing(const Profile& profile, Place inside, Place outside) {
+    const double wanted = std::sqrt(threshold);
+    double low = inside.z - wanted, high = outside.z - wanted, a = inside.u, b = outside.u;
+    Place nearest = inside;
+    for (int i = 0; i < 40 && !profile.stopped(); ++i) {
+        const double u = std::isfinite(high) ? a + (b - a) * low / (low - high) : 0.5 * (a + b);
+        nearest = profile.at(u, nearest.values.empty() || !std::isfinite(nearest.z) ? inside : nearest);
+        const double off = nearest.z - wanted;
+        if (std::abs(off) < 1e-7 || std::abs(b - a) <= 1e-12 * std::abs(b))
+            return nearest.value;
+        if (off < 0.0) {
+            inside = nearest;
+            a = u;
+            low = off;
+            high *= std::isfinite(high) ? 0.5 : 1.0;
+        } else {
+            b = u;
+            high = off;
+            low *= 0.5;
+        }
+    }
+    return nearest.value;
+}
+
+/// Outward until the objective has risen enough, a bound or the limit is reached. The first is the centre.
+std::vector<Place> walk(const Profile& profile, int side, std::size_t steps) {
+    std::vector<Place> places{profile.centre()};
+    const double end = profile.end(side), wanted = std::sqrt(far_enough) / static_cast<double>(steps);
+    double step = wanted * profile.error();
+    for (std::size_t i = 0; i < 8 * steps && places.back().z * places.back().z < far_enough; ++i) {
+        const Place& here = places.back();
+        if (here.u == end || profile.stopped())
+            break;
+        const double to = here.u + side * step;
+        Place there = profile.at(side * (end - to) <= 0.0 ? end : to, here);
+        const double climbed = std::abs(there.z - here.z);
+        if (!std::isfinite(there.z) || climbed > 4.0 * wanted) {
+            step *= 0.25;
+            if (step > 1e-6 * profile.error())
+                continue;
+            break;
+        }
+        places.push_back(std::move(there));
+        step *= std::clamp(wanted / std::max(climbed, 1e-300), 0.5, 2.0);
+    }
+    return places;
+}
+
+std::optional<double> bound_of(const Profile& profile, const std::vector<Place>& places) {
+    const double wanted = std::sqrt(threshold);
+    for (std::size_t i = 1; i < places.size(); ++i)
+        if (places[i].z >= wanted && !profile.stopped()) {
+            const double value = crossing(profile, places[i - 1], places[i]);
+            return profile.stopped() ? std::nullopt : std::optional(value);
+        }
+    return {};
+}
+
+void check(const Problem& problem, std::size_t parameter) {
+    validate(problem);
+    if (parameter >= problem.parameters.size() || !problem.parameters[parameter].free())
+        throw InputError(fmt::format("fit: no profile likelihood of parameter {}: it is not free",
+                                     parameter < problem.parameters.size()
+                                         ? problem.parameters[parameter].name
+                                         : std::to_string(parameter)));
+}
+
+} // namespace
+
+ProfileLikelihood profile_likelihood(const Problem& problem, const Method& method, const Fit& best,
+                                     std::size_t parameter, std::size_t points) {
+    check(problem, parameter);
+    const Profile profile(problem, method, best, parameter);
+    const std::size_t steps = std::max<std::size_t>(points / 2, 2);
+    const std::vector<Place> down = walk(profile, -1, steps), up = walk(profile, +1, steps);
+    ProfileLikelihood result;
+    result.parameter = parameter;
+    result.low = bound_of(profile, down);
+    result.high = bound_of(profile, up);
+    for (auto place = down.rbegin(); place != down.rend(); ++place) {
+        result.value.push_back(place->value);
+        result.chi2.push_back(place->objective);
+    }
+    for (std::size_t i = 1; i < up.size(); ++i) {
+        result.value.push_back(up[i].value);
+        result.chi2.push_back(up[i].objective);
+    }
+    return result;
+}
+
+} // namespace rodwake::fitting

@@ -1,0 +1,197 @@
+#include "nlopt_search.hpp"
+
+#include <fmt/format.h>
+#include <nlopt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace rodwake::fitting {
+
+namespace {
+
+struct Destroy {
+    void operator()(nlopt_opt opt) const { nlopt_destroy(opt); }
+};
+using Handle = std::unique_ptr<std::remove_pointer_t<nlopt_opt>, Destroy>;
+
+/// NLopt works on v = stretch u and objective/unit. With gradients, stretch makes the curvature's diagonal 1
+/// at the start, so that first steps along the gradient have a sensible length.
+struct Stage {
+    Evaluator& evaluator;
+    nlopt_opt handle = nullptr;
+    Eigen::VectorXd stretch{};
+    double unit = 1.0, worst = 1e6;
+
+    Eigen::VectorXd to_u(const double* v) const {
+        return Eigen::Map<const Eigen::VectorXd>(v, stretch.size()).cwiseQuotient(stretch);
+    }
+};
+
+/// A wall that rises away from the best point, higher than anything met so far.
+double penalty(const Stage& stage, const Eigen::VectorXd& u, double* gradient) {
+    if (!gradient)
+        return 2.0 * stage.worst;
+    Eigen::Map<Eigen::VectorXd> slope(gradient, u.size());
+    slope.setZero();
+    if (!stage.evaluator.found())
+        return 2.0 * stage.worst;
+    const Eigen::VectorXd away = u - stage.evaluator.best_u();
+    if (away.squaredNorm() > 0.0)
+        slope = (stage.worst / away.squaredNorm() * away).cwiseQuotient(stage.stretch);
+    return 2.0 * stage.worst;
+}
+
+double objective(unsigned, const double* v, double* gradient, void* data) {
+    Stage& stage = *static_cast<Stage*>(data);
+    const Eigen::VectorXd u = stage.to_u(v);
+    const Point point = stage.evaluator(u, gradient != nullptr);
+    if (stage.evaluator.stopped())
+        nlopt_force_stop(stage.handle);
+    if (!point.finite())
+        return penalty(stage, u, gradient);
+    if (gradient)
+        Eigen::Map<Eigen::VectorXd>(gradient, u.size()) =
+            stage.evaluator.gradient(point).cwiseQuotient(stage.stretch) / stage.unit;
+    stage.worst = std::max(stage.worst, point.objective / stage.unit);
+    return point.objective / stage.unit;
+}
+
+nlopt_algorithm of_nlopt(Algorithm algorithm) {
+    switch (algorithm) {
+    case Algorithm::bobyqa:
+        return NLOPT_LN_BOBYQA;
+    case Algorithm::nelder_mead:
+        return NLOPT_LN_NELDERMEAD;
+    case Algorithm::slsqp:
+        return NLOPT_LD_SLSQP;
+    case Algorithm::lbfgs:
+        return NLOPT_LD_LBFGS;
+    case Algorithm::mma:
+        return NLOPT_LD_MMA;
+    case Algorithm::mlsl:
+        return NLOPT_G_MLSL_LDS;
+    case Algorithm::crs:
+        return NLOPT_GN_CRS2_LM;
+    case Algorithm::isres:
+        return NLOPT_GN_ISRES;
+    case Algorithm::direct_l:
+        break;
+    }
+    return NLOPT_GN_DIRECT_L;
+}
+
+std::string meaning(nlopt_result result) {
+    switch (result) {
+    case NLOPT_SUCCESS:
+    case NLOPT_STOPVAL_REACHED:
+        return "finished";
+    case NLOPT_FTOL_REACHED:
+        return "the objective changes less than the tolerance";
+    case NLOPT_XTOL_REACHED:
+        return "the parameters change less than the tolerance";
+    case NLOPT_MAXEVAL_REACHED:
+    case NLOPT_MAXTIME_REACHED:
+        return "out of evaluations";
+    case NLOPT_ROUNDOFF_LIMITED:
+        return "rounding errors stop it; the best point is kept";
+    case NLOPT_FORCED_STOP:
+        return "interrupted";
+    case NLOPT_INVALID_ARGS:
+        return "not made for this problem";
+    case NLOPT_OUT_OF_MEMORY:
+        return "out of memory";
+    default:
+        return "it could not go on; the best point is kept";
+    }
+}
+
+Termination termination_of(nlopt_result result) {
+    if (result == NLOPT_FORCED_STOP)
+        return Termination::interrupted;
+    if (result == NLOPT_MAXEVAL_REACHED || result == NLOPT_MAXTIME_REACHED)
+        return Termination::budget;
+    return result > 0 ? Termination::converged : Termination::roundoff;
+}
+
+Eigen::VectorXd stretch_of(const Evaluator& evaluator, const Point& start) {
+    const SearchSpace& space = evaluator.space();
+    Eigen::VectorXd stretch = Eigen::VectorXd::Ones(start.u.size());
+    if (start.jacobian.size() == 0 || start.objective == 0.0)
+        return stretch;
+    const Weighted w = evaluator.weighted(start);
+    for (Eigen::Index k = 0; k < stretch.size();
+         ++k) // no first step beyond ten natural ones, if those are known
+        stretch[k] = std::clamp(w.a.col(k).stableNorm() / std::sqrt(start.objective),
+                                space.scale_known(k) ? 0.1 : 1e-8, 1e8);
+    return stretch;
+}
+
+/// A quarter of a natural step, and well within the bounds, as BOBYQA demands.
+Eigen::VectorXd first_steps(const SearchSpace& space, const Eigen::VectorXd& stretch) {
+    return (0.3 * (space.upper() - space.lower())).cwiseMin(0.25).cwiseProduct(stretch);
+}
+
+Handle make(const Method& method, Algorithm algorithm, const Stage& stage) {
+    const auto n = static_cast<unsigned>(stage.stretch.size());
+    Handle opt(nlopt_create(of_nlopt(algorithm), n));
+    if (!opt)
+        throw std::bad_alloc();
+    const SearchSpace& space = stage.evaluator.space();
+    const Eigen::VectorXd lower = space.lower().cwiseProduct(stage.stretch);
+    const Eigen::VectorXd upper = space.upper().cwiseProduct(stage.stretch);
+    nlopt_set_lower_bounds(opt.get(), lower.data());
+    nlopt_set_upper_bounds(opt.get(), upper.data());
+    nlopt_set_ftol_rel(opt.get(), method.tolerance);
+    nlopt_set_xtol_rel(opt.get(), method.tolerance);
+    nlopt_set_maxeval(opt.get(), static_cast<int>(std::min<long>(method.max_evaluations, 1'000'000'000)));
+    if (!is_global(algorithm) && !needs_gradient(algorithm))
+        nlopt_set_initial_step(opt.get(), first_steps(space, stage.stretch).data());
+    return opt;
+}
+
+SearchEnd one_stage(Evaluator& evaluator, const Method& method, Algorithm algorithm,
+                    const Eigen::VectorXd& start) {
+    const bool with_gradient = needs_gradient(algorithm);
+    const Point first = evaluator(start, with_gradient);
+    Stage stage{evaluator};
+    stage.stretch = stretch_of(evaluator, first);
+    if (first.finite() && first.objective > 0.0)
+        stage.unit = first.objective;
+    const Handle opt = make(method, algorithm, stage);
+    stage.handle = opt.get();
+    nlopt_set_min_objective(opt.get(), objective, &stage);
+    if (algorithm == Algorithm::mlsl)
+        nlopt_set_local_optimizer(opt.get(), make(method, Algorithm::slsqp, stage).get());
+    Eigen::VectorXd v = start.cwiseProduct(stage.stretch);
+    double smallest = 0.0;
+    const nlopt_result result = nlopt_optimize(opt.get(), v.data(), &smallest);
+    SearchEnd end{
+        evaluator.found() ? evaluator.best_u() : start, evaluator.best(), termination_of(result), {}};
+    const char* name = nlopt_result_to_string(result);
+    end.reason = fmt::format("{}: {} ({})", to_string(algorithm), name ? name : "unknown", meaning(result));
+    return end;
+}
+
+} // namespace
+
+SearchEnd nlopt_search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
+                       std::uint32_t seed) {
+    nlopt_srand(seed); // NLopt's generator is of the thread
+    // NLopt's BOBYQA is for two parameters and more.
+    const bool too_few = method.algorithm == Algorithm::bobyqa && start.size() == 1;
+    SearchEnd end = one_stage(evaluator, method, too_few ? Algorithm::nelder_mead : method.algorithm, start);
+    if (too_few)
+        end.reason = "bobyqa needs two parameters; instead " + end.reason;
+    if (is_global(method.algorithm) && evaluator.found() && !evaluator.stopped()) {
+        const std::string before = end.reason;
+        end = one_stage(evaluator, method, Algorithm::slsqp, end.u);
+        end.reason = before + "; " + end.reason;
+    }
+    if (!evaluator.found())
+        end.termination = evaluator.stopped() ? Termination::interrupted : Termination::failed;
+    return end;
+}
+
+} // namespace rodwake::fitting

@@ -1,0 +1,97 @@
+#include "search_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::fitting {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+} // namespace
+
+double natural_scale(const Parameter& p) {
+    if (p.scale > 0.0)
+        return p.scale;
+    if (p.transform == Transform::log)
+        return 1.0;
+    if (p.start != 0.0)
+        return std::abs(p.start);
+    const double width = p.upper - p.lower;
+    return std::isfinite(width) ? 0.1 * width : 1.0;
+}
+
+SearchSpace::SearchSpace(const Problem& problem) : problem_(&problem), free_(free_parameters(problem)) {
+    const Eigen::Index n = size();
+    scale_.resize(n);
+    lower_.resize(n);
+    upper_.resize(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+        const Parameter& p = parameter(k);
+        scale_[k] = natural_scale(p);
+        const bool open = logarithmic(k) && !(p.lower > 0.0);
+        lower_[k] = open ? -infinite : coordinate(k, p.lower);
+        upper_[k] = coordinate(k, p.upper);
+    }
+    for (std::size_t i = 0; i < problem.parameters.size(); ++i)
+        for (Eigen::Index k = 0; k < n; ++k)
+            if (problem.parameters[i].tied_to == parameter(k).name)
+                ties_.push_back({i, k, problem.parameters[i].tie_factor});
+}
+
+bool SearchSpace::logarithmic(Eigen::Index k) const { return parameter(k).transform == Transform::log; }
+
+bool SearchSpace::scale_known(Eigen::Index k) const {
+    const Parameter& p = parameter(k);
+    return p.scale > 0.0 || logarithmic(k) || p.start != 0.0 || std::isfinite(p.upper - p.lower);
+}
+
+double SearchSpace::coordinate(Eigen::Index k, double value) const {
+    return (logarithmic(k) ? std::log(value) : value) / scale_[k];
+}
+
+double SearchSpace::value(Eigen::Index k, double u) const {
+    const Parameter& p = parameter(k);
+    if (u <= lower_[k] && lower_[k] > -infinite)
+        return p.lower;
+    if (u >= upper_[k] && upper_[k] < infinite)
+        return p.upper;
+    const double x = u * scale_[k];
+    return std::clamp(logarithmic(k) ? std::exp(x) : x, p.lower, p.upper);
+}
+
+double SearchSpace::slope(Eigen::Index k, double value) const {
+    return logarithmic(k) ? value * scale_[k] : scale_[k];
+}
+
+Eigen::VectorXd SearchSpace::coordinates(std::span<const double> free_values) const {
+    Eigen::VectorXd u(size());
+    for (Eigen::Index k = 0; k < size(); ++k)
+        u[k] = coordinate(k, free_values[k]);
+    return clamp(u);
+}
+
+std::vector<double> SearchSpace::free_values(const Eigen::VectorXd& u) const {
+    std::vector<double> values(free_.size());
+    for (Eigen::Index k = 0; k < size(); ++k)
+        values[k] = value(k, u[k]);
+    return values;
+}
+
+std::vector<double> SearchSpace::values(const Eigen::VectorXd& u) const {
+    return all_values(*problem_, free_values(u));
+}
+
+Eigen::MatrixXd SearchSpace::chain(const Eigen::MatrixXd& in_values, std::span<const double> values) const {
+    Eigen::MatrixXd in_u(in_values.rows(), size());
+    for (Eigen::Index k = 0; k < size(); ++k)
+        in_u.col(k) = in_values.col(free_[k]);
+    for (const Tie& tie : ties_)
+        in_u.col(tie.to) += tie.factor * in_values.col(tie.parameter);
+    for (Eigen::Index k = 0; k < size(); ++k)
+        in_u.col(k) *= slope(k, values[free_[k]]);
+    return in_u;
+}
+
+} // namespace rodwake::fitting

@@ -1,0 +1,52 @@
+#pragma once
+// Coordinates of the search: u = value/scale, or log(value)/scale, of the free parameters. Bounds are kept
+// exactly: a u on a bound gives the bound's own value.
+
+#include "rodwake/fitting/problem.hpp"
+
+namespace rodwake::fitting {
+
+class SearchSpace {
+public:
+    explicit SearchSpace(const Problem& problem);
+
+    Eigen::Index size() const { return static_cast<Eigen::Index>(free_.size()); }
+    const std::vector<std::size_t>& free() const { return free_; } ///< indices in Problem::parameters
+    const Eigen::VectorXd& lower() const { return lower_; }
+    const Eigen::VectorXd& upper() const { return upper_; }
+
+    /// From values of the free parameters.
+    Eigen::VectorXd coordinates(std::span<const double> free_values) const;
+    std::vector<double> free_values(const Eigen::VectorXd& u) const;
+    /// Of all parameters.
+    std::vector<double> values(const Eigen::VectorXd& u) const;
+    double value(Eigen::Index k, double u) const;
+    double coordinate(Eigen::Index k, double value) const;
+    /// d value_k / d u_k.
+    double slope(Eigen::Index k, double value) const;
+    /// Derivatives in u from derivatives in all values: ties add to what they are tied to.
+    Eigen::MatrixXd chain(const Eigen::MatrixXd& in_values, std::span<const double> values) const;
+    bool logarithmic(Eigen::Index k) const;
+    /// False if nothing tells the size of the parameter.
+    bool scale_known(Eigen::Index k) const;
+    Eigen::VectorXd clamp(const Eigen::VectorXd& u) const { return u.cwiseMax(lower_).cwiseMin(upper_); }
+
+private:
+    struct Tie {
+        std::size_t parameter;
+        Eigen::Index to; ///< among the free ones
+        double factor;
+    };
+    const Parameter& parameter(Eigen::Index k) const { return problem_->parameters[free_[k]]; }
+
+    const Problem* problem_;
+    std::vector<std::size_t> free_;
+    std::vector<Tie> ties_;
+    Eigen::VectorXd scale_, lower_, upper_;
+};
+
+/// Parameter::scale, or what stands for it: 1 in the logarithm, else |start|, a tenth of the bounds'
+/// distance, 1.
+double natural_scale(const Parameter& parameter);
+
+} // namespace rodwake::fitting

@@ -1,0 +1,189 @@
+#include "rodwake/fitting/trajectory.hpp"
+
+#include "trajectory_check.hpp"
+#include "trajectory_run.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace rodwake::fitting {
+
+namespace {
+
+using Row = Eigen::Index;
+
+/// The residuals of a trajectory in order: headings of the first row if free, x, y, heading of each rod in
+/// each row after it, the time of contact.
+struct Residuals {
+    std::size_t start, rows, contact;
+
+    explicit Residuals(const Trajectory& one)
+        : start(one.free_headings ? one.states.front().size() / 3 : 0),
+          rows((one.times.size() - 1) * one.states.front().size()), contact(one.contact_time ? 1 : 0) {}
+    std::size_t count() const { return start + rows + contact; }
+};
+
+double sigma_of(const Trajectory& one, std::size_t component) {
+    return component % 3 == 2 ? one.sigma_heading : one.sigma_position;
+}
+
+std::string residual_name(const Trajectory& one, std::size_t i) {
+    static constexpr const char* names[] = {"x", "y", "theta"};
+    const Residuals size(one);
+    if (i < size.start)
+        return fmt::format("{} theta{}", row_name(one, 0), i);
+    const std::size_t n = one.states.front().size(), in_rows = i - size.start, component = in_rows % n;
+    if (in_rows >= size.rows)
+        return one.name + " contact time";
+    return fmt::format("{} {}{}", row_name(one, in_rows / n + 1), names[component % 3], component / 3);
+}
+
+class Trajectories {
+public:
+    Trajectories(integrate::OdeOptions options, const std::vector<Trajectory>& all,
+                 const std::vector<Parameter>& parameters)
+        : options_(std::move(options)), all_(all) {
+        for (const Parameter& p : parameters) {
+            roles_.push_back(role_of(p.name, all));
+            wanted_.push_back(!p.fixed);
+        }
+    }
+
+    std::size_t residuals() const {
+        std::size_t count = 0;
+        for (const Trajectory& one : all_)
+            count += Residuals(one).count();
+        return count;
+    }
+
+    void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const {
+        Row at = 0;
+        for (std::size_t k = 0; k < all_.size(); ++k)
+            at = add(k, run_model(options_, all_[k], k, roles_, p, jacobian ? &wanted_ : nullptr), at, r,
+                     jacobian);
+    }
+
+    std::string name(std::size_t i) const {
+        for (const Trajectory& one : all_) {
+            if (i < Residuals(one).count())
+                return residual_name(one, i);
+            i -= Residuals(one).count();
+        }
+        return fmt::format("residual {} beyond the last", i);
+    }
+
+private:
+    /// Residuals of one trajectory from `at` on; returns where the next one starts.
+    Row add(std::size_t k, const ModelRun& run, Row at, Eigen::Ref<Eigen::VectorXd> r,
+            Eigen::MatrixXd* jacobian) const {
+        const Trajectory& one = all_[k];
+        const bool slopes = jacobian && !run.derivatives.empty();
+        const auto put = [&](double model, double datum, double sigma, const auto& slope) {
+            r[at] = (model - datum) / sigma;
+            if (jacobian)
+                jacobian->row(at).setZero();
+            if (slopes)
+                jacobian->row(at) = slope() / sigma;
+            ++at;
+        };
+        for (std::size_t row = one.free_headings ? 0 : 1; row < one.states.size(); ++row)
+            for (std::size_t i = 0; i < one.states[row].size(); ++i)
+                if (row > 0 || i % 3 == 2)
+                    put(run.states[row][static_cast<Row>(i)], one.states[row][i], sigma_of(one, i),
+                        [&] { return run.derivatives[row].row(static_cast<Row>(i)); });
+        if (one.contact_time)
+            put(run.contact_time, *one.contact_time - one.times.front(), one.sigma_contact,
+                [&] { return run.contact_time_by_parameter.transpose(); });
+        return at;
+    }
+
+    integrate::OdeOptions options_;
+    std::vector<Trajectory> all_;
+    std::vector<Role> roles_;
+    std::vector<bool> wanted_;
+};
+
+void add_headings(std::vector<Parameter>& parameters, const std::vector<Trajectory>& trajectories) {
+    for (std::size_t k = 0; k < trajectories.size(); ++k) {
+        const std::vector<double>& start = trajectories[k].states.front();
+        for (std::size_t a = 0; trajectories[k].free_headings && a < start.size() / 3; ++a) {
+            const std::string name = heading_name(k, a);
+            if (std::ranges::find(parameters, name, &Parameter::name) != parameters.end())
+                continue;
+            Parameter heading;
+            heading.name = name;
+            heading.start = start[3 * a + 2];
+            heading.scale = 0.1; // rad: chosen from the start it would be 0 for a rod along x
+            parameters.push_back(heading);
+        }
+    }
+}
+
+void check_count(const Problem& problem) {
+    const auto free = static_cast<std::size_t>(std::ranges::count_if(problem.parameters, &Parameter::free));
+    if (problem.residuals < free)
+        throw InputError(
+            fmt::format("fit of trajectories: {} data cannot fix {} free parameters; fix some of "
+                        "them or give more rows",
+                        problem.residuals, free));
+}
+
+} // namespace
+
+integrate::OdeOptions trajectory_ode_options() {
+    integrate::OdeOptions options;
+    options.rtol = 1e-10;
+    options.atol = 1e-12;
+    options.max_steps = 50000;
+    return options;
+}
+
+std::vector<std::string> trajectory_parameter_names() {
+    return {"kappa", "gamma1", "gamma2", "eta", "xi", "alpha"};
+}
+
+Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Trajectory>& trajectories,
+                           std::vector<Parameter> parameters) {
+    check_trajectories(trajectories);
+    check_trajectory_parameters(parameters);
+    if (model.ode.method == integrate::Method::erk)
+        throw InputError("fit of trajectories: method erk has no sensitivities; use adams or, for stiff "
+                         "couplings, bdf");
+    add_headings(parameters, trajectories);
+    const auto all = std::make_shared<const Trajectories>(model.ode, trajectories, parameters);
+    Problem problem;
+    problem.parameters = std::move(parameters);
+    problem.residuals = all->residuals();
+    problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                             Eigen::MatrixXd* jacobian) { all->evaluate(p, r, jacobian); };
+    problem.residual_name = [all](std::size_t i) { return all->name(i); };
+    check_count(problem);
+    return problem;
+}
+
+std::vector<std::vector<double>> predict(const TrajectoryModel& model, const Trajectory& trajectory,
+                                         std::size_t index, const std::vector<Parameter>& parameters,
+                                         std::span<const double> values) {
+    // Headings of other trajectories are not this one's: only their names are known here.
+    std::vector<Trajectory> all(index + 1);
+    all[index] = trajectory;
+    std::vector<Role> roles;
+    std::vector<double> used;
+    for (std::size_t j = 0; j < parameters.size(); ++j) {
+        const std::string& name = parameters[j].name;
+        if (name.starts_with("heading.") && !name.starts_with(fmt::format("heading.{}.", index)))
+            continue;
+        roles.push_back(role_of(name, all));
+        used.push_back(values[j]);
+    }
+    std::vector<std::vector<double>> states;
+    for (const Eigen::VectorXd& state : run_model(model.ode, trajectory, index, roles, used, nullptr).states)
+        states.emplace_back(state.begin(), state.end());
+    return states;
+}
+
+} // namespace rodwake::fitting

@@ -1,0 +1,197 @@
+#include "trajectory_run.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace rodwake::fitting {
+
+namespace {
+
+using Column = Eigen::Index;
+using rods::Parameter;
+
+const std::map<std::string, Role>& physical_roles() {
+    static const std::map<std::string, Role> roles = {
+        {"kappa", {Parameter::kappa}}, {"gamma1", {Parameter::gamma1}}, {"gamma2", {Parameter::gamma2}},
+        {"eta", {Parameter::eta}},     {"xi", {Parameter::xi}},         {"alpha", {Parameter::xi, true}}};
+    return roles;
+}
+
+/// What the sensitivities are taken by, and which parameter of the fit each column is.
+struct Columns {
+    std::vector<Parameter> physical;
+    std::vector<std::size_t> headings;
+    std::vector<std::size_t> parameter;
+    std::vector<double> factor; ///< d physical / d parameter
+};
+
+Columns columns_of(std::size_t index, std::span<const Role> roles, std::span<const double> values,
+                   const std::vector<bool>& wanted) {
+    Columns columns;
+    for (const bool headings : {false, true})
+        for (std::size_t j = 0; j < roles.size(); ++j) {
+            const Role& role = roles[j];
+            if (!wanted[j] || !role.matters_to(index) || role.physical.has_value() == headings)
+                continue;
+            headings ? columns.headings.push_back(role.rod) : columns.physical.push_back(*role.physical);
+            columns.parameter.push_back(j);
+            columns.factor.push_back(role.inverse ? -1.0 / (values[j] * values[j]) : 1.0);
+        }
+    return columns;
+}
+
+/// From the columns of a run to those of the fit.
+Eigen::MatrixXd spread(const Columns& columns, std::size_t parameters, const Eigen::MatrixXd& S) {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(S.rows(), static_cast<Column>(parameters));
+    for (std::size_t j = 0; j < columns.parameter.size(); ++j)
+        all.col(static_cast<Column>(columns.parameter[j])) =
+            columns.factor[j] * S.col(static_cast<Column>(j));
+    return all;
+}
+
+Eigen::VectorXd vector(const std::vector<double>& v) {
+    return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Column>(v.size()));
+}
+
+std::vector<double> times_to_solve(const Trajectory& trajectory) {
+    std::vector<double> times;
+    for (const double t : trajectory.times)
+        times.push_back(t - trajectory.times.front());
+    if (!trajectory.contact_time)
+        return times;
+    const double horizon = contact_patience * (*trajectory.contact_time - trajectory.times.front());
+    if (horizon > times.back())
+        times.push_back(horizon);
+    return times;
+}
+
+integrate::OdeOptions tightened(integrate::OdeOptions options) {
+    options.atol = std::min(options.atol, 0.1 * options.rtol); // as rods::simulate
+    return options;
+}
+
+/// Solves with sensitivities if there is something to differentiate by.
+integrate::SensitivitySolution solve(const rods::RodProblem& rods, const Columns& columns,
+                                     const integrate::OdeOptions& options, std::span<const double> times) {
+    const auto problem = rods::to_sensitivity_problem(rods, columns.physical, columns.headings);
+    if (columns.parameter.empty())
+        return {integrate::solve(problem.ode, options, times), {}, {}, {}};
+    return integrate::solve_with_sensitivities(problem, options, times);
+}
+
+Eigen::VectorXd slope_at_end(const rods::RodProblem& problem, const integrate::Solution& solution) {
+    Eigen::VectorXd slope(static_cast<Column>(solution.final_state.size()));
+    rods::RodModel(problem.medium, problem.couplings, problem.rods.size())
+        .rhs(solution.final_state, {slope.data(), solution.final_state.size()});
+    return slope;
+}
+
+/// The end and its derivatives; at a contact those of the moving end.
+void add_end(ModelRun& run, const rods::RodProblem& problem, const integrate::SensitivitySolution& solved,
+             const Columns& columns, std::size_t parameters, std::size_t rows) {
+    Eigen::MatrixXd S = solved.final_sensitivity;
+    if (solved.event_time_by_parameter.size() > 0)
+        S += slope_at_end(problem, solved.solution) * solved.event_time_by_parameter.transpose();
+    while (run.states.size() < rows) {
+        run.states.push_back(vector(solved.solution.final_state));
+        if (!columns.parameter.empty())
+            run.derivatives.push_back(spread(columns, parameters, S));
+    }
+}
+
+/// A run that has not met by the end counts as if its closest pair closed in at speed 1 from there: the
+/// residual then goes on where contact moves out of the run, and its slope says in which direction to look.
+void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::SensitivitySolution& solved,
+                 const Columns& columns, std::size_t parameters) {
+    const bool met = solved.solution.status.outcome == integrate::Outcome::stopped_at_event;
+    const rods::Separation pair = rods::closest_pair(solved.solution.final_state);
+    run.contact_time =
+        solved.solution.final_time + (met ? 0.0 : pair.distance - *trajectory.contact_distance);
+    if (columns.parameter.empty())
+        return;
+    Eigen::MatrixXd by = solved.event_time_by_parameter.transpose();
+    if (!met) {
+        const auto y = vector(solved.solution.final_state);
+        const auto a = static_cast<Column>(3 * pair.first), b = static_cast<Column>(3 * pair.second);
+        const Eigen::RowVector2d axis = (y.segment<2>(a) - y.segment<2>(b)).transpose() / pair.distance;
+        by = axis * (solved.final_sensitivity.middleRows(a, 2) - solved.final_sensitivity.middleRows(b, 2));
+    }
+    run.contact_time_by_parameter = spread(columns, parameters, by).transpose();
+}
+
+/// Fields are singular where rods meet, and no solve gets past that. Without a contact distance of its own a
+/// model run ends where rods come a hundred times closer than in any row: the rows after it are then far from
+/// the data, with slopes, instead of nowhere.
+double implied_contact(const Trajectory& trajectory) {
+    double smallest = HUGE_VAL;
+    for (const std::vector<double>& state : trajectory.states)
+        smallest = std::min(smallest, rods::closest_pair(state).distance);
+    return 0.01 * smallest;
+}
+
+} // namespace
+
+std::string heading_name(std::size_t trajectory, std::size_t rod) {
+    return fmt::format("heading.{}.{}", trajectory, rod);
+}
+
+Role role_of(const std::string& name, const std::vector<Trajectory>& trajectories) {
+    if (const auto known = physical_roles().find(name); known != physical_roles().end())
+        return known->second;
+    for (std::size_t k = 0; k < trajectories.size(); ++k)
+        for (std::size_t a = 0;
+             trajectories[k].free_headings && a < trajectories[k].states.front().size() / 3; ++a)
+            if (name == heading_name(k, a))
+                return {std::nullopt, false, k, a};
+    throw InputError(
+        fmt::format("fit of trajectories: no parameter \"{}\"; there are {} and, of trajectories "
+                    "with free headings, heading.<trajectory>.<rod>",
+                    name, fmt::join(trajectory_parameter_names(), ", ")));
+}
+
+rods::RodProblem rod_problem(const Trajectory& trajectory, std::size_t index, std::span<const Role> roles,
+                             std::span<const double> values) {
+    rods::RodProblem problem;
+    problem.medium.emplace();
+    const std::vector<double>& start = trajectory.states.front();
+    for (std::size_t i = 0; i + 2 < start.size(); i += 3)
+        problem.rods.push_back({start[i], start[i + 1], start[i + 2]});
+    for (std::size_t j = 0; j < roles.size(); ++j) {
+        if (roles[j].physical)
+            rods::value(problem, *roles[j].physical) = roles[j].inverse ? 1.0 / values[j] : values[j];
+        else if (roles[j].trajectory == index)
+            problem.rods[roles[j].rod].heading = values[j];
+    }
+    problem.contact_distance = trajectory.contact_distance.value_or(implied_contact(trajectory));
+    problem.t_end = times_to_solve(trajectory).back();
+    return problem;
+}
+
+ModelRun run_model(const integrate::OdeOptions& options, const Trajectory& trajectory, std::size_t index,
+                   std::span<const Role> roles, std::span<const double> values,
+                   const std::vector<bool>* wanted) {
+    const rods::RodProblem problem = rod_problem(trajectory, index, roles, values);
+    const Columns columns = wanted ? columns_of(index, roles, values, *wanted) : Columns{};
+    const integrate::SensitivitySolution solved =
+        solve(problem, columns, tightened(options), times_to_solve(trajectory));
+    if (!solved.solution.status.ok())
+        throw RunError(trajectory.name + ": " + solved.solution.status.message());
+    ModelRun run;
+    const std::size_t rows = trajectory.times.size();
+    for (std::size_t k = 0; k < std::min(rows, solved.solution.times.size()); ++k) {
+        run.states.push_back(vector(solved.solution.states[k]));
+        if (!columns.parameter.empty())
+            run.derivatives.push_back(spread(columns, roles.size(), solved.sensitivities[k]));
+    }
+    add_end(run, problem, solved, columns, roles.size(), rows);
+    if (trajectory.contact_time)
+        add_contact(run, trajectory, solved, columns, roles.size());
+    return run;
+}
+
+} // namespace rodwake::fitting

@@ -1,0 +1,46 @@
+#pragma once
+// One run of the rods' equations for given parameter values, with its derivatives by them.
+
+#include "rodwake/fitting/trajectory.hpp"
+#include "rodwake/rods/sensitivity.hpp"
+
+#include <optional>
+
+namespace rodwake::fitting {
+
+/// What a parameter is to the trajectories.
+struct Role {
+    std::optional<rods::Parameter> physical; ///< empty: the initial heading of a rod
+    bool inverse = false;                    ///< alpha = 1/xi
+    std::size_t trajectory = 0, rod = 0;
+
+    bool matters_to(std::size_t one) const { return physical || trajectory == one; }
+};
+
+/// "heading.<trajectory>.<rod>"
+std::string heading_name(std::size_t trajectory, std::size_t rod);
+
+/// Throws InputError for a name that means nothing here.
+Role role_of(const std::string& name, const std::vector<Trajectory>& trajectories);
+
+/// How long the model runs after its last datum in search of a contact that is a datum, in contact times.
+inline constexpr double contact_patience = 4.0;
+
+/// The rods of a trajectory as a problem, times from its first row on.
+rods::RodProblem rod_problem(const Trajectory& trajectory, std::size_t index, std::span<const Role> roles,
+                             std::span<const double> values);
+
+/// The model at the rows of a trajectory. A run that ended by contact stays in the state it had then.
+struct ModelRun {
+    std::vector<Eigen::VectorXd> states;      ///< at each row
+    std::vector<Eigen::MatrixXd> derivatives; ///< of each row by all parameters; empty unless wanted
+    double contact_time = 0.0;                ///< since the first row, if it is a datum
+    Eigen::VectorXd contact_time_by_parameter;
+};
+
+/// `wanted`: the parameters to differentiate by, or null for none. Throws RunError if the solve fails.
+ModelRun run_model(const integrate::OdeOptions& options, const Trajectory& trajectory, std::size_t index,
+                   std::span<const Role> roles, std::span<const double> values,
+                   const std::vector<bool>* wanted);
+
+} // namespace rodwake::fitting

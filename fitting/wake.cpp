@@ -1,0 +1,192 @@
+// Residuals of profiles against the field of a moving rod.
+
+#include "rodwake/fitting/wake.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "wake_terms.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::fitting {
+
+namespace {
+
+struct Point {
+    Component component;
+    double x, y, value, sigma;
+    std::string where;
+};
+
+std::pair<double, double> coordinates(const Profile& line, double place) {
+    return line.along == Axis::x ? std::pair(place, line.at) : std::pair(line.at, place);
+}
+
+std::string where(const Profile& profile, std::size_t i) {
+    return i < profile.where.size() ? profile.where[i] : fmt::format("{}[{}]", profile.name, i);
+}
+
+void check_point(const Profile& profile, std::size_t i) {
+    if (!std::isfinite(profile.place[i]) || !std::isfinite(profile.value[i]))
+        throw InputError(where(profile, i) + ": place and value must be finite numbers");
+    if (profile.sigma.empty())
+        return;
+    if (!(profile.sigma[i] > 0.0) || !std::isfinite(profile.sigma[i]))
+        throw InputError(
+            fmt::format("{}: sigma = {}: must be above 0; leave the column out if the errors are unknown",
+                        where(profile, i), profile.sigma[i]));
+}
+
+void check_profile(const Profile& profile) {
+    if (profile.place.size() != profile.value.size() ||
+        (!profile.sigma.empty() && profile.sigma.size() != profile.place.size()))
+        throw InputError(profile.name + ": places, values and sigmas differ in number");
+    if (!std::isfinite(profile.at))
+        throw InputError(profile.name + ": the line's other coordinate must be a finite number");
+    if (!(profile.independent > 0.0 && profile.independent <= 1.0))
+        throw InputError(fmt::format("{}: independent = {}: a point is worth more than 0 and at most 1 value",
+                                     profile.name, profile.independent));
+    for (std::size_t i = 0; i < profile.place.size(); ++i)
+        check_point(profile, i);
+}
+
+void check_model(const WakeModel& model) {
+    if (model.box && !(*model.box > 0.0 && std::isfinite(*model.box)))
+        throw InputError(fmt::format("box = {}: the side of the periodic box must be above 0", *model.box));
+    if (!(model.core >= 0.0) || !std::isfinite(model.heading))
+        throw InputError("core must be 0 or more, and the heading a finite number");
+}
+
+/// Points at which the model does not exist whatever the parameters; with a free x0 that is not known
+/// beforehand.
+void check_singularity(const WakeTerms& terms, const std::vector<Point>& points) {
+    for (const Point& point : points)
+        if (terms.field() && terms.x0 < 0 && point.x == 0.0 && point.y == 0.0)
+            throw InputError(
+                point.where +
+                ": the model is infinite at the rod's centre; a core above 0 leaves this point out");
+}
+
+std::vector<Point> gather(const WakeModel& model, const std::vector<Profile>& profiles) {
+    std::vector<Point> points;
+    for (const Profile& profile : profiles) {
+        check_profile(profile);
+        const Profile kept = outside_core(profile, model.core);
+        if (kept.place.empty())
+            throw InputError(
+                fmt::format("{}: no points are left outside the core of {}", profile.name, model.core));
+        const double enlarged = 1.0 / std::sqrt(profile.independent);
+        for (std::size_t i = 0; i < kept.place.size(); ++i) {
+            const auto [x, y] = coordinates(kept, kept.place[i]);
+            points.push_back({kept.component, x, y, kept.value[i],
+                              enlarged * (kept.sigma.empty() ? 1.0 : kept.sigma[i]), where(kept, i)});
+        }
+    }
+    return points;
+}
+
+void check_values(const std::vector<Point>& points) {
+    const auto same = [&](const Point& point) { return point.value == points.front().value; };
+    if (points.empty())
+        throw InputError("there are no data to fit");
+    if (points.size() > 1 && std::ranges::all_of(points, same))
+        throw InputError(fmt::format("all {} values are equal ({}): there is nothing to fit", points.size(),
+                                     points.front().value));
+}
+
+/// Independent values behind a point, on average.
+double mean_independent(const WakeModel& model, const std::vector<Profile>& profiles) {
+    double values = 0.0, points = 0.0;
+    for (const Profile& profile : profiles) {
+        const auto count = static_cast<double>(outside_core(profile, model.core).place.size());
+        values += profile.independent * count;
+        points += count;
+    }
+    return values / points;
+}
+
+bool sigmas_known(const std::vector<Profile>& profiles) {
+    const auto with = std::ranges::count_if(profiles, [](const Profile& p) { return !p.sigma.empty(); });
+    if (with != 0 && with != static_cast<long>(profiles.size()))
+        throw InputError(
+            "some profiles have a column sigma and some have none: their weights cannot be compared; "
+            "give all of them one, or none");
+    return with != 0;
+}
+
+void evaluate(const WakeModel& model, const WakeTerms& terms, const std::vector<Point>& points,
+              std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) {
+    const WakeValues wake(model, terms, p);
+    Eigen::RowVectorXd gradient(static_cast<Eigen::Index>(p.size()));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point& point = points[i];
+        const auto row = static_cast<Eigen::Index>(i);
+        const double value = jacobian ? wake.at(point.component, point.x, point.y, gradient)
+                                      : wake.at(point.component, point.x, point.y);
+        r[row] = (value - point.value) / point.sigma;
+        if (jacobian)
+            jacobian->row(row) = gradient / point.sigma;
+    }
+}
+
+} // namespace
+
+Profile outside_core(const Profile& profile, double core) {
+    Profile kept = profile;
+    kept.place.clear(), kept.value.clear(), kept.sigma.clear(), kept.where.clear();
+    for (std::size_t i = 0; i < profile.place.size(); ++i) {
+        if (std::abs(profile.place[i]) < core)
+            continue;
+        kept.place.push_back(profile.place[i]);
+        kept.value.push_back(profile.value[i]);
+        if (!profile.sigma.empty())
+            kept.sigma.push_back(profile.sigma[i]);
+        kept.where.push_back(where(profile, i));
+    }
+    return kept;
+}
+
+Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profiles,
+                     std::vector<Parameter> parameters) {
+    check_model(model);
+    const WakeTerms terms = wake_terms(parameters);
+    auto points = std::make_shared<const std::vector<Point>>(gather(model, profiles));
+    check_values(*points);
+    check_singularity(terms, *points);
+    Problem problem;
+    problem.parameters = std::move(parameters);
+    problem.residuals = points->size();
+    problem.sigma_known = sigmas_known(profiles);
+    problem.independent = mean_independent(model, profiles);
+    problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                           Eigen::MatrixXd* jacobian) { evaluate(model, terms, *points, p, r, jacobian); };
+    problem.residual_name = [points](std::size_t i) { return (*points)[i].where; };
+    validate(problem);
+    return problem;
+}
+
+Prediction predict(const WakeModel& model, const Profile& line, std::span<const double> places,
+                   const std::vector<Parameter>& parameters, std::span<const double> values) {
+    const WakeTerms terms = wake_terms(parameters);
+    const WakeValues wake(model, terms, values);
+    const auto rows = static_cast<Eigen::Index>(places.size()),
+               columns = static_cast<Eigen::Index>(values.size());
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    Prediction out{{}, Eigen::MatrixXd::Constant(rows, columns, nan)};
+    Eigen::RowVectorXd gradient(columns);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+        const auto [x, y] = coordinates(line, places[static_cast<std::size_t>(i)]);
+        const double x0 = terms.x0 < 0 ? 0.0 : values[static_cast<std::size_t>(terms.x0)];
+        if (terms.field() && x == x0 && y == 0.0) {
+            out.value.push_back(nan);
+            continue;
+        }
+        out.value.push_back(wake.at(line.component, x, y, gradient));
+        out.by_parameter.row(i) = gradient;
+    }
+    return out;
+}
+
+} // namespace rodwake::fitting

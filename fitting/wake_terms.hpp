@@ -1,0 +1,61 @@
+#pragma once
+// Which terms of the wake take part, and the field they need: the model of wake.hpp at one set of parameter
+// values.
+
+#include "rodwake/elastic/field.hpp"
+#include "rodwake/elastic/medium_derivatives.hpp"
+#include "rodwake/elastic/periodic.hpp"
+#include "rodwake/fitting/wake.hpp"
+
+#include <variant>
+
+namespace rodwake::fitting {
+
+/// Places of the known names in the list of parameters; -1: absent.
+struct WakeTerms {
+    long f_over_mu = -1, f2d_over_mu = -1, eta = -1, xi = -1, alpha = -1, x0 = -1, offset = -1, offset_y = -1;
+
+    bool field() const { return f_over_mu >= 0 || f2d_over_mu >= 0; }
+};
+
+/// Throws InputError for names that are unknown or missing.
+WakeTerms wake_terms(const std::vector<Parameter>& parameters);
+
+/// Screening length of these values: xi itself or f_over_mu/alpha.
+double screening_length(const WakeTerms& terms, std::span<const double> values);
+
+/// The steady field in the plane or in the periodic box, whichever the model asks for.
+class SteadyField {
+public:
+    SteadyField(const WakeModel& model, const elastic::Medium& medium);
+    elastic::FieldValues at(double x, double y, elastic::Wanted wanted) const;
+    elastic::MediumDerivatives by_medium(double x, double y, elastic::Wanted wanted) const;
+
+private:
+    std::variant<elastic::Field, elastic::PeriodicField> field_;
+};
+
+/// The model at one set of values.
+class WakeValues {
+public:
+    /// Throws InputError for a medium that cannot be.
+    WakeValues(const WakeModel& model, const WakeTerms& terms, std::span<const double> values);
+
+    double at(Component component, double x, double y) const;
+    /// The value, and its derivatives by all parameters into `gradient`.
+    double at(Component component, double x, double y, Eigen::Ref<Eigen::RowVectorXd> gradient) const;
+
+private:
+    double value_of(long term) const { return term < 0 ? 0.0 : values_[static_cast<std::size_t>(term)]; }
+    double offset(Component component) const;
+    double field_at(Component component, double s, double y) const;
+    double slope_along_x(Component component, double s, double y) const;
+
+    WakeTerms terms_;
+    std::span<const double> values_;
+    double xi_ = 0.0;
+    elastic::Wanted wanted_;
+    std::optional<SteadyField> field_;
+};
+
+} // namespace rodwake::fitting

@@ -1,0 +1,70 @@
+#pragma once
+// Residuals of rod trajectories against the rods' equations of motion (rods/model.hpp), with forward
+// sensitivities.
+//
+//   name                    meaning                                            unit (reduced: f/mu, f/(mu
+//   v0)) kappa, gamma1, gamma2   couplings in the laplacian basis; absent: 0        v0 mu/f; v0 eta medium 1
+//   xi | alpha              medium; alpha = 1/xi                               f/mu; 1
+//   heading.<k>.<a>         initial heading of rod a of trajectory k, if free  rad
+//
+// Beside profiles (wake.hpp) alpha is the parameter that means the same for both: xi is in reduced units here
+// and in the unit of the profiles there.
+
+#include "rodwake/fitting/problem.hpp"
+#include "rodwake/integrate/ode.hpp"
+
+#include <optional>
+
+namespace rodwake::fitting {
+
+/// One trajectory, in reduced units. The first row is the start: its positions (and headings, unless free)
+/// are taken as exact. Free headings: those of the first row are data like the others. Headings are compared
+/// as they are, so turns count.
+struct Trajectory {
+    std::string name;
+    std::vector<double> times;               ///< increasing
+    std::vector<std::vector<double>> states; ///< x, y, heading of each rod in turn, at each time
+    double sigma_position = 1.0, sigma_heading = 1.0;
+    bool free_headings = false;
+    std::optional<double> contact_distance; ///< the run stops there; needed by contact_time
+    std::optional<double> contact_time;     ///< a datum: when the rods met
+    double sigma_contact = 1.0;
+    std::vector<std::string> where; ///< each row's origin for messages
+};
+
+/// rtol 1e-10, as fits to 1e-6 need, and few steps, so that a search that strays to violent couplings turns
+/// back instead of solving them.
+integrate::OdeOptions trajectory_ode_options();
+
+struct TrajectoryModel {
+    integrate::OdeOptions ode = trajectory_ode_options();
+};
+
+/// Adds a parameter heading.<k>.<a> for each free heading that is not there yet (start: the first row's).
+///
+/// A model run that ends by contact before a datum has, for the rows after it, the state at contact. Without
+/// a contact distance a run ends where rods come a hundred times closer than in any row, since no solve gets
+/// past a collision. A run that has not met within four times contact_time is taken to meet as if the closest
+/// pair closed in at speed 1 from there, which keeps the residual continuous. Where a contact is only grazed
+/// the residuals jump: fits across that need several starts.
+///
+/// The Jacobian has columns for the parameters that are not fixed. Serial; one evaluation is one solve for
+/// each trajectory. Throws InputError for unknown or missing parameters, rows of unequal length, times not
+/// increasing, numbers that are not finite, rods in the same place, sigma <= 0, fewer data than free
+/// parameters, method erk. The residuals throw RunError where a solve fails.
+Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Trajectory>& trajectories,
+                           std::vector<Parameter> parameters);
+
+/// The model's states at the trajectory's times, for figures. `index`: k of its heading.<k>.<a>.
+std::vector<std::vector<double>> predict(const TrajectoryModel& model, const Trajectory& trajectory,
+                                         std::size_t index, const std::vector<Parameter>& parameters,
+                                         std::span<const double> values);
+
+std::vector<std::string> trajectory_parameter_names();
+
+/// Both kinds of data at once: the residuals one after the other; parameters matched by name. Throws
+/// InputError where two of one name differ in start, bounds or tie, and where sigmas are known for one kind
+/// only.
+Problem joined(const std::vector<Problem>& problems);
+
+} // namespace rodwake::fitting

@@ -1,0 +1,26 @@
+#pragma once
+// How trajectories of rods change with couplings, medium and initial headings: the equations of motion with
+// their forward sensitivities (integrate/sensitivity.hpp).
+
+#include "rodwake/integrate/sensitivity.hpp"
+#include "rodwake/rods/simulate.hpp"
+
+#include <span>
+
+namespace rodwake::rods {
+
+/// Couplings in the laplacian basis and the medium, in reduced units as everywhere here.
+enum class Parameter { kappa, gamma1, gamma2, eta, xi };
+
+double& value(RodProblem& problem, Parameter parameter);
+double value(const RodProblem& problem, Parameter parameter);
+
+/// Columns: `parameters`, then the initial headings of the rods named. With a contact distance the contact is
+/// a terminal event, its gradient that of the closest pair. A coupling that is 0 but a parameter is
+/// differentiated like any other. Throws InputError as simulate(), for parameters without a medium, for rods
+/// that are not there, and for a periodic box.
+integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
+                                                     std::span<const Parameter> parameters,
+                                                     std::span<const std::size_t> headings);
+
+} // namespace rodwake::rods

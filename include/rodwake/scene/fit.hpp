@@ -1,0 +1,107 @@
+#pragma once
+// The [fit] table of a scene, after every value is checked. Lengths are in the unit of the profiles, whatever
+// `units` says; a string with a unit is in bead radii then (what `rodwake measure` writes). Whether a file is
+// there and what it holds is not known here.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::scene {
+
+enum class FitMethod { bobyqa, nelder_mead, slsqp, lbfgs, mma, mlsl, crs, isres, direct_l };
+enum class FitLoss { squares, huber, cauchy };
+enum class FitRole { fit, predict };
+
+/// [low, high] of a parameter.
+struct Interval {
+    double low = 0.0, high = 0.0;
+
+    bool operator==(const Interval&) const = default;
+};
+
+/// value = factor times the parameter `to`.
+struct Tie {
+    std::string to;
+    double factor = 1.0;
+
+    bool operator==(const Tie&) const = default;
+};
+
+/// [[fit.profiles]]
+struct FitProfile {
+    std::string file;
+    std::string component = "Ux"; ///< Ux | Uy
+    std::string along = "x";      ///< x | y
+    double at = 0.0;
+    FitRole role = FitRole::fit;
+    std::string name; ///< empty: from the file's
+
+    bool operator==(const FitProfile&) const = default;
+};
+
+/// [[fit.trajectories]], numbers as in the file.
+struct FitTrajectory {
+    std::string file;
+    std::optional<double> sigma_position, sigma_heading; ///< absent: 1, and errors from the scatter
+    bool free_headings = false;
+    std::optional<double> contact_distance, contact_time, sigma_contact;
+    double f_over_mu = 1.0, speed = 1.0; ///< what the reduced units are in the file's numbers
+    std::string name;                    ///< empty: from the file's
+
+    bool operator==(const FitTrajectory&) const = default;
+};
+
+/// [[fit.compare]]: other values, drawn and scored beside the fit; parameters not named are as fitted.
+struct FitCompare {
+    std::string name;
+    std::map<std::string, double> values;
+
+    bool operator==(const FitCompare&) const = default;
+};
+
+struct Fit {
+    std::vector<std::string> parameters; ///< the free ones
+    std::map<std::string, double> start; ///< absent: fit_default_start
+    std::map<std::string, Interval> bounds;
+    std::map<std::string, double> fixed;
+    std::map<std::string, Tie> tied;
+    std::vector<std::string> log = {"eta", "xi", "alpha"};
+    std::optional<double> box;
+    double heading = 0.0; ///< rad
+    double core = 0.0;
+    std::optional<double> independent_spacing;
+    FitMethod method = FitMethod::slsqp;
+    FitLoss loss = FitLoss::squares;
+    double loss_width = 1.5; ///< in sigma
+    bool polish = true;
+    long starts = 1;
+    double spread = 10.0;
+    long seed = 1;
+    double tolerance = 1e-10;
+    long max_evaluations = 2000;
+    std::vector<std::string> likelihood;
+    std::string length_unit = "a";
+    std::vector<FitProfile> profiles;
+    std::vector<FitTrajectory> trajectories;
+    std::vector<FitCompare> compare;
+
+    bool operator==(const Fit&) const = default;
+};
+
+/// Names a parameter may have.
+const std::vector<std::string>& fit_parameter_names();
+/// Where a parameter starts without an entry in fit.start.
+double fit_default_start(const std::string& parameter);
+/// Bounds of a parameter: those given, else [1e-6, 1e6] for eta, xi and alpha, nothing for others.
+std::optional<Interval> fit_bounds(const Fit& fit, const std::string& parameter);
+/// Whether it is searched in its logarithm: named in fit.log and bounded away from 0.
+bool fit_in_log(const Fit& fit, const std::string& parameter);
+/// Whether it is free, fixed or tied.
+bool fit_has(const Fit& fit, const std::string& parameter);
+bool fit_is_free(const Fit& fit, const std::string& parameter);
+/// The parameters of the fit, free, fixed and tied, in the order of fit_parameter_names.
+std::vector<std::string> fit_used(const Fit& fit);
+
+} // namespace rodwake::scene

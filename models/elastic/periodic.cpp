@@ -1,0 +1,218 @@
+#include "rodwake/elastic/periodic.hpp"
+
+#include "periodic_potential.hpp"
+#include "periodic_uniform.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/elastic/superposition.hpp"
+
+#include <array>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+namespace rodwake::elastic {
+
+namespace {
+
+/// Potentials with c L above it need thousands of terms.
+constexpr double largest_c = 1e6;
+/// Of L/xi: below it powers of it underflow.
+constexpr double smallest_ratio = 1e-100;
+/// Below it G_T - G_L is an integral over c: subtraction would lose 1/c.
+constexpr double small_c = 1e-2;
+
+/// U = (1/2 pi) [A xhat + grad B], div U = (1/2 pi) d_x C: A = G_T, B = xi (G_T - G_L), C = nu G_L, or their
+/// derivatives by the medium. Rod's axes, box side 1.
+struct Parts {
+    Jet a, b, c;
+};
+
+[[noreturn]] void refuse(const char* name, double value, const std::string& why) {
+    std::ostringstream message;
+    message << name << " = " << value << ": " << why;
+    throw InputError(message.str());
+}
+
+[[noreturn]] void refuse_place(double x, double y, const char* why) {
+    std::ostringstream message;
+    message << "field at x = " << x << ", y = " << y << ": " << why;
+    throw InputError(message.str());
+}
+
+/// `uniform`: 1 for the field itself, whose Laplacian holds the counterforce; 0 for derivatives.
+FieldValues assembled(const Parts& p, Wanted wanted, double box, double shear_decay, double uniform) {
+    const double unit = 0.5 * std::numbers::inv_pi, second = unit / box, third = second / box;
+    FieldValues f;
+    if (wanted.displacement)
+        f.displacement = {unit * (p.a.v + p.b.x), unit * p.b.y};
+    if (wanted.strain)
+        f.strain = {second * (p.a.x + p.b.xx), second * (0.5 * p.a.y + p.b.xy), second * p.b.yy};
+    if (wanted.dipole)
+        f.dipole = {-second * p.b.yy, second * (p.b.xy - p.c.y)};
+    if (wanted.polar) {
+        f.laplacian = {third * (2.0 * std::numbers::pi * uniform - shear_decay * p.a.x - p.a.xx + p.c.xx),
+                       third * (p.c.xy - p.a.xy)};
+        f.gradient_of_trace = {third * p.c.xx, third * p.c.xy};
+    }
+    return f;
+}
+
+void add(Vector& a, const Vector& b) {
+    a.x += b.x;
+    a.y += b.y;
+}
+
+void add(FieldValues& sum, const FieldValues& f) {
+    add(sum.displacement, f.displacement);
+    sum.strain.xx += f.strain.xx;
+    sum.strain.xy += f.strain.xy;
+    sum.strain.yy += f.strain.yy;
+    add(sum.laplacian, f.laplacian);
+    add(sum.gradient_of_trace, f.gradient_of_trace);
+    add(sum.dipole, f.dipole);
+}
+
+void check(Wanted wanted) {
+    if (wanted.slopes)
+        throw InputError("slopes of the field of a periodic box are not available; use finite differences");
+}
+
+/// A place in the box's axes and side, in the cell about the nearest of the rod and its images; and its
+/// offset from that one in the rod's axes and the caller's unit.
+struct Place {
+    double x, y;
+    Vector offset;
+};
+
+} // namespace
+
+struct PeriodicField::Impl {
+    Medium medium;
+    double box, heading, cosine, sine;
+    Field field;
+    double xi, nu; ///< xi over the box
+    PeriodicPotential shear, longitudinal;
+    std::optional<std::array<PeriodicPotential, 2>> between; ///< at the nodes of the integral over c
+
+    Impl(const Medium& m, double side, double angle)
+        : medium(m), box(side), heading(angle), cosine(std::cos(angle)), sine(std::sin(angle)), field(m),
+          xi(m.xi / side), nu(m.nu()), shear(0.5 / xi, cosine, sine),
+          longitudinal(nu * 0.5 / xi, cosine, sine) {
+        const double node = 0.5 / std::sqrt(3.0), mean = 0.5 * (1.0 + nu), span = 1.0 - nu;
+        if (0.5 / xi * std::max(1.0, nu) < small_c)
+            between = {PeriodicPotential((mean - node * span) * 0.5 / xi, cosine, sine),
+                       PeriodicPotential((mean + node * span) * 0.5 / xi, cosine, sine)};
+    }
+
+    Place place(double x, double y) const {
+        if (!std::isfinite(x) || !std::isfinite(y))
+            refuse_place(x, y, "the place must be finite");
+        const Vector lab = turned(Vector{x / box, y / box}, cosine, sine);
+        const double i = std::nearbyint(lab.x), j = std::nearbyint(lab.y);
+        const Vector shift = turned(Vector{i * box, j * box}, cosine, -sine);
+        const Vector offset{x - shift.x, y - shift.y};
+        if (offset.x == 0.0 && offset.y == 0.0)
+            refuse_place(x, y,
+                         "the rod or one of its images is there, and the field singular: move the point");
+        return {lab.x - i, lab.y - j, offset};
+    }
+
+    Jet to_rod(const Jet& box_axes) const { return from_axes(cosine, -sine, box_axes); }
+
+    /// Of the whole field where it is summed as rows, of the rest near the rod.
+    Parts parts(double x, double y, Wanted wanted) const {
+        const bool second = wanted.strain || wanted.dipole || wanted.polar;
+        const Jet t = to_rod(shear.at(x, y, {.second = second}).g),
+                  l = to_rod(longitudinal.at(x, y, {.second = second}).g);
+        return {t, between ? b_between(x, y, second) : xi * (t + -1.0 * l), nu * l};
+    }
+
+    /// xi (G_T - G_L) = xi int dG/dc dc from c_L to c_T; 2-point Gauss-Legendre, error below c^4/4320.
+    Jet b_between(double x, double y, bool second) const {
+        const Needed needed{.second = second, .by_c = true, .without_log = true};
+        Jet sum;
+        for (const PeriodicPotential& node : *between)
+            sum += 0.25 * (1.0 - nu) * to_rod(node.at(x, y, needed).by_c);
+        if (is_near(x, y))
+            sum += xi * (logarithm(shear.c(), x, y) + -1.0 * logarithm(longitudinal.c(), x, y));
+        return sum;
+    }
+
+    /// ln(c) (exp(-c x) I0(c r) - 1) in the rod's axes; the 1 has no gradient.
+    Jet logarithm(double c, double x, double y) const {
+        const Vector at = turned(Vector{x, y}, cosine, -sine);
+        Jet f = c * c * std::numbers::inv_pi * uniform_part(c, at.x, at.y).g;
+        f.v -= c * at.x;
+        f.x -= c;
+        return std::log(c) * f;
+    }
+
+    FieldValues rest(double x, double y, Wanted wanted) const {
+        return assembled(parts(x, y, wanted), wanted, box, 1.0 / xi, 1.0);
+    }
+
+    MediumDerivatives rest_derivatives(double x, double y, Wanted wanted) const;
+};
+
+/// dc_T/dxi = -c_T/xi, dc_L/deta = -nu^2 c_T; xi in units of the box.
+MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, Wanted wanted) const {
+    const Needed needed{.second = wanted.strain || wanted.dipole || wanted.polar, .by_c = true};
+    const Jets t = shear.at(x, y, needed), l = longitudinal.at(x, y, needed);
+    const Jet gt = to_rod(t.g), gl = to_rod(l.g), ct = shear.c() * to_rod(t.by_c),
+              cl = longitudinal.c() * to_rod(l.by_c);
+    const Parts by_eta{{}, xi * nu * cl, -nu * nu * (gl + cl)};
+    const double per = 1.0 / box; // xi of the caller's over xi here
+    const Parts by_xi{(-per / xi) * ct, per * (gt + -1.0 * gl + -1.0 * ct + cl), (-per * nu / xi) * cl};
+    MediumDerivatives d{assembled(by_eta, wanted, box, 1.0 / xi, 0.0),
+                        assembled(by_xi, wanted, box, 1.0 / xi, 0.0)};
+    if (wanted.polar) // the shear decay 1/xi itself
+        d.by_xi.laplacian.x += 0.5 * std::numbers::inv_pi * gt.x / (xi * xi * box * box * box);
+    return d;
+}
+
+PeriodicField::PeriodicField(const Medium& medium, double box, double heading) {
+    validate(medium);
+    if (!(box > 0.0) || !std::isfinite(box))
+        refuse("box", box, "the side of the periodic box must be > 0 and finite");
+    if (!std::isfinite(heading))
+        refuse("heading", heading, "must be finite");
+    if (!(0.5 * box / medium.xi * std::max(1.0, medium.nu()) <= largest_c))
+        refuse("box", box, "more than 2e6 decay lengths of the field; leave the box out (infinite plane)");
+    if (!(box / medium.xi >= smallest_ratio))
+        refuse("box", box, "less than 1e-100 screening lengths; check the units");
+    impl_ = std::make_shared<const Impl>(medium, box, heading);
+}
+
+FieldValues PeriodicField::at(double x, double y, Wanted wanted) const {
+    check(wanted);
+    const Place p = impl_->place(x, y);
+    FieldValues f = impl_->rest(p.x, p.y, wanted);
+    if (is_near(p.x, p.y))
+        add(f, impl_->field.at(p.offset.x, p.offset.y, wanted));
+    return f;
+}
+
+FieldValues PeriodicField::at_own_place(Wanted wanted) const {
+    check(wanted);
+    return impl_->rest(0.0, 0.0, wanted);
+}
+
+MediumDerivatives PeriodicField::medium_derivatives(double x, double y, Wanted wanted) const {
+    check(wanted);
+    const Place p = impl_->place(x, y);
+    MediumDerivatives d = impl_->rest_derivatives(p.x, p.y, wanted);
+    if (is_near(p.x, p.y)) {
+        const MediumDerivatives own =
+            elastic::medium_derivatives(impl_->field, p.offset.x, p.offset.y, wanted);
+        add(d.by_eta, own.by_eta);
+        add(d.by_xi, own.by_xi);
+    }
+    return d;
+}
+
+const Medium& PeriodicField::medium() const { return impl_->medium; }
+double PeriodicField::box() const { return impl_->box; }
+double PeriodicField::heading() const { return impl_->heading; }
+
+} // namespace rodwake::elastic

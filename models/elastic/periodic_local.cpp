@@ -1,0 +1,207 @@
+#include "periodic_local.hpp"
+
+#include "bessel.hpp"
+#include "periodic_uniform.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::elastic {
+
+namespace {
+
+constexpr int samples = 2 * LocalRest::terms; // a multiple of 8: none on a diagonal
+constexpr double radius = 0.5;
+
+struct Place {
+    double x, y;
+};
+
+/// The circle's places, none on an axis.
+const std::array<Place, samples>& circle() {
+    static const auto places = [] {
+        std::array<Place, samples> p;
+        for (int j = 0; j < samples; ++j) {
+            const double angle = 2.0 * std::numbers::pi * (j + 0.5) / samples;
+            p[j] = {radius * std::cos(angle), radius * std::sin(angle)};
+        }
+        return p;
+    }();
+    return places;
+}
+
+/// e^(-i m angle_j) radius^-m (2 - [m = 0])/samples
+using Transform = std::array<std::array<Complex, samples>, LocalRest::terms>;
+const Transform& transform() {
+    static const auto table = [] {
+        Transform t;
+        for (int m = 0; m < LocalRest::terms; ++m)
+            for (int j = 0; j < samples; ++j)
+                t[m][j] = std::polar((m ? 2.0 : 1.0) / samples * std::pow(radius, -m),
+                                     -2.0 * std::numbers::pi * m * (j + 0.5) / samples);
+        return t;
+    }();
+    return table;
+}
+
+/// The potential on the circle and its derivative by c. Places j and samples-1-j are mirrored in y.
+std::array<Rows::Values, samples> on_circle(const Rows& columns, const Rows& rows) {
+    std::array<Rows::Values, samples> v;
+    const auto positive = [](double x) { return x < 0.0 ? x + 1.0 : x; };
+    for (int j = 0; j < samples / 2; ++j) {
+        const auto [x, y] = circle()[j];
+        if (std::abs(x) < y)
+            continue;
+        const auto [upper, lower] = columns.values(positive(x), y);
+        v[j] = upper;
+        v[samples - 1 - j] = lower;
+    }
+    for (int j = 0; j < samples; ++j) { // mirrored in x: j and samples/2 - 1 - j
+        const auto [x, y] = circle()[j];
+        if (x <= 0.0 || x >= std::abs(y))
+            continue;
+        const auto [right, left] = rows.values(positive(y), x);
+        v[j] = right;
+        v[(samples + samples / 2 - 1 - j) % samples] = left;
+    }
+    return v;
+}
+
+/// K0(c r) + ln(c) I0(c r) on the circle, and its derivative by c: what the infinite plane's potential is
+/// without exp(-c.r) and ln(c).
+struct CentralPotential {
+    double g, by_c;
+
+    explicit CentralPotential(double c) {
+        const double z = c * radius, t = 0.25 * z * z, i0 = bessel_ratio(0, t),
+                     i1 = 0.5 * z * bessel_ratio(1, t);
+        if (z <= series_end) {
+            const CoreBessel k = core_bessel(Pair{z, z}, Pair{} + std::log(0.5 * z));
+            g = k.k0[0] + std::log(c) * i0;
+            by_c = radius * (std::log(c) * i1 - k.kappa1[0] + 0.25 * z * bessel_rest(t));
+            return;
+        }
+        const Bessel k = scaled_bessel(1.0 / z, std::sqrt(0.5 * std::numbers::pi / z));
+        const double decay = std::exp(-z);
+        g = decay * k.k0 + std::log(c) * i0;
+        by_c = radius * (std::log(c) * i1 - decay * k.k1) + i0 / c;
+    }
+};
+
+} // namespace
+
+/// psi_m, m = 0 .. terms + 2.
+struct LocalRest::Basis {
+    std::array<Complex, terms + 3> psi;
+
+    Basis(double c, double x, double y) {
+        const double t = 0.25 * c * c * (x * x + y * y);
+        std::array<double, terms + 3> ratio;
+        ratio[terms + 2] = bessel_ratio(terms + 2, t);
+        ratio[terms + 1] = bessel_ratio(terms + 1, t);
+        for (int m = terms + 1; m > 0; --m)
+            ratio[m - 1] = ratio[m] + t / (m * (m + 1.0)) * ratio[m + 1];
+        Complex power = 1.0;
+        for (int m = 0; m < terms + 3; ++m) {
+            psi[m] = ratio[m] * power;
+            power = times(power, {x, y});
+        }
+    }
+};
+
+/// F = sum A_m psi_m under the operators up = d_x + i d_y and down = d_x - i d_y:
+/// up psi_m = c^2/(2 (m+1)) psi_(m+1),  down psi_m = 2 m psi_(m-1),  down psi_0 = (c^2/2) conj psi_1.
+struct LocalRest::Sums {
+    Complex f, up, down, up2, down2;
+    Complex h, up_h, up2_h; ///< up/c and its derivatives, finite for c = 0
+
+    Jet real(double c) const {
+        const double both = 2.0 * c * c * f.real();
+        return {f.real(),
+                0.5 * (up + down).real(),
+                0.5 * (up - down).imag(),
+                0.25 * ((up2 + down2).real() + both),
+                0.25 * (up2 - down2).imag(),
+                0.25 * (both - (up2 + down2).real())};
+    }
+    /// Re(conj(w) h): the derivative of the psi_m by c.
+    Jet by_c_of_basis(double c, double x, double y) const {
+        const Complex i(0.0, 1.0), down_h = c * f, down2_h = c * down, both = 2.0 * c * c * h;
+        const Complex hx = 0.5 * (up_h + down_h), hy = -0.5 * i * (up_h - down_h),
+                      hxx = 0.25 * (up2_h + both + down2_h), hxy = -0.25 * i * (up2_h - down2_h),
+                      hyy = 0.25 * (both - up2_h - down2_h);
+        return times_line(x, 1.0, 0.0, {h.real(), hx.real(), hy.real(), hxx.real(), hxy.real(), hyy.real()}) +
+               times_line(y, 0.0, 1.0, {h.imag(), hx.imag(), hy.imag(), hxx.imag(), hxy.imag(), hyy.imag()});
+    }
+};
+
+LocalRest::Sums LocalRest::sums(const Coefficients& a, const Basis& basis, double c) {
+    Sums s{};
+    const double cc = c * c;
+    const auto& psi = basis.psi;
+    for (int m = 0; m < terms; ++m) {
+        const double n = m;
+        s.f += times(a[m], psi[m]);
+        s.h += times(a[m], psi[m + 1]) * (0.5 * c / (n + 1.0));
+        s.up_h += times(a[m], psi[m + 2]) * (0.25 * c * cc / ((n + 1.0) * (n + 2.0)));
+        if (m > 0)
+            s.down += 2.0 * n * times(a[m], psi[m - 1]);
+        if (m > 1)
+            s.down2 += 4.0 * n * (n - 1.0) * times(a[m], psi[m - 2]);
+        if (m + 3 < terms + 3)
+            s.up2_h += times(a[m], psi[m + 3]) * (0.125 * cc * cc * c / ((n + 1.0) * (n + 2.0) * (n + 3.0)));
+    }
+    s.down += 0.5 * cc * a[0] * std::conj(psi[1]);
+    s.down2 += cc * a[1] * std::conj(psi[1]) + 0.125 * cc * cc * a[0] * std::conj(psi[2]);
+    s.up = c * s.h;
+    s.up2 = c * s.up_h;
+    return s;
+}
+
+LocalRest::LocalRest(double c, double ux, double uy, const Rows& columns, const Rows& rows)
+    : c_(c), ux_(ux), uy_(uy) {
+    const auto potential = on_circle(columns, rows);
+    const CentralPotential centre(c);
+    std::array<double, samples> v, v_by_c;
+    for (int j = 0; j < samples; ++j) {
+        const double x = ux * circle()[j].x + uy * circle()[j].y, growth = std::exp(c * x);
+        const UniformValue p = uniform_value(c, x, radius * radius);
+        const double whole = growth * (potential[j].g - p.g);
+        v[j] = whole - centre.g;
+        v_by_c[j] = growth * (potential[j].by_c - p.by_c) + x * whole - centre.by_c;
+    }
+    const double z = c * radius, t = 0.25 * z * z;
+    for (int m = 0; m < terms; ++m) {
+        Complex sum = 0.0, sum_by_c = 0.0;
+        for (int j = 0; j < samples; ++j) {
+            sum += v[j] * transform()[m][j];
+            sum_by_c += v_by_c[j] * transform()[m][j];
+        }
+        const double ratio = bessel_ratio(m, t),
+                     ratio_c = bessel_ratio(m + 1, t) * 0.5 * z * radius / (m + 1.0);
+        a_[m] = sum / ratio;
+        a_by_c_[m] = (sum_by_c - a_[m] * ratio_c) / ratio;
+    }
+}
+
+void LocalRest::add(Jets& sum, double x, double y, Needed needed) const {
+    const double along = ux_ * x + uy_ * y, across = ux_ * y - uy_ * x, decay = std::exp(-c_ * along);
+    const double cx = c_ * ux_, cy = c_ * uy_;
+    const Jets uniform = uniform_part(c_, along, across);
+    const Basis basis(c_, x, y);
+    Coefficients a = a_, a_by_c = a_by_c_;
+    if (!needed.without_log) {
+        a[0] += std::log(c_);
+        a_by_c[0] += 1.0 / c_;
+    }
+    const Sums s = sums(a, basis, c_);
+    const Jet f = s.real(c_);
+    sum.g += times_decay(decay, cx, cy, f) + from_axes(ux_, uy_, uniform.g);
+    if (!needed.by_c)
+        return;
+    const Jet slope =
+        sums(a_by_c, basis, c_).real(c_) + s.by_c_of_basis(c_, x, y) + times_line(-along, -ux_, -uy_, f);
+    sum.by_c += times_decay(decay, cx, cy, slope) + from_axes(ux_, uy_, uniform.by_c);
+}
+
+} // namespace rodwake::elastic

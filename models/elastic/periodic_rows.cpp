@@ -1,0 +1,128 @@
+#include "periodic_rows.hpp"
+
+#include "periodic_mean.hpp"
+
+#include <cmath>
+#include <initializer_list>
+#include <numbers>
+
+namespace rodwake::elastic {
+
+namespace {
+
+constexpr double cutoff = 37.0;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+/// 1 - e^a for Re a < 0, accurate for small a.
+Complex one_minus_exp(Complex a) {
+    if (a.real() < -cutoff)
+        return 1.0;
+    const double less = std::expm1(a.real());
+    if (a.imag() == 0.0)
+        return -less;
+    const double half = std::sin(0.5 * a.imag()), e = 1.0 + less;
+    return {-less + 2.0 * e * half * half, -e * std::sin(a.imag())};
+}
+
+void add(Jets& sum, const Mean& m, double by_c) {
+    sum.g.v += m.g;
+    sum.g.x += m.x;
+    sum.g.xx += m.xx;
+    sum.by_c.v += by_c * m.z;
+    sum.by_c.x += by_c * m.xz;
+    sum.by_c.xx += by_c * m.xxz;
+}
+
+void add_term(Jet& sum, Complex t, Complex tx, Complex txx, double q, bool second) {
+    sum.v += t.real();
+    sum.x += tx.real();
+    sum.y -= q * t.imag();
+    if (!second)
+        return;
+    sum.xx += txx.real();
+    sum.xy -= q * tx.imag();
+    sum.yy -= q * q * t.real();
+}
+
+} // namespace
+
+/// One column gives (pi/s) e^(k u); `towards` -1 for k-, 1 for k+. Twice the real part is both n and -n.
+Rows::Term Rows::term(Complex k, Complex s, double q, double towards) const {
+    const Complex per_s = inverse(s), slope = -towards * times(ux_ * k + Complex(0.0, uy_ * q), per_s);
+    const Complex s_slope = times(Complex(c_ * ux_ * ux_, -uy_ * q), per_s);
+    const Complex open = one_minus_exp(-towards * k), per_open = inverse(open);
+    const Complex weight = two_pi * times(per_s, per_open);
+    const Complex closing = -towards * times(slope, times(1.0 - open, per_open));
+    return {k, weight, slope, times(weight, closing - times(s_slope, per_s))};
+}
+
+Rows::Rows(double c, double ux, double uy, double nearest) : c_(c), ux_(ux), uy_(uy) {
+    const double cx = c * ux, cy = c * uy;
+    for (double q = two_pi;; q += two_pi) {
+        const Complex product(q * q, -2.0 * cy * q), s = root(cx * cx + product);
+        const Complex large = std::abs(cx) + s, small = times(product, inverse(large));
+        const Complex minus = cx >= 0.0 ? -large : -small, plus = cx >= 0.0 ? small : large;
+        behind_.push_back(term(minus, s, q, -1.0));
+        ahead_.push_back(term(plus, s, q, 1.0));
+        if (small.real() * nearest > cutoff)
+            return;
+    }
+}
+
+void Rows::add_side(Jets& sum, const std::vector<Term>& terms, double u, double y, Needed needed) const {
+    const Complex turn(std::cos(two_pi * y), std::sin(two_pi * y));
+    Complex phase = turn;
+    double q = two_pi;
+    for (const Term& one : terms) {
+        if (std::abs(one.k.real() * u) > cutoff)
+            break;
+        const Complex e = times(phase, exponential(one.k * u)), t = times(one.weight, e);
+        const Complex tx = times(one.k, t);
+        add_term(sum.g, t, tx, times(one.k, tx), q, needed.second);
+        if (needed.by_c) {
+            const Complex f = times(one.weight_c, e) + u * times(one.k_c, t), g = times(one.k_c, t);
+            const Complex fx = times(one.k, f) + g;
+            add_term(sum.by_c, f, fx, times(one.k, fx + g), q, needed.second);
+        }
+        phase = times(phase, turn);
+        q += two_pi;
+    }
+}
+
+void Rows::add_all(Jets& sum, double x, double y, Needed needed) const {
+    add(sum, mean_of_all(2.0 * c_ * ux_, x), 2.0 * ux_);
+    add_side(sum, behind_, x, y, needed);
+    add_side(sum, ahead_, x - 1.0, y, needed);
+}
+
+void Rows::add_others(Jets& sum, double x, double y, Needed needed) const {
+    add(sum, mean_of_others(2.0 * c_ * ux_, x), 2.0 * ux_);
+    add_side(sum, behind_, x + 1.0, y, needed);
+    add_side(sum, ahead_, x - 1.0, y, needed);
+}
+
+Rows::Mirrored Rows::values(double x, double y) const {
+    const Mean mean = mean_of_all(2.0 * c_ * ux_, x);
+    Mirrored sum{{mean.g, 2.0 * ux_ * mean.z}, {mean.g, 2.0 * ux_ * mean.z}};
+    const Complex turn(std::cos(two_pi * y), std::sin(two_pi * y));
+    for (const bool front : {false, true}) {
+        const double u = front ? x - 1.0 : x;
+        Complex phase = turn;
+        for (const Term& one : front ? ahead_ : behind_) {
+            if (std::abs(one.k.real() * u) > cutoff)
+                break;
+            const Complex e = exponential(one.k * u), t = times(one.weight, e);
+            const Complex f = times(one.weight_c, e) + u * times(one.k_c, t);
+            const auto upper = [&](Complex a) { return a.real() * phase.real() - a.imag() * phase.imag(); };
+            const auto lower = [&](Complex a) { return a.real() * phase.real() + a.imag() * phase.imag(); };
+            sum.upper.g += upper(t);
+            sum.lower.g += lower(t);
+            sum.upper.by_c += upper(f);
+            sum.lower.by_c += lower(f);
+            phase = times(phase, turn);
+        }
+    }
+    return sum;
+}
+
+} // namespace rodwake::elastic

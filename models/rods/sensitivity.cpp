@@ -1,0 +1,174 @@
+#include "rodwake/rods/sensitivity.hpp"
+
+#include "view.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/elastic/medium_derivatives.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <memory>
+#include <vector>
+
+namespace rodwake::rods {
+
+namespace {
+
+using integrate::State;
+using Column = Eigen::Index;
+
+bool of_medium(Parameter p) { return p == Parameter::eta || p == Parameter::xi; }
+
+/// The turning rate is linear in the couplings: its derivative by one is the rate with that one alone.
+Couplings unit_coupling(Parameter p) {
+    return {p == Parameter::kappa ? 1.0 : 0.0, p == Parameter::gamma1 ? 1.0 : 0.0,
+            p == Parameter::gamma2 ? 1.0 : 0.0};
+}
+
+/// Derivatives of the right-hand side by couplings and medium.
+class ParameterDerivatives {
+public:
+    ParameterDerivatives(const elastic::Medium& medium, const Couplings& couplings,
+                         std::span<const Parameter> parameters);
+    void operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
+
+private:
+    void add_pair(const View& at, Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> rates) const;
+
+    elastic::Field field_;
+    Couplings couplings_;
+    std::vector<Parameter> parameters_;
+    elastic::Wanted wanted_;     ///< by the couplings among the parameters
+    bool medium_wanted_ = false; ///< eta or xi among them
+};
+
+ParameterDerivatives::ParameterDerivatives(const elastic::Medium& medium, const Couplings& couplings,
+                                           std::span<const Parameter> parameters)
+    : field_(medium), couplings_(couplings), parameters_(parameters.begin(), parameters.end()) {
+    for (const Parameter p : parameters_) {
+        wanted_.strain |= p == Parameter::kappa;
+        wanted_.polar |= p == Parameter::gamma1 || p == Parameter::gamma2;
+        medium_wanted_ |= of_medium(p) && couplings.any();
+    }
+}
+
+void ParameterDerivatives::operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const {
+    const std::size_t rods = y.size() / 3;
+    std::vector<Direction> n;
+    for (std::size_t a = 0; a < rods; ++a)
+        n.push_back(direction(y, a));
+    const auto columns = static_cast<Column>(parameters_.size());
+    for (std::size_t a = 0; a < rods; ++a)
+        for (std::size_t b = 0; b < rods; ++b)
+            if (a != b)
+                add_pair(view(y, a, b, n[a], n[b]),
+                         by_parameter.row(static_cast<Column>(3 * a + 2)).head(columns));
+}
+
+void ParameterDerivatives::add_pair(const View& at,
+                                    Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> rates) const {
+    elastic::FieldValues field;
+    elastic::MediumDerivatives derivatives;
+    if (wanted_.strain || wanted_.polar)
+        field = field_.at(at.x, at.y, wanted_);
+    if (medium_wanted_)
+        derivatives = elastic::medium_derivatives(field_, at.x, at.y, wanted_by(couplings_, false));
+    for (std::size_t j = 0; j < parameters_.size(); ++j) {
+        const Parameter p = parameters_[j];
+        rates(static_cast<Column>(j)) +=
+            !of_medium(p) ? turning_rate(field, unit_coupling(p), at.heading)
+                          : turning_rate(p == Parameter::eta ? derivatives.by_eta : derivatives.by_xi,
+                                         couplings_, at.heading);
+    }
+}
+
+/// Of the separation of the closest pair.
+Eigen::VectorXd contact_gradient(State y) {
+    const Separation pair = closest_pair(y);
+    const auto a = static_cast<Column>(3 * pair.first), b = static_cast<Column>(3 * pair.second);
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(static_cast<Column>(y.size()));
+    for (const Column k : {0, 1}) {
+        gradient[a + k] = (y[a + k] - y[b + k]) / pair.distance;
+        gradient[b + k] = -gradient[a + k];
+    }
+    return gradient;
+}
+
+void check(const RodProblem& problem, std::span<const Parameter> parameters,
+           std::span<const std::size_t> headings) {
+    if (!parameters.empty() && !problem.medium)
+        throw InputError("sensitivities to couplings and medium need a medium; there is none");
+    if (problem.box)
+        throw InputError("sensitivities of rods in a periodic box are not available: leave the box out");
+    if (problem.box)
+        throw InputError(
+            "sensitivities of trajectories in a periodic box are not available: leave the box out");
+    for (const std::size_t rod : headings)
+        if (rod >= problem.rods.size())
+            throw InputError(
+                fmt::format("the heading of rods[{}] is to be a parameter, but there are {} rods", rod,
+                            problem.rods.size()));
+}
+
+Eigen::MatrixXd initial_sensitivities(std::size_t rods, std::size_t parameters,
+                                      std::span<const std::size_t> headings) {
+    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(static_cast<Column>(3 * rods),
+                                              static_cast<Column>(parameters + headings.size()));
+    for (std::size_t j = 0; j < headings.size(); ++j)
+        S(static_cast<Column>(3 * headings[j] + 2), static_cast<Column>(parameters + j)) = 1.0;
+    return S;
+}
+
+} // namespace
+
+double& value(RodProblem& problem, Parameter parameter) {
+    if (of_medium(parameter) && !problem.medium)
+        throw InputError("eta and xi belong to a medium; there is none");
+    switch (parameter) {
+    case Parameter::kappa:
+        return problem.couplings.kappa;
+    case Parameter::gamma1:
+        return problem.couplings.gamma1;
+    case Parameter::gamma2:
+        return problem.couplings.gamma2;
+    case Parameter::eta:
+        return problem.medium->eta;
+    case Parameter::xi:
+        break;
+    }
+    return problem.medium->xi;
+}
+
+double value(const RodProblem& problem, Parameter parameter) {
+    return value(const_cast<RodProblem&>(problem), parameter); // which changes nothing
+}
+
+integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
+                                                     std::span<const Parameter> parameters,
+                                                     std::span<const std::size_t> headings) {
+    check(problem, parameters, headings);
+    integrate::SensitivityProblem result;
+    result.ode = to_ode(problem);
+    if (problem.rods.size() > 1)
+        result.ode.step_limit = [](double, State y) { return encounter_step(y); };
+    result.parameters = parameters.size() + headings.size();
+    result.by_parameter = [](double, State, Eigen::Ref<Eigen::MatrixXd>) {
+    }; // headings act at the start alone
+    if (!parameters.empty()) {
+        const auto derivatives =
+            std::make_shared<const ParameterDerivatives>(*problem.medium, problem.couplings, parameters);
+        result.by_parameter = [derivatives](double, State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) {
+            (*derivatives)(y, by_parameter);
+        };
+    }
+    result.initial = initial_sensitivities(problem.rods.size(), parameters.size(), headings);
+    for (const Parameter p : parameters)
+        result.parameter_scale.push_back(std::max(1.0, std::abs(value(problem, p))));
+    result.parameter_scale.resize(result.parameters, 1.0);
+    result.event_gradient.assign(result.ode.events.size(),
+                                 [](double, State y) { return contact_gradient(y); });
+    return result;
+}
+
+} // namespace rodwake::rods

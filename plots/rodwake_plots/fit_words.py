@@ -1,0 +1,163 @@
+"""Parameters of a fit by name, value and unit: as HTML for the report and its captions, as mathtext for the figures."""
+
+import math
+import re
+import string
+
+from . import words
+
+SYMBOLS = {
+    "f_over_mu": (r"f/\mu", "<i>f</i>/<i>μ</i>"), "f2d_over_mu": (r"f_2d/\mu", "<i>f</i><sub>2</sub><i>d</i>/<i>μ</i>"),
+    "eta": (r"\eta", "<i>η</i>"), "xi": (r"\xi", "<i>ξ</i>"), "alpha": (r"\alpha", "<i>α</i>"),
+    "x0": ("x_0", "<i>x</i><sub>0</sub>"),
+    "offset": (r"U_x^{(0)}", "<i>U<sub>x</sub></i><sup>(0)</sup>"), "offset_y": (r"U_y^{(0)}", "<i>U<sub>y</sub></i><sup>(0)</sup>"),
+    "kappa": (r"\kappa", "<i>κ</i>"), "gamma1": (r"\gamma_1", "<i>γ</i><sub>1</sub>"), "gamma2": (r"\gamma_2", "<i>γ</i><sub>2</sub>"),
+}
+MEANINGS = {
+    "f_over_mu": "force of the rod over the shear modulus", "f2d_over_mu": "force dipole across the rod over the shear modulus",
+    "eta": "(<i>λ</i> + <i>μ</i>)/<i>μ</i>", "xi": "screening length <i>μ</i>/(<i>ζv</i><sub>0</sub>)", "alpha": "(<i>f</i>/<i>μ</i>)/<i>ξ</i>",
+    "x0": "where the force acts, ahead of the rod's centre", "offset": "added to <i>U<sub>x</sub></i>",
+    "offset_y": "added to <i>U<sub>y</sub></i>", "kappa": "turning towards the extensional axis of the strain",
+    "gamma1": "first polar coupling", "gamma2": "second polar coupling",
+}
+
+
+LETTER = "([A-Za-ln-rt-z])"  # a length of the problem; m and s are units
+
+
+def symbol(name):
+    """Mathtext without dollars."""
+    known = SYMBOLS.get(name)
+    heading = heading_of(name)
+    if heading:
+        return rf"\theta_{{{heading[1]}}}^{{({heading[0]})}}"
+    return known[0] if known else r"\mathrm{%s}" % re.sub(r"[^\w.+-]", "?", name).replace("_", r"\ ")
+
+
+def symbol_html(name):
+    heading = heading_of(name)
+    if heading:
+        return f"<i>θ</i><sub>{heading[1]}</sub><sup>({heading[0]})</sup>"
+    return SYMBOLS[name][1] if name in SYMBOLS else words.escape(name)
+
+
+def heading_of(name):
+    """(trajectory, rod) of a free initial heading."""
+    found = re.fullmatch(r"heading\.(\d+)\.(\d+)", name)
+    return found.groups() if found else None
+
+
+def meaning(name):
+    heading = heading_of(name)
+    return f"heading of rod {heading[1]} at the start of trajectory {heading[0]}" if heading else MEANINGS.get(name, "")
+
+
+def unit_html(unit):
+    """`a^2`, `v0 mu/f`: letters in italics, powers raised."""
+    if unit in ("", "1"):
+        return ""
+    text = re.sub(rf"(?<![\w&]){LETTER}(?![\w;])", r"<i>\1</i>", words.escape(unit))
+    text = re.sub(r"(?<![\w<&;])(mu|kappa|xi)(?!\w)", lambda m: f"<i>{words.GREEK[m[1]]}</i>", text).replace("v0", "<i>v</i><sub>0</sub>")
+    return re.sub(r"\^\(?([-\d/.]+)\)?", lambda m: f"<sup>{m[1].replace('-', '−')}</sup>", text)
+
+
+def axis(letter, unit):
+    """`x/a`, or `x / mm`."""
+    if re.fullmatch(LETTER, unit):
+        return rf"${letter}/{unit}$"
+    return rf"${letter}$ / {words_of(unit)}"
+
+
+def length(value, unit):
+    """`4 a` as mathtext without dollars; 0 needs no unit."""
+    number = words.math_number(float(value))
+    return "0" if value == 0 else rf"{number}\,{unit}" if re.fullmatch(LETTER, unit) else rf"{number}\ \mathrm{{{words_of(unit)}}}"
+
+
+def words_of(unit):
+    """A unit that mathtext takes for text."""
+    return re.sub(r"[^\w µ./*-]", "", unit).replace("_", " ")
+
+
+def line(profile):
+    """What a profile shows, `U_x(x, 4 a)`, as (mathtext, HTML)."""
+    component, along, at = str(profile.get("component", "U")), str(profile.get("along", "x")), profile.get("at", 0.0)
+    return component[1:] or "?", along, at if words.is_number(at) else 0.0
+
+
+def line_math(profile, unit):
+    component, along, at = line(profile)
+    fixed = length(at, unit)
+    return rf"$U_{component}({f'x, {fixed}' if along == 'x' else f'{fixed}, y'})$"
+
+
+def line_html(profile, unit):
+    component, along, at = line(profile)
+    fixed = "0" if at == 0 else f"{words.number(float(at))} {unit_html(unit)}"
+    inside = f"<i>x</i>, {fixed}" if along == "x" else f"{fixed}, <i>y</i>"
+    return f'<span class="eq"><i>U<sub>{component}</sub></i>({inside})</span>'
+
+
+def value(parameter):
+    """`2.20 ± 0.04 a` as HTML."""
+    return with_unit(words.with_error(parameter.value, parameter.error), parameter.unit) + (
+        ", not fixed by the data" if parameter.error == math.inf else "")
+
+
+def with_unit(text, unit):
+    unit = unit_html(unit)
+    return f"({text}) {unit}" if unit and "±" in text and not text.startswith("(") else f"{text} {unit}".strip()
+
+
+def plain_math(text):
+    """A number of `words`, HTML, as mathtext without dollars."""
+    text = re.sub(r"<sup>(.*?)</sup>", r"^{\1}", text).replace("±", r"\pm").replace("×", r"\times").replace("−", "-")
+    return text.replace(" ", r"\,")
+
+
+def excess(profile):
+    """(factor by which the data exceed the prediction, its error) or None."""
+    found = profile.get("excess")
+    if not isinstance(found, dict) or not words.is_number(found.get("scale")):
+        return None
+    error = found.get("stderr")
+    return float(found["scale"]), float(error) if words.is_number(error) else math.nan
+
+
+def excess_html(found):
+    text = words.with_error(*found)
+    return f"({text})" if "±" in text and not text.startswith("(") else text
+
+
+def predicted(profile):
+    return profile.get("role") == "predict"
+
+
+def letter(index):
+    return f"({string.ascii_lowercase[index % 26]})"
+
+
+def interval_html(low, high, unit=""):
+    """`1.1 to 1.5`; a side without an end is told in words."""
+    if not math.isfinite(low) and not math.isfinite(high):
+        return "unbounded"
+    if not math.isfinite(low):
+        return with_unit(f"below {words.number(high)}", unit)
+    if not math.isfinite(high):
+        return with_unit(f"above {words.number(low)}", unit)
+    return with_unit(f"{words.number(low)} to {words.number(high)}", unit)
+
+
+def quantity(parameter):
+    """Axis label of a parameter."""
+    unit = "" if parameter.unit in ("", "1") else unit_math(parameter.unit)
+    return rf"${symbol(parameter.name)}$" + (f" ({unit})" if unit else "")
+
+
+def unit_math(unit):
+    """`a^2`, `v0 mu/f` as mathtext with dollars."""
+    text = re.sub(r"[^\w^/() .*+-]", "", unit).replace("v0", "v_0")
+    text = re.sub(r"\^\(?([-\d/.]+)\)?", r"^{\1}", text)
+    text = re.sub(r"(?<![\w\\])(mu|kappa|xi)(?!\w)", r"\\\1{}", text)
+    text = re.sub(r"(?<![\w\\])([A-Za-zµ]{2,}|[ms])(?!\w)", r"\\mathrm{\1}", text)
+    return f"${text.replace(' ', chr(92) + ',')}$"

@@ -1,0 +1,226 @@
+#include "fit_plan.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rodwake::cli {
+
+namespace {
+
+using fitting::Problem;
+
+fitting::Algorithm algorithm(scene::FitMethod method) {
+    using From = scene::FitMethod;
+    using To = fitting::Algorithm;
+    switch (method) {
+    case From::bobyqa:
+        return To::bobyqa;
+    case From::nelder_mead:
+        return To::nelder_mead;
+    case From::slsqp:
+        return To::slsqp;
+    case From::lbfgs:
+        return To::lbfgs;
+    case From::mma:
+        return To::mma;
+    case From::mlsl:
+        return To::mlsl;
+    case From::crs:
+        return To::crs;
+    case From::isres:
+        return To::isres;
+    case From::direct_l:
+        break;
+    }
+    return To::direct_l;
+}
+
+fitting::Loss loss(scene::FitLoss loss) {
+    return loss == scene::FitLoss::squares ? fitting::Loss::squares
+           : loss == scene::FitLoss::huber ? fitting::Loss::huber
+                                           : fitting::Loss::cauchy;
+}
+
+fitting::Parameter parameter(const scene::Fit& keys, const std::string& name) {
+    fitting::Parameter p;
+    p.name = name;
+    const auto start = keys.start.find(name);
+    p.start = start == keys.start.end() ? scene::fit_default_start(name) : start->second;
+    if (const auto bounds = scene::fit_bounds(keys, name); bounds && scene::fit_is_free(keys, name)) {
+        p.lower = bounds->low;
+        p.upper = bounds->high;
+    }
+    if (scene::fit_is_free(keys, name) && scene::fit_in_log(keys, name))
+        p.transform = fitting::Transform::log;
+    if (const auto fixed = keys.fixed.find(name); fixed != keys.fixed.end()) {
+        p.fixed = true;
+        p.start = fixed->second;
+    }
+    if (const auto tie = keys.tied.find(name); tie != keys.tied.end()) {
+        p.tied_to = tie->second.to;
+        p.tie_factor = tie->second.factor;
+    }
+    return p;
+}
+
+/// Of those the model knows.
+std::vector<fitting::Parameter> parameters(const scene::Fit& keys, const std::vector<std::string>& known) {
+    std::vector<fitting::Parameter> out;
+    for (const std::string& name : scene::fit_used(keys))
+        if (std::ranges::find(known, name) != known.end())
+            out.push_back(parameter(keys, name));
+    return out;
+}
+
+bool is_fitted(const scene::FitProfile& profile) { return profile.role == scene::FitRole::fit; }
+
+Problem profile_problem(const FitPlan& plan) {
+    std::vector<fitting::Profile> fitted;
+    for (std::size_t i = 0; i < plan.profiles.size(); ++i)
+        if (is_fitted(plan.keys.profiles[i]))
+            fitted.push_back(plan.profiles[i].data);
+    return fitting::wake_problem(plan.wake, fitted, parameters(plan.keys, fitting::wake_parameter_names()));
+}
+
+Problem track_problem(const FitPlan& plan) {
+    std::vector<fitting::Trajectory> tracks;
+    for (const FitTrackData& track : plan.tracks)
+        tracks.push_back(track.data);
+    Problem problem = fitting::trajectory_problem(
+        plan.track_model, tracks, parameters(plan.keys, fitting::trajectory_parameter_names()));
+    const auto known = std::ranges::count_if(plan.tracks, &FitTrackData::sigma_known);
+    if (known != 0 && known != static_cast<long>(plan.tracks.size()))
+        throw InputError(
+            "some of [[fit.trajectories]] have sigma_position and sigma_heading and some have none: "
+            "their weights cannot be compared; give all of them some, or none");
+    problem.sigma_known = known != 0;
+    return problem;
+}
+
+Problem problem_of(const FitPlan& plan) {
+    const bool profiles = std::ranges::any_of(plan.keys.profiles, is_fitted), tracks = !plan.tracks.empty();
+    if (!tracks)
+        return profile_problem(plan);
+    if (!profiles)
+        return track_problem(plan);
+    const Problem a = profile_problem(plan), b = track_problem(plan);
+    if (a.sigma_known != b.sigma_known)
+        throw InputError(
+            "profiles and trajectories need standard errors both, or neither: sigma in the files, "
+            "sigma_position and sigma_heading in [[fit.trajectories]]");
+    return fitting::joined({a, b});
+}
+
+FitPart part(const Problem& problem, const std::vector<std::string>& known, bool headings) {
+    FitPart out;
+    for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+        const std::string& name = problem.parameters[i].name;
+        if (std::ranges::find(known, name) == known.end() && !(headings && name.starts_with("heading.")))
+            continue;
+        out.parameters.push_back(problem.parameters[i]);
+        out.index.push_back(i);
+    }
+    return out;
+}
+
+} // namespace
+
+fitting::Method fit_method(const scene::Fit& keys, const Options& options) {
+    fitting::Method method;
+    method.algorithm = algorithm(keys.method);
+    method.loss = loss(keys.loss);
+    method.loss_width = keys.loss_width;
+    method.tolerance = keys.tolerance;
+    method.max_evaluations = keys.max_evaluations;
+    method.polish = keys.polish;
+    method.starts = static_cast<std::size_t>(keys.starts);
+    method.spread = keys.spread;
+    method.seed = options.seed.value_or(static_cast<std::uint64_t>(keys.seed));
+    method.threads = options.threads;
+    return method;
+}
+
+FitPlan fit_plan(const scene::Scene& scene, const Options& options,
+                 const std::filesystem::path& run_directory) {
+    FitPlan plan;
+    plan.keys = *scene.fit;
+    for (const scene::FitProfile& keys : plan.keys.profiles)
+        plan.profiles.push_back(read_fit_profile(keys, find_fit_file(keys.file, scene, run_directory),
+                                                 plan.keys.independent_spacing));
+    for (const scene::FitTrajectory& keys : plan.keys.trajectories)
+        plan.tracks.push_back(read_fit_track(keys, find_fit_file(keys.file, scene, run_directory)));
+    plan.wake = {plan.keys.box, plan.keys.heading, plan.keys.core};
+    plan.track_model.ode.rtol = 1e-10;
+    plan.track_model.ode.atol = 1e-12;
+    plan.problem = problem_of(plan);
+    plan.method = fit_method(plan.keys, options);
+    return plan;
+}
+
+void require_fit_files(const scene::Scene& scene, const Options& options) {
+    const auto own = [&](const auto& keys) { return made_by_run(keys.file, scene); };
+    const scene::Fit& keys = *scene.fit;
+    if (std::ranges::none_of(keys.profiles, own) && std::ranges::none_of(keys.trajectories, own)) {
+        fit_plan(scene, options, {});
+        return;
+    }
+    for (const scene::FitProfile& one : keys.profiles)
+        if (!own(one))
+            read_fit_profile(one, find_fit_file(one.file, scene, {}), keys.independent_spacing);
+    for (const scene::FitTrajectory& one : keys.trajectories)
+        if (!own(one))
+            read_fit_track(one, find_fit_file(one.file, scene, {}));
+}
+
+std::vector<double> FitPart::values(std::span<const double> all) const {
+    std::vector<double> out;
+    for (const std::size_t i : index)
+        out.push_back(all[i]);
+    return out;
+}
+
+FitPart wake_part(const Problem& problem) { return part(problem, fitting::wake_parameter_names(), false); }
+
+FitPart track_part(const Problem& problem) {
+    return part(problem, fitting::trajectory_parameter_names(), true);
+}
+
+std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare& compare,
+                                    std::span<const double> fitted) {
+    std::vector<double> out(fitted.begin(), fitted.end());
+    const auto& all = plan.problem.parameters;
+    const auto slot = [&](const char* name) -> double* {
+        const auto at = std::ranges::find(all, name, &fitting::Parameter::name);
+        return at == all.end() ? nullptr : &out[static_cast<std::size_t>(at - all.begin())];
+    };
+    for (const auto& [name, value] : compare.values)
+        if (double* at = slot(name.c_str()))
+            *at = value;
+    const double* strength = slot("f_over_mu");
+    const auto given = [&](const char* name) {
+        return compare.values.contains(name) ? &compare.values.at(name) : nullptr;
+    };
+    if (const double* alpha = given("alpha"); alpha && slot("xi") && strength)
+        *slot("xi") = *strength / *alpha;
+    if (const double* xi = given("xi"); xi && slot("alpha") && strength)
+        *slot("alpha") = *strength / *xi;
+    return out;
+}
+
+std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
+    if (parameter.starts_with("heading."))
+        return "rad";
+    if (parameter == "kappa")
+        return "v0 mu/f";
+    if (parameter == "gamma1" || parameter == "gamma2")
+        return "v0";
+    if (parameter == "eta" || parameter == "alpha")
+        return "1";
+    const std::string length = keys.profiles.empty() ? "f/mu" : keys.length_unit;
+    return parameter == "f2d_over_mu" ? length + "^2" : length;
+}
+
+} // namespace rodwake::cli

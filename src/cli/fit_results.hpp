@@ -1,0 +1,58 @@
+#pragma once
+// What a fit found, put beside its data: everything fit.json and its tables hold.
+
+#include "fit_plan.hpp"
+#include "rodwake/fitting/report.hpp"
+
+#include <map>
+#include <optional>
+
+namespace rodwake::cli {
+
+/// Value and standard error (infinite: not fixed by the data) of what follows from the parameters.
+struct FitDerived {
+    double value = 0.0, error = 0.0;
+};
+
+struct FitProfileResult {
+    std::vector<double> model, band, residual, sigma; ///< at every point; sigma as used, 0: unknown
+    std::vector<bool> used;                           ///< outside the core
+    double chi2 = 0.0;                                ///< of the used ones
+    std::optional<fitting::Excess> excess;            ///< absent where the model is 0 everywhere
+    /// places, model, band, then each comparison; places at the singularity are left out
+    std::vector<std::vector<double>> curve;
+};
+
+struct FitTrackResult {
+    std::vector<std::vector<double>> model;       ///< states at the data's times, reduced
+    double rms_position = 0.0, rms_heading = 0.0; ///< file's unit; rad
+};
+
+struct FitCompareResult {
+    std::vector<double> values; ///< of all parameters
+    double chi2 = 0.0;          ///< over the fitted profiles
+    std::vector<double> profile_chi2;
+    std::vector<std::optional<fitting::Excess>> excess;
+};
+
+struct FitResults {
+    fitting::Fit fit;
+    fitting::Report report;
+    std::map<std::string, fitting::ProfileLikelihood> likelihood;
+    std::map<std::string, FitDerived> derived; ///< alpha of a fit of xi, xi of one of alpha
+    std::vector<FitProfileResult> profiles;
+    std::vector<FitTrackResult> tracks;
+    std::vector<FitCompareResult> compare;
+};
+
+/// Everything but the likelihood, which takes searches of its own.
+FitResults fit_results(const FitPlan& plan, fitting::Fit fit);
+
+/// A function of the parameters with its gradient, and the error that follows.
+FitDerived derived(const fitting::Report& report, double value,
+                   const std::map<std::string, double>& gradient);
+
+/// Value of a parameter, if the fit has it.
+std::optional<double> fitted_value(const fitting::Report& report, const std::string& name);
+
+} // namespace rodwake::cli

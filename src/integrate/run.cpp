@@ -1,0 +1,170 @@
+#include "run.hpp"
+
+#include "describe_failure.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace rodwake::integrate {
+
+namespace {
+
+std::unique_ptr<Stepper> make_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time) {
+    return options.method == Method::erk ? make_erk_stepper(calls, options, end_time)
+                                         : make_cvode_stepper(calls, options, end_time);
+}
+
+} // namespace
+
+Run::Run(const OdeProblem& problem, const SensitivityProblem* sensitivity, const OdeOptions& options,
+         std::span<const double> output_times)
+    : options_(options), output_times_(output_times), calls_(problem, options, sensitivity),
+      stepper_(make_stepper(calls_, options, output_times.back())) {}
+
+SensitivitySolution Run::execute() {
+    solution_.times.reserve(output_times_.size());
+    solution_.states.reserve(output_times_.size());
+    bool going = start();
+    while (going)
+        going = advance() && digest_step() && go_on();
+    solution_.statistics = statistics();
+    return std::move(result_);
+}
+
+Statistics Run::statistics() const {
+    Statistics counts = stepper_->counts();
+    counts.rhs_evaluations = calls_.rhs_evaluations();
+    counts.event_evaluations = calls_.event_evaluations();
+    return counts;
+}
+
+bool Run::start() {
+    const double t = calls_.problem().start_time;
+    const State y = calls_.problem().initial_state;
+    stepper_->start(t, y);
+    store_outputs(t);
+    try {
+        events_.emplace(calls_, t, y);
+    } catch (const StepFailure& failure) {
+        return fail(failure, t, y);
+    }
+    return all_stored() ? end(Outcome::reached_end, t, y) : true;
+}
+
+bool Run::advance() {
+    constexpr long most_stalled = 10; // a few such steps can precede a recovery
+    const bool may_step = steps_ < options_.max_steps;
+    if (!may_step)
+        return fail({"TOO_MUCH_WORK", ""}, stepper_->time(), stepper_->state());
+    if (!stepper_->advance())
+        return fail(stepper_->failure(), stepper_->time(), stepper_->state());
+    calls_.clear_fault();
+    ++steps_;
+    stalled_steps_ = stepper_->time() > stepper_->time_before() ? 0 : stalled_steps_ + 1;
+    if (stalled_steps_ < most_stalled)
+        return true;
+    return fail({"STEP_BELOW_ROUNDOFF", ""}, stepper_->time(), stepper_->state());
+}
+
+/// Stores what the last step holds, up to its first terminal event.
+bool Run::digest_step() {
+    std::vector<EventHit> hits;
+    const EventHit* stop = nullptr;
+    try {
+        hits = events_->in_last_step(*stepper_);
+        for (const EventHit& hit : hits)
+            if (!stop && calls_.problem().events[hit.event].terminal)
+                stop = &hit;
+        store_outputs(stop ? stop->time : stepper_->time());
+        if (stop && calls_.sensitivity())
+            result_.event_time_by_parameter = event_time_by_parameter(*stop);
+    } catch (const StepFailure& failure) {
+        return fail(failure, stepper_->time_before(), stepper_->state_before());
+    }
+    report_step(stop);
+    const bool going = stop ? end(Outcome::stopped_at_event, stop->time, stop->state) : true;
+    std::move(hits.begin(), hits.end(), std::back_inserter(solution_.hits));
+    return going;
+}
+
+/// After a step: the end, a new segment, or the caller's wish to stop.
+bool Run::go_on() {
+    if (all_stored())
+        return end(Outcome::reached_end, stepper_->time(), stepper_->state());
+    if (steps_ % options_.segment_steps == 0 && steps_ < options_.max_steps)
+        begin_segment();
+    if (!options_.stop_requested || !options_.stop_requested())
+        return true;
+    return end(Outcome::interrupted, stepper_->time(), stepper_->state());
+}
+
+bool Run::end(Outcome outcome, double t, State state) {
+    solution_.final_time = t;
+    solution_.final_state.assign(state.begin(), state.end());
+    solution_.status.outcome = outcome;
+    solution_.status.reached = t;
+    solution_.status.wanted = output_times_.back();
+    solution_.status.step = stepper_->time() - stepper_->time_before();
+    solution_.status.order = stepper_->order();
+    if (calls_.sensitivity())
+        result_.final_sensitivity = stepper_->sensitivities(t);
+    return false;
+}
+
+bool Run::fail(const StepFailure& failure, double reached, State state) {
+    end(Outcome::failed, reached, state);
+    describe_failure(failure, *stepper_, calls_, solution_.status);
+    return false;
+}
+
+void Run::store_outputs(double until) {
+    while (!all_stored() && output_times_[solution_.times.size()] <= until) {
+        const double t = output_times_[solution_.times.size()];
+        solution_.states.push_back(state_at(t));
+        solution_.times.push_back(t);
+        if (calls_.sensitivity())
+            result_.sensitivities.push_back(stepper_->sensitivities(t));
+    }
+}
+
+std::vector<double> Run::state_at(double t) {
+    const State end = stepper_->state();
+    std::vector<double> y(end.begin(), end.end());
+    if (t < stepper_->time())
+        stepper_->interpolate(t, y);
+    return y;
+}
+
+/// A step that a terminal event cut short ends there.
+void Run::report_step(const EventHit* end) {
+    if (!options_.on_step)
+        return;
+    Step step = stepper_->step();
+    if (end) {
+        step.time = end->time;
+        step.state = end->state;
+    }
+    options_.on_step(step);
+}
+
+void Run::begin_segment() {
+    stepper_->start(stepper_->time(), stepper_->state());
+    if (options_.on_segment)
+        options_.on_segment({stepper_->time(), stepper_->state(), solution_.states, statistics()});
+}
+
+/// From g(y(t, p), p) = 0: grad g . (S + f dt/dp) + dg/dp = 0.
+Eigen::VectorXd Run::event_time_by_parameter(const EventHit& hit) {
+    const auto n = static_cast<Eigen::Index>(hit.state.size());
+    const Eigen::VectorXd gradient = calls_.event_gradient(hit.event, hit.time, hit.state);
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(n);
+    if (calls_.rhs(hit.time, hit.state, {slope.data(), hit.state.size()}) != ProblemCalls::fine)
+        throw StepFailure{"RHSFUNC_FAIL", calls_.fault()};
+    const Eigen::VectorXd by_state = gradient.head(n);
+    Eigen::VectorXd by_parameter = stepper_->sensitivities(hit.time).transpose() * by_state;
+    if (gradient.size() > n)
+        by_parameter += gradient.tail(gradient.size() - n);
+    return -by_parameter / by_state.dot(slope);
+}
+
+} // namespace rodwake::integrate

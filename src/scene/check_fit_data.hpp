@@ -1,0 +1,16 @@
+#pragma once
+// [fit]: what the data must be for the parameters, and what figures need of it.
+
+#include "rodwake/scene/scene.hpp"
+
+#include <functional>
+#include <string>
+
+namespace rodwake::scene {
+
+void check_fit_data(const Fit& fit,
+                    const std::function<void(const std::string&, const std::string&)>& report);
+void check_fit_figures(const Scene& scene,
+                       const std::function<void(const std::string&, const std::string&)>& report);
+
+} // namespace rodwake::scene

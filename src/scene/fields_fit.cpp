@@ -1,0 +1,232 @@
+// Field list of [fit]. Lengths are in the profiles' own unit (fields(Scene) says so).
+
+#include "fields.hpp"
+
+namespace rodwake::scene {
+
+namespace {
+
+using enum Dimension;
+
+constexpr double largest_seed = 9223372036854775807.0; // 2^63 - 1, the largest TOML integer
+
+void parameter_fields(Visitor& v, Fit& fit) {
+    const auto& names = fit_parameter_names();
+    v(key("parameters")
+          .required()
+          .one_of(names)
+          .items(1, names.size())
+          .doc("what is fitted. f_over_mu: force over shear modulus, a length; f2d_over_mu: y force dipole; "
+               "eta, "
+               "xi or alpha = f_over_mu/xi: the medium; x0: where the force acts, ahead of the rod's centre; "
+               "offset, offset_y: added to Ux, Uy; kappa, gamma1, gamma2: couplings, from trajectories")
+          .example("[\"f_over_mu\", \"eta\", \"xi\"]"),
+      fit.parameters);
+    v(key("start")
+          .one_of(names)
+          .absent("1 for f_over_mu, eta, alpha and kappa, 10 for xi, 0 for others")
+          .doc("where the search starts; of no use for one that is fixed or tied")
+          .example("{ f_over_mu = 2.0, eta = 1.0, alpha = 0.2 }"),
+      fit.start);
+    v(key("bounds")
+          .one_of(names)
+          .absent("[1e-6, 1e6] for eta, xi and alpha, none for others")
+          .doc("[low, high] within which a parameter is searched")
+          .example("{ eta = [0.05, 50.0] }"),
+      fit.bounds);
+    v(key("fixed")
+          .one_of(names)
+          .absent("none")
+          .doc(
+              "values of parameters that are not fitted. A term takes part if and only if its strength is in "
+              "parameters, fixed or tied")
+          .example("{ f2d_over_mu = 0.1 }"),
+      fit.fixed);
+    v(key("tied")
+          .one_of(names)
+          .absent("none")
+          .doc("parameters that are a factor times a fitted one: [name, factor]")
+          .example("{ f2d_over_mu = [\"f_over_mu\", 0.5] }"),
+      fit.tied);
+    v(key("log")
+          .one_of(names)
+          .items(0, names.size())
+          .doc("searched in the logarithm, which gives intervals even in the logarithm; needs bounds above 0")
+          .example("[\"eta\", \"xi\", \"alpha\"]"),
+      fit.log);
+}
+
+void model_fields(Visitor& v, Fit& fit) {
+    v(key("box")
+          .unit(length)
+          .above(0.0)
+          .absent("infinite plane")
+          .doc("side of the periodic box in which the profiles were measured: the rod's images count, and U "
+               "is "
+               "relative to its mean over the box")
+          .example("\"78 a\""),
+      fit.box);
+    v(key("heading").unit(angle).doc("of the rod against the sides of box").example("\"30 deg\""),
+      fit.heading);
+    v(key("core")
+          .unit(length)
+          .within(0.0, 1e12)
+          .doc("points closer than this to the rod along a profile are not fitted")
+          .example("\"8 a\""),
+      fit.core);
+    v(key("independent_spacing")
+          .unit(length)
+          .above(0.0)
+          .absent("all points are independent")
+          .doc("points closer to each other share data: sigma is multiplied by "
+               "sqrt(independent_spacing/spacing of "
+               "the points) if that is above 1")
+          .example("\"4.2 a\""),
+      fit.independent_spacing);
+}
+
+void search_fields(Visitor& v, Fit& fit) {
+    v(key("method")
+          .doc("how the minimum is searched: bobyqa, nelder-mead without derivatives; slsqp, lbfgs, mma with "
+               "the "
+               "gradient; mlsl, crs, isres, direct-l all over the bounds, which every parameter then needs")
+          .example("\"bobyqa\""),
+      choice(fit.method, {{"slsqp", FitMethod::slsqp},
+                          {"bobyqa", FitMethod::bobyqa},
+                          {"nelder-mead", FitMethod::nelder_mead},
+                          {"lbfgs", FitMethod::lbfgs},
+                          {"mma", FitMethod::mma},
+                          {"mlsl", FitMethod::mlsl},
+                          {"crs", FitMethod::crs},
+                          {"isres", FitMethod::isres},
+                          {"direct-l", FitMethod::direct_l}}));
+    v(key("loss")
+          .doc("squares: sum of r^2; huber, cauchy: residuals beyond loss_width count less")
+          .example("\"huber\""),
+      choice(fit.loss,
+             {{"squares", FitLoss::squares}, {"huber", FitLoss::huber}, {"cauchy", FitLoss::cauchy}}));
+    v(key("loss_width").above(0.0, 1e6).doc("of huber and cauchy, in sigma").example("1.5"), fit.loss_width);
+    v(key("polish")
+          .doc("go on from where the method ended to a stationary point (Levenberg-Marquardt)")
+          .example("true"),
+      fit.polish);
+    v(key("starts").within(1, 1e6).doc("number of starts; the best end counts").example("20"), fit.starts);
+    v(key("spread")
+          .above(1.0, 1e6)
+          .doc("the starts after the first lie within this factor of it, or between the bounds")
+          .example("10.0"),
+      fit.spread);
+    v(key("seed")
+          .within(0, largest_seed)
+          .doc("of the starts and of random searches; --seed replaces it")
+          .example("1"),
+      fit.seed);
+    v(key("tolerance").above(0.0, 0.1).doc("relative, of parameters and chi2").example("1e-10"),
+      fit.tolerance);
+    v(key("max_evaluations").within(1, 1e9).doc("of the residuals, each start").example("2000"),
+      fit.max_evaluations);
+}
+
+void report_fields(Visitor& v, Fit& fit) {
+    v(key("likelihood")
+          .one_of(fit_parameter_names())
+          .items(0, fit_parameter_names().size())
+          .doc("parameters whose 95 % interval is also taken from the profile likelihood")
+          .example("[\"eta\"]"),
+      fit.likelihood);
+    v(key("length_unit")
+          .absent("none")
+          .doc("name of the profiles' unit of length, for reports")
+          .example("\"a\""),
+      fit.length_unit);
+}
+
+} // namespace
+
+void fields(Visitor& v, FitProfile& p) {
+    v(key("file")
+          .required()
+          .doc("CSV with columns x (place along the line), value and optional sigma. Looked for in the run "
+               "directory if the scene has [measure], then beside the scene, then where the program runs")
+          .example("\"profile_Ux_x.csv\""),
+      p.file);
+    v(key("component").one_of({"Ux", "Uy"}).doc("what was measured, in the rod's frame").example("\"Uy\""),
+      p.component);
+    v(key("along").one_of({"x", "y"}).doc("the axis of the rod's frame along which it was").example("\"y\""),
+      p.along);
+    v(key("at").unit(length).doc("the other coordinate").example("\"4 a\""), p.at);
+    v(key("role").doc("fit, or predict: compared with the fit, not fitted").example("\"predict\""),
+      choice(p.role, {{"fit", FitRole::fit}, {"predict", FitRole::predict}}));
+    v(key("name")
+          .absent("the file's name without ending")
+          .doc("name in reports")
+          .example("\"along the wake\""),
+      p.name);
+}
+
+void fields(Visitor& v, FitTrajectory& t) {
+    v(key("file")
+          .required()
+          .doc("CSV with columns t,x0,y0,theta0,x1,... as in rods.csv and tracks.csv; looked for as profiles "
+               "are")
+          .example("\"rods.csv\""),
+      t.file);
+    v(key("sigma_position")
+          .above(0.0)
+          .absent("1, and errors from the scatter")
+          .doc("standard error of positions, in the file's unit; comes with sigma_heading")
+          .example("0.1"),
+      t.sigma_position);
+    v(key("sigma_heading")
+          .above(0.0)
+          .absent("1, and errors from the scatter")
+          .doc("of headings, rad")
+          .example("0.05"),
+      t.sigma_heading);
+    v(key("free_headings").doc("fit the headings at the start too").example("true"), t.free_headings);
+    v(key("contact_distance")
+          .above(0.0)
+          .absent("no stop")
+          .doc("the rods stop there, in the file's unit")
+          .example("0.1"),
+      t.contact_distance);
+    v(key("contact_time")
+          .above(0.0)
+          .absent("not fitted")
+          .doc("when they met, a datum; needs contact_distance")
+          .example("40.6"),
+      t.contact_time);
+    v(key("sigma_contact").above(0.0).absent("1").doc("standard error of contact_time").example("0.01"),
+      t.sigma_contact);
+    v(key("f_over_mu")
+          .above(0.0)
+          .doc("what one f/mu is in the file's numbers; tracks.csv is in metres")
+          .example("0.00088"),
+      t.f_over_mu);
+    v(key("speed").above(0.0).doc("what one v0 is in the file's numbers").example("0.0028"), t.speed);
+    v(key("name").absent("the file's name without ending").doc("name in reports").example("\"pair\""),
+      t.name);
+}
+
+void fields(Visitor& v, FitCompare& c) {
+    v(key("name").required().doc("name in reports").example("\"paper\""), c.name);
+    v(key("values")
+          .required()
+          .one_of(fit_parameter_names())
+          .doc("values of parameters of this fit; those not named are as fitted")
+          .example("{ f_over_mu = 2.2, eta = 1.3, xi = 22.0 }"),
+      c.values);
+}
+
+void fields(Visitor& v, Fit& fit) {
+    parameter_fields(v, fit);
+    model_fields(v, fit);
+    search_fields(v, fit);
+    report_fields(v, fit);
+    v.list(key("profiles").items(0, 100).doc("Measured displacement along a line."), fit.profiles);
+    v.list(key("trajectories").items(0, 100).doc("Measured tracks of rods."), fit.trajectories);
+    v.list(key("compare").items(0, 20).doc("Other parameter values, drawn and scored beside the fit."),
+           fit.compare);
+}
+
+} // namespace rodwake::scene

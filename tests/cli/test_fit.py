@@ -1,0 +1,208 @@
+"""rodwake fit: known parameters come back from made-up profiles, and what the data cannot tell is said."""
+
+import json
+
+import numpy as np
+import rodwake
+from fits import FIELD, FIT, FITTED, KEYS, SIGMA, TRUE, X, FitTest, columns, wake
+
+PRECISE = SIGMA / 8  # eta has an upper and a lower limit
+
+
+class RecoveryTest(FitTest):
+    def test_a_profile_gives_its_parameters_back(self):
+        self.make_profile()
+        found, done = self.fit(FIT)
+        self.assert_recovered(found, TRUE)
+        self.assertEqual(found["termination"], "converged")
+        self.assertEqual(found["dof"], len(X) - 3)
+        self.assertLess(abs(found["chi2"] - found["dof"]), 4.0 * np.sqrt(2.0 * found["dof"]))  # four standard deviations of chi2
+        self.assertLess(found["parameters"]["eta"]["stderr"], 0.5 * TRUE["eta"])  # the errors are not just large
+        alpha = found["derived"]["alpha"]
+        self.assertLess(abs(alpha["value"] - 0.1), 4.0 * alpha["stderr"])
+        self.assertRegex(done.stderr, r"fit: eta = 1\.\d+ \+- 0\.\d+")
+        self.assertEqual(self.status("out"), "finished")
+
+    def test_errors_that_are_too_small_are_noticed(self):
+        """The check above can fail: noise ten times sigma does not fit."""
+        self.make_profile(sigma=10 * SIGMA)
+        self.write("ux.csv", (self.folder / "ux.csv").read_text().replace(f",{10 * SIGMA!r}", f",{SIGMA!r}"))
+        found, done = self.fit(FIT)
+        self.assertGreater(found["chi2"], 10.0 * found["dof"])
+        self.assertRegex(done.stderr, "poor chi2")
+
+    def test_fit_json_and_its_tables_hold_what_they_should(self):
+        self.make_profile(sigma=PRECISE)
+        self.make_profile("uy.csv", X, 4.0, "Uy", sigma=PRECISE)
+        text = FIT.replace("[[fit.profiles]]", 'likelihood = ["eta"]\nstarts = 3\n[[fit.profiles]]') + """[[fit.profiles]]
+file = "uy.csv"
+component = "Uy"
+at = 4.0
+role = "predict"
+[[fit.compare]]
+name = "double"
+values = { f_over_mu = 4.4, alpha = 0.2 }
+"""
+        found, _ = self.fit(text, "-s", "fit.core=5.0")
+        self.assertEqual(set(found), KEYS["fit"])
+        for name in TRUE:
+            self.assertEqual(set(found["parameters"][name]), KEYS["parameter"])
+        self.assertEqual(set(found["profiles"][0]), KEYS["profile"])
+        self.assertEqual(set(found["starts"][0]), KEYS["start"])
+        self.assertEqual(set(found["compare"][0]), KEYS["compare"])
+        self.assertEqual(np.shape(found["correlation"]), (3, 3))
+        eta, likelihood = found["parameters"]["eta"], found["likelihood"]["eta"]
+        self.assertTrue(likelihood["low"] < eta["value"] < likelihood["high"])
+        self.assert_tables(found)
+        self.assert_scores(found)
+        self.assertIn("eta", (self.folder / "out/fit.txt").read_text())
+
+    def assert_tables(self, found):
+        for index, profile in enumerate(found["profiles"]):
+            data = columns(self.folder / "out" / profile["data"])
+            curve = columns(self.folder / "out" / profile["curve"])
+            self.assertEqual(list(data), ["x", "value", "sigma", "model", "band", "residual", "used"])
+            self.assertEqual(list(curve), ["x", "model", "band", "compare_0"])
+            np.testing.assert_array_equal(data["x"], X)
+            np.testing.assert_array_equal(data["used"] > 0, np.abs(X) >= 5.0)
+            self.assertEqual((profile["points"], profile["used"]), (len(X), np.sum(np.abs(X) >= 5.0)))
+            used = data["used"] > 0
+            chi2 = np.sum(((data["value"] - data["model"])[used] / PRECISE)**2)
+            self.assertAlmostEqual(chi2, profile["chi2"], delta=1e-9 * chi2)
+            np.testing.assert_allclose(data["residual"], (data["value"] - data["model"]) / PRECISE, rtol=1e-9, atol=1e-9)
+            self.assertTrue(np.all(data["band"] > 0.0))
+            exact = wake(self, curve["x"], found["profiles"][index]["at"], profile["component"], "x", None,
+                         **{name: one["value"] for name, one in found["parameters"].items()})
+            np.testing.assert_allclose(curve["model"], exact, atol=1e-12)  # round-off of xi/f and back
+
+    def assert_scores(self, found):
+        """Two points in a row: what is predicted fits by a factor of 1, twice the force by one of about a half."""
+        predicted = found["profiles"][1]["excess"]
+        self.assertLess(abs(predicted["scale"] - 1.0), 4.0 * predicted["stderr"])
+        other = found["compare"][0]
+        self.assertAlmostEqual(other["values"]["xi"], 22.0)  # alpha = 0.2 with f_over_mu = 4.4
+        self.assertAlmostEqual(other["values"]["eta"], found["parameters"]["eta"]["value"])
+        self.assertLess(abs(other["profiles"][0]["excess"]["scale"] - 0.5), 0.05)
+        self.assertGreater(other["chi2"], 100.0 * found["chi2"])
+
+    def test_a_box_has_images_and_the_plane_is_biased(self):
+        self.make_profile(box=78.0)
+        inside, _ = self.fit(FIT, "-s", "fit.box=78 a")
+        self.assert_recovered(inside, TRUE)
+        plane, _ = self.fit(FIT, out="plane")
+        self.assertGreater(plane["chi2"], 2.0 * inside["chi2"])
+        self.assertEqual((inside["box"], plane["box"]), (78.0, None))
+
+    def test_dipole_offset_and_place_of_the_force(self):
+        true = {"f2d_over_mu": 3.0, "offset": 0.2, "x0": 0.7}
+        self.make_profile(**true)
+        self.make_profile("uy.csv", X, 4.0, "Uy", **true)
+        text = FIT.replace('"xi"]', '"xi", "f2d_over_mu", "offset", "x0"]') + '[[fit.profiles]]\nfile = "uy.csv"\ncomponent = "Uy"\nat = 4.0\n'
+        found, _ = self.fit(text)
+        self.assert_recovered(found, {**TRUE, **true})
+        self.assertGreater(found["parameters"]["f2d_over_mu"]["value"], 10.0 * found["parameters"]["f2d_over_mu"]["stderr"])
+
+    def test_fixed_and_tied_parameters(self):
+        self.make_profile(f2d_over_mu=1.1)
+        found, _ = self.fit(FIT.replace('"eta", "xi"]', '"eta"]').replace("[[fit.prof", 'fixed = { xi = 22.0 }\n'
+                                        'tied = { f2d_over_mu = ["f_over_mu", 0.5] }\n[[fit.prof'))
+        self.assert_recovered(found, {"f_over_mu": 2.2, "eta": 1.3})
+        self.assertEqual(found["parameters"]["xi"]["value"], 22.0)
+        self.assertTrue(found["parameters"]["xi"]["fixed"])
+        tied = found["parameters"]["f2d_over_mu"]
+        self.assertEqual((tied["tied_to"], tied["free"]), ("f_over_mu", False))
+        self.assertAlmostEqual(tied["value"], 0.5 * found["parameters"]["f_over_mu"]["value"])
+        self.assertEqual(found["free"], ["f_over_mu", "eta"])
+
+    def test_robust_loss_against_an_outlier(self):
+        self.make_profile()
+        lines = (self.folder / "ux.csv").read_text().splitlines()
+        x, value, sigma = lines[10].split(",")
+        self.write("ux.csv", "\n".join([*lines[:10], f"{x},{float(value) + 0.4},{sigma}", *lines[11:], ""]))
+        squares, _ = self.fit(FIT)
+        for loss in ("huber", "cauchy"):
+            robust, _ = self.fit(FIT, "-s", f"fit.loss={loss}", out=loss)
+            off = [abs(found["parameters"]["f_over_mu"]["value"] - TRUE["f_over_mu"]) for found in (robust, squares)]
+            self.assertLess(off[0], 0.5 * off[1], loss)
+
+    def test_profiles_without_sigma_get_errors_from_the_scatter(self):
+        self.make_profile()
+        text = "".join(",".join(line.split(",")[:2]) + "\n" for line in (self.folder / "ux.csv").read_text().splitlines())
+        self.write("ux.csv", text)
+        found, _ = self.fit(FIT)
+        self.assert_recovered(found, TRUE)
+        self.assertFalse(found["sigma_known"])
+        # the scatter has a relative error of 1/sqrt(2 dof) = 10 %: four of them
+        self.assertLess(abs(found["error_factor"] / SIGMA - 1.0), 0.4)
+
+    def test_points_that_share_data_get_larger_errors(self):
+        self.make_profile()
+        alone, _ = self.fit(FIT)
+        shared, _ = self.fit(FIT, "-s", "fit.independent_spacing=4.0", out="shared")
+        self.assertEqual(shared["profiles"][0]["independent"], 0.25)
+        for name in TRUE:
+            self.assertAlmostEqual(shared["parameters"][name]["value"], alone["parameters"][name]["value"], delta=1e-4 * alone["parameters"][name]["value"])
+            self.assertAlmostEqual(shared["parameters"][name]["stderr"], 2.0 * alone["parameters"][name]["stderr"], delta=1e-3 * alone["parameters"][name]["stderr"])
+
+    def test_every_method_finds_the_same(self):
+        self.make_profile()
+        best, _ = self.fit(FIT)
+        bounds = "fit.bounds={ f_over_mu = [0.5, 10.0], eta = [0.1, 10.0], xi = [1.0, 200.0] }"
+        for method in ("bobyqa", "nelder-mead", "lbfgs", "mma", "mlsl", "crs", "isres", "direct-l"):
+            found, _ = self.fit(FIT, "-s", f"fit.method={method}", "-s", bounds, out=method)
+            self.assertAlmostEqual(found["chi2"], best["chi2"], delta=1e-6 * best["chi2"], msg=method)
+
+    def test_a_point_without_a_sigma_is_left_out_and_said(self):
+        self.make_profile()
+        lines = (self.folder / "ux.csv").read_text().splitlines()
+        self.write("ux.csv", "\n".join([*lines[:5], lines[5].rsplit(",", 1)[0] + ",", *lines[6:], ""]))
+        found, done = self.fit(FIT)
+        self.assertEqual(found["profiles"][0]["points"], len(X) - 1)
+        self.assertRegex(done.stderr, "1 points without a sigma are left out")
+
+    def test_files_are_looked_for_beside_the_scene_and_where_the_program_runs(self):
+        self.make_profile()
+        self.write("scenes/fit.toml", FIT)
+        self.expect(0, "fit", "scenes/fit.toml", "-o", "here", "--quiet")
+        self.write("scenes/ux.csv", (self.folder / "ux.csv").read_text())
+        self.expect(0, "fit", "scenes/fit.toml", "-o", "beside", "--quiet")
+        files = [json.loads((self.folder / out / "fit.json").read_text())["profiles"][0]["file"] for out in ("here", "beside")]
+        self.assertEqual(files, ["ux.csv", "scenes/ux.csv"])
+
+
+class NotIdentifiableTest(FitTest):
+    def setUp(self):
+        super().setUp()
+        # On the axis U_y of a monopole is 0 by symmetry: these data tell nothing but the offset.
+        self.make_profile("ux.csv", X, 0.0, "Uy", offset_y=0.5)
+        self.text = FIT.replace('"xi"]', '"xi", "offset_y"]').replace('file = "ux.csv"', 'file = "ux.csv"\ncomponent = "Uy"')
+
+    def test_what_the_data_do_not_fix_is_said(self):
+        found, done = self.fit(self.text)
+        for name in TRUE:
+            self.assertIsNone(found["parameters"][name]["stderr"], name)
+            self.assertRegex(done.stderr, rf"fit: {name} = .*not fixed by the data")
+        self.assert_recovered(found, {"offset_y": 0.5})
+        self.assertEqual(found["rank"], 1)
+        self.assertEqual(len(found["flat"]), 3)
+        self.assertTrue(found["remarks"])
+        self.assertRegex((self.folder / "out/log.txt").read_text(), "warning.* the data do not fix eta")
+
+    def test_such_a_medium_is_not_taken(self):
+        self.write("run.toml", self.text + FIELD + FITTED)
+        done = self.expect(1, "run", "run.toml", "-o", "out")
+        self.assertRegex(done.stderr, r"medium\.fitted: the data do not fix eta and xi; give eta and xi in \[medium\]")
+        self.assertTrue((self.folder / "out/fit.json").exists())
+        self.assertFalse((self.folder / "out/medium.json").exists())
+        self.assertEqual(self.status("out"), "failed")
+
+    def test_a_parameter_at_its_bound_is_said(self):
+        self.make_profile()
+        found, done = self.fit(FIT, "-s", "fit.bounds.eta=[0.1, 0.6]", "-s", "fit.start.eta=0.5", out="bound")
+        self.assertEqual(found["parameters"]["eta"]["at_bound"], "upper")
+        self.assertIsNone(found["parameters"]["eta"]["stderr"])
+        self.assertRegex(done.stderr, "eta = 0.6 \\(at its upper bound\\)")
+
+
+if __name__ == "__main__":
+    rodwake.main()

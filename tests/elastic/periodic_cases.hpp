@@ -1,0 +1,25 @@
+#pragma once
+// Comparisons of fields of a periodic box.
+
+#include "periodic_oracle.hpp"
+
+#include "rodwake/elastic/periodic.hpp"
+
+namespace rodwake::oracle {
+
+inline constexpr elastic::Wanted plain{true, true, true, true, false};
+
+/// Norms of the five plain quantities: displacement, strain, laplacian, gradient_of_trace, dipole.
+using Norms = std::array<double, 5>;
+Norms norms(const elastic::FieldValues& f);
+/// Of got - wanted; infinite where a number of got is not finite.
+Norms distances(const elastic::FieldValues& got, const elastic::FieldValues& wanted);
+/// The largest at 24 places at the distance r from the rod.
+Norms largest_at(const elastic::PeriodicField& field, double r);
+/// The largest of distances/scale.
+double worst(const Norms& distances, const Norms& scale);
+
+/// From the box's axes to the rod's.
+elastic::Vector to_rod(double heading, double x, double y);
+
+} // namespace rodwake::oracle

@@ -1,0 +1,74 @@
+// By what factor data exceed a prediction.
+
+#include "catch2/catch.hpp"
+#include "rodwake/core/error.hpp"
+#include "synthetic_profiles.hpp"
+
+using namespace rodwake::fitting;
+using namespace fitting_test;
+
+namespace {
+
+Profile data(std::vector<double> value, std::vector<double> sigma) {
+    Profile profile;
+    profile.name = "line";
+    profile.place.resize(value.size());
+    profile.value = std::move(value);
+    profile.sigma = std::move(sigma);
+    return profile;
+}
+
+} // namespace
+
+TEST_CASE("data that are twice the prediction exceed it by 2") {
+    const std::vector<double> model = {1.0, -2.0, 3.0};
+    const Excess found = excess(data({2.0, -4.0, 6.0}, {0.1, 0.2, 0.3}), model);
+    CHECK(found.scale == Approx(2.0).epsilon(1e-15));
+    CHECK(found.chi2 == Approx(100.0 + 100.0 + 100.0));
+    // 1/sqrt(sum (m/sigma)^2)
+    CHECK(found.stderr_ == Approx(1.0 / std::sqrt(300.0)));
+}
+
+TEST_CASE("the error of the factor is the scatter of many") {
+    rodwake::RandomStream random(7);
+    const std::vector<double> model = {0.5, 1.0, 1.5, 2.0, -1.0};
+    double sum = 0.0, squares = 0.0, claimed = 0.0;
+    constexpr int many = 4000;
+    for (int i = 0; i < many; ++i) {
+        std::vector<double> value;
+        for (const double m : model)
+            value.push_back(1.7 * m + 0.2 * normal(random));
+        const Excess one = excess(data(value, std::vector<double>(5, 0.2)), model);
+        sum += one.scale, squares += one.scale * one.scale;
+        claimed = 1.0 / std::sqrt(8.5 / 0.04);
+    }
+    const double mean = sum / many, scatter = std::sqrt(squares / many - mean * mean);
+    CHECK(std::abs(mean - 1.7) < 4.0 * claimed / std::sqrt(many));          // 4 standard errors
+    CHECK(std::abs(scatter / claimed - 1.0) < 4.0 / std::sqrt(2.0 * many)); // of a standard deviation
+}
+
+TEST_CASE("an uncertain prediction makes the factor uncertain") {
+    const std::vector<double> model = {1.0, 1.0};
+    const Profile twice = data({2.0, 2.0}, {0.01, 0.01});
+    // The whole prediction is uncertain by 10 %: so is the factor.
+    const Eigen::MatrixXd covariance = Eigen::MatrixXd::Constant(2, 2, 0.01);
+    CHECK(excess(twice, model, &covariance).stderr_ == Approx(0.2).epsilon(0.01));
+}
+
+TEST_CASE("points that share data count less") {
+    const std::vector<double> model = {1.0, -2.0, 3.0};
+    Profile shared = data({2.0, -4.0, 6.0}, {0.1, 0.1, 0.1});
+    const Excess all = excess(shared, model);
+    shared.independent = 0.25;
+    const Excess quarter = excess(shared, model);
+    CHECK(quarter.scale == Approx(all.scale));
+    CHECK(quarter.stderr_ == Approx(2.0 * all.stderr_));
+    CHECK(quarter.chi2 == Approx(all.chi2 / 4.0));
+}
+
+TEST_CASE("without sigma the error comes from the scatter") {
+    const std::vector<double> model = {1.0, 1.0, 1.0, 1.0};
+    CHECK(excess(data({1.9, 2.1, 1.9, 2.1}, {}), model).stderr_ == Approx(0.1 * std::sqrt(4.0 / 3.0) / 2.0));
+    CHECK_THROWS_AS(excess(data({1.0}, {}), std::vector{0.0}), rodwake::InputError);
+    CHECK_THROWS_AS(excess(data({1.0}, {}), model), rodwake::InputError);
+}

@@ -1,0 +1,277 @@
+// What a fit says: errors, intervals, correlations, remarks. Straight lines have everything in closed form.
+
+#include "catch2/catch.hpp"
+#include "rodwake/measure/statistics.hpp"
+#include "toy_problems.hpp"
+
+#include <algorithm>
+
+using namespace rodwake::fitting;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::vector<double> ys{1.2, 2.9, 5.1, 6.8, 9.3, 10.7};
+
+/// Of a + b x through ys at x = 0..5 with sigma 1: sum x = 15, sum x^2 = 55, n = 6, determinant 105.
+struct LineByHand {
+    double b = (6.0 * (2.9 + 2 * 5.1 + 3 * 6.8 + 4 * 9.3 + 5 * 10.7) - 15.0 * 36.0) / 105.0;
+    double a = (36.0 - 15.0 * b) / 6.0;
+    double error_a = std::sqrt(55.0 / 105.0), error_b = std::sqrt(6.0 / 105.0);
+    double covariance = -15.0 / 105.0, chi2 = 0.0;
+
+    LineByHand() {
+        for (std::size_t i = 0; i < ys.size(); ++i)
+            chi2 += std::pow(a + b * static_cast<double>(i) - ys[i], 2);
+    }
+};
+
+bool says(const Report& report, const std::string& words) {
+    return std::ranges::any_of(report.remarks,
+                               [&](const std::string& r) { return r.find(words) != std::string::npos; });
+}
+
+Report reported(const Problem& problem, const Method& method = {}) {
+    return report(problem, fit(problem, method));
+}
+
+/// Residuals of the problem times a factor, as if sigma were smaller by it.
+Problem times(Problem problem, double factor) {
+    problem.evaluate = [factor, inner = problem.evaluate](std::span<const double> p,
+                                                          Eigen::Ref<Eigen::VectorXd> r,
+                                                          Eigen::MatrixXd* jacobian) {
+        inner(p, r, jacobian);
+        r *= factor;
+        if (jacobian)
+            *jacobian *= factor;
+    };
+    return problem;
+}
+
+} // namespace
+
+// Tolerances of 1e-12: the polish ends at rounding errors, and the line's condition number is about 10.
+TEST_CASE("a straight line's errors, covariance, chi2 and intervals are those of the textbook") {
+    const LineByHand hand;
+    const Report r = reported(toy::line(ys));
+    CHECK(r.estimates[0].value == Approx(hand.a).epsilon(1e-12));
+    CHECK(r.estimates[1].value == Approx(hand.b).epsilon(1e-12));
+    CHECK(r.estimates[0].stderr_ == Approx(hand.error_a).epsilon(1e-12));
+    CHECK(r.estimates[1].stderr_ == Approx(hand.error_b).epsilon(1e-12));
+    CHECK(r.covariance(0, 1) == Approx(hand.covariance).epsilon(1e-12));
+    CHECK(r.correlation(1, 0) == Approx(hand.covariance / (hand.error_a * hand.error_b)).epsilon(1e-12));
+    CHECK(r.correlation(0, 0) == 1.0);
+    CHECK(r.chi2 == Approx(hand.chi2).epsilon(1e-12));
+    CHECK(r.dof == 4);
+    CHECK(r.rank == 2);
+    CHECK(r.probability == rodwake::measure::chi2_probability(r.chi2, 4));
+    CHECK(r.estimates[1].high - hand.b == Approx(1.959964 * hand.error_b).epsilon(1e-12));
+    CHECK(hand.b - r.estimates[1].low == Approx(1.959964 * hand.error_b).epsilon(1e-12));
+    CHECK(r.error_factor == 1.0);
+    CHECK(r.same_optimum == 1);
+}
+
+TEST_CASE("without sigmas errors come from the scatter, intervals from Student's t") {
+    const LineByHand hand;
+    Problem problem = toy::line(ys);
+    problem.sigma_known = false;
+    const Report r = reported(problem);
+    const double factor = std::sqrt(hand.chi2 / 4.0);
+    CHECK(r.error_factor == Approx(factor).epsilon(1e-12));
+    CHECK(r.estimates[1].stderr_ == Approx(factor * hand.error_b).epsilon(1e-12));
+    // t of 4 degrees of freedom, 97.5 %: 2.776445 in every table
+    CHECK(r.estimates[1].high - hand.b == Approx(2.776445 * factor * hand.error_b).epsilon(1e-6));
+    CHECK(says(r, "errors from the scatter"));
+    CHECK(reported(times(problem, 50.0)).estimates[1].stderr_ ==
+          Approx(r.estimates[1].stderr_).epsilon(1e-10));
+}
+
+TEST_CASE("the scale of the search changes no error") {
+    Problem scaled = toy::decay(40, 3);
+    scaled.parameters[0].scale = 1e-3;
+    scaled.parameters[1].scale = 40.0;
+    const Report a = reported(toy::decay(40, 3)), b = reported(scaled);
+    for (std::size_t k = 0; k < 3; ++k) { // minima agree to 1e-6 standard errors
+        CHECK(a.estimates[k].stderr_ == Approx(b.estimates[k].stderr_).epsilon(1e-6));
+        CHECK(a.estimates[k].high == Approx(b.estimates[k].high).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("errors of a logarithmic parameter are symmetric in the logarithm") {
+    const Report r = reported(toy::decay(40, 3));
+    const Estimate& b = r.estimates[1];
+    CHECK(b.value / b.low == Approx(b.high / b.value).epsilon(1e-12));
+    CHECK(std::log(b.high / b.value) == Approx(1.959964 * b.stderr_ / b.value).epsilon(1e-12));
+    Problem linear = toy::decay(40, 3);
+    linear.parameters[1].transform = Transform::linear;
+    CHECK(reported(linear).estimates[1].stderr_ == Approx(b.stderr_).epsilon(1e-6));
+}
+
+TEST_CASE("tied parameters follow, with their errors") {
+    Problem problem = toy::decay(40, 3);
+    problem.parameters[2].tied_to = "a";
+    problem.parameters[2].tie_factor = -0.25;
+    const Report r = reported(problem);
+    const Estimate &a = r.estimates[0], &c = r.estimates[2];
+    CHECK(r.free == std::vector<std::size_t>{0, 1});
+    CHECK(c.value == -0.25 * a.value);
+    CHECK(c.stderr_ == 0.25 * a.stderr_);
+    CHECK(c.low == -0.25 * a.high);
+    CHECK(c.high == -0.25 * a.low);
+    CHECK_FALSE(c.free);
+    // d c/d p = 1 alone is what the tie makes of a
+    Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(1, 3);
+    gradient(0, 2) = 1.0;
+    CHECK(propagated(r, gradient)[0] == Approx(c.stderr_).epsilon(1e-12));
+}
+
+TEST_CASE("a parameter on a bound has no error, the others theirs with it fixed") {
+    Problem problem = toy::line(ys), held = problem;
+    problem.parameters[0].lower = 2.0;
+    problem.parameters[0].start = 3.0;
+    held.parameters[0].fixed = true;
+    held.parameters[0].start = 2.0;
+    const Report r = reported(problem), expected = reported(held);
+    CHECK(r.estimates[0].at_lower);
+    CHECK_FALSE(r.estimates[0].at_upper);
+    CHECK(r.estimates[0].stderr_ == 0.0);
+    CHECK(r.estimates[1].stderr_ == Approx(1.0 / std::sqrt(55.0)).epsilon(1e-12));
+    CHECK(r.estimates[1].value == Approx(expected.estimates[1].value).epsilon(1e-12));
+    CHECK(r.dof == 5);
+    CHECK(r.correlation.isIdentity(0.0));
+    CHECK(says(r, "a is on its lower bound 2"));
+    CHECK(r.flat.empty());
+    problem.parameters[0].lower = -10.0;
+    problem.parameters[0].start = problem.parameters[0].upper = 0.5;
+    CHECK(reported(problem).estimates[0].at_upper);
+}
+
+TEST_CASE("nearly flat directions are named too, with finite errors") {
+    // y at two places only 1e-4 apart: level and slope can hardly be told apart
+    Problem problem;
+    problem.parameters = {toy::positive("level", 1.0), toy::positive("slope", 1.0)};
+    problem.residuals = 4;
+    problem.evaluate = [](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                          Eigen::MatrixXd* jacobian) {
+        for (Eigen::Index i = 0; i < 4; ++i) {
+            const double x = 1.0 + 1e-4 * static_cast<double>(i % 2);
+            r[i] = p[0] + p[1] * x - 2.0 - 1e-6 * static_cast<double>(i);
+            if (jacobian)
+                jacobian->row(i) << 1.0, x;
+        }
+    };
+    const Report r = reported(problem);
+    REQUIRE(r.flat.size() == 1);
+    CHECK_THAT(r.flat[0].text, Contains("the data hardly fix level and slope separately"));
+    CHECK(r.flat[0].singular_value > 1e-6);
+    CHECK(std::isfinite(r.estimates[0].stderr_));
+    CHECK(r.estimates[1].stderr_ ==
+          Approx(1e4).epsilon(1e-3)); // of the slope: 1/sqrt(sum (x - mean)^2) = 1e4
+    CHECK(reported(toy::line(ys)).flat.empty());
+}
+
+TEST_CASE("chi2 too large or too small is said, with the factor") {
+    const Report poor = reported(times(toy::decay(40, 3), 3.0)), fine = reported(toy::decay(40, 3)),
+                 small = reported(times(toy::decay(40, 3), 0.3));
+    CHECK(says(poor, "poor chi2"));
+    CHECK(poor.probability < 1e-10);
+    const double factor = std::sqrt(poor.chi2 / 37.0);
+    CHECK(factor == Approx(3.0).epsilon(0.4)); // 1 +- sqrt(2/37)/2, three times that
+    CHECK(says(poor, "errors grow by " + std::to_string(factor).substr(0, 3)));
+    CHECK(says(small, "the sigmas are too large"));
+    CHECK(fine.remarks.empty());
+}
+
+TEST_CASE("other minima nearly as good are said") {
+    Problem problem;
+    problem.parameters = {toy::bounded("x", 0.0, -10.0, 10.0)};
+    problem.residuals = 2;
+    double tilt = 0.05;
+    problem.evaluate = [&tilt](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                               Eigen::MatrixXd* jacobian) {
+        r << 3.0 * (p[0] * p[0] - 4.0), tilt * (p[0] - 2.0);
+        if (jacobian)
+            *jacobian << 6.0 * p[0], tilt;
+    };
+    Method method;
+    method.starts = 12;
+    const Report r = reported(problem, method);
+    CHECK(r.estimates[0].value == Approx(2.0).epsilon(1e-9));
+    CHECK(says(r, "starts ended elsewhere and nearly as well; the best of them at x = -2"));
+    CHECK((r.same_optimum > 1 && r.same_optimum < 12));
+    tilt = 2.0; // the other minimum is 64 above
+    CHECK_FALSE(says(reported(problem, method), "ended elsewhere"));
+}
+
+TEST_CASE("an unfinished fit is said to be one") {
+    Method hasty;
+    hasty.polish = false;
+    hasty.max_evaluations = 4;
+    CHECK(says(reported(toy::decay(40, 3), hasty), "not converged"));
+    hasty.tolerance = 0.5;
+    hasty.max_evaluations = 2000;
+    CHECK(says(reported(toy::decay(40, 3), hasty), "not at a stationary point"));
+}
+
+// Huber's estimator on normal data of known sigma: variance E psi^2/(E psi')^2 times that of the mean. With
+// width w: E psi' = erf(w/sqrt 2), E psi^2 = erf(w/sqrt 2) - w sqrt(2/pi) exp(-w^2/2) + w^2 erfc(w/sqrt 2).
+TEST_CASE("errors with a robust loss are Huber's") {
+    std::vector<double> y;
+    rodwake::RandomStream random(11);
+    for (int i = 0; i < 4000; ++i)
+        y.push_back(toy::normal(random));
+    const double w = 1.0, inside = std::erf(w / std::sqrt(2.0));
+    const double psi2 =
+        inside - w * std::sqrt(2.0 / std::numbers::pi) * std::exp(-0.5 * w * w) + w * w * (1.0 - inside);
+    Method method;
+    method.loss = Loss::huber;
+    method.loss_width = w;
+    const Report r = reported(toy::line(y), method);
+    // the factor of 4000 deviates scatters by about 1 %; 4 of that
+    CHECK(r.error_factor == Approx(std::sqrt(psi2) / inside).epsilon(0.04));
+    CHECK(r.error_factor > 1.0);
+    CHECK(says(r, "robust loss (huber, width 1)"));
+}
+
+TEST_CASE("propagated errors are those of the covariance") {
+    const Report r = reported(toy::decay(40, 3));
+    Eigen::MatrixXd g(3, 3);
+    g << 1.0, 0.0, 0.0, 0.3, -2.0, 1.5, 0.0, 0.0, 0.0;
+    const Eigen::VectorXd errors = propagated(r, g);
+    CHECK(errors[0] == Approx(r.estimates[0].stderr_).epsilon(1e-12));
+    CHECK(errors[1] == Approx(std::sqrt((g.row(1) * r.covariance * g.row(1).transpose())(0))).epsilon(1e-10));
+    CHECK(errors[2] == 0.0);
+}
+
+TEST_CASE("data given twice and worth half each say what they say once") {
+    const Problem once = toy::decay(40, 3);
+    Problem twice = once;
+    twice.residuals = 80;
+    twice.independent = 0.5;
+    twice.evaluate = [once](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                            Eigen::MatrixXd* jacobian) {
+        Eigen::VectorXd half(40);
+        Eigen::MatrixXd slopes(40, static_cast<Eigen::Index>(p.size()));
+        once.evaluate(p, half, jacobian ? &slopes : nullptr);
+        r << half, half;
+        r *= std::sqrt(0.5); // sigma enlarged by 1/sqrt(independent)
+        if (jacobian)
+            *jacobian << std::sqrt(0.5) * slopes, std::sqrt(0.5) * slopes;
+    };
+    const Report a = report(once, fit(once, {})), b = report(twice, fit(twice, {}));
+    CHECK(b.dof == a.dof);
+    CHECK(b.chi2 == Approx(a.chi2).epsilon(1e-12));
+    for (std::size_t j = 0; j < a.estimates.size(); ++j)
+        CHECK(b.estimates[j].stderr_ ==
+              Approx(a.estimates[j].stderr_).epsilon(1e-6)); // both stop within 1e-8 of the minimum
+    twice.independent = 1.0;
+    CHECK(report(twice, fit(twice, {})).dof == a.dof + 40);
+}
+
+TEST_CASE("an impossible worth of the data is refused") {
+    Problem problem = toy::decay();
+    for (const double wrong : {0.0, -1.0, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
+        problem.independent = wrong;
+        CHECK_THROWS_WITH(validate(problem), Catch::Matchers::Contains("independent"));
+    }
+}

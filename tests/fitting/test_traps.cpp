@@ -1,0 +1,244 @@
+// Problems that go wrong on purpose.
+
+#include "catch2/catch.hpp"
+#include "toy_problems.hpp"
+
+#include <algorithm>
+
+using namespace rodwake::fitting;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Where `bad(p)`, the residuals throw or are NaN, as told.
+template<class Bad>
+Problem spoilt(Problem problem, Bad bad, bool throws) {
+    problem.evaluate = [=, inner = problem.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                                                     Eigen::MatrixXd* jacobian) {
+        inner(p, r, jacobian);
+        if (bad(p) && throws)
+            throw std::runtime_error("no field here");
+        if (bad(p))
+            r[0] = std::numeric_limits<double>::quiet_NaN();
+    };
+    return problem;
+}
+
+bool any_nan(const Fit& fit, const Report& report) {
+    bool found = std::isnan(fit.objective) || std::isnan(fit.chi2) || std::isnan(fit.distance) ||
+                 report.covariance.hasNaN() || report.correlation.hasNaN() || report.root.hasNaN() ||
+                 std::isnan(report.probability) || std::isnan(report.error_factor);
+    for (const Estimate& e : report.estimates)
+        found =
+            found || std::isnan(e.value) || std::isnan(e.stderr_) || std::isnan(e.low) || std::isnan(e.high);
+    for (const FlatDirection& flat : report.flat)
+        found = found || std::ranges::any_of(flat.change, [](double c) { return std::isnan(c); });
+    return found;
+}
+
+bool says(const Report& report, const std::string& words) {
+    return std::ranges::any_of(report.remarks,
+                               [&](const std::string& r) { return r.find(words) != std::string::npos; });
+}
+
+/// As decay(), with a parameter d that changes nothing.
+Problem idle() {
+    Problem problem = toy::decay(40, 3);
+    problem.parameters.push_back(toy::parameter("d", 7.0));
+    problem.evaluate = [inner = problem.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                                                  Eigen::MatrixXd* jacobian) {
+        Eigen::MatrixXd three = Eigen::MatrixXd::Zero(r.size(), 3);
+        inner(p.first(3), r, jacobian ? &three : nullptr);
+        if (jacobian)
+            jacobian->leftCols(3) = three;
+    };
+    return problem;
+}
+
+/// Only the product eta*xi matters, and offset: r_i = eta xi x_i + offset - y_i.
+Problem product_only() {
+    Problem problem;
+    problem.parameters = {toy::positive("eta", 2.0), toy::positive("xi", 5.0), toy::parameter("offset", 0.0)};
+    problem.residuals = 12;
+    problem.evaluate = [](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                          Eigen::MatrixXd* jacobian) {
+        for (Eigen::Index i = 0; i < r.size(); ++i) {
+            const double x = static_cast<double>(i);
+            r[i] = p[0] * p[1] * x + p[2] - (3.0 * x + 1.0 + 0.5 * std::sin(5.0 * x));
+            if (jacobian)
+                jacobian->row(i) << p[1] * x, p[0] * x, 1.0;
+        }
+    };
+    return problem;
+}
+
+} // namespace
+
+TEST_CASE("residuals that throw or are not finite in places: every algorithm goes around") {
+    for (const bool throws : {true, false})
+        for (const Algorithm algorithm :
+             {Algorithm::bobyqa, Algorithm::nelder_mead, Algorithm::slsqp, Algorithm::lbfgs, Algorithm::mma,
+              Algorithm::mlsl, Algorithm::crs, Algorithm::isres, Algorithm::direct_l}) {
+            CAPTURE(throws, to_string(algorithm));
+            Problem problem = toy::rosenbrock(-1.2, 1.0);
+            for (Parameter& p : problem.parameters) {
+                p.lower = -5.0;
+                p.upper = 5.0;
+            }
+            // a wall close above the valley and one beyond its end
+            problem = spoilt(
+                problem, [](auto p) { return p[1] > p[0] * p[0] + 1.0 || p[0] > 1.5; }, throws);
+            Method method;
+            method.algorithm = algorithm;
+            const Fit best = fit(problem, method);
+            CHECK(best.values[0] == Approx(1.0).epsilon(1e-8));
+            CHECK_FALSE(any_nan(best, report(problem, best)));
+            method.polish = false; // the wall must not look good to NLopt itself: 24.2 at the start
+            CHECK(fit(problem, method).objective < 0.05);
+        }
+}
+
+TEST_CASE("nowhere a finite residual: failed, with the reason, and no NaN") {
+    for (const Algorithm algorithm :
+         {Algorithm::slsqp, Algorithm::bobyqa, Algorithm::lbfgs, Algorithm::mma}) {
+        CAPTURE(to_string(algorithm));
+        Method method;
+        method.algorithm = algorithm;
+        method.starts = 3;
+        Problem problem = spoilt(
+            toy::decay(), [](auto) { return true; }, true);
+        const Fit none = fit(problem, method);
+        CHECK(none.termination == Termination::failed);
+        CHECK_THAT(none.reason, Contains("no field here"));
+        CHECK(std::isinf(none.objective));
+        CHECK(none.values == std::vector<double>{1.0, 1.0, 0.1});
+        const Report r = report(problem, none);
+        CHECK_FALSE(any_nan(none, r));
+        CHECK(says(r, "the fit failed"));
+        CHECK_NOTHROW(to_text(problem, none, r));
+        problem = spoilt(
+            toy::decay(), [](auto) { return true; }, false);
+        problem.residual_name = [](std::size_t i) { return "profile.csv:" + std::to_string(i + 2); };
+        CHECK_THAT(fit(problem, method).reason, Contains("residual profile.csv:2 is not a finite number"));
+    }
+}
+
+TEST_CASE("a bad start among good ones is counted, not fatal") {
+    const Problem problem = spoilt(
+        toy::decay(40, 3), [](auto p) { return p[0] == 1.0 && p[1] == 1.0; }, true);
+    Method method;
+    method.starts = 4;
+    const Fit best = fit(problem, method);
+    CHECK(best.termination == Termination::converged);
+    CHECK(std::isinf(best.starts[0].objective));
+    CHECK(says(report(problem, best), "1 of 4 starts found no place with finite residuals"));
+}
+
+TEST_CASE("a derivative that is not finite is caught") {
+    Problem problem = toy::decay(40, 3);
+    problem.evaluate = [inner = problem.evaluate](auto p, auto r, Eigen::MatrixXd* jacobian) {
+        inner(p, r, jacobian);
+        if (jacobian)
+            (*jacobian)(5, 1) = std::numeric_limits<double>::infinity();
+    };
+    const Fit none = fit(problem, {});
+    CHECK(none.termination == Termination::failed);
+    CHECK_THAT(none.reason, Contains("a derivative of residual 5 is not a finite number"));
+    Method without;
+    without.algorithm = Algorithm::nelder_mead;
+    for (const bool polish : {true, false}) {
+        without.polish = polish;
+        const Fit blind = fit(problem, without);
+        CHECK(blind.objective < 60.0);
+        CHECK(blind.termination == Termination::converged);
+        CHECK_FALSE(any_nan(blind, report(problem, blind)));
+    }
+}
+
+TEST_CASE("a parameter that changes nothing has an infinite error, and is named") {
+    const Problem problem = idle();
+    const Fit best = fit(problem, {}), expected = fit(toy::decay(40, 3), {});
+    const Report r = report(problem, best), without = report(toy::decay(40, 3), expected);
+    CHECK(best.termination == Termination::converged);
+    CHECK(best.values[3] == 7.0);
+    CHECK(std::isinf(r.estimates[3].stderr_));
+    CHECK(r.rank == 3);
+    REQUIRE(r.flat.size() == 1);
+    CHECK_THAT(r.flat[0].text, Contains("the data do not fix d: the residuals do not depend on it"));
+    CHECK(r.flat[0].change == std::vector<double>{0.0, 0.0, 0.0, 1.0});
+    CHECK(r.dof == 37);
+    for (std::size_t k = 0; k < 3; ++k) // the other three as without it, but for where the polish stopped
+        CHECK(r.estimates[k].stderr_ == Approx(without.estimates[k].stderr_).epsilon(1e-6));
+    CHECK_FALSE(any_nan(best, r));
+}
+
+TEST_CASE("two parameters of which only the product matters") {
+    const Problem problem = product_only();
+    const Fit best = fit(problem, {});
+    const Report r = report(problem, best);
+    CHECK(best.termination == Termination::converged);
+    CHECK(std::isinf(r.estimates[0].stderr_));
+    CHECK(std::isinf(r.estimates[1].stderr_));
+    CHECK(std::isfinite(r.estimates[2].stderr_));
+    REQUIRE(r.flat.size() == 1);
+    CHECK_THAT(
+        r.flat[0].text,
+        Contains("the data do not fix eta and xi separately: raising eta by 1 % and lowering xi by 1 %"));
+    CHECK(std::abs(r.flat[0].change[0]) == Approx(1.0).epsilon(1e-6));
+    CHECK(r.flat[0].change[1] == Approx(-r.flat[0].change[0]).epsilon(1e-6));
+    CHECK(r.correlation(0, 1) == 0.0);
+    CHECK_FALSE(any_nan(best, r));
+    // what depends on the product alone has an error, what does not has none
+    const double eta = best.values[0], xi = best.values[1];
+    Eigen::MatrixXd gradients(2, 3);
+    gradients << xi, eta, 0.0, 1.0, 0.0, 0.0;
+    const Eigen::VectorXd errors = propagated(r, gradients);
+    // a straight line through x = 0..11: error of the slope 1/sqrt(sum (x - mean)^2) = 1/sqrt(143)
+    CHECK(errors[0] == Approx(1.0 / std::sqrt(143.0)).epsilon(1e-6));
+    CHECK(std::isinf(errors[1]));
+}
+
+TEST_CASE("exact data: chi2 is 0 and nothing complains") {
+    for (const bool known : {true, false}) {
+        Problem problem = toy::decay();
+        problem.sigma_known = known;
+        const Fit best = fit(problem, {});
+        CAPTURE(known, best.reason);
+        CHECK(best.termination == Termination::converged);
+        CHECK(best.chi2 < 1e-24); // (1e-16 of values near 1)/0.1, squared, 40 of them
+        CHECK(best.values[0] == Approx(2.0).epsilon(1e-12));
+        const Report r = report(problem, best);
+        CHECK_FALSE(any_nan(best, r));
+        CHECK_FALSE(says(r, "not at a stationary point"));
+        CHECK(r.estimates[0].stderr_ < (known ? 0.1 : 1e-12));
+    }
+}
+
+TEST_CASE("as many parameters as data: no errors without sigmas") {
+    Problem problem = toy::line({1.0, 3.0});
+    const Fit best = fit(problem, {});
+    CHECK(report(problem, best).estimates[0].stderr_ == Approx(1.0).epsilon(1e-12));
+    problem.sigma_known = false;
+    const Report r = report(problem, best);
+    CHECK(std::isinf(r.estimates[0].stderr_));
+    CHECK(says(r, "as many parameters as data points"));
+    CHECK_FALSE(any_nan(best, r));
+    CHECK_NOTHROW(to_text(problem, best, r));
+}
+
+TEST_CASE("overflow on the way is a bad place, not an end") {
+    Problem problem = toy::decay(40, 3);
+    problem.parameters[1] = toy::parameter("b", 0.02); // linear: steps to negative b give exp(250) and more
+    problem.parameters[2].start = 30.0;
+    const Fit best = fit(problem, {});
+    CHECK(best.objective == Approx(fit(toy::decay(40, 3), {}).objective).epsilon(1e-9));
+}
+
+TEST_CASE("the search for NaN finds one") {
+    const Problem problem = toy::decay(40, 3);
+    Fit best = fit(problem, {});
+    Report r = report(problem, best);
+    CHECK_FALSE(any_nan(best, r));
+    r.estimates[1].low = std::numeric_limits<double>::quiet_NaN();
+    CHECK(any_nan(best, r));
+}

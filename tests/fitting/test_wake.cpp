@@ -1,0 +1,222 @@
+// Residuals of profiles against the rod's field: values, derivatives, what is refused.
+
+#include "catch2/catch.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/elastic/field.hpp"
+#include "synthetic_profiles.hpp"
+
+#include <set>
+
+using namespace rodwake::fitting;
+using namespace fitting_test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::vector<std::string> monopole = {"f_over_mu", "eta", "xi"};
+
+std::vector<Parameter> parameters(const std::vector<std::string>& names, const std::vector<double>& values) {
+    std::vector<Parameter> list;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        list.push_back({.name = names[i], .start = values[i]});
+    return list;
+}
+
+Profile line(Component component, Axis along, double at) {
+    return {.name = "line", .component = component, .along = along, .at = at};
+}
+
+/// Largest error of the Jacobian against central differences, relative to its largest entry in the column.
+double jacobian_error(const Problem& problem, std::vector<double> p) {
+    const auto rows = static_cast<Eigen::Index>(problem.residuals),
+               columns = static_cast<Eigen::Index>(p.size());
+    Eigen::MatrixXd analytic(rows, columns);
+    Eigen::VectorXd r(rows), up(rows), down(rows);
+    problem.evaluate(p, r, &analytic);
+    double worst = 0.0;
+    for (Eigen::Index j = 0; j < columns; ++j) {
+        double& value = p[static_cast<std::size_t>(j)];
+        const double middle = value, h = 1e-5 * std::max(1.0, std::abs(middle));
+        value = middle + h, problem.evaluate(p, up, nullptr);
+        value = middle - h, problem.evaluate(p, down, nullptr);
+        value = middle;
+        const Eigen::VectorXd difference = (up - down) / (2.0 * h);
+        worst = std::max(worst, (difference - analytic.col(j)).cwiseAbs().maxCoeff() /
+                                    difference.cwiseAbs().maxCoeff());
+    }
+    return worst;
+}
+
+/// Exact data on the four lines of the paper's Fig. ufield2.
+Problem four_lines(const WakeModel& model, const std::vector<std::string>& names,
+                   const std::vector<double>& truth) {
+    const auto list = parameters(names, truth);
+    std::vector<Profile> data;
+    for (const Profile& one : {line(Component::Ux, Axis::x, 0.0), line(Component::Ux, Axis::y, 0.0),
+                               line(Component::Uy, Axis::x, 4.0), line(Component::Uy, Axis::y, 0.0)})
+        data.push_back(made_up(model, list, truth, one, 20, 30.0, 0.01));
+    return wake_problem(model, data, list);
+}
+
+} // namespace
+
+TEST_CASE("the names of the wake's parameters are different") {
+    const auto names = wake_parameter_names();
+    CHECK(std::set<std::string>(names.begin(), names.end()).size() == names.size());
+}
+
+TEST_CASE("the model is the exact field times its strengths plus the offset") {
+    const std::vector<std::string> names = {"offset_y", "xi",        "f2d_over_mu", "eta",
+                                            "offset",   "f_over_mu", "x0"};
+    const std::vector<double> values = {0.3, 12.0, 0.7, 1.3, -0.2, 2.2, 1.5};
+    const std::vector<double> places = {-7.0, 0.5, 9.0};
+    const auto list = parameters(names, values);
+    const rodwake::elastic::Field field({1.3, 12.0});
+    const auto ux = predict({}, line(Component::Ux, Axis::x, 4.0), places, list, values).value;
+    const auto uy = predict({}, line(Component::Uy, Axis::y, -3.0), places, list, values).value;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto a = field.at(places[i] - 1.5, 4.0, {.displacement = true, .dipole = true});
+        CHECK(ux[i] == Approx(2.2 * a.displacement.x + 0.7 * a.dipole.x - 0.2).epsilon(1e-14));
+        const auto b = field.at(-3.0 - 1.5, places[i], {.displacement = true, .dipole = true});
+        CHECK(uy[i] == Approx(2.2 * b.displacement.y + 0.7 * b.dipole.y + 0.3).epsilon(1e-14));
+    }
+}
+
+TEST_CASE("alpha stands for f_over_mu/xi") {
+    const std::vector<double> places = {-5.0, 3.0};
+    const Profile here = line(Component::Ux, Axis::x, 1.0);
+    const auto by_xi =
+        predict({}, here, places, parameters(monopole, {2.2, 1.3, 22.0}), std::vector{2.2, 1.3, 22.0});
+    const auto by_alpha =
+        predict({}, here, places, parameters({"f_over_mu", "eta", "alpha"}, {2.2, 1.3, 0.1}),
+                std::vector{2.2, 1.3, 0.1});
+    for (std::size_t i = 0; i < places.size(); ++i)
+        CHECK(by_alpha.value[i] == Approx(by_xi.value[i]).epsilon(1e-14));
+}
+
+// Central differences with a relative step of 1e-5 are good to about 1e-9.
+TEST_CASE("gradients of the residuals agree with differences") {
+    const std::vector<std::string> names = {"f_over_mu", "f2d_over_mu", "eta",     "xi",
+                                            "x0",        "offset",      "offset_y"};
+    const std::vector<double> truth = {2.2, 0.8, 1.3, 22.0, 0.4, 0.05, -0.02};
+    for (const std::optional<double> box : {std::optional<double>(), std::optional(78.0)})
+        for (const double heading : {0.0, 0.4}) {
+            CAPTURE(box.value_or(0.0), heading);
+            const WakeModel model{box, heading, 0.0};
+            CHECK(jacobian_error(four_lines(model, names, truth), {2.0, 1.0, 0.9, 15.0, 0.1, 0.0, 0.1}) <
+                  1e-6);
+            CHECK(jacobian_error(four_lines(model, {"f_over_mu", "eta", "alpha"}, {2.2, 1.3, 0.1}),
+                                 {2.0, 3.0, 0.2}) < 1e-6);
+        }
+}
+
+TEST_CASE("a wrong gradient is seen") {
+    Problem problem = four_lines({}, monopole, {2.2, 1.3, 22.0});
+    const auto right = problem.evaluate;
+    problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                           Eigen::MatrixXd* jacobian) {
+        right(p, r, jacobian);
+        if (jacobian)
+            jacobian->col(1) *= 1.0 + 1e-5;
+    };
+    CHECK(jacobian_error(problem, {2.0, 1.0, 15.0}) > 1e-6);
+}
+
+TEST_CASE("the residuals vanish for the parameters the data were made from") {
+    const std::vector<double> truth = {2.2, 1.3, 22.0};
+    for (const std::optional<double> box : {std::optional<double>(), std::optional(78.0)}) {
+        const Problem problem = four_lines({box, 0.0, 0.0}, monopole, truth);
+        Eigen::VectorXd r(static_cast<Eigen::Index>(problem.residuals));
+        problem.evaluate(truth, r, nullptr);
+        CHECK(r.cwiseAbs().maxCoeff() == 0.0);
+        CHECK(problem.sigma_known);
+    }
+}
+
+TEST_CASE("points in the core are left out") {
+    Profile data = line(Component::Ux, Axis::x, 0.0);
+    data.place = {-9.0, -8.0, -1.0, 0.0, 7.9, 8.5};
+    data.value = data.sigma = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+    const Profile kept = outside_core(data, 8.0);
+    CHECK(kept.place == std::vector{-9.0, -8.0, 8.5});
+    CHECK(kept.value == std::vector{1.0, 2.0, 6.0});
+    CHECK(kept.where.back() == "line[5]");
+    CHECK_THROWS_WITH(wake_problem({{}, 0.0, 10.0}, {data}, parameters(monopole, {1.0, 1.0, 1.0})),
+                      Contains("no points are left outside"));
+    CHECK_THROWS_WITH(wake_problem({}, {data}, parameters(monopole, {1.0, 1.0, 1.0})),
+                      Contains("line[3]") && Contains("infinite"));
+}
+
+TEST_CASE("points that share data are weighed less") {
+    const auto list = parameters(monopole, {1.0, 1.0, 10.0});
+    Profile data = made_up({}, list, {2.0, 1.0, 10.0}, line(Component::Ux, Axis::x, 0.0), 20, 30.0, 0.1);
+    Eigen::VectorXd full(20), less(20);
+    const Problem once = wake_problem({}, {data}, list);
+    once.evaluate(std::vector{1.0, 1.0, 10.0}, full, nullptr);
+    data.independent = 0.25;
+    const Problem quarter = wake_problem({}, {data}, list);
+    quarter.evaluate(std::vector{1.0, 1.0, 10.0}, less, nullptr);
+    CHECK((full - 2.0 * less).norm() < 1e-13 * full.norm());
+    CHECK(once.independent == 1.0);
+    CHECK(quarter.independent == Approx(0.25));
+    data.independent = 0.0;
+    CHECK_THROWS_WITH(wake_problem({}, {data}, list), Contains("independent = 0"));
+}
+
+TEST_CASE("places at the singularity have no prediction") {
+    const std::vector<double> places = {-1.0, 0.0, 1.0}, values = {1.0, 1.0, 1.0};
+    const auto found =
+        predict({}, line(Component::Ux, Axis::x, 0.0), places, parameters(monopole, values), values);
+    CHECK(std::isfinite(found.value[0]));
+    CHECK(std::isnan(found.value[1]));
+    CHECK(std::isfinite(found.value[2]));
+}
+
+TEST_CASE("data that cannot be fitted are refused") {
+    const auto list = parameters(monopole, {1.0, 1.0, 10.0});
+    const Profile good =
+        made_up({}, list, {2.0, 1.0, 10.0}, line(Component::Ux, Axis::x, 0.0), 20, 30.0, 0.1);
+    const auto refused = [&](auto change, const std::string& words) {
+        Profile data = good;
+        change(data);
+        CHECK_THROWS_WITH(wake_problem({}, {data}, list), Contains(words));
+        CHECK_THROWS_AS(wake_problem({}, {data}, list), rodwake::InputError);
+    };
+    CHECK_NOTHROW(wake_problem({}, {good}, list));
+    refused([](Profile& p) { p.value[3] = NAN; }, "line[3]: place and value must be finite");
+    refused([](Profile& p) { p.place[2] = INFINITY; }, "line[2]");
+    refused([](Profile& p) { p.sigma[5] = 0.0; }, "line[5]: sigma = 0: must be above 0");
+    refused([](Profile& p) { p.sigma[5] = -1.0; }, "sigma = -1");
+    refused([](Profile& p) { p.sigma[5] = NAN; }, "sigma");
+    refused([](Profile& p) { p.sigma.pop_back(); }, "differ in number");
+    refused([](Profile& p) { p.at = NAN; }, "other coordinate");
+    refused([](Profile& p) { p.value.assign(20, 0.5); }, "all 20 values are equal (0.5)");
+    refused([](Profile& p) { p.place.resize(2), p.value.resize(2), p.sigma.resize(2); },
+            "2 data points cannot fix 3 parameters");
+    CHECK_THROWS_WITH(wake_problem({}, {}, list), Contains("no data"));
+    CHECK_THROWS_WITH(wake_problem({-1.0, 0.0, 0.0}, {good}, list), Contains("box = -1"));
+}
+
+TEST_CASE("some profiles with and some without sigma are refused, all without are relative") {
+    const auto list = parameters(monopole, {1.0, 1.0, 10.0});
+    const Profile with =
+        made_up({}, list, {2.0, 1.0, 10.0}, line(Component::Ux, Axis::x, 0.0), 20, 30.0, 0.1);
+    Profile without = with;
+    without.sigma.clear();
+    CHECK_THROWS_WITH(wake_problem({}, {with, without}, list), Contains("column sigma"));
+    CHECK_FALSE(wake_problem({}, {without, without}, list).sigma_known);
+}
+
+TEST_CASE("parameters that are unknown or missing are named") {
+    const Profile data = made_up({}, parameters(monopole, {2.0, 1.0, 10.0}), {2.0, 1.0, 10.0},
+                                 line(Component::Ux, Axis::x, 0.0), 20, 30.0, 0.1);
+    const auto refused = [&](const std::vector<std::string>& names, const std::string& words) {
+        CHECK_THROWS_WITH(wake_problem({}, {data}, parameters(names, std::vector<double>(names.size(), 1.0))),
+                          Contains(words));
+    };
+    refused({"f_over_mu", "eta", "zeta"}, "unknown parameter \"zeta\"");
+    refused({"f_over_mu", "xi"}, "eta is needed");
+    refused({"f_over_mu", "eta"}, "exactly one of xi and alpha");
+    refused({"f_over_mu", "eta", "xi", "alpha"}, "exactly one of xi and alpha");
+    refused({"f2d_over_mu", "eta", "alpha"}, "needs f_over_mu");
+}

@@ -1,0 +1,106 @@
+#!/usr/bin/python3
+"""Validation of the calibration: every number of docs/validation.md about fits.
+
+    tools/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [--only nist,synthetic,problems,speed,quickstart]
+                          [-j 2] [--keep DIR]
+
+nist and synthetic need a tree with tests (--tests names test_fitting of it), speed the benchmarks beside --program. Prints Markdown.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parent.parent
+
+
+def call(*command, check=True):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if check and done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def with_error(parameter):
+    error = parameter["stderr"]
+    if not parameter["free"]:
+        return f"{parameter['value']:.4g} (not fitted)"
+    if error is None:
+        return f"{parameter['value']:.4g} (not fixed by the data)"
+    held = f", at its {parameter['at_bound']} bound" if parameter["at_bound"] else ""
+    return f"{parameter['value']:.4g} +- {error:.2g}{held}"
+
+
+def print_fit(name, fit):
+    values = ", ".join(f"{key} = {with_error(one)}" for key, one in fit["parameters"].items())
+    print(f"\n**{name}**: {values}; chi2 = {fit['chi2']:.1f} for {fit['dof']}, {fit['termination']}, "
+          f"{fit['same_optimum']} of {len(fit['starts'])} starts at this optimum")
+    print("\n| profile | role | points | chi2 | data over model |\n|---|---|---|---|---|")
+    for one in fit["profiles"]:
+        excess = one["excess"]
+        print(f"| {one['component']} along {one['along']} at {one['at']} | {one['role']} | {one['used']} | {one['chi2']:.1f} | "
+              f"{excess['scale']:.2f} +- {excess['stderr']:.2f} |")
+    for other in fit["compare"]:
+        print(f"\nwith {other['name']}'s values: chi2 = {other['chi2']:.0f}; data over model "
+              + ", ".join(f"{one['excess']['scale']:.2f} +- {one['excess']['stderr']:.2f}" for one in other["profiles"]))
+    for remark in fit["remarks"]:
+        print(f"\n- {remark}")
+
+
+def problems(options, folder):
+    for problem in sorted((SOURCE / "fitting/problems").glob("*.toml")):
+        out = folder / problem.stem
+        call(options.program, "fit", problem, "-o", out, "--force", "-j", options.j, "--quiet")
+        print_fit(problem.stem, json.loads((out / "fit.json").read_text()))
+
+
+def nist(options, folder):
+    print(call(options.tests, "[.table]", check=False).stdout)
+
+
+def synthetic(options, folder):
+    print(call(options.tests, "[long]", check=False).stdout)
+
+
+def speed(options, folder):
+    print(call(SOURCE / "bench/wake_fit.py", "--programs", Path(options.program).parent / "bench").stdout)
+
+
+def quickstart(options, folder):
+    start = time.perf_counter()
+    out = folder / "quickstart"
+    call(options.program, "run", SOURCE / "scenes/quickstart.toml", "-o", out, "--force", "-j", options.j, "--quiet")
+    print(f"\nrodwake run scenes/quickstart.toml -j {options.j}: {time.perf_counter() - start:.0f} s, report.html "
+          f"{(out / 'report.html').stat().st_size / 1e6:.1f} MB")
+    print_fit("quickstart", json.loads((out / "fit.json").read_text()))
+    print("\nmedium:", (out / "medium.json").read_text().strip(), "\noutcome:", json.loads((out / "outcome.json").read_text())["outcome"])
+
+
+PARTS = {"nist": nist, "synthetic": synthetic, "problems": problems, "speed": speed, "quickstart": quickstart}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default=SOURCE / "build/release/rodwake")
+    parser.add_argument("--tests", default=SOURCE / "build/dev/tests/test_fitting")
+    parser.add_argument("--only", default=",".join(PARTS))
+    parser.add_argument("-j", type=int, default=2)
+    parser.add_argument("--keep")
+    options = parser.parse_args()
+    chosen = options.only.split(",")
+    if unknown := [name for name in chosen if name not in PARTS]:
+        parser.error(f"no such part: {', '.join(unknown)}; there are {', '.join(PARTS)}")
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(options.keep or scratch)
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in chosen:
+            print(f"\n## {name}", flush=True)
+            PARTS[name](options, folder)
+
+
+if __name__ == "__main__":
+    main()
