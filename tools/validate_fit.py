@@ -1,14 +1,16 @@
 #!/usr/bin/python3
 """Validation of the calibration: every number of docs/validation.md about fits.
 
-    tools/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [--only nist,synthetic,problems,speed,quickstart]
+    tools/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [--only periodic,nist,synthetic,problems,speed,quickstart]
                           [-j 2] [--keep DIR]
 
 nist and synthetic need a tree with tests (--tests names test_fitting of it), speed the benchmarks beside --program. Prints Markdown.
 """
 
 import argparse
+import csv
 import json
+import math
 import subprocess
 import sys
 import tempfile
@@ -58,6 +60,19 @@ def problems(options, folder):
         print_fit(problem.stem, json.loads((out / "fit.json").read_text()))
 
 
+def periodic(options, folder):
+    """The reference points through the program; errors relative to the value itself, which is stricter than to the largest."""
+    file = SOURCE / "tests/data/periodic_field.csv"
+    rows = list(csv.DictReader(line for line in file.read_text().splitlines() if not line.startswith("#")))
+    answer = list(csv.DictReader(call(options.program, "field", "--points", file).stdout.splitlines()))
+    for names in (("Ux", "Uy"), ("exx", "exy", "eyy")):
+        worst = 0.0
+        for row, got in zip(rows, answer, strict=True):
+            error = math.hypot(*(float(row[name]) - float(got[name]) for name in names))
+            worst = max(worst, error / math.hypot(*(float(row[name]) for name in names)))
+        print(f"{', '.join(names)}: worst error relative to the point's own value {worst:.1e}, {len(rows)} points")
+
+
 def nist(options, folder):
     print(call(options.tests, "[.table]", check=False).stdout)
 
@@ -80,7 +95,7 @@ def quickstart(options, folder):
     print("\nmedium:", (out / "medium.json").read_text().strip(), "\noutcome:", json.loads((out / "outcome.json").read_text())["outcome"])
 
 
-PARTS = {"nist": nist, "synthetic": synthetic, "problems": problems, "speed": speed, "quickstart": quickstart}
+PARTS = {"periodic": periodic, "nist": nist, "synthetic": synthetic, "problems": problems, "speed": speed, "quickstart": quickstart}
 
 
 def main():

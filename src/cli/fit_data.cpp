@@ -142,6 +142,8 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
     data.along = keys.along == "x" ? fitting::Axis::x : fitting::Axis::y;
     data.at = keys.at;
     for (std::size_t i = 0; i < table.rows(); ++i) {
+        if (!keys.range.empty() && (x[i] < keys.range[0] || x[i] > keys.range[1]))
+            continue;
         if (sigma && std::isnan((*sigma)[i])) {
             ++out.left_out;
             continue;
@@ -158,7 +160,8 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
         data.where.push_back(where(file, table.lines[i]));
     }
     if (data.place.empty())
-        throw InputError(file.string() + ": holds no points to fit");
+        throw InputError(file.string() + ": holds no points to fit" +
+                         (keys.range.empty() ? "" : " within fit.profiles.range"));
     const double distance = spacing(data.place);
     if (independent_spacing && distance > 0.0)
         data.independent = std::min(1.0, distance / *independent_spacing);

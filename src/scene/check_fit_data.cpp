@@ -110,6 +110,12 @@ void trajectory(const FitTrajectory& t, const std::string& path, const Report& r
         report(path + ".sigma_contact", "sigma_contact belongs to contact_time");
 }
 
+void profile(const FitProfile& p, const std::string& path, const Report& report) {
+    if (p.range.size() == 2 && !(p.range[0] < p.range[1]))
+        report(path + ".range", fmt::format("range must go from a lower to a higher place; it is [{}, {}]",
+                                            p.range[0], p.range[1]));
+}
+
 std::string missing(const Figure& figure, const Scene& scene) {
     if (!scene.fit)
         return "[fit]";
@@ -150,6 +156,8 @@ void check_fit_data(const Fit& fit, const Report& report) {
     wanted(fit, report);
     needed(fit, report);
     model(fit, report);
+    for (std::size_t i = 0; i < fit.profiles.size(); ++i)
+        profile(fit.profiles[i], fmt::format("fit.profiles.{}", i), report);
     for (std::size_t i = 0; i < fit.trajectories.size(); ++i)
         trajectory(fit.trajectories[i], fmt::format("fit.trajectories.{}", i), report);
 }

@@ -155,6 +155,13 @@ void fields(Visitor& v, FitProfile& p) {
     v(key("along").one_of({"x", "y"}).doc("the axis of the rod's frame along which it was").example("\"y\""),
       p.along);
     v(key("at").unit(length).doc("the other coordinate").example("\"4 a\""), p.at);
+    v(key("range")
+          .unit(length)
+          .items(2, 2)
+          .absent("all points")
+          .doc("[from, to]: places outside are not read")
+          .example("[10.0, 39.0]"),
+      p.range);
     v(key("role").doc("fit, or predict: compared with the fit, not fitted").example("\"predict\""),
       choice(p.role, {{"fit", FitRole::fit}, {"predict", FitRole::predict}}));
     v(key("name")

@@ -102,6 +102,14 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
         self.assert_recovered(found, {**TRUE, **true})
         self.assertGreater(found["parameters"]["f2d_over_mu"]["value"], 10.0 * found["parameters"]["f2d_over_mu"]["stderr"])
 
+    def test_a_range_leaves_out_the_other_places(self):
+        self.make_profile()
+        found, _ = self.fit(FIT, "-s", "fit.profiles.0.range=[-20.0, 30.0]")
+        read = columns(self.folder / "out" / found["profiles"][0]["data"])["x"]
+        np.testing.assert_array_equal(read, X[(X >= -20.0) & (X <= 30.0)])
+        self.refuse(2, "no points to fit within fit.profiles.range", "fit", "fit.toml", "-o", "none", "-s",
+                    "fit.profiles.0.range=[900.0, 901.0]")
+
     def test_fixed_and_tied_parameters(self):
         self.make_profile(f2d_over_mu=1.1)
         found, _ = self.fit(FIT.replace('"eta", "xi"]', '"eta"]').replace("[[fit.prof", 'fixed = { xi = 22.0 }\n'

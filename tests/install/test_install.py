@@ -65,6 +65,11 @@ class InstallTest(unittest.TestCase):
         # rtol 1e-10; the global error of adams is up to 1000 times that (the same header).
         self.assertLess(self.number_after("true error", text), 1e-7)
 
+    def test_example_own_fit(self):
+        text = self.output_of("own_fit")
+        self.assertIn("converged", text)
+        self.assertLess(abs(self.number_after("pull of b", text)), 2.0)  # the ripple is smaller than the errors it stands for
+
     def test_a_version_that_is_not_there_is_refused(self):
         source = self.folder / "future"
         source.mkdir()

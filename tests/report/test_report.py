@@ -113,6 +113,19 @@ class RealRunsTest(ReportCase):
         self.expect(0, "plot", "out", "--quiet")
         self.assert_good(self.page_of("out"), 5, "Fit")
 
+    def test_the_quick_start(self):
+        """The pipeline of tools/quickstart: bed, wake, fit, rods in the fitted medium; shorter, so its numbers mean nothing."""
+        shorter = [f"-s{key}={value}" for key, value in
+                   (("granular.duration", 4), ("granular.equilibrate", 0.1), ("granular.runs", 2), ("granular.output.frames", 1),
+                    ("measure.from", 0), ("measure.block", 0.5), ("fit.starts", 3))]
+        self.expect(0, "run", rodwake.SCENES / "quickstart.toml", "-o", "out", "--quiet", "-j", "2", *shorter)
+        page = self.page_of("out")
+        self.assert_good(page, 6, "Granular bed", "Fit", "Solver", "Provenance")
+        for name, one in json.loads((self.folder / "out/fit.json").read_text())["parameters"].items():
+            if one["stderr"] is not None:
+                self.assertIn(words.with_error(one["value"], one["stderr"]), page, name)
+        self.assertIn("fitted medium", page)
+
 
 class BrokenReportsTest(ReportCase):
     """The checks above see what is wrong."""

@@ -55,6 +55,13 @@ TEST_CASE("lengths of [fit] are in the profiles' unit, strings become bead radii
     says(fitted("box = \"2 f/mu\"\n"), "unknown unit \"f/mu\"");
 }
 
+TEST_CASE("a profile's range goes from low to high") {
+    const auto fit = *parse(fitted("", uy + "range = [\"10 a\", 39.0]\n")).fit;
+    CHECK(fit.profiles[0].range == std::vector{10.0, 39.0});
+    survives(fitted("", uy + "range = [10.0, 39.0]\n"));
+    says(fitted("", uy + "range = [39.0, 10.0]\n"), "from a lower to a higher place");
+}
+
 TEST_CASE("parameters have the defaults of the reference") {
     const auto fit = *parse(fitted("bounds = { eta = [-0.5, 5.0] }\n")).fit;
     CHECK(fit_bounds(fit, "xi") == rodwake::scene::Interval{1e-6, 1e6});

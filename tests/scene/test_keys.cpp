@@ -158,6 +158,7 @@ const std::map<std::string, Illegal> illegal_values{
     {"fit.profiles[].component", {"\"Uz\"", "must be one of Ux, Uy"}},
     {"fit.profiles[].along", {"\"z\"", "must be one of x, y"}},
     {"fit.profiles[].at", {"1e13", "within +-1e+12"}},
+    {"fit.profiles[].range", {"[1.0]", "2 numbers"}},
     {"fit.profiles[].role", {"\"predicted\"", "must be one of fit, predict"}},
     {"fit.profiles[].name", {"\"a\\tb\"", "one line"}},
     {"fit.trajectories[].file", {"\"a\\tb\"", "one line"}},

@@ -35,6 +35,7 @@ struct FitProfile {
     std::string component = "Ux"; ///< Ux | Uy
     std::string along = "x";      ///< x | y
     double at = 0.0;
+    std::vector<double> range; ///< [from, to] of the places that are read; empty: all
     FitRole role = FitRole::fit;
     std::string name; ///< empty: from the file's
 
