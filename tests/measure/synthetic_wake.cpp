@@ -46,7 +46,7 @@ Vector SyntheticWake::truth(double x, double y) const {
         x *= setup_.core / r;
         y *= setup_.core / r;
     }
-    const Vector u = field_.at(x, y);
+    const Vector u = field_.at(x, y, {.displacement = true}).displacement;
     return {setup_.strength * u.x, setup_.strength * u.y};
 }
 

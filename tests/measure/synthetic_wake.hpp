@@ -5,7 +5,7 @@
 
 #include "rodwake/measure/frame.hpp"
 
-#include "periodic_field.hpp"
+#include "rodwake/elastic/periodic.hpp"
 
 #include <Eigen/Core>
 
@@ -41,7 +41,7 @@ private:
     double slipped(const Eigen::Vector2d& site, const rodwake::measure::RodPlace& rod) const;
 
     WakeSetup setup_;
-    PeriodicField field_;
+    rodwake::elastic::PeriodicField field_;
     rodwake::measure::Layout layout_;
     std::vector<Eigen::Vector2d> sites_;
     double spacing_ = 0.0, row_angle_ = 0.0;
