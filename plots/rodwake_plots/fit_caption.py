@@ -17,6 +17,7 @@ def of(fit, views, spec):
     core = fit.number(fit.told, "core", 0.0)
     text += f"Places within {words.equation('', core, fit_words.unit_html(fit.unit)).replace(' = ', '')} were left out. " if core > 0 else ""
     text += "".join(told(index, view, len(views), fit.unit) for index, view in enumerate(views))
+    text += "".join(not_shown(fit, one) for one in fit.profiles if all(one is not view.profile for view in views))
     return text + "".join(compared(fit, one) for one in fit.compared)
 
 
@@ -41,6 +42,14 @@ def told(index, view, count, unit):
     name = f"{fit_words.letter(index)} " if count > 1 else ""
     more = f'; the data are <span class="eq">{fit_words.excess_html(found)}</span> times as large' if found else ""
     return f"{name}{fit_words.line_html(view.profile, unit)} was not fitted: a prediction{more}. "
+
+
+def not_shown(fit, profile):
+    """What the fit says of a predicted profile that has no panel, by its name."""
+    found = fit_words.excess(profile) if fit_words.predicted(profile) else None
+    if not found:
+        return ""
+    return f'{words.label_html(str(profile.get("name", "")))}: the data are <span class="eq">{fit_words.excess_html(found)}</span> times the prediction. '
 
 
 def compared(fit, one):

@@ -25,14 +25,22 @@ def draw(axes, fit, view, window):
     axes.axhline(0, color=style.GREY, linewidth=0.6, zorder=1)
     shade_core(axes, fit)
     for index, values in enumerate(curve.compared):
-        axes.plot(*broken(fit, view, values), color=COMPARED[index % 5], linestyle=DASHES[index % 3], linewidth=1.2, zorder=2.5)
+        line(axes, fit, *broken(fit, view, values), color=COMPARED[index % 5], linestyle=DASHES[index % 3], linewidth=1.2, zorder=2.5)
     x, model = broken(fit, view, curve.model)
     band = broken(fit, view, curve.band)[1]
     axes.fill_between(x, model - band, model + band, color=style.LINE, alpha=0.25, linewidth=0, zorder=2)
-    axes.plot(x, model, color=style.LINE, linewidth=1.5, zorder=4)
+    line(axes, fit, x, model, color=style.LINE, linewidth=1.5, zorder=4)
     data(axes, points, points.value, points.sigma)
     axes.set_xlim(*(window or span(points.x)))
     axes.set_ylim(*limits(view, window))
+
+
+def line(axes, fit, x, values, **look):
+    """Faint within the core, where the theory makes no claim."""
+    inside = np.abs(x) < fit.number(fit.told, "core", 0.0)
+    if inside.any():
+        axes.plot(x, values, **{**look, "linewidth": 0.8, "alpha": 0.45})
+    axes.plot(x, np.where(inside, np.nan, values), **look)
 
 
 def span(x):
@@ -55,11 +63,12 @@ def shade_core(axes, fit):
 
 
 def broken(fit, view, values):
-    """No line across the place of the force, where the field is singular."""
+    """No line across the place of the force, where the field is singular, nor within a fifth of the core around it."""
     x = view.curve.x
     if view.profile.get("at") != 0 or not x.min() < (at := force_at(fit, view)) < x.max():
         return x, values
     split = np.searchsorted(x, at)
+    values = np.where(np.abs(x - at) < 0.2 * fit.number(fit.told, "core", 0.0), np.nan, values)
     return np.insert(x, split, at), np.insert(values, split, np.nan)
 
 

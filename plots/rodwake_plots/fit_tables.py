@@ -70,13 +70,13 @@ def profiles(fit):
         found = fit_words.excess(one)
         told = words.with_error(*found) if found else ""
         used, all_points = fit.number(one, "used"), fit.number(one, "points")
-        chi2 = fit.number(one, "chi2")
+        chi2, worth = fit.number(one, "chi2"), fit.number(one, "independent", 1.0)  # values a point is worth
         rows.append((words.escape(one.get("name", "")), fit_words.line_html(one, fit.unit),
                      "prediction" if fit_words.predicted(one) else "fitted", f"{used:.0f} of {all_points:.0f}" if math.isfinite(used + all_points) else "",
                      words.number(chi2) if math.isfinite(chi2) else "",
-                     words.number(chi2 / used, 3) if used > 0 and math.isfinite(chi2) else "",
+                     words.number(chi2 / (used * worth), 3) if used * worth > 0 and math.isfinite(chi2) else "",
                      whole(told)))
-    return ("Profile", "Shows", "Role", "Points used", "<i>χ</i>²", "<i>χ</i>²/points", "Data over theory"), rows
+    return ("Profile", "Shows", "Role", "Points used", "<i>χ</i>²", "<i>χ</i>²/values", "Data over theory"), rows
 
 
 def trajectories(fit):
