@@ -7,7 +7,7 @@
 
 namespace rodwake::fitting {
 
-Excess excess(const Profile& data, std::span<const double> model, const Eigen::MatrixXd* model_covariance) {
+Excess excess(const Profile& data, std::span<const double> model, const Eigen::MatrixXd* model_root) {
     const auto n = static_cast<Eigen::Index>(data.value.size());
     if (static_cast<Eigen::Index>(model.size()) != n)
         throw InputError(data.name + ": data and prediction differ in number");
@@ -27,9 +27,9 @@ Excess excess(const Profile& data, std::span<const double> model, const Eigen::M
     const double scatter = weight.dot((d - out.scale * m).cwiseAbs2()) / std::max(values - 1.0, 1.0);
     // Where the shape differs, or sigma is unknown, the scatter about the scaled model tells more than sigma.
     double variance = (data.sigma.empty() ? scatter : std::max(scatter, 1.0)) / norm;
-    if (model_covariance) {
+    if (model_root) {
         const Eigen::VectorXd by_model = weight.cwiseProduct(d - 2.0 * out.scale * m) / norm;
-        variance += by_model.dot(*model_covariance * by_model);
+        variance += (model_root->transpose() * by_model).squaredNorm();
     }
     out.stderr_ = std::sqrt(variance);
     return out;

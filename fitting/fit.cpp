@@ -9,11 +9,14 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/rng.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 namespace rodwake::fitting {
 
@@ -47,20 +50,64 @@ SearchEnd with_polish(Evaluator& evaluator, const SearchEnd& end) {
     return polished;
 }
 
+/// How the end of the polish from the start compares, ends that are equal but for rounding being one.
+std::string compared(const SearchEnd& first, const SearchEnd& second) {
+    const double rise = second.objective - first.objective, same = 1e-6 * first.objective + 1e-8;
+    return rise > same ? "higher" : rise < -same ? "lower" : "as low";
+}
+
+/// NLopt's stage knows the sum of squares only and may leap over a minimum that the residuals themselves lead
+/// to, or the other way round: the better end counts, the first unless the second is lower by more than the
+/// sum's last digits or as low and alone stationary.
+SearchEnd better_of(SearchEnd first, SearchEnd second) {
+    if (!std::isfinite(second.objective)) {
+        first.reason += "; from the start itself " + second.reason;
+        return first;
+    }
+    const bool lower = second.objective < first.objective * (1.0 - 1e-13);
+    const bool steadier = second.objective <= first.objective * (1.0 + 1e-13) &&
+                          second.termination == Termination::converged &&
+                          first.termination != Termination::converged;
+    const std::string how = compared(first, second);
+    if (!lower && !steadier) {
+        first.reason += "; the polish from the start itself ends " + how;
+        return first;
+    }
+    second.reason = fmt::format("{}; taken instead: the polish from the start itself, which ends {} ({})",
+                                first.reason, how, second.reason);
+    return second;
+}
+
+SearchEnd local_search(Evaluator& evaluator, const SearchEnd& end, const Eigen::VectorXd& start) {
+    SearchEnd polished = with_polish(evaluator, end);
+    if (evaluator.stopped())
+        return polished;
+    SearchEnd direct = polish(evaluator, start);
+    if (!evaluator.stopped())
+        return better_of(std::move(polished), std::move(direct));
+    if (evaluator.best() < polished.objective) {
+        polished.u = evaluator.best_u();
+        polished.objective = evaluator.best();
+    }
+    polished.termination = Termination::interrupted;
+    polished.reason += "; polish from the start itself: interrupted";
+    return polished;
+}
+
 SearchEnd search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
                  std::uint32_t seed) {
     if (start.size() == 0)
         return polish(evaluator, start);
     SearchEnd end = nlopt_search(evaluator, method, start, seed);
     if (!evaluator.found()) {
-        if (!evaluator.stopped())
-            end.reason =
-                "nowhere finite residuals; the last trouble: " + evaluator.trouble() + "; " + end.reason;
+        if (!evaluator.stopped()) // what NLopt makes of the penalties is of no interest
+            end.reason = fmt::format("no finite residuals at any of {} places; at the last: {}",
+                                     evaluator.evaluations(), evaluator.trouble());
         return end;
     }
     if (!method.polish || evaluator.stopped())
         return end;
-    return with_polish(evaluator, end);
+    return is_global(method.algorithm) ? with_polish(evaluator, end) : local_search(evaluator, end, start);
 }
 
 StartEnd run_start(const Problem& problem, const Method& method, std::size_t index,
@@ -146,9 +193,9 @@ void look_at(const Problem& problem, const Method& method, Fit& fit) {
         return;
     fit.chi2 = point.r.squaredNorm();
     fit.distance = stationarity(evaluator, point).distance;
-    const double dof = static_cast<double>(independent_values(problem)) - static_cast<double>(free.size());
-    if (!problem.sigma_known && fit.distance > 0.0 && dof > 0.0)
-        fit.distance /= std::sqrt(fit.objective / dof);
+    const long dof = degrees_of_freedom(problem);
+    if (!problem.sigma_known && fit.distance > 0.0 && dof > 0)
+        fit.distance /= std::sqrt(fit.objective / static_cast<double>(dof));
 }
 
 } // namespace

@@ -83,8 +83,7 @@ private:
                            evaluator.trouble() + ")");
         const Curvature c =
             curvature(space_, point, evaluator.gradient(point), ReportOptions{}.rank_tolerance);
-        const ErrorScale scale =
-            error_scale(problem_, loss, point, static_cast<long>(problem_.residuals) - c.rank);
+        const ErrorScale scale = error_scale(problem_, loss, point, degrees_of_freedom(problem_));
         if (std::isfinite(scale.rise) && scale.rise > 0.0)
             rise_ = scale.rise;
         const double error = c.standard_error[k_] * scale.factor;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 namespace rodwake::fitting {
 
@@ -115,16 +116,23 @@ Termination termination_of(nlopt_result result) {
     return result > 0 ? Termination::converged : Termination::roundoff;
 }
 
+/// So that no first step goes beyond a factor e in the logarithm, and ten natural steps else if those are
+/// known: a slope that is small far from the minimum must not send the search past it.
+double least_stretch(const SearchSpace& space, Eigen::Index k) {
+    if (space.logarithmic(k))
+        return 1.0 / space.coordinate(k, std::numbers::e);
+    return space.scale_known(k) ? 0.1 : 1e-8;
+}
+
 Eigen::VectorXd stretch_of(const Evaluator& evaluator, const Point& start) {
     const SearchSpace& space = evaluator.space();
     Eigen::VectorXd stretch = Eigen::VectorXd::Ones(start.u.size());
     if (start.jacobian.size() == 0 || start.objective == 0.0)
         return stretch;
     const Weighted w = evaluator.weighted(start);
-    for (Eigen::Index k = 0; k < stretch.size();
-         ++k) // no first step beyond ten natural ones, if those are known
-        stretch[k] = std::clamp(w.a.col(k).stableNorm() / std::sqrt(start.objective),
-                                space.scale_known(k) ? 0.1 : 1e-8, 1e8);
+    for (Eigen::Index k = 0; k < stretch.size(); ++k)
+        stretch[k] =
+            std::clamp(w.a.col(k).stableNorm() / std::sqrt(start.objective), least_stretch(space, k), 1e8);
     return stretch;
 }
 

@@ -101,6 +101,10 @@ long independent_values(const Problem& problem) {
     return std::lround(problem.independent * static_cast<double>(problem.residuals));
 }
 
+long degrees_of_freedom(const Problem& problem) {
+    return independent_values(problem) - static_cast<long>(free_parameters(problem).size());
+}
+
 std::vector<std::size_t> free_parameters(const Problem& problem) {
     std::vector<std::size_t> free;
     for (std::size_t i = 0; i < problem.parameters.size(); ++i)

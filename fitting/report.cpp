@@ -60,7 +60,8 @@ Report without_curvature(const Problem& problem, const Fit& fit) {
     report.null_space = Eigen::MatrixXd::Identity(n, n);
     report.chi2 = infinite;
     report.probability = 0.0;
-    report.dof = independent_values(problem) - static_cast<long>(n);
+    report.dof = degrees_of_freedom(problem);
+    report.error_factor = infinite;
     return report;
 }
 
@@ -94,10 +95,10 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     report.free = space.free();
     report.rank = c.rank;
     report.chi2 = point.r.squaredNorm();
-    report.dof = independent_values(problem) - c.rank;
+    report.dof = degrees_of_freedom(problem);
     const ErrorScale scale = error_scale(problem, loss, point, report.dof);
     report.error_factor = scale.factor;
-    if (problem.sigma_known)
+    if (problem.sigma_known && report.dof > 0)
         report.probability = measure::chi2_probability(report.chi2, report.dof);
     const bool normal = problem.sigma_known && fit.loss == Loss::squares;
     const Errors errors{space, c, scale.factor, quantile95(normal, report.dof)};

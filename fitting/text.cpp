@@ -1,6 +1,6 @@
 // The report as a page.
 
-#include "rodwake/fitting/report.hpp"
+#include "words.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,9 @@ namespace rodwake::fitting {
 namespace {
 
 /// Value and error with as many decimals as two digits of the error need.
-std::string with_error(double value, double error) {
+std::string with_error(double value, double error, bool known) {
+    if (!known && error != 0.0)
+        return fmt::format("{:.6g}, error unknown", value);
     if (!std::isfinite(error))
         return fmt::format("{:.6g} +- infinite", value);
     if (error <= 0.0)
@@ -67,9 +69,11 @@ std::string estimates(const Problem& problem, const Report& report) {
     for (std::size_t i = 0; i < report.estimates.size(); ++i) {
         const Estimate& e = report.estimates[i];
         const Parameter& p = problem.parameters[i];
-        rows.push_back(
-            {e.name, with_error(e.value, e.stderr_), e.stderr_ > 0.0 ? interval(e.low, e.high) : "",
-             e.tied_to.empty() ? fmt::format("{:.5g}", p.start) : "", p.free() ? bounds(p) : "", kind(p, e)});
+        const bool known = std::isfinite(report.error_factor);
+        rows.push_back({e.name, with_error(e.value, e.stderr_, known),
+                        known && e.stderr_ > 0.0 ? interval(e.low, e.high) : "",
+                        e.tied_to.empty() ? fmt::format("{:.5g}", p.start) : "", p.free() ? bounds(p) : "",
+                        kind(p, e)});
     }
     return table(rows);
 }
@@ -103,8 +107,8 @@ std::string goodness(const Problem& problem, const Fit& fit, const Report& repor
     text += fmt::format(", {} degrees of freedom", report.dof);
     if (report.dof > 0)
         text += fmt::format(", chi2/dof = {:.4g}", report.chi2 / static_cast<double>(report.dof));
-    if (problem.sigma_known)
-        text += fmt::format(", probability {:.3g}", report.probability);
+    if (problem.sigma_known && report.dof > 0)
+        text += ", probability " + probability_words(report.probability);
     if (fit.loss != Loss::squares)
         text += fmt::format("\nobjective of the loss = {:.6g}", fit.objective);
     return text + fmt::format("\n{} after {} evaluations; {}\n", to_string(fit.termination), fit.evaluations,

@@ -61,12 +61,21 @@ void check_model(const WakeModel& model) {
 
 /// Points at which the model does not exist whatever the parameters; with a free x0 that is not known
 /// beforehand.
-void check_singularity(const WakeTerms& terms, const std::vector<Point>& points) {
-    for (const Point& point : points)
-        if (terms.field() && terms.x0 < 0 && point.x == 0.0 && point.y == 0.0)
+void check_singularity(const WakeModel& model, const WakeTerms& terms, const std::vector<Point>& points) {
+    if (!terms.field() || terms.x0 >= 0)
+        return;
+    for (const Point& point : points) {
+        if (!is_singular(model, point.x, point.y))
+            continue;
+        if (!model.box || std::hypot(point.x, point.y) < 0.5 * *model.box)
             throw InputError(
                 point.where +
                 ": the model is infinite at the rod's centre; a core above 0 leaves this point out");
+        throw InputError(
+            fmt::format("{}: ({:g}, {:g}) is the place of an image of the rod in the box of {:g}, where "
+                        "the model is infinite; leave this point out, by the profile's range for one",
+                        point.where, point.x, point.y, *model.box));
+    }
 }
 
 std::vector<Point> gather(const WakeModel& model, const std::vector<Profile>& profiles) {
@@ -154,7 +163,7 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     const WakeTerms terms = wake_terms(parameters);
     auto points = std::make_shared<const std::vector<Point>>(gather(model, profiles));
     check_values(*points);
-    check_singularity(terms, *points);
+    check_singularity(model, terms, *points);
     Problem problem;
     problem.parameters = std::move(parameters);
     problem.residuals = points->size();
@@ -179,7 +188,7 @@ Prediction predict(const WakeModel& model, const Profile& line, std::span<const 
     for (Eigen::Index i = 0; i < rows; ++i) {
         const auto [x, y] = coordinates(line, places[static_cast<std::size_t>(i)]);
         const double x0 = terms.x0 < 0 ? 0.0 : values[static_cast<std::size_t>(terms.x0)];
-        if (terms.field() && x == x0 && y == 0.0) {
+        if (terms.field() && is_singular(model, x - x0, y)) {
             out.value.push_back(nan);
             continue;
         }

@@ -59,6 +59,15 @@ double screening_length(const WakeTerms& terms, std::span<const double> values) 
     return terms.xi >= 0 ? value(terms.xi) : value(terms.f_over_mu) / value(terms.alpha);
 }
 
+bool is_singular(const WakeModel& model, double s, double y) {
+    if (!model.box)
+        return s == 0.0 && y == 0.0;
+    const double side = *model.box, c = std::cos(model.heading), n = std::sin(model.heading);
+    const auto off = [](double sides) { return std::abs(sides - std::nearbyint(sides)); };
+    constexpr double rounding = 1e-9; // of places given in decimal digits, turned by the heading
+    return off((c * s - n * y) / side) < rounding && off((n * s + c * y) / side) < rounding;
+}
+
 SteadyField::SteadyField(const WakeModel& model, const elastic::Medium& medium)
     : field_(elastic::Field(medium)) {
     if (model.box)

@@ -24,6 +24,10 @@ WakeTerms wake_terms(const std::vector<Parameter>& parameters);
 /// Screening length of these values: xi itself or f_over_mu/alpha.
 double screening_length(const WakeTerms& terms, std::span<const double> values);
 
+/// Whether the field is singular at s, y from where the force acts: there, or at one of its images in the
+/// box.
+bool is_singular(const WakeModel& model, double s, double y);
+
 /// The steady field in the plane or in the periodic box, whichever the model asks for.
 class SteadyField {
 public:

@@ -14,4 +14,7 @@ std::vector<FlatDirection> flat_directions(const Problem& problem, const Fit& fi
 std::vector<std::string> remarks_of(const Problem& problem, const Fit& fit, const Report& report, double rise,
                                     bool exact);
 
+/// "0.02", or "< 1e-300" where doubles end.
+std::string probability_words(double probability);
+
 } // namespace rodwake::fitting

@@ -11,6 +11,11 @@ namespace {
 
 using Lines = std::vector<CheckLine>;
 
+/// What one evaluation of the model costs: points of files that are there, and pairs of rods that are run.
+struct FitSize {
+    std::size_t points = 0, pairs = 0, files_to_make = 0;
+};
+
 std::string method_text(const scene::Fit& keys, const Options& options) {
     const fitting::Method method = fit_method(keys, options);
     return fmt::format("{} from {} start{}, seed {}{}", to_string(method.algorithm), method.starts,
@@ -28,32 +33,36 @@ void add_parameters(const scene::Fit& keys, const Options& options, Lines& lines
 
 /// "60 of 79 points", or that the file is still to be made.
 std::string points_text(const scene::FitProfile& profile, const scene::Scene& scene,
-                        const std::filesystem::path& folder) {
+                        const std::filesystem::path& folder, FitSize& size) {
     const scene::Fit& keys = *scene.fit;
     try {
         const FitProfileData data =
             read_fit_profile(profile, find_fit_file(profile.file, scene, folder), keys.independent_spacing);
         const std::size_t used = fitting::outside_core(data.data, keys.core).place.size();
+        size.points += profile.role == scene::FitRole::fit ? used : 0;
         return fmt::format("{} of {} points of {}", used, data.data.place.size(), data.file.string());
     } catch (const std::exception&) {
         if (!made_by_run(profile.file, scene))
             throw;
+        ++size.files_to_make;
         return fmt::format("the points of {}, which the run makes", profile.file);
     }
 }
 
-void add_data(const scene::Scene& scene, const std::filesystem::path& folder, Lines& lines) {
+void add_data(const scene::Scene& scene, const std::filesystem::path& folder, Lines& lines, FitSize& size) {
     for (const scene::FitProfile& p : scene.fit->profiles)
         lines.push_back({true, fmt::format("fit: {} along {} at {} = {:g} {}: {}", p.component, p.along,
                                            p.along == "x" ? "y" : "x", p.at,
                                            p.role == scene::FitRole::fit ? "fitted" : "predicted",
-                                           points_text(p, scene, folder))});
+                                           points_text(p, scene, folder, size))});
     for (const scene::FitTrajectory& t : scene.fit->trajectories) {
         if (made_by_run(t.file, scene)) {
+            ++size.files_to_make;
             lines.push_back({true, fmt::format("fit: rods of {}, which the run makes", t.file)});
             continue;
         }
         const FitTrackData data = read_fit_track(t, find_fit_file(t.file, scene, folder));
+        size.pairs += data.rods * (data.rods - 1) / 2;
         lines.push_back({true, fmt::format("fit: {} rods, {} rows of {}", data.rods, data.data.times.size(),
                                            data.file.string())});
     }
@@ -87,18 +96,35 @@ void add_terms(const scene::Fit& keys, Lines& lines) {
     }
 }
 
+std::string cost_text(const scene::Fit& keys, const FitSize& size) {
+    constexpr double evaluations = 50.0;                        // of a start with gradients
+    constexpr double point_seconds = 1e-6, pair_seconds = 1e-3; // of one evaluation
+    const double all = evaluations * static_cast<double>(keys.starts);
+    const double seconds = all * (point_seconds * static_cast<double>(size.points) +
+                                  pair_seconds * static_cast<double>(size.pairs));
+    std::string what = fmt::format("{} points", size.points);
+    if (size.pairs > 0)
+        what += fmt::format(" and {} pair{} of rods", size.pairs, size.pairs == 1 ? "" : "s");
+    if (size.files_to_make > 0)
+        what += fmt::format(" (and {} file{} the run makes)", size.files_to_make,
+                            size.files_to_make == 1 ? "" : "s");
+    return fmt::format("  fit: {} start{}, {}, about {:.0f} evaluations of the model, about {:.2g} s\n",
+                       keys.starts, keys.starts == 1 ? "" : "s", what, all, seconds);
+}
+
 } // namespace
 
-std::vector<CheckLine> check_fit(const scene::Scene& scene, const Options& options) {
+FitCheck check_fit(const scene::Scene& scene, const Options& options) {
     if (!scene.fit)
-        return {{false, "fit: no [fit] table"}};
+        return {{{false, "fit: no [fit] table"}}, ""};
     const std::filesystem::path folder = output_folder(options);
     require_fit_files(scene, options);
     Lines lines;
+    FitSize size;
     add_parameters(*scene.fit, options, lines);
-    add_data(scene, folder, lines);
+    add_data(scene, folder, lines, size);
     add_terms(*scene.fit, lines);
-    return lines;
+    return {lines, cost_text(*scene.fit, size)};
 }
 
 } // namespace rodwake::cli

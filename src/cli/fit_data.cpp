@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 
 namespace rodwake::cli {
@@ -75,6 +76,26 @@ std::vector<double> state(const std::vector<const std::vector<double>*>& columns
     return values;
 }
 
+/// The heading that is nearest to the one before it, by whole turns. Untouched where it is near already.
+double unwrapped(double heading, double before) {
+    constexpr double turn = 2.0 * std::numbers::pi;
+    return std::abs(heading - before) <= std::numbers::pi
+               ? heading
+               : heading - turn * std::nearbyint((heading - before) / turn);
+}
+
+/// Of each rod along the rows; whether anything changed.
+bool unwrap(std::vector<std::vector<double>>& states) {
+    bool changed = false;
+    for (std::size_t row = 1; row < states.size(); ++row)
+        for (std::size_t k = 2; k < states[row].size(); k += 3) {
+            const double heading = unwrapped(states[row][k], states[row - 1][k]);
+            changed = changed || heading != states[row][k];
+            states[row][k] = heading;
+        }
+    return changed;
+}
+
 void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
     out.sigma_known = keys.sigma_position.has_value();
     out.data.name = out.name;
@@ -110,6 +131,10 @@ fs::path find_fit_file(const std::string& file, const scene::Scene& scene, const
     for (const fs::path& place : places) {
         if (fs::is_regular_file(place))
             return place;
+        if (std::error_code none; fs::exists(place, none))
+            throw InputError(
+                fmt::format("{}: is not a regular file; fit.profiles and fit.trajectories name CSV files",
+                            place.string()));
         looked +=
             fmt::format("{}{}", looked.empty() ? "" : ", ", fs::absolute(place).lexically_normal().string());
     }
@@ -178,6 +203,7 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
                      keys.f_over_mu,
                      keys.f_over_mu / keys.speed,
                      false,
+                     false,
                      {}};
     if (columns.size() % 3 != 0)
         throw InputError(fmt::format("{}: rod {} lacks one of the columns x{}, y{}, theta{}", file.string(),
@@ -193,6 +219,7 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
     }
     if (out.data.times.size() < 2)
         throw InputError(file.string() + ": a trajectory needs at least two rows from t = 0 on");
+    out.unwrapped = unwrap(out.data.states);
     return out;
 }
 

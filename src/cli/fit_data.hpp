@@ -16,7 +16,7 @@ namespace rodwake::cli {
 std::vector<std::filesystem::path> fit_file_places(const std::string& file, const scene::Scene& scene,
                                                    const std::filesystem::path& run_directory);
 
-/// Throws InputError naming all places if it is in none of them.
+/// Throws InputError naming all places if it is in none of them, or is there and no regular file.
 std::filesystem::path find_fit_file(const std::string& file, const scene::Scene& scene,
                                     const std::filesystem::path& run_directory);
 
@@ -40,10 +40,12 @@ struct FitTrackData {
     std::size_t rods = 0;
     double length = 1.0, time = 1.0; ///< what a reduced unit is in the file's numbers
     bool sigma_known = false;
+    bool unwrapped = false; ///< headings that jumped by turns were brought near those of the row before
     fitting::Trajectory data;
 };
 
-/// Rows before t = 0, when rods of a bed are still held, are left out. Throws InputError as above.
+/// Rows before t = 0, when rods of a bed are still held, are left out. Each heading is brought within half a
+/// turn of the row before: files give them modulo 2 pi, or as one angle of many. Throws InputError as above.
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const std::filesystem::path& file);
 
 } // namespace rodwake::cli

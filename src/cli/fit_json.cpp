@@ -46,8 +46,8 @@ std::vector<std::size_t> all_of(const fitting::Report& report) {
 }
 
 /// A parameter that is fixed or held by a bound has no error.
-ordered_json parameter_json(const scene::Fit& keys, const fitting::Parameter& p, const fitting::Estimate& e) {
-    const bool has_error = !p.fixed && !e.at_lower && !e.at_upper;
+ordered_json parameter_json(const scene::Fit& keys, const fitting::Parameter& p, const fitting::Estimate& e,
+                            bool has_error) {
     const ordered_json none = nullptr;
     return {{"value", number(e.value)},
             {"stderr", has_error ? number(e.stderr_) : none},
@@ -65,10 +65,20 @@ ordered_json parameter_json(const scene::Fit& keys, const fitting::Parameter& p,
             {"log", p.transform == fitting::Transform::log}};
 }
 
-ordered_json matrix_json(const Eigen::MatrixXd& m) {
+/// Null where one of the two has no error, or an infinite one: nothing is known of it then.
+ordered_json correlation_json(const fitting::Report& report) {
+    const auto known = [&](Eigen::Index k) {
+        const fitting::Estimate& e = report.estimates[report.free[static_cast<std::size_t>(k)]];
+        return has_error(report, e) && std::isfinite(e.stderr_);
+    };
+    const Eigen::MatrixXd& m = report.correlation;
     ordered_json rows = ordered_json::array();
-    for (Eigen::Index i = 0; i < m.rows(); ++i)
-        rows.push_back(numbers(std::vector<double>(m.row(i).begin(), m.row(i).end())));
+    for (Eigen::Index i = 0; i < m.rows(); ++i) {
+        ordered_json row = ordered_json::array();
+        for (Eigen::Index j = 0; j < m.cols(); ++j)
+            row.push_back(i == j || (known(i) && known(j)) ? number(m(i, j)) : ordered_json(nullptr));
+        rows.push_back(row);
+    }
     return rows;
 }
 
@@ -133,7 +143,8 @@ void add_parameters(ordered_json& out, const FitPlan& plan, const FitResults& re
     out["parameters"] = ordered_json::object();
     for (std::size_t i = 0; i < results.report.estimates.size(); ++i) {
         const fitting::Estimate& e = results.report.estimates[i];
-        out["parameters"][e.name] = parameter_json(plan.keys, plan.problem.parameters[i], e);
+        out["parameters"][e.name] =
+            parameter_json(plan.keys, plan.problem.parameters[i], e, has_error(results.report, e));
     }
     out["derived"] = ordered_json::object();
     for (const auto& [name, d] : results.derived)
@@ -142,7 +153,7 @@ void add_parameters(ordered_json& out, const FitPlan& plan, const FitResults& re
     out["free"] = ordered_json::array();
     for (const std::size_t i : results.report.free)
         out["free"].push_back(results.report.estimates[i].name);
-    out["correlation"] = matrix_json(results.report.correlation);
+    out["correlation"] = correlation_json(results.report);
 }
 
 void add_quality(ordered_json& out, const FitPlan& plan, const FitResults& results) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rodwake::cli {
@@ -37,27 +38,54 @@ void require_known(const FittedMedium& m) {
             "medium.fitted: " + what +
             "; give eta and xi in [medium] instead of fitted = true, or fix one of them in fit.fixed");
     };
-    if (!std::isfinite(m.eta.error) || !std::isfinite(m.xi.error))
-        refuse(fmt::format("the data do not fix {}", std::isfinite(m.eta.error)  ? "xi"
-                                                     : std::isfinite(m.xi.error) ? "eta"
-                                                                                 : "eta and xi"));
+    if (m.eta.not_fixed() || m.xi.not_fixed())
+        refuse(fmt::format("the data do not fix {}", !m.eta.not_fixed()  ? "xi"
+                                                     : !m.xi.not_fixed() ? "eta"
+                                                                         : "eta and xi"));
     if (!(m.xi.value > 0.0) || !std::isfinite(m.xi.value))
         refuse(
             fmt::format("the fit gives f_over_mu = {:.4g} and with it xi = {:.4g} f/mu, which is no medium",
                         m.strength.value, m.xi.value));
 }
 
+nlohmann::ordered_json error_json(const FitDerived& d) {
+    return d.error && std::isfinite(*d.error) ? nlohmann::ordered_json(*d.error)
+                                              : nlohmann::ordered_json(nullptr);
+}
+
 std::string medium_json(const FittedMedium& m, const std::string& length_unit) {
     const nlohmann::ordered_json json = {{"eta", m.eta.value},
-                                         {"eta_stderr", m.eta.error},
+                                         {"eta_stderr", error_json(m.eta)},
                                          {"xi", m.xi.value},
-                                         {"xi_stderr", m.xi.error},
+                                         {"xi_stderr", error_json(m.xi)},
                                          {"alpha", m.alpha.value},
-                                         {"alpha_stderr", m.alpha.error},
+                                         {"alpha_stderr", error_json(m.alpha)},
                                          {"f_over_mu_" + length_unit, m.strength.value},
-                                         {"f_over_mu_" + length_unit + "_stderr", m.strength.error},
+                                         {"f_over_mu_" + length_unit + "_stderr", error_json(m.strength)},
                                          {"units", {{"eta", "1"}, {"xi", "f/mu"}, {"alpha", "1"}}}};
     return json.dump(2) + "\n";
+}
+
+std::string with_error(const char* name, const FitDerived& d) {
+    const std::string value = fmt::format("{} = {:.4g}", name, d.value);
+    return d.error ? value + fmt::format(" +- {:.2g}", *d.error) : value;
+}
+
+/// What the medium is not to be trusted for.
+void warn(const fitting::Report& report, const FitPlan& plan, const Logger& log) {
+    for (const char* name : {"f_over_mu", "eta", "xi", "alpha"}) {
+        const auto e = std::ranges::find(report.estimates, name, &fitting::Estimate::name);
+        if (e != report.estimates.end() && at_bound(report, *e))
+            log->warn("fitted medium: {} = {:.4g} is where a bound of fit.bounds holds it, not where the "
+                      "data want it; "
+                      "what follows from it has no error",
+                      name, e->value);
+    }
+    if (plan.problem.sigma_known && report.dof > 0 && report.probability < 0.01)
+        log->warn("fitted medium: the fit is poor, chi2 = {:.4g} for {} degrees of freedom: the medium may "
+                  "be wrong by "
+                  "more than its errors",
+                  report.chi2, report.dof);
 }
 
 } // namespace
@@ -66,9 +94,9 @@ void take_fitted_medium(Session& session, const FitResults& results, const FitPl
     const FittedMedium m = medium_of(results.report);
     require_known(m);
     session.directory.write("medium.json", medium_json(m, plan.keys.length_unit));
-    session.log->info(
-        "fitted medium: eta = {:.4g} +- {:.2g}, xi = {:.4g} +- {:.2g} f/mu, alpha = {:.4g} +- {:.2g}",
-        m.eta.value, m.eta.error, m.xi.value, m.xi.error, m.alpha.value, m.alpha.error);
+    session.log->info("fitted medium: {}, {} f/mu, {}", with_error("eta", m.eta), with_error("xi", m.xi),
+                      with_error("alpha", m.alpha));
+    warn(results.report, plan, session.log);
     session.use_medium(m.eta.value, m.xi.value);
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace rodwake::cli {
 
@@ -48,7 +49,7 @@ fitting::Parameter parameter(const scene::Fit& keys, const std::string& name) {
     fitting::Parameter p;
     p.name = name;
     const auto start = keys.start.find(name);
-    p.start = start == keys.start.end() ? scene::fit_default_start(name) : start->second;
+    p.start = start == keys.start.end() ? scene::fit_default_start(keys, name) : start->second;
     if (const auto bounds = scene::fit_bounds(keys, name); bounds && scene::fit_is_free(keys, name)) {
         p.lower = bounds->low;
         p.upper = bounds->high;
@@ -114,6 +115,57 @@ Problem problem_of(const FitPlan& plan) {
     return fitting::joined({a, b});
 }
 
+/// "f_over_mu = 1, eta = 1": what is not fixed.
+std::string start_text(const Problem& problem, std::span<const double> values) {
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!problem.parameters[i].fixed)
+            text +=
+                fmt::format("{}{} = {:g}", text.empty() ? "" : ", ", problem.parameters[i].name, values[i]);
+    return text;
+}
+
+/// Of a residual that is not finite, or so large that its square is not.
+std::optional<std::string> trouble_with(const Problem& problem, const Eigen::VectorXd& r) {
+    Eigen::Index at = 0;
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+        if (!std::isfinite(r[i])) {
+            at = i;
+            break;
+        }
+        at = std::abs(r[i]) > std::abs(r[at]) ? i : at;
+    }
+    if (std::isfinite(r.squaredNorm()))
+        return std::nullopt;
+    return fmt::format(
+        "{}: the residual (model - value)/sigma is {:.3g}, which is beyond what can be squared and summed",
+        problem.residual_name(static_cast<std::size_t>(at)), r[at]);
+}
+
+std::optional<std::string> trouble_at(const Problem& problem, std::span<const double> values) {
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.residuals));
+    try {
+        problem.evaluate(values, r, nullptr);
+    } catch (const InputError& error) {
+        return fmt::format("the model cannot be computed: {}", error.what());
+    } catch (const RunError& error) {
+        return fmt::format("the model cannot be computed: {}", error.what());
+    }
+    return trouble_with(problem, r);
+}
+
+/// A search from where nothing can be computed would only end with the same, later.
+void require_start(const Problem& problem) {
+    std::vector<double> free;
+    for (const std::size_t i : fitting::free_parameters(problem))
+        free.push_back(problem.parameters[i].start);
+    const std::vector<double> values = fitting::all_values(problem, free);
+    if (const auto trouble = trouble_at(problem, values))
+        throw InputError(
+            fmt::format("{} (at the start of the fit: {}); change fit.start, or the data if they are wrong",
+                        *trouble, start_text(problem, values)));
+}
+
 FitPart part(const Problem& problem, const std::vector<std::string>& known, bool headings) {
     FitPart out;
     for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
@@ -156,6 +208,7 @@ FitPlan fit_plan(const scene::Scene& scene, const Options& options,
     plan.track_model.ode.rtol = 1e-10;
     plan.track_model.ode.atol = 1e-12;
     plan.problem = problem_of(plan);
+    require_start(plan.problem);
     plan.method = fit_method(plan.keys, options);
     return plan;
 }

@@ -18,8 +18,8 @@ struct FitPlan {
     fitting::Method method; ///< without the calls that report and stop
 };
 
-/// Throws InputError for a file that is missing or wrong, and for data that cannot be fitted. `run_directory`
-/// empty: there is none yet.
+/// Throws InputError for a file that is missing or wrong, for data that cannot be fitted, and where the
+/// residuals at the start are not finite. `run_directory` empty: there is none yet.
 FitPlan fit_plan(const scene::Scene& scene, const Options& options,
                  const std::filesystem::path& run_directory);
 

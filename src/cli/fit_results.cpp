@@ -60,9 +60,9 @@ Scored outside_core(const FitPlan& plan, std::size_t index, std::span<const doub
     return out;
 }
 
-std::optional<fitting::Excess> excess_of(const Scored& scored, const Eigen::MatrixXd* covariance) {
+std::optional<fitting::Excess> excess_of(const Scored& scored, const Eigen::MatrixXd* root) {
     try {
-        return fitting::excess(scored.data, scored.prediction.value, covariance);
+        return fitting::excess(scored.data, scored.prediction.value, root);
     } catch (const InputError&) { // the model is 0 on the whole line
         return std::nullopt;
     }
@@ -121,12 +121,11 @@ FitProfileResult profile_result(const FitPlan& plan, const FitResults& results, 
     set_points(plan, results, index, out);
     const Scored scored = outside_core(plan, index, results.fit.values);
     out.chi2 = chi2_of(scored);
-    const Eigen::MatrixXd gradients =
+    const Eigen::MatrixXd root =
         by_free(results.report, scored.prediction.by_parameter) * results.report.root;
-    const Eigen::MatrixXd covariance = gradients * gradients.transpose();
     const auto errors = band(results.report, scored.prediction);
     const bool known = std::ranges::all_of(errors, [](double e) { return std::isfinite(e); });
-    out.excess = excess_of(scored, known ? &covariance : nullptr);
+    out.excess = excess_of(scored, known ? &root : nullptr);
     if (out.excess && !known)
         out.excess->stderr_ = HUGE_VAL; // the prediction itself is not fixed
     set_curve(plan, results, index, out);
@@ -180,10 +179,26 @@ void set_derived(FitResults& results) {
 FitDerived derived(const fitting::Report& report, double value,
                    const std::map<std::string, double>& gradient) {
     Eigen::MatrixXd row = Eigen::MatrixXd::Zero(1, static_cast<Eigen::Index>(report.estimates.size()));
+    bool any = false, held = false;
     for (std::size_t i = 0; i < report.estimates.size(); ++i)
-        if (const auto at = gradient.find(report.estimates[i].name); at != gradient.end())
+        if (const auto at = gradient.find(report.estimates[i].name); at != gradient.end()) {
             row(0, static_cast<Eigen::Index>(i)) = at->second;
+            any = any || has_error(report, report.estimates[i]);
+            held = held || at_bound(report, report.estimates[i]);
+        }
+    if (!any || held)
+        return {value, std::nullopt};
     return {value, fitting::propagated(report, row)[0]};
+}
+
+bool at_bound(const fitting::Report& report, const fitting::Estimate& estimate) {
+    const auto to = std::ranges::find(report.estimates, estimate.tied_to, &fitting::Estimate::name);
+    const fitting::Estimate& e = to == report.estimates.end() ? estimate : *to;
+    return e.at_lower || e.at_upper;
+}
+
+bool has_error(const fitting::Report& report, const fitting::Estimate& estimate) {
+    return (estimate.free || !estimate.tied_to.empty()) && !at_bound(report, estimate);
 }
 
 std::optional<double> fitted_value(const fitting::Report& report, const std::string& name) {

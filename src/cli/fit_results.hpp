@@ -4,14 +4,19 @@
 #include "fit_plan.hpp"
 #include "rodwake/fitting/report.hpp"
 
+#include <cmath>
 #include <map>
 #include <optional>
 
 namespace rodwake::cli {
 
-/// Value and standard error (infinite: not fixed by the data) of what follows from the parameters.
+/// Value and standard error of what follows from the parameters. Infinite: not fixed by the data; absent: it
+/// follows from fixed values alone, or from one that is held by a bound.
 struct FitDerived {
-    double value = 0.0, error = 0.0;
+    double value = 0.0;
+    std::optional<double> error;
+
+    bool not_fixed() const { return error && !std::isfinite(*error); }
 };
 
 struct FitProfileResult {
@@ -51,6 +56,11 @@ FitResults fit_results(const FitPlan& plan, fitting::Fit fit);
 /// A function of the parameters with its gradient, and the error that follows.
 FitDerived derived(const fitting::Report& report, double value,
                    const std::map<std::string, double>& gradient);
+
+/// Whether the estimate, or the one it is tied to, is held by a bound.
+bool at_bound(const fitting::Report& report, const fitting::Estimate& estimate);
+/// Whether it has a standard error, if an infinite one: neither fixed nor held by a bound.
+bool has_error(const fitting::Report& report, const fitting::Estimate& estimate);
 
 /// Value of a parameter, if the fit has it.
 std::optional<double> fitted_value(const fitting::Report& report, const std::string& name);

@@ -47,9 +47,15 @@ void log_data(const FitPlan& plan, const Logger& log) {
         if (p.left_out > 0)
             log->warn("fit: {}: {} points without a sigma are left out", p.file.string(), p.left_out);
     }
-    for (const FitTrackData& t : plan.tracks)
+    for (const FitTrackData& t : plan.tracks) {
         log->info("fit: trajectory {}: {} rods, {} rows from {}", t.name, t.rods, t.data.times.size(),
                   t.file.string());
+        if (t.unwrapped)
+            log->info(
+                "fit: {}: headings that jump by more than half a turn between rows were brought nearer by "
+                "whole turns",
+                t.file.string());
+    }
 }
 
 std::string with_unit(const std::string& unit) { return unit.empty() || unit == "1" ? "" : " " + unit; }
@@ -71,7 +77,9 @@ void log_results(const FitPlan& plan, const FitResults& results, const Logger& l
         log->info("fit: {}", line_of(plan, r.estimates[i], plan.problem.parameters[i]));
     for (const auto& [name, d] : results.derived)
         log->info("fit: {} = {:.6g}{}{}", name, d.value,
-                  std::isfinite(d.error) ? fmt::format(" +- {:.2g}", d.error) : ", not fixed by the data",
+                  d.not_fixed() ? ", not fixed by the data"
+                  : d.error     ? fmt::format(" +- {:.2g}", *d.error)
+                                : "",
                   with_unit(fit_unit(plan.keys, name)));
     log->info("fit: chi2 = {:.4g} for {} degrees of freedom; {} of {} starts ended there; {} ({})", r.chi2,
               r.dof, r.same_optimum, results.fit.starts.size(), to_string(results.fit.termination),

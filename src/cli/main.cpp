@@ -2,6 +2,7 @@
 #include "rodwake/core/error.hpp"
 #include "signals.hpp"
 #include "verbs.hpp"
+#include "words_of.hpp"
 
 #include <fmt/format.h>
 
@@ -44,7 +45,7 @@ int flushed(int code) {
 }
 
 int fail(const std::exception& error, int code) {
-    fmt::print(stderr, "rodwake: {}\n", error.what());
+    fmt::print(stderr, "rodwake: {}\n", words_of(error));
     return code;
 }
 

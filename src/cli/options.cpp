@@ -15,12 +15,15 @@ constexpr const char* exit_codes =
     "Exit codes: 0 ok, 1 runtime failure, 2 usage or scene error, 3 finished with failed points,\n"
     "            130/143 stopped by Ctrl-C/SIGTERM.\n";
 
+constexpr std::uint64_t largest_seed = 9223372036854775807; // 2^63 - 1, the largest integer a scene can hold
+
 void add_common(CLI::App& verb, Options& options) {
     verb.add_option("-o,--output", options.output, "folder for the results [results/<scene name>]");
     verb.add_option("-s,--set", options.overrides, "change a key of the scene: table.key=value; repeatable")
         ->allow_extra_args(false);
     verb.add_option("-j,--threads", options.threads, "threads")->check(CLI::Range(1, 1024));
-    verb.add_option("--seed", options.seed, "seed of everything random")->check(CLI::NonNegativeNumber);
+    verb.add_option("--seed", options.seed, "seed of everything random, 0 to 2^63 - 1")
+        ->check(CLI::Range(std::uint64_t{0}, largest_seed));
     verb.add_flag("--dry-run", options.dry_run, "say what would be done, do nothing");
     verb.add_flag("--quiet", options.quiet, "no progress, no summary; errors only");
     verb.add_flag("-v,--verbose", options.verbose, "more detail");

@@ -75,9 +75,9 @@ void add_unused_lines(const scene::Scene& scene, std::vector<CheckLine>& lines) 
         lines.push_back({false, "noise: no [noise] table"});
 }
 
-std::string cost(const scene::Scene& scene, const BedReport& bed) {
+std::string cost(const scene::Scene& scene, const BedReport& bed, const FitCheck& fit) {
     constexpr double point_seconds = 1.2e-7; // bench/: strain at one point
-    std::string text = bed.cost;
+    std::string text = bed.cost + fit.cost;
     if (scene.field && !scene.field->x.empty())
         text += fmt::format("  field maps: about {:.2g} s\n",
                             2.0 * point_seconds * static_cast<double>(scene.field->nx * scene.field->ny));
@@ -102,8 +102,8 @@ int verb_check(const Options& options) {
     add_unused_lines(scene, lines);
     const BedReport bed = check_bed(scene, options.seed);
     lines.insert(lines.end(), bed.lines.begin(), bed.lines.end());
-    const std::vector<CheckLine> fit = check_fit(scene, options);
-    lines.insert(lines.end(), fit.begin(), fit.end());
+    const FitCheck fit = check_fit(scene, options);
+    lines.insert(lines.end(), fit.lines.begin(), fit.lines.end());
     fmt::print("{}\n# modelled\n", scene::to_toml(scene));
     for (const CheckLine& line : lines)
         if (line.modelled)
@@ -112,7 +112,7 @@ int verb_check(const Options& options) {
     for (const CheckLine& line : lines)
         if (!line.modelled)
             fmt::print("  {}\n", line.text);
-    fmt::print("\n# expected cost\n{}\n{}: ok\n", cost(scene, bed), options.target);
+    fmt::print("\n# expected cost\n{}\n{}: ok\n", cost(scene, bed, fit), options.target);
     return 0;
 }
 

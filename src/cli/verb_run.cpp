@@ -11,6 +11,7 @@
 #include "stages.hpp"
 #include "take_seed.hpp"
 #include "verbs.hpp"
+#include "words_of.hpp"
 
 #include <fmt/format.h>
 
@@ -64,7 +65,7 @@ StageEnd run_recorded(Session& session, const std::vector<Stage>& stages) {
     try {
         return run_all(session, stages);
     } catch (const std::exception& error) {
-        session.fail(error.what());
+        session.fail(words_of(error));
         throw;
     }
 }
@@ -85,7 +86,10 @@ int finish(const Session& session, StageEnd end) {
         if (stop_signal())
             return signal_exit_code(stop_signal());
     }
-    session.log->info("results in {}", folder);
+    if (session.options.verb == Verb::fit)
+        session.log->info("results in {0}; rodwake plot {0} draws them", folder);
+    else
+        session.log->info("results in {}", folder);
     return 0;
 }
 

@@ -67,7 +67,7 @@ void values(const Fit& fit, const Report& report) {
 void start_within(const Fit& fit, const std::string& name, const Report& report) {
     const auto bounds = fit_bounds(fit, name);
     const auto given = fit.start.find(name);
-    const double start = given == fit.start.end() ? fit_default_start(name) : given->second;
+    const double start = given == fit.start.end() ? fit_default_start(fit, name) : given->second;
     if (!bounds || (bounds->low <= start && start <= bounds->high) || !(bounds->low < bounds->high))
         return;
     const bool by_default = !fit.bounds.contains(name);

@@ -15,6 +15,12 @@ double bead_radius(const Scene& scene) {
     return scene.scales.value_or(Scales{}).bead_radius;
 }
 
+/// What reduced units are in the numbers of rods.csv.
+Scales scales_of_tracks(const Scene& scene) {
+    const bool known = scene.units == UnitSystem::si && scene.scales;
+    return known ? *scene.scales : Scales{1.0, 1.0, bead_radius(scene)};
+}
+
 } // namespace
 
 void fields(Visitor& v, Scales& scales) {
@@ -70,7 +76,9 @@ void fields(Visitor& v, Scene& scene) {
     const FigureUnits of_figures{units, si_units(scene.granular.value_or(Granular{}).bead_radius),
                                  file_units(bead_radius(scene))};
     v.use_units(of_figures.fit);
-    v.table(key("fit").doc("What is fitted to measured profiles and tracks."), scene.fit);
+    const FitUnits of_fit{of_figures.fit, si_units(bead_radius(scene)), scales_of_tracks(scene)};
+    v.table(key("fit").doc("What is fitted to measured profiles and tracks."), scene.fit,
+            [&](Fit& fit) { fields(v, fit, of_fit); });
     v.use_units(units);
     v.list(key("figures").items(0, 100).doc("What `rodwake plot` draws."), scene.figures,
            [&](Figure& figure) { fields(v, figure, of_figures); });

@@ -33,9 +33,14 @@ void fields(Visitor& v, GranularRod& rod);
 void fields(Visitor& v, Granular& granular);
 void fields(Visitor& v, Measure& measure);
 void fields(Visitor& v, FitProfile& profile);
-void fields(Visitor& v, FitTrajectory& trajectory);
 void fields(Visitor& v, FitCompare& compare);
-void fields(Visitor& v, Fit& fit);
+/// What lengths mean in [fit], and what reduced units are in a file of tracks unless it says otherwise.
+struct FitUnits {
+    Units profiles, tracks;
+    Scales scales;
+};
+void fields(Visitor& v, FitTrajectory& trajectory, const FitUnits& units);
+void fields(Visitor& v, Fit& fit, const FitUnits& units);
 /// Units of a figure's window, by what is drawn.
 struct FigureUnits {
     Units scene, bed, fit;

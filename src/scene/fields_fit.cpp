@@ -19,12 +19,15 @@ void parameter_fields(Visitor& v, Fit& fit) {
           .doc("what is fitted. f_over_mu: force over shear modulus, a length; f2d_over_mu: y force dipole; "
                "eta, "
                "xi or alpha = f_over_mu/xi: the medium; x0: where the force acts, ahead of the rod's centre; "
-               "offset, offset_y: added to Ux, Uy; kappa, gamma1, gamma2: couplings, from trajectories")
+               "offset, offset_y: added to Ux, Uy; kappa, gamma1, gamma2: couplings, from trajectories, in "
+               "reduced units "
+               "(mu v0/f, v0, v0) whatever units says")
           .example("[\"f_over_mu\", \"eta\", \"xi\"]"),
       fit.parameters);
     v(key("start")
           .one_of(names)
-          .absent("1 for f_over_mu, eta, alpha and kappa, 10 for xi, 0 for others")
+          .absent(
+              "1 for f_over_mu, eta, alpha and kappa, 10 for xi (1 with trajectories alone), 0 for others")
           .doc("where the search starts; of no use for one that is fixed or tied")
           .example("{ f_over_mu = 2.0, eta = 1.0, alpha = 0.2 }"),
       fit.start);
@@ -141,6 +144,33 @@ void report_fields(Visitor& v, Fit& fit) {
       fit.length_unit);
 }
 
+/// What is in the file's numbers: those of [scales] where the rods of the scene are written in them.
+void scale_fields(Visitor& v, FitTrajectory& t, const Scales& scales) {
+    std::optional<double> f_over_mu = t.f_over_mu, v0 = t.speed;
+    v(key("f_over_mu")
+          .unit(length)
+          .above(0.0)
+          .absent("that of [scales] with units = \"si\", else 1")
+          .doc("what one f/mu is in the file's numbers; tracks.csv is in metres, and so is rods.csv with "
+               "units = "
+               "\"si\". Couplings, eta and xi come in reduced units: kappa in mu v0/f, gamma1 and gamma2 in "
+               "v0, xi "
+               "in f/mu")
+          .example("\"0.88 mm\""),
+      f_over_mu);
+    v(key("speed")
+          .unit(speed)
+          .above(0.0)
+          .absent("v0 of [scales] with units = \"si\", else 1")
+          .doc("what one v0 is in the file's numbers")
+          .example("\"2.8 mm/s\""),
+      v0);
+    v.derive([&] {
+        t.f_over_mu = f_over_mu.value_or(scales.f_over_mu);
+        t.speed = v0.value_or(scales.v0);
+    });
+}
+
 } // namespace
 
 void fields(Visitor& v, FitProfile& p) {
@@ -171,11 +201,11 @@ void fields(Visitor& v, FitProfile& p) {
       p.name);
 }
 
-void fields(Visitor& v, FitTrajectory& t) {
+void fields(Visitor& v, FitTrajectory& t, const FitUnits& units) {
     v(key("file")
           .required()
           .doc("CSV with columns t,x0,y0,theta0,x1,... as in rods.csv and tracks.csv; looked for as profiles "
-               "are")
+               "are. Headings may jump by whole turns")
           .example("\"rods.csv\""),
       t.file);
     v(key("sigma_position")
@@ -205,12 +235,9 @@ void fields(Visitor& v, FitTrajectory& t) {
       t.contact_time);
     v(key("sigma_contact").above(0.0).absent("1").doc("standard error of contact_time").example("0.01"),
       t.sigma_contact);
-    v(key("f_over_mu")
-          .above(0.0)
-          .doc("what one f/mu is in the file's numbers; tracks.csv is in metres")
-          .example("0.00088"),
-      t.f_over_mu);
-    v(key("speed").above(0.0).doc("what one v0 is in the file's numbers").example("0.0028"), t.speed);
+    v.use_units(units.tracks);
+    scale_fields(v, t, units.scales);
+    v.use_units(units.profiles);
     v(key("name").absent("the file's name without ending").doc("name in reports").example("\"pair\""),
       t.name);
 }
@@ -225,13 +252,14 @@ void fields(Visitor& v, FitCompare& c) {
       c.values);
 }
 
-void fields(Visitor& v, Fit& fit) {
+void fields(Visitor& v, Fit& fit, const FitUnits& units) {
     parameter_fields(v, fit);
     model_fields(v, fit);
     search_fields(v, fit);
     report_fields(v, fit);
     v.list(key("profiles").items(0, 100).doc("Measured displacement along a line."), fit.profiles);
-    v.list(key("trajectories").items(0, 100).doc("Measured tracks of rods."), fit.trajectories);
+    v.list(key("trajectories").items(0, 100).doc("Measured tracks of rods."), fit.trajectories,
+           [&](FitTrajectory& track) { fields(v, track, units); });
     v.list(key("compare").items(0, 20).doc("Other parameter values, drawn and scored beside the fit."),
            fit.compare);
 }

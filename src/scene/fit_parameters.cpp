@@ -22,7 +22,9 @@ const std::vector<std::string>& fit_parameter_names() {
     return names;
 }
 
-double fit_default_start(const std::string& parameter) {
+double fit_default_start(const Fit& fit, const std::string& parameter) {
+    if (parameter == "xi" && fit.profiles.empty()) // tracks alone: in f/mu, so 1/alpha
+        return 1.0;
     static const std::map<std::string, double> starts = {
         {"f_over_mu", 1.0}, {"eta", 1.0}, {"xi", 10.0}, {"alpha", 1.0}, {"kappa", 1.0}};
     const auto it = starts.find(parameter);

@@ -44,11 +44,17 @@ public:
 
     template<class T>
     void table(const Key& key, std::optional<T>& value) {
+        table(key, value, [this](T& present) { fields(*this, present); });
+    }
+
+    /// The same with a field list of its own.
+    template<class T, class Fields>
+    void table(const Key& key, std::optional<T>& value, Fields each) {
         if (!enter_table(key, value.has_value()))
             return;
         if (!value)
             value.emplace();
-        fields(*this, *value);
+        each(*value);
         leave();
     }
 

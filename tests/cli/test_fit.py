@@ -1,6 +1,7 @@
 """rodwake fit: known parameters come back from made-up profiles, and what the data cannot tell is said."""
 
 import json
+import resource
 
 import numpy as np
 import rodwake
@@ -22,6 +23,31 @@ class RecoveryTest(FitTest):
         self.assertLess(abs(alpha["value"] - 0.1), 4.0 * alpha["stderr"])
         self.assertRegex(done.stderr, r"fit: eta = 1\.\d+ \+- 0\.\d+")
         self.assertEqual(self.status("out"), "finished")
+        self.assertIn("results in out; rodwake plot out draws them", done.stderr)
+
+    def limited(self, megabytes):
+        """The program with no more address space than that."""
+        limit = megabytes * 2**20
+        options = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))}
+        if self.run_program("--version", **options).returncode != 0:
+            self.skipTest("this build needs more memory to say its version: it is one with sanitizers")
+        return options
+
+    def test_many_points_take_memory_for_the_points_only(self):
+        """Numbers for each pair of 8000 points would take 512 MB."""
+        places = np.linspace(4.0, 40.0, 8000)
+        self.make_profile(places=places)
+        self.write("fit.toml", FIT)
+        self.expect(0, "fit", "fit.toml", "-o", "out", "--quiet", **self.limited(400))
+        found = json.loads((self.folder / "out/fit.json").read_text())
+        self.assert_recovered(found, TRUE)
+        self.assertGreater(found["profiles"][0]["excess"]["stderr"], 0.0)
+
+    def test_too_little_memory_is_said_in_words(self):
+        self.make_profile(places=np.linspace(4.0, 40.0, 100000), sigma=1.0)
+        self.write("fit.toml", FIT)
+        done = self.expect(1, "fit", "fit.toml", "-o", "out", "--quiet", **self.limited(90))
+        self.assertRegex(done.stderr, "rodwake: not enough memory; .* fewer rows")
 
     def test_errors_that_are_too_small_are_noticed(self):
         """The check above can fail: noise ten times sigma does not fit."""
@@ -192,6 +218,8 @@ class NotIdentifiableTest(FitTest):
             self.assertRegex(done.stderr, rf"fit: {name} = .*not fixed by the data")
         self.assert_recovered(found, {"offset_y": 0.5})
         self.assertEqual(found["rank"], 1)
+        unknown = [[1.0 if i == j else None for j in range(4)] for i in range(4)]  # three of four have no error
+        self.assertEqual(found["correlation"], unknown)
         self.assertEqual(len(found["flat"]), 3)
         self.assertTrue(found["remarks"])
         self.assertRegex((self.folder / "out/log.txt").read_text(), "warning.* the data do not fix eta")
@@ -209,6 +237,9 @@ class NotIdentifiableTest(FitTest):
         found, done = self.fit(FIT, "-s", "fit.bounds.eta=[0.1, 0.6]", "-s", "fit.start.eta=0.5", out="bound")
         self.assertEqual(found["parameters"]["eta"]["at_bound"], "upper")
         self.assertIsNone(found["parameters"]["eta"]["stderr"])
+        force, eta, xi = (found["free"].index(name) for name in ("f_over_mu", "eta", "xi"))
+        self.assertEqual([found["correlation"][eta][k] for k in (force, eta, xi)], [None, 1.0, None])
+        self.assertGreater(abs(found["correlation"][force][xi]), 0.01)
         self.assertRegex(done.stderr, "eta = 0.6 \\(at its upper bound\\)")
 
 

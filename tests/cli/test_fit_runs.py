@@ -5,7 +5,7 @@ import signal
 
 import numpy as np
 import rodwake
-from fits import FIELD, FIT, FITTED, X, FitTest, columns
+from fits import FIELD, FIT, FITTED, SIGMA, X, FitTest, columns
 from rodwake import PAIR, wait_until
 
 FIGURE = '[[figures]]\nname = "correlation"\nkind = "fit_correlation"\n'  # a quick one
@@ -48,6 +48,30 @@ class FittedMediumTest(FitTest):
             for file in files:
                 self.assertEqual((self.folder / name / file).read_bytes(), (self.folder / f"{name}_{verb}" / file).read_bytes(), file)
 
+    def test_a_medium_at_a_bound_has_no_error_and_warns(self):
+        self.make_profile(sigma=SIGMA / 8)  # so that eta = 0.6 is seen to be wrong
+        text = FIT.replace("[[fit.prof", "bounds = { eta = [0.05, 0.6] }\n[[fit.prof").replace("eta = 2.0", "eta = 0.5")
+        self.write("fitted.toml", text + FIELD + FIGURE + FITTED)
+        done = self.expect(0, "run", "fitted.toml", "-o", "out")
+        medium = json.loads((self.folder / "out/medium.json").read_text())
+        self.assertEqual((medium["eta"], medium["eta_stderr"]), (0.6, None))
+        self.assertGreater(medium["xi_stderr"], 0.0)
+        self.assertIn("fitted medium: eta = 0.6, xi = ", done.stderr)
+        self.assertRegex(done.stderr, "fitted medium: eta = 0.6 is where a bound of fit.bounds holds it")
+        self.assertRegex(done.stderr, "fitted medium: the fit is poor, chi2 = ")
+        self.assertRegex((self.folder / "out/log.txt").read_text(), "warning.*fitted medium: eta")
+
+    def test_a_fixed_medium_has_no_error_and_does_not_warn(self):
+        self.make_profile()
+        text = FIT.replace('"eta", ', "").replace("[[fit.prof", "fixed = { eta = 1.3 }\n[[fit.prof").replace("eta = 2.0, ", "")
+        self.write("fitted.toml", text + FIELD + FIGURE + FITTED)
+        done = self.expect(0, "run", "fitted.toml", "-o", "out")
+        medium = json.loads((self.folder / "out/medium.json").read_text())
+        self.assertEqual((medium["eta"], medium["eta_stderr"]), (1.3, None))
+        self.assertGreater(medium["xi_stderr"], 0.0)
+        self.assertNotIn("bound", done.stderr)
+        self.assertNotIn("poor", done.stderr)
+
     def test_check_says_what_is_fitted(self):
         self.make_profile()
         self.write("fit.toml", FIT + RODS + FITTED + "periodic = 30.0\n")
@@ -59,6 +83,8 @@ class FittedMediumTest(FitTest):
             self.assertIn(part, modelled)
         for part in ("no dipole: f2d_over_mu is not in", "no images: no fit.box"):
             self.assertIn(part, left_out)
+        self.assertIn(f"fit: 1 start, {len(X)} points, about 50 evaluations of the model, about {50e-6 * len(X):.2g} s", text)
+        self.assertNotIn("nothing to compute", text)
         self.assertEqual(sorted(self.folder.rglob("*")), before)
         self.expect(0, "fit", "fit.toml", "--dry-run")
         self.assertEqual(sorted(self.folder.rglob("*")), before)
@@ -94,6 +120,44 @@ class TrajectoryTest(FitTest):
             self.assertEqual(list(table), ["t", *names, *(f"model_{name}" for name in names)])
             np.testing.assert_allclose(table["model_y0"], table["y0"], atol=1e-6 * scale[0])
             self.assertLess(track["rms_position"], 1e-6 * scale[0])
+
+    def test_headings_that_jump_by_turns_are_the_same_headings(self):
+        self.tracks()
+        plain, done = self.fit(self.TRACKS, out="plain")
+        self.assertNotIn("turns", done.stderr)
+        lines = (self.folder / "tracks.csv").read_text().splitlines()
+        for i in range(2, len(lines), 2):
+            row = lines[i].split(",")
+            row[3] = repr(float(row[3]) + 2.0 * np.pi)
+            lines[i] = ",".join(row)
+        self.write("tracks.csv", "\n".join(lines) + "\n")
+        found, done = self.fit(self.TRACKS)
+        self.assertEqual(done.stderr.count("whole turns"), 1)
+        for name in ("kappa", "alpha"):  # adding and taking 2 pi costs 1e-15, the tracks are good to 1e-11
+            self.assertAlmostEqual(found["parameters"][name]["value"], plain["parameters"][name]["value"], delta=1e-8)
+
+    def test_rods_of_an_si_scene_are_fitted_by_the_same_scene(self):
+        scales = 'units = "si"\n[scales]\nf_over_mu = "2 mm"\nv0 = "3 mm/s"\n'
+        pair = PAIR.split("[rods_run]")[0].replace('title = "a pair"\n', scales).replace("kappa = 0.5", 'kappa = "0.75 1/s"').replace("2.5]", "0.005]")
+        fit = self.TRACKS.replace("schema = 1\n", "").replace("tracks.csv", "si/rods.csv")
+        self.write("si.toml", pair + "[rods_run]\nt_end = 20.0\noutput_interval = 1.0\nrtol = 1e-11\n" + fit)
+        self.expect(0, "rods", "si.toml", "-o", "si", "--quiet")
+        self.assertEqual(columns(self.folder / "si/rods.csv")["y0"][0], 0.005)
+        self.expect(0, "fit", "si.toml", "-o", "out", "--quiet")
+        kappa = json.loads((self.folder / "out/fit.json").read_text())["parameters"]["kappa"]
+        self.assertAlmostEqual(kappa["value"], 0.75 * 2.0 / 3.0, delta=1e-6)  # kappa f/(mu v0)
+        self.assertEqual(kappa["unit"], "v0 mu/f")
+        words = self.expect(0, "check", "si.toml", "-s", "fit.trajectories.0.f_over_mu=4 mm", "-s", "fit.trajectories.0.speed=1 m/s").stdout
+        self.assertRegex(words, r"(?s)\[\[fit.trajectories\]\].*f_over_mu = 0\.004\n.*speed = 1\.0\n")
+        self.refuse(2, "unknown unit|f/mu", "check", "si.toml", "-s", "fit.trajectories.0.f_over_mu=4 f/mu")
+
+    def test_xi_starts_at_1_for_tracks_alone(self):
+        self.tracks()
+        text = self.TRACKS.replace('"alpha"]', '"xi"]').replace(", alpha = 1.5", "")
+        found, _ = self.fit(text)
+        self.assertEqual(found["parameters"]["xi"]["start"], 1.0)
+        self.assertAlmostEqual(found["parameters"]["xi"]["value"], 1.0, delta=1e-6)
+        self.assertIn("fit: 1 start, 0 points and 1 pair of rods", self.expect(0, "check", "fit.toml").stdout)
 
     def test_free_headings_and_the_time_of_contact(self):
         self.write("pair.toml", PAIR.replace("output_interval = 10.0", "output_interval = 2.0\nrtol = 1e-11"))

@@ -3,8 +3,9 @@
 import json
 import signal
 
+import numpy as np
 import rodwake
-from fits import FIELD, FIT, FITTED, FitTest, compare_fits
+from fits import FIELD, FIT, FITTED, FitTest, columns, compare_fits
 from rodwake import PAIR, wait_until
 
 
@@ -110,6 +111,36 @@ class BadDataTest(FitTest):
                 ("x,value,sigma\n1,2,0.1\n2,2,0.1\n3,2,0.1\n4,2,0.1\n", r"all 4 values are equal \(2\)")):
             with self.subTest(data=data[-20:]):
                 self.refused(data, pattern)
+
+    def test_what_is_there_but_is_no_regular_file(self):
+        (self.folder / "ux.csv").mkdir()
+        self.refused(None, "ux.csv: is not a regular file")
+        self.refused(None, "/dev/null: is not a regular file", FIT.replace("ux.csv", "/dev/null"))
+
+    def test_points_on_an_image_of_the_rod(self):
+        """In a box of 30, along x and beside it, ahead and behind; at an angle the image along x is at 30 sqrt(2)."""
+        half, far = np.pi / 4, 30.0 * 2.0**0.5
+        for heading, place, at in ((0.0, 30.0, 0.0), (0.0, -60.0, 0.0), (0.0, 30.0, -30.0), (np.pi / 2, 30.0, 60.0), (half, far, 0.0), (half, far, far)):
+            self.refused(self.GOOD + f"{place!r},1,0.1\n", r"ux\.csv:10: \(.*\) is the place of an image of the rod in the box of 30", FIT,
+                         "-s", "fit.box=30.0", "-s", f"fit.heading={heading!r}", "-s", f"fit.profiles.0.at={at!r}")
+        for elsewhere in (("fit.heading=0.3", "fit.box=30.0"), ("fit.heading=0.0", "fit.box=31.0")):
+            self.write("ux.csv", self.GOOD + "30,1,0.1\n")
+            self.fit(FIT, "-s", elsewhere[1], "-s", elsewhere[0], out=elsewhere[0])
+
+    def test_a_curve_over_an_image_leaves_it_out(self):
+        self.write("ux.csv", self.GOOD + "52,0.1,0.1\n")  # the curve has 401 places, 20.4 among them
+        found, _ = self.fit(FIT, "-s", "fit.box=26.5")
+        curve = columns(self.folder / "out" / found["profiles"][0]["curve"])
+        self.assertNotIn(26.5, curve["x"])
+        self.assertEqual(len(curve["x"]), 400)
+
+    def test_residuals_that_cannot_be_at_the_start(self):
+        alpha = FIT.replace('"xi"]', '"alpha"]').replace("f_over_mu = 1.5", "f_over_mu = 0.0").replace("xi = 15.0", "alpha = 0.2")
+        self.refused(self.GOOD, r"the model cannot be computed.*start of the fit: f_over_mu = 0, eta = 2, alpha = 0\.2\); change fit\.start", alpha)
+        for row, text in (("9,1,1e-320\n", "ux.csv:10: the residual"), ("9,1e300,0.1\n", "ux.csv:10: the residual"),
+                          ("9,1,1e-200\n", "ux.csv:10: the residual")):
+            self.refused(self.GOOD + row, text + r".*change fit\.start")
+        self.refuse(2, "ux.csv:10: the residual", "check", "fit.toml")
 
     def test_bad_scenes(self):
         self.write("ux.csv", self.GOOD)

@@ -41,6 +41,9 @@ class HelpTest(ProgramTest):
         self.refuse(2, "extra", "check", THEORY_PAIR, "extra")
         for option, value in (("--threads", "0"), ("--threads", "many"), ("--threads", "1e9"), ("--seed", "-1"), ("--seed", "x")):
             self.refuse(2, option, "rods", THEORY_PAIR, option, value)
+        for value in (-1, 2**63, 2**64 - 1, "1e300"):
+            done = self.refuse(2, rf"--seed: .*not in range \D*0\D+{2**63 - 1}\b", "rods", THEORY_PAIR, "--seed", value)
+            self.assertLess(len(done.stderr), 300)
 
 
 class CommonOptionsTest(ProgramTest):
@@ -95,8 +98,8 @@ class CommonOptionsTest(ProgramTest):
         self.assertTrue(any(line["level"] == "error" and "max_steps" in line["message"] for line in lines))
 
     def test_seed_is_on_record(self):
-        self.expect(0, "rods", "pair.toml", "-o", "out", "--seed", 2**64 - 1)
-        self.assertEqual(json.loads((self.folder / "out/provenance.json").read_text())["seed"], 2**64 - 1)
+        self.expect(0, "rods", "pair.toml", "-o", "out", "--seed", 2**63 - 1)
+        self.assertEqual(json.loads((self.folder / "out/provenance.json").read_text())["seed"], 2**63 - 1)
 
 
 class InfoTest(ProgramTest):

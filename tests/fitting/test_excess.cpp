@@ -51,8 +51,22 @@ TEST_CASE("an uncertain prediction makes the factor uncertain") {
     const std::vector<double> model = {1.0, 1.0};
     const Profile twice = data({2.0, 2.0}, {0.01, 0.01});
     // The whole prediction is uncertain by 10 %: so is the factor.
-    const Eigen::MatrixXd covariance = Eigen::MatrixXd::Constant(2, 2, 0.01);
-    CHECK(excess(twice, model, &covariance).stderr_ == Approx(0.2).epsilon(0.01));
+    const Eigen::MatrixXd root = Eigen::MatrixXd::Constant(2, 1, 0.1);
+    CHECK(excess(twice, model, &root).stderr_ == Approx(0.2).epsilon(0.01));
+}
+
+TEST_CASE("the root of the covariance is as good as the covariance") {
+    const std::vector<double> model = {1.0, -0.5, 2.0};
+    const Profile some = data({1.1, -0.7, 2.6}, {0.1, 0.2, 0.4});
+    Eigen::MatrixXd root(3, 2);
+    root << 0.3, 0.1, -0.2, 0.4, 0.5, -0.1;
+    const Excess plain = excess(some, model), with = excess(some, model, &root);
+    // variance + g^T (G G^T) g, g = w (d - 2 s m)/sum w m^2, by hand
+    const Eigen::Vector3d d(1.1, -0.7, 2.6), m(1.0, -0.5, 2.0), w(100.0, 25.0, 6.25);
+    const Eigen::Vector3d g = w.cwiseProduct(d - 2.0 * with.scale * m) / w.dot(m.cwiseAbs2());
+    const double variance = plain.stderr_ * plain.stderr_ + g.dot(root * root.transpose() * g);
+    CHECK(with.stderr_ == Approx(std::sqrt(variance)).epsilon(1e-12));
+    CHECK(with.stderr_ > 2.0 * plain.stderr_);
 }
 
 TEST_CASE("points that share data count less") {

@@ -137,7 +137,7 @@ TEST_CASE("a parameter on a bound has no error, the others theirs with it fixed"
     CHECK(r.estimates[0].stderr_ == 0.0);
     CHECK(r.estimates[1].stderr_ == Approx(1.0 / std::sqrt(55.0)).epsilon(1e-12));
     CHECK(r.estimates[1].value == Approx(expected.estimates[1].value).epsilon(1e-12));
-    CHECK(r.dof == 5);
+    CHECK(r.dof == 4); // a was fitted too: the data chose the bound
     CHECK(r.correlation.isIdentity(0.0));
     CHECK(says(r, "a is on its lower bound 2"));
     CHECK(r.flat.empty());
@@ -180,6 +180,10 @@ TEST_CASE("chi2 too large or too small is said, with the factor") {
     CHECK(says(poor, "errors grow by " + std::to_string(factor).substr(0, 3)));
     CHECK(says(small, "the sigmas are too large"));
     CHECK(fine.remarks.empty());
+    CHECK(says(poor, "try fit.starts = 20"));
+    Problem hopeless = times(toy::decay(40, 3), 1e3); // chi2 of 4e7
+    CHECK(says(reported(hopeless), "probability < 1e-300"));
+    CHECK_THAT(to_text(hopeless, fit(hopeless, {}), reported(hopeless)), Contains("probability < 1e-300"));
 }
 
 TEST_CASE("other minima nearly as good are said") {
@@ -211,6 +215,61 @@ TEST_CASE("an unfinished fit is said to be one") {
     hasty.tolerance = 0.5;
     hasty.max_evaluations = 2000;
     CHECK(says(reported(toy::decay(40, 3), hasty), "not at a stationary point"));
+}
+
+// A fit that says by hand how far it stopped.
+TEST_CASE("how far from stationary is said in degrees, and after a flat direction") {
+    const Problem problem = toy::line(ys);
+    const auto moved = [&](double distance) {
+        Fit best = fit(problem, {});
+        best.distance = distance;
+        best.values[1] += 1e-3; // not exact
+        return report(problem, best);
+    };
+    CHECK(moved(0.01).remarks == moved(0.0).remarks);
+    CHECK(says(moved(0.1), "not quite at a stationary point: by the gradient the values may be off by 0.1 "));
+    CHECK_FALSE(says(moved(0.1), "not to be trusted"));
+    CHECK(says(moved(3.0), "worth 3 standard errors; errors are not to be trusted"));
+}
+
+TEST_CASE("beside a flat direction a small gradient is not said, a large one after it") {
+    Problem problem = toy::line(ys);
+    problem.parameters.push_back(toy::parameter("idle", 1.0));
+    problem.evaluate = [inner = problem.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                                                  Eigen::MatrixXd* jacobian) {
+        Eigen::MatrixXd two(r.size(), 2);
+        inner(p.first(2), r, jacobian ? &two : nullptr);
+        if (jacobian)
+            jacobian->leftCols(2) = two;
+    };
+    Fit best = fit(problem, {});
+    best.values[1] += 1e-3;
+    best.distance = 0.1;
+    CHECK_FALSE(says(report(problem, best), "stationary point"));
+    best.distance = 3.0;
+    const Report far = report(problem, best);
+    REQUIRE(far.remarks.size() >= 2);
+    CHECK_THAT(far.remarks[0], Contains("do not fix idle"));
+    CHECK_THAT(far.remarks[1], Contains("not at a stationary point"));
+}
+
+TEST_CASE("few starts at the best optimum are said") {
+    const Problem problem = toy::line(ys);
+    Fit best = fit(problem, {});
+    const auto with_ends = [&](std::size_t good, std::size_t all) {
+        best.starts.resize(1);
+        for (std::size_t i = 1; i < all; ++i) {
+            best.starts.push_back(best.starts[0]);
+            best.starts[i].index = i;
+            best.starts[i].objective += i < good ? 0.0 : 1000.0;
+        }
+        return report(problem, best);
+    };
+    CHECK(says(with_ends(4, 20),
+               "only 4 of 20 starts reached the best optimum: more starts may find a better one"));
+    CHECK_FALSE(says(with_ends(10, 20), "reached the best optimum"));
+    CHECK(says(with_ends(2, 5), "only 2 of 5 starts"));
+    CHECK_FALSE(says(with_ends(1, 4), "reached the best optimum"));
 }
 
 // Huber's estimator on normal data of known sigma: variance E psi^2/(E psi')^2 times that of the mean. With

@@ -198,16 +198,37 @@ TEST_CASE("starts spread by a factor, within the bounds, the first where the pro
     const Fit best = fit(problem, method);
     CHECK(best.starts[0].start == std::vector<double>{-1.0, 1.0, 0.1});
     double least = 1.0, most = 1.0;
+    int turned = 0;
     for (const StartEnd& s : best.starts) {
-        CHECK((s.start[0] >= -4.0 && s.start[0] <= -0.25));
+        CHECK((std::abs(s.start[0]) >= 0.25 && std::abs(s.start[0]) <= 4.0));
+        turned += s.start[0] > 0.0;
         CHECK((s.start[1] >= 0.5 && s.start[1] <= 4.0));
-        CHECK((s.start[2] >= 0.025 && s.start[2] <= 0.4));
+        CHECK((std::abs(s.start[2]) >= 0.025 && std::abs(s.start[2]) <= 0.4));
         least = std::min(least, s.start[1]);
         most = std::max(most, s.start[1]);
     }
     // of 199 even ones each of the outer tenths holds one but for a chance of 0.9^199 = 1e-9
     CHECK(least < 0.5 * std::pow(8.0, 0.1));
     CHECK(most > 4.0 / std::pow(8.0, 0.1));
+    CHECK(std::abs(turned - 99.5) < 4.0 * std::sqrt(199.0) / 2.0); // binomial, 4 standard deviations
+}
+
+TEST_CASE("starts keep the sign where a bound allows no other") {
+    Problem problem = toy::decay(20, 3);
+    problem.parameters[0].start = -1.0;
+    problem.parameters[0].upper = 0.0;
+    problem.parameters[2].lower = -0.05; // both, but not as far
+    Method method;
+    method.starts = 50;
+    method.max_evaluations = 1;
+    method.polish = false;
+    bool below = false;
+    for (const StartEnd& s : fit(problem, method).starts) {
+        CHECK((s.start[0] >= -10.0 && s.start[0] <= -0.1));
+        CHECK(s.start[2] >= -0.05);
+        below = below || s.start[2] < 0.0;
+    }
+    CHECK(below);
 }
 
 TEST_CASE("threads change no bit, the seed does") {

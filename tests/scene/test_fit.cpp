@@ -69,8 +69,11 @@ TEST_CASE("parameters have the defaults of the reference") {
     CHECK(fit_in_log(fit, "xi"));
     CHECK_FALSE(fit_in_log(fit, "eta")); // its lower bound is not above 0
     CHECK_FALSE(fit_in_log(fit, "f_over_mu"));
-    CHECK(rodwake::scene::fit_default_start("xi") == 10.0);
-    CHECK(rodwake::scene::fit_default_start("offset") == 0.0);
+    CHECK(rodwake::scene::fit_default_start(fit, "xi") == 10.0);
+    CHECK(rodwake::scene::fit_default_start(fit, "offset") == 0.0);
+    const auto of_tracks = *parse(fitted("fixed = { eta = 1.0 }\n", tracks, "\"kappa\", \"xi\"")).fit;
+    CHECK(rodwake::scene::fit_default_start(of_tracks, "xi") == 1.0);
+    CHECK(rodwake::scene::fit_default_start(of_tracks, "alpha") == 1.0);
 }
 
 TEST_CASE("a fit survives writing and reading") {

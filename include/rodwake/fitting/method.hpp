@@ -35,11 +35,13 @@ struct Method {
     double loss_width = 1.5;     ///< in sigma
     double tolerance = 1e-10;    ///< relative, of parameters and objective, of the NLopt stage
     long max_evaluations = 2000; ///< of the NLopt stage of each start
-    bool polish = true;          ///< Levenberg-Marquardt from where NLopt ended, to a stationary point
-    std::size_t starts = 1;      ///< the first from Parameter::start, the others spread around it
+    /// Levenberg-Marquardt from where NLopt ended, to a stationary point. With a local algorithm another one
+    /// begins at the start itself: the better end is taken, and StartEnd says which. Evaluations count both.
+    bool polish = true;
+    std::size_t starts = 1; ///< the first from Parameter::start, the others spread around it
     /// Log parameters: start times a factor in [1/spread, spread], even in the logarithm. Linear ones: the
-    /// same if start is not 0, else anywhere between the bounds, or within spread scales of 0 without bounds.
-    /// Always within the bounds.
+    /// same if start is not 0, with the other sign in half of the starts where the bounds allow both; else
+    /// anywhere between the bounds, or within spread scales of 0 without bounds. Always within the bounds.
     double spread = 10.0;
     std::uint64_t seed = 1;          ///< of the starts and of the random searches
     std::size_t threads = 1;         ///< starts run in parallel; the result does not depend on it

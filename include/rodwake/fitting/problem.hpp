@@ -57,6 +57,10 @@ void validate(const Problem& problem);
 /// Independent values behind all residuals, rounded.
 long independent_values(const Problem& problem);
 
+/// Independent values less the number of free parameters. Those that end on a bound or that the data do not
+/// fix count too: they were fitted.
+long degrees_of_freedom(const Problem& problem);
+
 /// Indices of the free parameters.
 std::vector<std::size_t> free_parameters(const Problem& problem);
 

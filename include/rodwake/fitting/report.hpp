@@ -15,7 +15,8 @@ namespace rodwake::fitting {
 struct Estimate {
     std::string name;
     double value = 0.0;
-    double stderr_ = 0.0; ///< standard error of the value; infinite: not fixed by the data; 0: fixed
+    double stderr_ = 0.0; ///< standard error of the value; infinite: not fixed by the data, or not
+                          ///< known (Report::error_factor infinite); 0: fixed
     double low = 0.0,
            high = 0.0; ///< 95 % interval from the curvature; log parameters: symmetric in the logarithm
     bool free = true, at_lower = false, at_upper = false;
@@ -38,10 +39,11 @@ struct Report {
         null_space; ///< covariance without its infinite part = root root^T; flat directions (columns)
     Eigen::MatrixXd correlation; ///< unit diagonal; NaN-free: 0 where an error is infinite or a bound holds
     double chi2 = 0.0;
-    long dof = 0;
+    long dof = 0; ///< independent values less free parameters, be they on a bound or in a flat direction
     double probability = 1.0;  ///< of so large a chi2 if model and sigmas are right
     double error_factor = 1.0; ///< what the errors were multiplied by (sigma_known = false: sqrt(chi2/dof);
-                               ///< robust losses: Huber's factor from the scatter of the residuals)
+                               ///< robust losses: Huber's factor from the scatter of the residuals);
+                               ///< infinite: no error is known (dof <= 0, or no finite residuals)
     long rank = 0;             ///< of J
     std::vector<FlatDirection> flat;  ///< exactly flat and nearly flat ones (singular value below 1e-3)
     std::vector<std::string> remarks; ///< bounds, flatness, poor chi2, other minima nearly as good, in words

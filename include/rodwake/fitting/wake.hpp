@@ -54,12 +54,12 @@ std::vector<std::string> wake_parameter_names();
 /// Throws InputError for: unknown or missing parameters (eta, and xi or alpha, are needed by monopole and
 /// dipole), a profile with numbers that are not finite, sigma <= 0, unequal lengths, no points left outside
 /// the core, all values equal over all fitted profiles, fewer points than free parameters, a profile with and
-/// one without sigma, a point at the singularity.
+/// one without sigma, a point at the singularity, which every image in the box has too.
 Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profiles,
                      std::vector<Parameter> parameters);
 
 /// Model values at places along a profile's line, and their derivatives by all parameters if wanted. NaN at
-/// the singularity.
+/// the singularity and its images.
 struct Prediction {
     std::vector<double> value;
     Eigen::MatrixXd by_parameter; ///< places x parameters
@@ -68,14 +68,15 @@ Prediction predict(const WakeModel& model, const Profile& line, std::span<const 
                    const std::vector<Parameter>& parameters, std::span<const double> values);
 
 /// By what the data exceed a prediction: value = scale * model, by weighted least squares on points outside
-/// the core.
+/// the core. `model_root`: G with covariance of the model = G G^T, a row a point; the covariance itself would
+/// be points x points.
 struct Excess {
     double scale = 1.0,
-           stderr_ = 0.0; ///< includes the errors of the fitted parameters if a covariance is given
+           stderr_ = 0.0; ///< includes the errors of the fitted parameters if model_root is given
     double chi2 = 0.0;    ///< of the prediction itself (scale = 1)
     std::size_t points = 0;
 };
 Excess excess(const Profile& data, std::span<const double> model,
-              const Eigen::MatrixXd* model_covariance = nullptr);
+              const Eigen::MatrixXd* model_root = nullptr);
 
 } // namespace rodwake::fitting

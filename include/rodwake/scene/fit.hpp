@@ -48,7 +48,8 @@ struct FitTrajectory {
     std::optional<double> sigma_position, sigma_heading; ///< absent: 1, and errors from the scatter
     bool free_headings = false;
     std::optional<double> contact_distance, contact_time, sigma_contact;
-    double f_over_mu = 1.0, speed = 1.0; ///< what the reduced units are in the file's numbers
+    double f_over_mu = 1.0, speed = 1.0; ///< what the reduced units are in the file's numbers; those of
+                                         ///< [scales] by default in an SI scene
     std::string name;                    ///< empty: from the file's
 
     bool operator==(const FitTrajectory&) const = default;
@@ -93,8 +94,8 @@ struct Fit {
 
 /// Names a parameter may have.
 const std::vector<std::string>& fit_parameter_names();
-/// Where a parameter starts without an entry in fit.start.
-double fit_default_start(const std::string& parameter);
+/// Where a parameter starts without an entry in fit.start: xi at 10 for profiles, at 1 for tracks alone.
+double fit_default_start(const Fit& fit, const std::string& parameter);
 /// Bounds of a parameter: those given, else [1e-6, 1e6] for eta, xi and alpha, nothing for others.
 std::optional<Interval> fit_bounds(const Fit& fit, const std::string& parameter);
 /// Whether it is searched in its logarithm: named in fit.log and bounded away from 0.
