@@ -60,21 +60,24 @@ void log_data(const FitPlan& plan, const Logger& log) {
 
 std::string with_unit(const std::string& unit) { return unit.empty() || unit == "1" ? "" : " " + unit; }
 
-std::string line_of(const FitPlan& plan, const fitting::Estimate& e, const fitting::Parameter& p) {
+std::string line_of(const FitPlan& plan, const fitting::Report& r, std::size_t i) {
+    const fitting::Estimate& e = r.estimates[i];
+    const fitting::Parameter& p = plan.problem.parameters[i];
     const std::string value = fmt::format("{} = {:.6g}", e.name, e.value),
                       unit = with_unit(fit_unit(plan.keys, e.name));
     if (p.fixed)
         return value + unit + " (fixed)";
     if (e.at_lower || e.at_upper)
         return value + unit + fmt::format(" (at its {} bound)", e.at_lower ? "lower" : "upper");
-    return std::isfinite(e.stderr_) ? fmt::format("{} +- {:.2g}{}", value, e.stderr_, unit)
-                                    : value + unit + ", not fixed by the data";
+    if (std::isfinite(e.stderr_))
+        return fmt::format("{} +- {:.2g}{}", value, e.stderr_, unit);
+    return value + unit + (std::isfinite(r.error_factor) ? ", not fixed by the data" : ", error unknown");
 }
 
 void log_results(const FitPlan& plan, const FitResults& results, const Logger& log) {
     const fitting::Report& r = results.report;
     for (std::size_t i = 0; i < r.estimates.size(); ++i)
-        log->info("fit: {}", line_of(plan, r.estimates[i], plan.problem.parameters[i]));
+        log->info("fit: {}", line_of(plan, r, i));
     for (const auto& [name, d] : results.derived)
         log->info("fit: {} = {:.6g}{}{}", name, d.value,
                   d.not_fixed() ? ", not fixed by the data"

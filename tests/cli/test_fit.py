@@ -128,6 +128,16 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
         self.assert_recovered(found, {**TRUE, **true})
         self.assertGreater(found["parameters"]["f2d_over_mu"]["value"], 10.0 * found["parameters"]["f2d_over_mu"]["stderr"])
 
+    def test_as_many_values_as_parameters_without_sigma_leave_the_errors_unknown(self):
+        x = np.array([-20.0, -5.0, 12.0])
+        value = wake(self, x, 0.0, "Ux", "x", None, **TRUE)
+        self.write("ux.csv", "x,value\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(x.tolist(), value.tolist())))
+        found, done = self.fit(FIT)
+        for name, true in TRUE.items():
+            self.assertRegex(done.stderr, rf"fit: {name} = .*error unknown")
+            self.assertIsNone(found["parameters"][name]["stderr"])
+            self.assertAlmostEqual(found["parameters"][name]["value"], true, delta=1e-3 * true)  # three values fix three parameters
+
     def test_a_range_leaves_out_the_other_places(self):
         self.make_profile()
         found, _ = self.fit(FIT, "-s", "fit.profiles.0.range=[-20.0, 30.0]")
