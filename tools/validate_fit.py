@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Validation of the calibration: every number of docs/validation.md about fits.
 
-    tools/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [--only periodic,nist,synthetic,problems,speed,quickstart]
+    tools/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [--only periodic,nist,synthetic,problems,variations,speed,quickstart]
                           [-j 2] [--keep DIR]
 
 nist and synthetic need a tree with tests (--tests names test_fitting of it), speed the benchmarks beside --program. Prints Markdown.
@@ -11,10 +11,12 @@ import argparse
 import csv
 import json
 import math
+import re
 import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent
@@ -31,10 +33,9 @@ def with_error(parameter):
     error = parameter["stderr"]
     if not parameter["free"]:
         return f"{parameter['value']:.4g} (not fitted)"
-    if error is None:
-        return f"{parameter['value']:.4g} (not fixed by the data)"
-    held = f", at its {parameter['at_bound']} bound" if parameter["at_bound"] else ""
-    return f"{parameter['value']:.4g} +- {error:.2g}{held}"
+    if parameter["at_bound"]:
+        return f"{parameter['value']:.4g} (at its {parameter['at_bound']} bound)"
+    return f"{parameter['value']:.4g} " + ("(no error)" if error is None else f"+- {error:.2g}")
 
 
 def print_fit(name, fit):
@@ -81,6 +82,42 @@ def synthetic(options, folder):
     print(call(options.tests, "[long]", check=False).stdout)
 
 
+def held(problem, **values):
+    """The problem with only the first of its parameters that are not among the values fitted, and no bounds or starts of the held ones."""
+    scene = tomllib.loads((SOURCE / "fitting/problems" / problem).read_text())["fit"]
+    free = [name for name in scene["parameters"] if name not in values]
+    table = lambda entries: "{ " + ", ".join(f"{name} = {value}" for name, value in entries.items()) + " }"
+    kept = lambda key: table({name: value for name, value in scene.get(key, {}).items() if name in free})
+    return {"parameters": json.dumps(free), "start": kept("start"), "bounds": kept("bounds"), "fixed": table(values)}
+
+
+def varied(problem, **keys):
+    """The text of a problem with other values of keys of [fit] (None: without that key), no figures and no profile likelihood."""
+    text = (SOURCE / "fitting/problems" / problem).read_text().split("[[figures]]")[0].replace("../data", str(SOURCE / "fitting/data"))
+    head, *profiles = text.split("[[fit.profiles]]")
+    for name, value in {"likelihood": None, **keys}.items():
+        head = re.sub(rf"^{name} = .*\n", "", head, flags=re.MULTILINE)
+        head += "" if value is None else f"{name} = {value}\n"
+    data, *_ = "[[fit.profiles]]".join(["", *profiles]).split("[[fit.compare]]")
+    return head + data
+
+
+def variations(options, folder):
+    """What docs/fitting.md says of other models and cores."""
+    with_x0, with_offset = (json.dumps(["f_over_mu", "eta", "xi", name]) for name in ("x0", "offset"))
+    cases = {"eta = 1.3 held": varied("monopole.toml", **held("monopole.toml", eta=1.3)),
+             "infinite plane": varied("monopole.toml", box=None),
+             "infinite plane with an offset": varied("monopole.toml", box=None, parameters=with_offset),
+             "place of the force free": varied("monopole.toml", parameters=with_x0),
+             "dipole alone in the medium of the monopole": varied("dipole.toml", **held("dipole.toml", f_over_mu=4.081, eta=4.439, xi=52.16)),
+             **{f"core {core} a": varied("monopole.toml", core=core) for core in (8, 12, 14)}}
+    for number, (name, text) in enumerate(cases.items()):
+        (folder / f"variation_{number}.toml").write_text(text)
+        out = folder / f"variation_{number}"
+        call(options.program, "fit", folder / f"variation_{number}.toml", "-o", out, "--force", "-j", options.j, "--quiet")
+        print_fit(name, json.loads((out / "fit.json").read_text()))
+
+
 def speed(options, folder):
     print(call(SOURCE / "bench/wake_fit.py", "--programs", Path(options.program).parent / "bench").stdout)
 
@@ -95,7 +132,7 @@ def quickstart(options, folder):
     print("\nmedium:", (out / "medium.json").read_text().strip(), "\noutcome:", json.loads((out / "outcome.json").read_text())["outcome"])
 
 
-PARTS = {"periodic": periodic, "nist": nist, "synthetic": synthetic, "problems": problems, "speed": speed, "quickstart": quickstart}
+PARTS = {"periodic": periodic, "nist": nist, "synthetic": synthetic, "problems": problems, "variations": variations, "speed": speed, "quickstart": quickstart}
 
 
 def main():
