@@ -134,11 +134,11 @@ void overlap(benchmark::State& state, std::int64_t target) {
 void reach(benchmark::State& state, std::int64_t target) {
     Near near(0.5);
     const OnTarget on(target);
-    const double flat = 0.05 * near.bodies.bead_radius, upright = 0.1 * near.bodies.bead_radius;
+    const double in_plane = 0.05 * near.bodies.bead_radius, vertical = 0.1 * near.bodies.bead_radius;
     std::size_t found = 0;
     for (auto _ : state) {
-        found = within_reach(near.bodies.position.data(), near.list, 0, near.list.size(), near.box, flat,
-                             upright, near.found.data());
+        found = within_reach(near.bodies.position.data(), near.list, 0, near.list.size(), near.box, in_plane,
+                             vertical, near.found.data());
         benchmark::ClobberMemory();
     }
     count_pairs(state, near.list, found);

@@ -106,17 +106,17 @@ void run_plain(benchmark::State& state, Formula formula, Places (*make)()) {
     per_point(state);
 }
 
-void run_field(benchmark::State& state, Wanted wanted, Places (*make)()) {
+void run_field(benchmark::State& state, FieldRequest request, Places (*make)()) {
     const Places set = make();
     const Field field(medium);
     for (auto _ : state)
         for (const Place& p : set)
-            benchmark::DoNotOptimize(field.at(p.x, p.y, wanted));
+            benchmark::DoNotOptimize(field.at(p.x, p.y, request));
     per_point(state);
 }
 
-constexpr Wanted displacement{.displacement = true}, strain{.strain = true},
-    polar{.strain = true, .polar = true}, slopes{.strain = true, .slopes = true};
+constexpr FieldRequest displacement{.displacement = true}, strain{.strain = true},
+    polar{.strain = true, .polar = true}, gradients{.strain = true, .gradients = true};
 
 #define ON_EACH_SET(run, label, what)                                                                        \
     BENCHMARK_CAPTURE(run, label / near, what, near_points);                                                 \
@@ -126,7 +126,7 @@ constexpr Wanted displacement{.displacement = true}, strain{.strain = true},
 ON_EACH_SET(run_field, displacement, displacement);
 ON_EACH_SET(run_field, strain, strain);
 ON_EACH_SET(run_field, strain + polar, polar);
-ON_EACH_SET(run_field, strain + slopes, slopes);
+ON_EACH_SET(run_field, strain + gradients, gradients);
 ON_EACH_SET(run_plain, displacement, plain_displacement<Promotion>);
 ON_EACH_SET(run_plain, displacement / double, plain_displacement<NoPromotion>);
 ON_EACH_SET(run_plain, strain, plain_strain<Promotion>);

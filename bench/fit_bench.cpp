@@ -1,4 +1,5 @@
-// One fit of a exp(-x/b) + c to 100 points, three parameters: the NLopt stage alone and with the polish.
+// One fit of a exp(-x/b) + c to 100 points, three parameters: the NLopt stage alone and with
+// Levenberg-Marquardt after it.
 
 #include "rodwake/core/rng.hpp"
 #include "rodwake/fitting/report.hpp"
@@ -41,11 +42,11 @@ Problem decay() {
     return problem;
 }
 
-void one_fit(benchmark::State& state, Algorithm algorithm, bool polish) {
+void one_fit(benchmark::State& state, Algorithm algorithm, bool levenberg_marquardt) {
     const Problem problem = decay();
     Method method;
     method.algorithm = algorithm;
-    method.polish = polish;
+    method.levenberg_marquardt = levenberg_marquardt;
     long evaluations = 0;
     for (auto _ : state) {
         const Fit best = fit(problem, method);
@@ -65,7 +66,7 @@ void one_report(benchmark::State& state) {
 } // namespace
 
 BENCHMARK_CAPTURE(one_fit, slsqp, Algorithm::slsqp, false);
-BENCHMARK_CAPTURE(one_fit, slsqp_polish, Algorithm::slsqp, true);
-BENCHMARK_CAPTURE(one_fit, lbfgs_polish, Algorithm::lbfgs, true);
-BENCHMARK_CAPTURE(one_fit, bobyqa_polish, Algorithm::bobyqa, true);
+BENCHMARK_CAPTURE(one_fit, slsqp_levenberg_marquardt, Algorithm::slsqp, true);
+BENCHMARK_CAPTURE(one_fit, lbfgs_levenberg_marquardt, Algorithm::lbfgs, true);
+BENCHMARK_CAPTURE(one_fit, bobyqa_levenberg_marquardt, Algorithm::bobyqa, true);
 BENCHMARK(one_report);

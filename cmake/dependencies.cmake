@@ -1,20 +1,27 @@
 # Every package rodwake uses, with what for. All are in Debian 12; tools/packages.txt names them.
+# The words that find a package are kept: rodwakeConfig.cmake says the same to who uses an installed part.
 include(FeatureSummary)
+list(APPEND CMAKE_MODULE_PATH ${PROJECT_SOURCE_DIR}/cmake)
 
-find_package(Threads REQUIRED)
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(Boost 1.74 REQUIRED)
-find_package(SUNDIALS 6.4 REQUIRED COMPONENTS cvodes arkode nvecserial sunmatrixdense sunlinsoldense
-             sunnonlinsolnewton sunnonlinsolfixedpoint)
+set(RODWAKE_FIND_Threads Threads)
+set(RODWAKE_FIND_Eigen3 Eigen3 3.4 NO_MODULE)
+set(RODWAKE_FIND_Boost Boost 1.74)
+set(RODWAKE_FIND_SUNDIALS SUNDIALS 6.4 COMPONENTS cvodes arkode nvecserial sunmatrixdense sunlinsoldense
+    sunnonlinsolnewton sunnonlinsolfixedpoint)
 # Debian ships two packages of this name; either gives the C library, and the C interface is all we use.
-find_package(NLopt 2.7 REQUIRED)
-find_package(tomlplusplus REQUIRED)
-find_package(CLI11 REQUIRED)
-find_package(fmt REQUIRED)
-find_package(spdlog REQUIRED)
-find_package(nlohmann_json REQUIRED)
-find_package(HDF5 REQUIRED COMPONENTS C)
-find_package(hwy REQUIRED)
+set(RODWAKE_FIND_NLopt NLopt 2.7)
+set(RODWAKE_FIND_tomlplusplus tomlplusplus)
+set(RODWAKE_FIND_CLI11 CLI11)
+set(RODWAKE_FIND_fmt fmt)
+set(RODWAKE_FIND_spdlog spdlog)
+set(RODWAKE_FIND_nlohmann_json nlohmann_json)
+set(RODWAKE_FIND_HDF5C HDF5C)
+set(RODWAKE_FIND_SQLite SQLite3 3.40)
+set(RODWAKE_FIND_hwy hwy) # its run-time part links with the vector kernels
+foreach(package Threads Eigen3 Boost SUNDIALS NLopt tomlplusplus CLI11 fmt spdlog nlohmann_json HDF5C SQLite hwy)
+    find_package(${RODWAKE_FIND_${package}} REQUIRED)
+endforeach()
+
 # Checksums: header only (XXH_INLINE_ALL), so nothing is linked.
 find_path(RODWAKE_XXHASH_INCLUDE xxhash.h)
 if(NOT RODWAKE_XXHASH_INCLUDE)
@@ -22,6 +29,19 @@ if(NOT RODWAKE_XXHASH_INCLUDE)
 endif()
 add_library(rodwake_xxhash INTERFACE IMPORTED)
 target_include_directories(rodwake_xxhash SYSTEM INTERFACE ${RODWAKE_XXHASH_INCLUDE})
+
+# Compiled into a part that uses them privately: who links the installed part does without.
+set(RODWAKE_HEADER_ONLY Eigen3::Eigen Boost::headers nlohmann_json::nlohmann_json rodwake_xxhash)
+
+# Scans on the ranks of a job. The C interface is all we use.
+option(RODWAKE_MPI "Scans under mpiexec, if there is an MPI" ON)
+set(RODWAKE_FIND_MPI MPI COMPONENTS CXX)
+if(RODWAKE_MPI)
+    set(MPI_CXX_SKIP_MPICXX ON)
+    find_package(MPI QUIET COMPONENTS CXX)
+    set_package_properties(MPI PROPERTIES PURPOSE "scans under mpiexec" TYPE OPTIONAL)
+endif()
+
 find_package(benchmark QUIET)
 set_package_properties(benchmark PROPERTIES PURPOSE "benchmarks in bench/" TYPE OPTIONAL)
 if(RODWAKE_TESTS)
@@ -30,12 +50,8 @@ endif()
 # Plots need the interpreter that has matplotlib: Debian's own, whichever python3 comes first on PATH.
 set(RODWAKE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with matplotlib and h5py, for rodwake plot")
 
+# ccache takes up precompiled headers only if told so.
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
 endif()
-
-# FindHDF5 gives variables; the parts want a target.
-add_library(rodwake_hdf5 INTERFACE IMPORTED)
-target_include_directories(rodwake_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
-target_link_libraries(rodwake_hdf5 INTERFACE ${HDF5_C_LIBRARIES})

@@ -6,6 +6,18 @@
 
 namespace rodwake::fitting {
 
+LossValue loss_of(const LossShape& shape, double s) {
+    const double w2 = shape.width * shape.width;
+    if (shape.loss == Loss::squares || (shape.loss == Loss::huber && s <= w2))
+        return {s, 1.0, 0.0};
+    if (shape.loss == Loss::huber) {
+        const double root = std::sqrt(s);
+        return {2.0 * shape.width * root - w2, shape.width / root, -0.5 * shape.width / (root * s)};
+    }
+    const double first = 1.0 / (1.0 + s / w2);
+    return {w2 * std::log1p(s / w2), first, -first * first / w2};
+}
+
 Evaluator::Evaluator(const Problem& problem, const SearchSpace& space, LossShape loss,
                      std::function<bool()> stop)
     : problem_(problem), space_(space), loss_(loss), stop_(std::move(stop)) {}
@@ -37,7 +49,7 @@ bool Evaluator::guarded(std::span<const double> values, Point& point, Eigen::Mat
     return all_finite(point, in_values);
 }
 
-// In extended precision: the last steps of a polish are judged by the last digits of the sum.
+// In extended precision: the last steps of Levenberg-Marquardt are judged by the last digits of the sum.
 double Evaluator::sum_of_losses(const Eigen::VectorXd& r) const {
     long double sum = 0.0L;
     for (const double one : r)

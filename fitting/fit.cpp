@@ -1,10 +1,7 @@
 #include "rodwake/fitting/fit.hpp"
 
-#include "check_method.hpp"
-#include "nlopt_search.hpp"
-#include "polish.hpp"
-#include "starts.hpp"
-#include "stationarity.hpp"
+#include "curvature.hpp"
+#include "search.hpp"
 
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/rng.hpp"
@@ -24,7 +21,7 @@ namespace {
 
 constexpr std::array names = {"converged", "roundoff", "budget", "interrupted", "failed"};
 
-/// StartEnd::termination is "converged: reason", so that the words alone bring back both.
+/// StartResult::termination is "converged: reason", so that the words alone bring back both.
 Termination termination_in(const std::string& words) {
     for (std::size_t i = 0; i < names.size(); ++i)
         if (words.starts_with(names[i]))
@@ -37,21 +34,21 @@ std::string reason_in(const std::string& words) {
     return colon == std::string::npos ? words : words.substr(colon + 2);
 }
 
-/// A polish that could not begin (stopped, no derivatives there) leaves the point where it was.
-SearchEnd with_polish(Evaluator& evaluator, const SearchEnd& end) {
-    SearchEnd polished = polish(evaluator, end.u);
-    if (!std::isfinite(polished.objective)) {
-        polished.u = end.u;
-        polished.objective = end.objective;
-        if (polished.termination == Termination::failed)
-            polished.termination = end.termination;
+/// A search that could not begin (stopped, no derivatives there) leaves the point where it was.
+SearchResult with_levenberg_marquardt(Evaluator& evaluator, const SearchResult& end) {
+    SearchResult refined = levenberg_marquardt(evaluator, end.u);
+    if (!std::isfinite(refined.objective)) {
+        refined.u = end.u;
+        refined.objective = end.objective;
+        if (refined.termination == Termination::failed)
+            refined.termination = end.termination;
     }
-    polished.reason = end.reason + "; " + polished.reason;
-    return polished;
+    refined.reason = end.reason + "; " + refined.reason;
+    return refined;
 }
 
-/// How the end of the polish from the start compares, ends that are equal but for rounding being one.
-std::string compared(const SearchEnd& first, const SearchEnd& second) {
+/// How the end of the search from the start compares, ends that are equal but for rounding being one.
+std::string compared(const SearchResult& first, const SearchResult& second) {
     const double rise = second.objective - first.objective, same = 1e-6 * first.objective + 1e-8;
     return rise > same ? "higher" : rise < -same ? "lower" : "as low";
 }
@@ -59,7 +56,7 @@ std::string compared(const SearchEnd& first, const SearchEnd& second) {
 /// NLopt's stage knows the sum of squares only and may leap over a minimum that the residuals themselves lead
 /// to, or the other way round: the better end counts, the first unless the second is lower by more than the
 /// sum's last digits or as low and alone stationary.
-SearchEnd better_of(SearchEnd first, SearchEnd second) {
+SearchResult better_of(SearchResult first, SearchResult second) {
     if (!std::isfinite(second.objective)) {
         first.reason += "; from the start itself " + second.reason;
         return first;
@@ -78,45 +75,46 @@ SearchEnd better_of(SearchEnd first, SearchEnd second) {
     return second;
 }
 
-SearchEnd local_search(Evaluator& evaluator, const SearchEnd& end, const Eigen::VectorXd& start) {
-    SearchEnd polished = with_polish(evaluator, end);
+SearchResult local_search(Evaluator& evaluator, const SearchResult& end, const Eigen::VectorXd& start) {
+    SearchResult refined = with_levenberg_marquardt(evaluator, end);
     if (evaluator.stopped())
-        return polished;
-    SearchEnd direct = polish(evaluator, start);
+        return refined;
+    SearchResult direct = levenberg_marquardt(evaluator, start);
     if (!evaluator.stopped())
-        return better_of(std::move(polished), std::move(direct));
-    if (evaluator.best() < polished.objective) {
-        polished.u = evaluator.best_u();
-        polished.objective = evaluator.best();
+        return better_of(std::move(refined), std::move(direct));
+    if (evaluator.best() < refined.objective) {
+        refined.u = evaluator.best_u();
+        refined.objective = evaluator.best();
     }
-    polished.termination = Termination::interrupted;
-    polished.reason += "; polish from the start itself: interrupted";
-    return polished;
+    refined.termination = Termination::interrupted;
+    refined.reason += "; polish from the start itself: interrupted";
+    return refined;
 }
 
-SearchEnd search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
-                 std::uint32_t seed) {
+SearchResult search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
+                    std::uint32_t seed) {
     if (start.size() == 0)
-        return polish(evaluator, start);
-    SearchEnd end = nlopt_search(evaluator, method, start, seed);
+        return levenberg_marquardt(evaluator, start);
+    SearchResult end = nlopt_search(evaluator, method, start, seed);
     if (!evaluator.found()) {
         if (!evaluator.stopped()) // what NLopt makes of the penalties is of no interest
             end.reason = fmt::format("no finite residuals at any of {} places; at the last: {}",
                                      evaluator.evaluations(), evaluator.trouble());
         return end;
     }
-    if (!method.polish || evaluator.stopped())
+    if (!method.levenberg_marquardt || evaluator.stopped())
         return end;
-    return is_global(method.algorithm) ? with_polish(evaluator, end) : local_search(evaluator, end, start);
+    return is_global(method.algorithm) ? with_levenberg_marquardt(evaluator, end)
+                                       : local_search(evaluator, end, start);
 }
 
-StartEnd run_start(const Problem& problem, const Method& method, std::size_t index,
-                   const std::function<bool()>& stop) {
+StartResult run_start(const Problem& problem, const Method& method, std::size_t index,
+                      const std::function<bool()>& stop) {
     const SearchSpace space(problem);
     Evaluator evaluator(problem, space, {method.loss, method.loss_width}, stop);
-    StartEnd result{index, start_values(problem, method, index), {}, 0.0, {}, 0};
+    StartResult result{index, start_values(problem, method, index), {}, 0.0, {}, 0};
     RandomStream random(method.seed, static_cast<std::uint32_t>(index), 1);
-    const SearchEnd end =
+    const SearchResult end =
         search(evaluator, method, space.coordinates(result.start), static_cast<std::uint32_t>(random.bits()));
     result.end = space.free_values(end.u);
     result.objective = end.objective;
@@ -130,7 +128,7 @@ class Starts {
 public:
     Starts(const Problem& problem, const Method& method)
         : problem_(problem), method_(method), ends_(method.starts) {
-        for (const StartEnd& done : method.done)
+        for (const StartResult& done : method.done)
             ends_[done.index] = done;
     }
 
@@ -141,8 +139,8 @@ public:
         });
     }
 
-    std::vector<StartEnd> ends() const {
-        std::vector<StartEnd> all;
+    std::vector<StartResult> ends() const {
+        std::vector<StartResult> all;
         for (const auto& end : ends_)
             if (end)
                 all.push_back(*end);
@@ -158,7 +156,7 @@ private:
         return interrupted_ = interrupted_ || method_.stop_requested();
     }
 
-    StartEnd finished(StartEnd end) {
+    StartResult finished(StartResult end) {
         const std::lock_guard lock(mutex_);
         if (method_.on_start_done && termination_in(end.termination) != Termination::interrupted)
             method_.on_start_done(end);
@@ -169,15 +167,15 @@ private:
     const Method& method_;
     std::mutex mutex_;
     bool interrupted_ = false;
-    std::vector<std::optional<StartEnd>> ends_;
+    std::vector<std::optional<StartResult>> ends_;
 };
 
 /// The first of those that differ by rounding errors only: with one minimum that is where the user's own
 /// start ended.
-std::vector<StartEnd>::const_iterator best_of(const std::vector<StartEnd>& ends) {
-    const auto least = std::ranges::min_element(ends, {}, &StartEnd::objective);
+std::vector<StartResult>::const_iterator best_of(const std::vector<StartResult>& ends) {
+    const auto least = std::ranges::min_element(ends, {}, &StartResult::objective);
     return std::ranges::find_if(
-        ends, [&](const StartEnd& end) { return !(end.objective > least->objective * (1.0 + 1e-13)); });
+        ends, [&](const StartResult& end) { return !(end.objective > least->objective * (1.0 + 1e-13)); });
 }
 
 /// What the best end is like: chi2 and how far from stationary.
@@ -211,7 +209,7 @@ Fit fit(const Problem& problem, const Method& method) {
     fit.loss = method.loss;
     fit.loss_width = method.loss_width;
     fit.starts = starts.ends();
-    for (const StartEnd& end : fit.starts)
+    for (const StartResult& end : fit.starts)
         fit.evaluations += end.evaluations;
     const auto best = best_of(fit.starts);
     if (best == fit.starts.end()) {

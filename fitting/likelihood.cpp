@@ -1,7 +1,7 @@
 #include "rodwake/fitting/report.hpp"
 
 #include "curvature.hpp"
-#include "polish.hpp"
+#include "search.hpp"
 
 #include "rodwake/core/error.hpp"
 
@@ -52,7 +52,7 @@ public:
         std::vector<double> start;
         for (const std::size_t i : others.free())
             start.push_back(from.values[i]);
-        const SearchEnd end = polish(evaluator, others.coordinates(start));
+        const SearchResult end = levenberg_marquardt(evaluator, others.coordinates(start));
         stopped_ = stopped_ || evaluator.stopped();
         place.objective = end.objective;
         place.values = others.values(end.u);

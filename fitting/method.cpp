@@ -1,4 +1,4 @@
-#include "check_method.hpp"
+#include "search.hpp"
 
 #include "rodwake/core/error.hpp"
 
@@ -10,11 +10,6 @@ namespace rodwake::fitting {
 
 bool needs_gradient(Algorithm algorithm) {
     return algorithm == Algorithm::slsqp || algorithm == Algorithm::lbfgs || algorithm == Algorithm::mma;
-}
-
-bool is_global(Algorithm algorithm) {
-    return algorithm == Algorithm::mlsl || algorithm == Algorithm::crs || algorithm == Algorithm::isres ||
-           algorithm == Algorithm::direct_l;
 }
 
 std::string to_string(Algorithm algorithm) {
@@ -45,7 +40,7 @@ namespace {
 
 void check_done(const Problem& problem, const Method& method) {
     const std::size_t free = free_parameters(problem).size();
-    for (const StartEnd& done : method.done)
+    for (const StartResult& done : method.done)
         if (done.index >= method.starts || done.end.size() != free || done.start.size() != free)
             throw InputError(
                 fmt::format("fit: the finished start {} (of {} parameters) is not one of these {} starts "

@@ -1,4 +1,4 @@
-#include "nlopt_search.hpp"
+#include "search.hpp"
 
 #include <fmt/format.h>
 #include <nlopt.h>
@@ -159,8 +159,8 @@ Handle make(const Method& method, Algorithm algorithm, const Stage& stage) {
     return opt;
 }
 
-SearchEnd one_stage(Evaluator& evaluator, const Method& method, Algorithm algorithm,
-                    const Eigen::VectorXd& start) {
+SearchResult one_stage(Evaluator& evaluator, const Method& method, Algorithm algorithm,
+                       const Eigen::VectorXd& start) {
     const bool with_gradient = needs_gradient(algorithm);
     const Point first = evaluator(start, with_gradient);
     Stage stage{evaluator};
@@ -175,7 +175,7 @@ SearchEnd one_stage(Evaluator& evaluator, const Method& method, Algorithm algori
     Eigen::VectorXd v = start.cwiseProduct(stage.stretch);
     double smallest = 0.0;
     const nlopt_result result = nlopt_optimize(opt.get(), v.data(), &smallest);
-    SearchEnd end{
+    SearchResult end{
         evaluator.found() ? evaluator.best_u() : start, evaluator.best(), termination_of(result), {}};
     const char* name = nlopt_result_to_string(result);
     end.reason = fmt::format("{}: {} ({})", to_string(algorithm), name ? name : "unknown", meaning(result));
@@ -184,12 +184,13 @@ SearchEnd one_stage(Evaluator& evaluator, const Method& method, Algorithm algori
 
 } // namespace
 
-SearchEnd nlopt_search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
-                       std::uint32_t seed) {
+SearchResult nlopt_search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
+                          std::uint32_t seed) {
     nlopt_srand(seed); // NLopt's generator is of the thread
     // NLopt's BOBYQA is for two parameters and more.
     const bool too_few = method.algorithm == Algorithm::bobyqa && start.size() == 1;
-    SearchEnd end = one_stage(evaluator, method, too_few ? Algorithm::nelder_mead : method.algorithm, start);
+    SearchResult end =
+        one_stage(evaluator, method, too_few ? Algorithm::nelder_mead : method.algorithm, start);
     if (too_few)
         end.reason = "bobyqa needs two parameters; instead " + end.reason;
     if (is_global(method.algorithm) && evaluator.found() && !evaluator.stopped()) {

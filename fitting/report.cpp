@@ -1,9 +1,9 @@
 #include "rodwake/fitting/report.hpp"
 
-#include "estimates.hpp"
+#include "diagnostics.hpp"
 #include "rodwake/measure/statistics.hpp"
-#include "stationarity.hpp"
-#include "words.hpp"
+
+#include <boost/math/distributions/students_t.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,78 @@ namespace rodwake::fitting {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// Errors in coordinates of the search, what they are multiplied by, and how many make the 95 % interval.
+struct Errors {
+    const SearchSpace& space;
+    const Curvature& curvature;
+    double factor, quantile;
+};
+
+/// 0 * infinity is 0 here: no error times any factor is none.
+double product(double a, double b) { return a == 0.0 || b == 0.0 ? 0.0 : a * b; }
+
+/// Value at u + shift; beyond the doubles at the end of the axis.
+double shifted(const SearchSpace& space, Eigen::Index k, double value, double shift) {
+    if (!space.logarithmic(k))
+        return value + space.slope(k, value) * shift;
+    return value * std::exp(space.slope(k, 1.0) * shift);
+}
+
+void set_free(Estimate& e, Eigen::Index k, const Errors& errors, const Parameter& p) {
+    if (errors.curvature.held[k]) {
+        e.at_lower = e.value - p.lower <= p.upper - e.value;
+        e.at_upper = !e.at_lower;
+        return;
+    }
+    const double error = product(errors.curvature.standard_error[k], errors.factor);
+    e.standard_error = product(errors.space.slope(k, e.value), error);
+    if (error == 0.0)
+        return;
+    e.low = shifted(errors.space, k, e.value, -errors.quantile * error);
+    e.high = shifted(errors.space, k, e.value, errors.quantile * error);
+}
+
+void follow_ties(const Problem& problem, std::vector<Estimate>& estimates) {
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const Parameter& p = problem.parameters[i];
+        if (p.tied_to.empty())
+            continue;
+        Estimate& e = estimates[i];
+        const Estimate& to = *std::ranges::find(estimates, p.tied_to, &Estimate::name);
+        e.tied_to = p.tied_to;
+        e.tie_factor = p.tie_factor;
+        e.standard_error = product(std::abs(p.tie_factor), to.standard_error);
+        e.low = product(p.tie_factor, p.tie_factor < 0.0 ? to.high : to.low);
+        e.high = product(p.tie_factor, p.tie_factor < 0.0 ? to.low : to.high);
+    }
+}
+
+/// Of 95 %: normal, or Student's t.
+double quantile95(bool normal, long dof) {
+    if (normal)
+        return 1.959964;
+    if (dof <= 0)
+        return infinite;
+    return boost::math::quantile(boost::math::students_t(static_cast<double>(dof)), 0.975);
+}
+
+std::vector<Estimate> estimates_of(const Problem& problem, const Fit& fit, const Errors& errors) {
+    std::vector<Estimate> estimates;
+    for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+        Estimate e;
+        e.name = problem.parameters[i].name;
+        e.value = e.low = e.high = fit.values[i];
+        e.free = problem.parameters[i].free();
+        estimates.push_back(e);
+    }
+    for (Eigen::Index k = 0; k < errors.space.size(); ++k) {
+        const std::size_t i = errors.space.free()[k];
+        set_free(estimates[i], k, errors, problem.parameters[i]);
+    }
+    follow_ties(problem, estimates);
+    return estimates;
+}
 
 /// Covariance and correlation in values, NaN-free.
 void set_matrices(Report& report, const Fit& fit, const Errors& errors) {
@@ -29,11 +101,11 @@ void set_matrices(Report& report, const Fit& fit, const Errors& errors) {
     const Eigen::VectorXd error = report.covariance.diagonal().cwiseSqrt();
     for (Eigen::Index a = 0; a < n; ++a)
         for (Eigen::Index b = 0; b < n; ++b) {
-            const bool flat = std::isinf(report.estimates[report.free[a]].stderr_) ||
-                              std::isinf(report.estimates[report.free[b]].stderr_);
+            const bool flat = std::isinf(report.estimates[report.free[a]].standard_error) ||
+                              std::isinf(report.estimates[report.free[b]].standard_error);
             if (flat)
                 report.covariance(a, b) =
-                    a == b && std::isinf(report.estimates[report.free[a]].stderr_) ? infinite : 0.0;
+                    a == b && std::isinf(report.estimates[report.free[a]].standard_error) ? infinite : 0.0;
             else if (a != b && error[a] > 0.0 && error[b] > 0.0)
                 report.correlation(a, b) =
                     std::clamp(report.covariance(a, b) / (error[a] * error[b]), -1.0, 1.0);
@@ -66,7 +138,7 @@ Report without_curvature(const Problem& problem, const Fit& fit) {
 }
 
 std::size_t same_optimum(const Fit& fit) {
-    return static_cast<std::size_t>(std::ranges::count_if(fit.starts, [&](const StartEnd& s) {
+    return static_cast<std::size_t>(std::ranges::count_if(fit.starts, [&](const StartResult& s) {
         return std::isfinite(s.objective) && s.objective <= fit.objective * (1.0 + 1e-4) + 1e-8;
     }));
 }
@@ -87,7 +159,7 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     const Point point = evaluator(space.coordinates(free_values(fit, space)), true);
     if (!point.finite()) {
         Report report = without_curvature(problem, fit);
-        report.remarks = remarks_of(problem, fit, report, 1.0, false);
+        report.diagnostics = diagnostics_of(problem, fit, report, 1.0, false);
         return report;
     }
     const Curvature c = curvature(space, point, evaluator.gradient(point), options.rank_tolerance);
@@ -106,8 +178,8 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     set_matrices(report, fit, errors);
     report.flat = flat_directions(problem, fit, space, c);
     report.same_optimum = same_optimum(fit);
-    report.remarks =
-        remarks_of(problem, fit, report, scale.rise, stationarity(evaluator, point).newton <= tiny_change);
+    report.diagnostics = diagnostics_of(problem, fit, report, scale.rise,
+                                        stationarity(evaluator, point).newton <= tiny_change);
     return report;
 }
 
@@ -127,6 +199,35 @@ Eigen::VectorXd propagated(const Report& report, const Eigen::MatrixXd& gradient
             std::isinf(report.error_factor))
             errors[i] = infinite;
     return errors;
+}
+
+bool at_bound(const Report& report, const Estimate& estimate) {
+    const auto to = std::ranges::find(report.estimates, estimate.tied_to, &Estimate::name);
+    const Estimate& e = to == report.estimates.end() ? estimate : *to;
+    return e.at_lower || e.at_upper;
+}
+
+bool has_error(const Report& report, const Estimate& estimate) {
+    return (estimate.free || !estimate.tied_to.empty()) && !at_bound(report, estimate);
+}
+
+std::optional<double> fitted_value(const Report& report, const std::string& name) {
+    const auto at = std::ranges::find(report.estimates, name, &Estimate::name);
+    return at == report.estimates.end() ? std::nullopt : std::optional(at->value);
+}
+
+rodwake::Estimate derived(const Report& report, double value, const std::map<std::string, double>& gradient) {
+    Eigen::MatrixXd row = Eigen::MatrixXd::Zero(1, static_cast<Eigen::Index>(report.estimates.size()));
+    bool any = false, held = false;
+    for (std::size_t i = 0; i < report.estimates.size(); ++i)
+        if (const auto at = gradient.find(report.estimates[i].name); at != gradient.end()) {
+            row(0, static_cast<Eigen::Index>(i)) = at->second;
+            any = any || has_error(report, report.estimates[i]);
+            held = held || at_bound(report, report.estimates[i]);
+        }
+    const long values = std::max(0L, report.dof + static_cast<long>(report.free.size()));
+    const bool known = any && !held && !std::isinf(report.error_factor);
+    return {value, known ? propagated(report, row)[0] : unknown_error, static_cast<std::size_t>(values)};
 }
 
 } // namespace rodwake::fitting

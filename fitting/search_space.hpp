@@ -2,6 +2,7 @@
 // Coordinates of the search: u = value/scale, or log(value)/scale, of the free parameters. Bounds are kept
 // exactly: a u on a bound gives the bound's own value.
 
+#include "rodwake/fitting/method.hpp"
 #include "rodwake/fitting/problem.hpp"
 
 namespace rodwake::fitting {
@@ -48,5 +49,9 @@ private:
 /// Parameter::scale, or what stands for it: 1 in the logarithm, else |start|, a tenth of the bounds'
 /// distance, 1.
 double natural_scale(const Parameter& parameter);
+
+/// Where the searches begin: values of the free parameters for start `index`, as Method::spread says; depends
+/// on the seed and index only.
+std::vector<double> start_values(const Problem& problem, const Method& method, std::size_t index);
 
 } // namespace rodwake::fitting

@@ -1,6 +1,6 @@
 // The report as a page.
 
-#include "words.hpp"
+#include "diagnostics.hpp"
 
 #include <fmt/format.h>
 
@@ -70,8 +70,8 @@ std::string estimates(const Problem& problem, const Report& report) {
         const Estimate& e = report.estimates[i];
         const Parameter& p = problem.parameters[i];
         const bool known = std::isfinite(report.error_factor);
-        rows.push_back({e.name, with_error(e.value, e.stderr_, known),
-                        known && e.stderr_ > 0.0 ? interval(e.low, e.high) : "",
+        rows.push_back({e.name, with_error(e.value, e.standard_error, known),
+                        known && e.standard_error > 0.0 ? interval(e.low, e.high) : "",
                         e.tied_to.empty() ? fmt::format("{:.5g}", p.start) : "", p.free() ? bounds(p) : "",
                         kind(p, e)});
     }
@@ -108,7 +108,7 @@ std::string goodness(const Problem& problem, const Fit& fit, const Report& repor
     if (report.dof > 0)
         text += fmt::format(", chi2/dof = {:.4g}", report.chi2 / static_cast<double>(report.dof));
     if (problem.sigma_known && report.dof > 0)
-        text += ", probability " + probability_words(report.probability);
+        text += ", probability " + describe_probability(report.probability);
     if (fit.loss != Loss::squares)
         text += fmt::format("\nobjective of the loss = {:.6g}", fit.objective);
     return text + fmt::format("\n{} after {} evaluations; {}\n", to_string(fit.termination), fit.evaluations,
@@ -119,13 +119,13 @@ std::string goodness(const Problem& problem, const Fit& fit, const Report& repor
 std::string starts(const Fit& fit, const Report& report) {
     if (fit.starts.size() < 2)
         return {};
-    std::vector<StartEnd> sorted = fit.starts;
-    std::ranges::stable_sort(sorted, {}, &StartEnd::objective);
+    std::vector<StartResult> sorted = fit.starts;
+    std::ranges::stable_sort(sorted, {}, &StartResult::objective);
     std::string text =
         fmt::format("\nStarts: {} of {} ended at the best objective\n", report.same_optimum, sorted.size());
     std::vector<Row> rows{{"start", "objective", "above the best", "evaluations", "ended"}};
     for (std::size_t i = 0; i < std::min<std::size_t>(sorted.size(), 10); ++i) {
-        const StartEnd& s = sorted[i];
+        const StartResult& s = sorted[i];
         const double above =
             std::isfinite(s.objective) ? std::max(s.objective - fit.objective, 0.0) : s.objective;
         rows.push_back({fmt::format("{}", s.index), fmt::format("{:.8g}", s.objective),
@@ -136,9 +136,9 @@ std::string starts(const Fit& fit, const Report& report) {
     return text + (sorted.size() > 10 ? fmt::format("  and {} more\n", sorted.size() - 10) : "");
 }
 
-std::string remarks(const Report& report) {
-    std::string text = report.remarks.empty() ? "" : "\nRemarks\n";
-    for (const std::string& remark : report.remarks)
+std::string diagnostics(const Report& report) {
+    std::string text = report.diagnostics.empty() ? "" : "\nRemarks\n";
+    for (const std::string& remark : report.diagnostics)
         text += "  - " + remark + "\n";
     return text;
 }
@@ -147,7 +147,7 @@ std::string remarks(const Report& report) {
 
 std::string to_text(const Problem& problem, const Fit& fit, const Report& report) {
     return estimates(problem, report) + correlations(report) + goodness(problem, fit, report) +
-           starts(fit, report) + remarks(report);
+           starts(fit, report) + diagnostics(report);
 }
 
 } // namespace rodwake::fitting

@@ -1,6 +1,5 @@
 #include "rodwake/fitting/trajectory.hpp"
 
-#include "trajectory_check.hpp"
 #include "trajectory_run.hpp"
 
 #include "rodwake/core/error.hpp"

@@ -1,4 +1,4 @@
-#include "trajectory_check.hpp"
+#include "trajectory_run.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/separation.hpp"

@@ -108,7 +108,7 @@ void add_end(ModelRun& run, const rods::RodProblem& problem, const integrate::Se
 /// residual then goes on where contact moves out of the run, and its slope says in which direction to look.
 void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::SensitivitySolution& solved,
                  const Columns& columns, std::size_t parameters) {
-    const bool met = solved.solution.status.outcome == integrate::Outcome::stopped_at_event;
+    const bool met = solved.solution.status.termination == integrate::Termination::stopped_at_event;
     const rods::Separation pair = rods::closest_pair(solved.solution.final_state);
     run.contact_time =
         solved.solution.final_time + (met ? 0.0 : pair.distance - *trajectory.contact_distance);

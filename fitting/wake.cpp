@@ -86,11 +86,9 @@ std::vector<Point> gather(const WakeModel& model, const std::vector<Profile>& pr
         if (kept.place.empty())
             throw InputError(
                 fmt::format("{}: no points are left outside the core of {}", profile.name, model.core));
-        const double enlarged = 1.0 / std::sqrt(profile.independent);
         for (std::size_t i = 0; i < kept.place.size(); ++i) {
             const auto [x, y] = coordinates(kept, kept.place[i]);
-            points.push_back({kept.component, x, y, kept.value[i],
-                              enlarged * (kept.sigma.empty() ? 1.0 : kept.sigma[i]), where(kept, i)});
+            points.push_back({kept.component, x, y, kept.value[i], residual_scale(kept, i), where(kept, i)});
         }
     }
     return points;
@@ -141,6 +139,21 @@ void evaluate(const WakeModel& model, const WakeTerms& terms, const std::vector<
 }
 
 } // namespace
+
+double residual_scale(const Profile& profile, std::size_t i) {
+    return 1.0 / std::sqrt(profile.independent) * (profile.sigma.empty() ? 1.0 : profile.sigma[i]);
+}
+
+double chi2_of(const Profile& profile, std::span<const double> model) {
+    if (model.size() != profile.value.size())
+        throw InputError(profile.name + ": data and prediction differ in number");
+    double sum = 0.0;
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        const double r = (profile.value[i] - model[i]) / residual_scale(profile, i);
+        sum += std::isfinite(r) ? r * r : 0.0;
+    }
+    return sum;
+}
 
 Profile outside_core(const Profile& profile, double core) {
     Profile kept = profile;
@@ -195,6 +208,35 @@ Prediction predict(const WakeModel& model, const Profile& line, std::span<const 
         out.value.push_back(wake.at(line.component, x, y, gradient));
         out.by_parameter.row(i) = gradient;
     }
+    return out;
+}
+
+ScaleFactor scale_factor(const Profile& data, std::span<const double> model,
+                         const Eigen::MatrixXd* model_root) {
+    const auto n = static_cast<Eigen::Index>(data.value.size());
+    if (static_cast<Eigen::Index>(model.size()) != n)
+        throw InputError(data.name + ": data and prediction differ in number");
+    const Eigen::Map<const Eigen::VectorXd> d(data.value.data(), n), m(model.data(), n);
+    Eigen::VectorXd weight = Eigen::VectorXd::Ones(n);
+    const double values = data.independent * static_cast<double>(n);
+    if (!data.sigma.empty())
+        weight = Eigen::Map<const Eigen::VectorXd>(data.sigma.data(), n).array().square().inverse();
+    weight *= data.independent;
+    const double norm = weight.dot(m.cwiseAbs2());
+    ScaleFactor out;
+    out.points = data.value.size();
+    out.chi2 = weight.dot((d - m).cwiseAbs2());
+    if (!(norm > 0.0))
+        throw InputError(data.name + ": the prediction is zero everywhere, so no factor can be told");
+    out.scale = weight.dot(m.cwiseProduct(d)) / norm;
+    const double scatter = weight.dot((d - out.scale * m).cwiseAbs2()) / std::max(values - 1.0, 1.0);
+    // Where the shape differs, or sigma is unknown, the scatter about the scaled model tells more than sigma.
+    double variance = (data.sigma.empty() ? scatter : std::max(scatter, 1.0)) / norm;
+    if (model_root) {
+        const Eigen::VectorXd by_model = weight.cwiseProduct(d - 2.0 * out.scale * m) / norm;
+        variance += (model_root->transpose() * by_model).squaredNorm();
+    }
+    out.standard_error = std::sqrt(variance);
     return out;
 }
 

@@ -74,19 +74,19 @@ SteadyField::SteadyField(const WakeModel& model, const elastic::Medium& medium)
         field_ = elastic::PeriodicField(medium, *model.box, model.heading);
 }
 
-elastic::FieldValues SteadyField::at(double x, double y, elastic::Wanted wanted) const {
-    return std::visit([&](const auto& field) { return field.at(x, y, wanted); }, field_);
+elastic::FieldValues SteadyField::at(double x, double y, elastic::FieldRequest request) const {
+    return std::visit([&](const auto& field) { return field.at(x, y, request); }, field_);
 }
 
-elastic::MediumDerivatives SteadyField::by_medium(double x, double y, elastic::Wanted wanted) const {
+elastic::MediumDerivatives SteadyField::by_medium(double x, double y, elastic::FieldRequest request) const {
     if (const auto* plane = std::get_if<elastic::Field>(&field_))
-        return elastic::medium_derivatives(*plane, x, y, wanted);
-    return std::get<elastic::PeriodicField>(field_).medium_derivatives(x, y, wanted);
+        return elastic::medium_derivatives(*plane, x, y, request);
+    return std::get<elastic::PeriodicField>(field_).medium_derivatives(x, y, request);
 }
 
 WakeValues::WakeValues(const WakeModel& model, const WakeTerms& terms, std::span<const double> values)
     : terms_(terms), values_(values) {
-    wanted_ = {.displacement = terms.f_over_mu >= 0, .dipole = terms.f2d_over_mu >= 0};
+    request_ = {.displacement = terms.f_over_mu >= 0, .dipole = terms.f2d_over_mu >= 0};
     if (!terms.field())
         return;
     xi_ = screening_length(terms, values);
@@ -97,11 +97,14 @@ double WakeValues::offset(Component component) const {
     return value_of(component == Component::Ux ? terms_.offset : terms_.offset_y);
 }
 
+double WakeValues::combined(const elastic::FieldValues& of, Component component) const {
+    return (request_.displacement ? value_of(terms_.f_over_mu) * part(of.displacement, component) : 0.0) +
+           (request_.dipole ? value_of(terms_.f2d_over_mu) * part(of.dipole, component) : 0.0);
+}
+
 /// Monopole and dipole at s from where the force acts.
 double WakeValues::field_at(Component component, double s, double y) const {
-    const elastic::FieldValues field = field_->at(s, y, wanted_);
-    return value_of(terms_.f_over_mu) * part(field.displacement, component) +
-           value_of(terms_.f2d_over_mu) * part(field.dipole, component);
+    return combined(field_->at(s, y, request_), component);
 }
 
 double WakeValues::at(Component component, double x, double y) const {
@@ -128,23 +131,19 @@ double WakeValues::at(Component component, double x, double y,
     set(component == Component::Ux ? terms_.offset : terms_.offset_y, 1.0);
     if (!field_)
         return offset(component);
-    const double s = x - value_of(terms_.x0), f = value_of(terms_.f_over_mu),
-                 f2d = value_of(terms_.f2d_over_mu);
-    const elastic::FieldValues field = field_->at(s, y, wanted_);
-    const elastic::MediumDerivatives medium = field_->by_medium(s, y, wanted_);
-    const auto combined = [&](const elastic::FieldValues& of) {
-        return f * part(of.displacement, component) + f2d * part(of.dipole, component);
-    };
-    const double by_xi = combined(medium.by_xi);
+    const double s = x - value_of(terms_.x0), f = value_of(terms_.f_over_mu);
+    const elastic::FieldValues field = field_->at(s, y, request_);
+    const elastic::MediumDerivatives medium = field_->by_medium(s, y, request_);
+    const double by_xi = combined(medium.by_xi, component);
     set(terms_.f_over_mu, part(field.displacement, component) + (terms_.alpha >= 0 ? by_xi * xi_ / f : 0.0));
     set(terms_.f2d_over_mu, part(field.dipole, component));
-    set(terms_.eta, combined(medium.by_eta));
+    set(terms_.eta, combined(medium.by_eta, component));
     set(terms_.xi, by_xi);
     if (terms_.alpha >= 0)
         set(terms_.alpha, -by_xi * xi_ / value_of(terms_.alpha));
     if (terms_.x0 >= 0)
         set(terms_.x0, -slope_along_x(component, s, y));
-    return combined(field) + offset(component);
+    return combined(field, component) + offset(component);
 }
 
 } // namespace rodwake::fitting

@@ -32,8 +32,8 @@ bool is_singular(const WakeModel& model, double s, double y);
 class SteadyField {
 public:
     SteadyField(const WakeModel& model, const elastic::Medium& medium);
-    elastic::FieldValues at(double x, double y, elastic::Wanted wanted) const;
-    elastic::MediumDerivatives by_medium(double x, double y, elastic::Wanted wanted) const;
+    elastic::FieldValues at(double x, double y, elastic::FieldRequest request) const;
+    elastic::MediumDerivatives by_medium(double x, double y, elastic::FieldRequest request) const;
 
 private:
     std::variant<elastic::Field, elastic::PeriodicField> field_;
@@ -52,13 +52,15 @@ public:
 private:
     double value_of(long term) const { return term < 0 ? 0.0 : values_[static_cast<std::size_t>(term)]; }
     double offset(Component component) const;
+    /// Of the terms that take part: the field holds no number for the others.
+    double combined(const elastic::FieldValues& of, Component component) const;
     double field_at(Component component, double s, double y) const;
     double slope_along_x(Component component, double s, double y) const;
 
     WakeTerms terms_;
     std::span<const double> values_;
     double xi_ = 0.0;
-    elastic::Wanted wanted_;
+    elastic::FieldRequest request_;
     std::optional<SteadyField> field_;
 };
 

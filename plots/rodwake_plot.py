@@ -19,12 +19,29 @@ def arguments(argv):
     return parser.parse_args(argv)
 
 
+class Listing:
+    """Standard output as long as somebody reads it: `rodwake plot RUN | head -1` makes every figure."""
+
+    def __init__(self, out):
+        self.out = out
+
+    def write(self, text):
+        try:
+            self.out.write(text)
+            self.out.flush()
+        except BrokenPipeError:  # what is buffered goes nowhere, now and when the interpreter ends
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self.out.fileno())
+
+    def flush(self):
+        """Written at once."""
+
+
 def plot(options):
     # Imported here so that --help and a missing package are quick and plain.
     # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     warnings.simplefilter("ignore")
-    from rodwake_plots import draw, report
+    from rodwake_plots import draw, report, scan_page
     from rodwake_plots.run_dir import RunDir
 
     with RunDir(options.run_dir) as run:
@@ -32,12 +49,14 @@ def plot(options):
         if not options.report_only:
             draw.write_all(run, figures, pdf=options.pdf)
         report.write(run, figures)
+        if run.has_scan:
+            scan_page.write(run)
 
 
 def main(argv=None):
     options = arguments(argv)
     try:
-        with contextlib.redirect_stdout(None if options.quiet else sys.stdout):
+        with contextlib.redirect_stdout(None if options.quiet else Listing(sys.stdout)):
             plot(options)
     except PlotError as error:
         message = str(error)

@@ -1,4 +1,4 @@
-# Shared by tools/quickstart and tools/test: installs the packages that are missing, then configures and builds a preset.
+# Shared by tools/quickstart, tools/test, tools/tidy and .ci/run: installs the packages that are missing, then configures and builds a preset.
 # Sourced, not run. Needs bash and, on Debian, apt.
 
 rodwake_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -42,7 +42,8 @@ install_packages() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
 }
 
+# build_preset PRESET [ARGS of cmake --build]...
 build_preset() {
-    say "build: preset $1"
-    (cd "$rodwake_root" && cmake --preset "$1" >/dev/null && cmake --build --preset "$1")
+    say "build: preset $*"
+    (cd "$rodwake_root" && cmake --preset "$1" >/dev/null && cmake --build --preset "$@")
 }

@@ -38,10 +38,13 @@ int main() {
         {.name = "c", .start = 0.0}};
     problem.residuals = points;
     problem.evaluate = residuals;
-    const Fit found = fit(problem, {.algorithm = Algorithm::slsqp, .starts = 5});
+    Method method;
+    method.algorithm = Algorithm::slsqp;
+    method.starts = 5;
+    const Fit found = fit(problem, method);
     const Report said = report(problem, found);
     std::puts(to_text(problem, found, said).c_str());
     std::printf("pull of b    %.3f standard errors from 5\n",
-                (found.values[1] - 5.0) / said.estimates[1].stderr_);
+                (found.values[1] - 5.0) / said.estimates[1].standard_error);
     return found.termination == Termination::failed ? 1 : 0;
 }

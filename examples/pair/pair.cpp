@@ -34,7 +34,7 @@ int main() {
     }
 
     const rods::RodOutcome& outcome = result.outcome;
-    std::printf("outcome      %s\n", rods::to_string(outcome.ending).c_str());
+    std::printf("outcome      %s\n", rodwake::to_string(outcome.ending).c_str());
     std::printf("time         %.15g f/(mu v0)\n", outcome.time);
     std::printf("separation   %.15g f/mu\n", outcome.min_separation);
     std::printf("steps        %ld\n", result.solution.statistics.steps);

@@ -1,9 +1,11 @@
 #pragma once
 // Modified Bessel functions K0, K1 in the forms the field needs, each free of cancellation in its range.
 
-#include "pair.hpp"
-
 namespace rodwake::elastic {
+
+/// Two doubles in one vector register (SSE2 and NEON have it everywhere): the closed form is made of two
+/// potentials of one shape, so both are worked out at once.
+using Pair = double __attribute__((vector_size(16)));
 
 /// K0, K1 and what survives on the wake axis, where K1 - K0 is 1/(2z) of its parts and d2 is 3/(4z^2) of
 /// them.

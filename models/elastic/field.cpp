@@ -9,10 +9,10 @@ namespace rodwake::elastic {
 
 namespace {
 
-Order highest_order(Wanted wanted) {
-    if (wanted.slopes)
+Order highest_order(FieldRequest request) {
+    if (request.gradients)
         return Order::third;
-    return wanted.strain || wanted.polar || wanted.dipole ? Order::second : Order::first;
+    return request.strain || request.polar || request.dipole ? Order::second : Order::first;
 }
 
 Vector times(double scale, Vector v) { return {scale * v.x, scale * v.y}; }
@@ -23,30 +23,32 @@ SymmetricTensor strain(double scale, double trace, double yy, double shear) {
 
 /// The plain quantities; `unit` in the displacement's unit. Every member is set once: clearing them all first
 /// costs as much as a Bessel function.
-FieldValues plain_values(const Combination& sum, Wanted wanted, double unit, double c_shear) {
+FieldValues plain_values(const Combination& sum, FieldRequest request, double unit, double c_shear) {
     const double second = unit * c_shear, third = second * c_shear;
-    const Vector none{};
-    return {.displacement = wanted.displacement ? Vector{0.5 * unit * sum.drift, 0.5 * unit * sum.y} : none,
-            .strain = wanted.strain ? strain(second, sum.trace, sum.yy, sum.shear) : SymmetricTensor{},
-            .laplacian = wanted.polar ? times(third, sum.laplacian) : none,
-            .gradient_of_trace = wanted.polar ? times(third, sum.trace_slope) : none,
-            .dipole = wanted.dipole ? Vector{-second * 0.5 * sum.yy, second * sum.dipole} : none,
-            .strain_x = {},
-            .strain_y = {},
-            .laplacian_x = {},
-            .laplacian_y = {},
-            .gradient_of_trace_x = {},
-            .gradient_of_trace_y = {}};
+    constexpr FieldValues none = unrequested();
+    return {.displacement =
+                request.displacement ? Vector{0.5 * unit * sum.drift, 0.5 * unit * sum.y} : none.displacement,
+            .strain = request.strain ? strain(second, sum.trace, sum.yy, sum.shear) : none.strain,
+            .laplacian = request.polar ? times(third, sum.laplacian) : none.laplacian,
+            .gradient_of_trace = request.polar ? times(third, sum.trace_gradient) : none.gradient_of_trace,
+            .dipole = request.dipole ? Vector{-second * 0.5 * sum.yy, second * sum.dipole} : none.dipole,
+            .strain_x = none.strain,
+            .strain_y = none.strain,
+            .laplacian_x = none.laplacian,
+            .laplacian_y = none.laplacian,
+            .gradient_of_trace_x = none.gradient_of_trace,
+            .gradient_of_trace_y = none.gradient_of_trace};
 }
 
-void add_slopes(FieldValues& f, const CombinationSlopes& d, Wanted wanted, double third, double fourth) {
-    if (wanted.strain) {
+void add_gradients(FieldValues& f, const CombinationGradients& d, FieldRequest request, double third,
+                   double fourth) {
+    if (request.strain) {
         f.strain_x = strain(third, d.trace_x, d.yy_x, d.shear_x);
         f.strain_y = strain(third, d.trace_y, d.yy_y, d.shear_y);
     }
-    if (wanted.polar) {
-        f.gradient_of_trace_x = times(fourth, d.trace_slope_x);
-        f.gradient_of_trace_y = times(fourth, d.trace_slope_y);
+    if (request.polar) {
+        f.gradient_of_trace_x = times(fourth, d.trace_gradient_x);
+        f.gradient_of_trace_y = times(fourth, d.trace_gradient_y);
         f.laplacian_x = times(fourth, d.laplacian_x);
         f.laplacian_y = times(fourth, d.laplacian_y);
     }
@@ -63,22 +65,22 @@ Field::Field(const Medium& medium) : medium_(medium) {
     constants_ = {nu, nu_low, medium.eta / sum, sum, std::sqrt(sum), 0.5 / medium.xi, 2.0 * medium.xi};
 }
 
-FieldValues Field::at(double x, double y, Wanted wanted) const {
+FieldValues Field::at(double x, double y, FieldRequest request) const {
     const Constants& m = constants_;
     const Geometry at(m, x, y);
     const WaveNumber shear{{1.0, 0.0}, 1.0, 1.0},
         longitudinal{{m.nu, m.nu_low}, m.inverse_nu, m.inverse_root_nu};
     const bool core = in_core(at, m.nu);
-    const Potentials g = potentials(at, shear, longitudinal, core, highest_order(wanted));
+    const Potentials g = potentials(at, shear, longitudinal, core, highest_order(request));
     Combination sum = combine(at, m, g, core);
     if (core)
         add_singular(sum, at, m);
 
     const double unit = 0.5 * std::numbers::inv_pi * (at.boost > 1.0 ? 1.0 / at.boost : 1.0),
                  third = unit * m.c_shear * m.c_shear;
-    FieldValues f = plain_values(sum, wanted, unit, m.c_shear);
-    if (wanted.slopes)
-        add_slopes(f, slopes(at, m, g, core), wanted, third, third * m.c_shear);
+    FieldValues f = plain_values(sum, request, unit, m.c_shear);
+    if (request.gradients)
+        add_gradients(f, gradients(at, m, g, core), request, third, third * m.c_shear);
     return f;
 }
 

@@ -28,7 +28,7 @@ DoubleDouble distance_plus_x(DoubleDouble r, double x, double y) {
 
 /// (r + x)/(2 xi) to twice the precision. A power of two brings the larger coordinate near 1: exact, and safe
 /// from overflow of the squares.
-DoubleDouble precise_exponent(const Field::Constants& medium, double x, double y) {
+DoubleDouble precise_exponent(const Constants& medium, double x, double y) {
     const int exponent = std::ilogb(std::max(std::abs(x), std::abs(y)));
     const double x1 = std::ldexp(x, -exponent), y1 = std::ldexp(y, -exponent),
                  unit = std::ldexp(1.0, exponent);
@@ -76,7 +76,7 @@ Distances distances(double X, double Y) {
 
 } // namespace
 
-Geometry::Geometry(const Field::Constants& medium, double given_x, double given_y) : x(given_x), y(given_y) {
+Geometry::Geometry(const Constants& medium, double given_x, double given_y) : x(given_x), y(given_y) {
     X = x * medium.c_shear;
     Y = y * medium.c_shear;
     const Distances d = distances(X, Y);

@@ -7,6 +7,13 @@
 
 namespace rodwake::elastic {
 
+/// What a Field has worked out of its medium, for this part alone.
+struct FieldInternals {
+    using Constants = Field::Constants;
+    static const Constants& constants(const Field& field) { return field.constants_; }
+};
+using Constants = FieldInternals::Constants;
+
 /// A point in units of 1/c_T = 2 xi: X = x c_T, Y = y c_T, s = r c_T > 0.
 struct Geometry {
     double x, y; ///< as given
@@ -20,7 +27,7 @@ struct Geometry {
                   ///< again
 
     /// Throws InputError unless the point is finite and off the rod.
-    Geometry(const Field::Constants& medium, double x, double y);
+    Geometry(const Constants& medium, double x, double y);
 };
 
 /// A wave number a of a potential in units of c_T, with what of it costs a division or a root.

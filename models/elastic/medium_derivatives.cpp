@@ -76,15 +76,15 @@ Combination by_nu(const Longitudinal& l, double nu) {
     sum.yy = -l.yy;
     sum.shear = -l.xy;
     sum.dipole = -0.5 * l.xy - nu * (l.g_y + l.y);
-    sum.trace_slope = {nu * (l.g_xx + l.xx), nu * (l.g_xy + l.xy)};
-    sum.laplacian = sum.trace_slope;
+    sum.trace_gradient = {nu * (l.g_xx + l.xx), nu * (l.g_xy + l.xy)};
+    sum.laplacian = sum.trace_gradient;
     return sum;
 }
 
 /// What an n-th derivative of U turns into: (n + X d_X + Y d_Y) of the combinations. In D the singular parts
 /// cancel but for the constant.
-Combination by_scale(const Geometry& at, const Field::Constants& medium, const Scaled& s,
-                     const Longitudinal& l, bool core) {
+Combination by_scale(const Geometry& at, const Constants& medium, const Scaled& s, const Longitudinal& l,
+                     bool core) {
     const auto difference = [](Pair both) { return both[0] - both[1]; };
     const double nu = medium.nu, shear = at.X * s.g.x[0] + at.Y * s.g.y[0] - (core ? 1.0 : 0.0);
     const double D_xy = difference(s.xy - s.g.xy);
@@ -95,7 +95,7 @@ Combination by_scale(const Geometry& at, const Field::Constants& medium, const S
     sum.yy = difference(s.yy - s.g.yy);
     sum.shear = s.y[0] + D_xy;
     sum.dipole = 0.5 * D_xy - nu * l.y;
-    sum.trace_slope = {nu * l.xx, nu * l.xy};
+    sum.trace_gradient = {nu * l.xx, nu * l.xy};
     if (!core) {
         sum.laplacian = {s.yy[0] + nu * l.xx, nu * l.xy - s.xy[0]};
         return sum;
@@ -110,35 +110,35 @@ Combination by_scale(const Geometry& at, const Field::Constants& medium, const S
 
 Vector times(double scale, Vector v) { return {scale * v.x, scale * v.y}; }
 
-FieldValues values(const Combination& sum, Wanted wanted, double unit, double c_shear) {
+FieldValues values(const Combination& sum, FieldRequest request, double unit, double c_shear) {
     const double second = unit * c_shear, third = second * c_shear;
-    FieldValues f;
-    if (wanted.displacement)
+    FieldValues f = unrequested();
+    if (request.displacement)
         f.displacement = {0.5 * unit * sum.drift, 0.5 * unit * sum.y};
-    if (wanted.strain)
+    if (request.strain)
         f.strain = {second * (sum.trace - 0.5 * sum.yy), second * 0.5 * sum.shear, second * 0.5 * sum.yy};
-    if (wanted.polar) {
+    if (request.polar) {
         f.laplacian = times(third, sum.laplacian);
-        f.gradient_of_trace = times(third, sum.trace_slope);
+        f.gradient_of_trace = times(third, sum.trace_gradient);
     }
-    if (wanted.dipole)
+    if (request.dipole)
         f.dipole = {-second * 0.5 * sum.yy, second * sum.dipole};
     return f;
 }
 
-void check(Wanted wanted) {
-    if (wanted.slopes)
-        throw InputError("derivatives of the field's slopes by the medium are not available: ask for "
+void check(FieldRequest request) {
+    if (request.gradients)
+        throw InputError("derivatives of the field's gradients by the medium are not available: ask for "
                          "displacement, strain, polar or dipole");
 }
 
 } // namespace
 
-MediumDerivatives medium_derivatives(const Field& field, double x, double y, Wanted wanted) {
-    check(wanted);
-    const Field::Constants& m = field.constants();
+MediumDerivatives medium_derivatives(const Field& field, double x, double y, FieldRequest request) {
+    check(request);
+    const Constants& m = FieldInternals::constants(field);
     const Geometry at(m, x, y);
-    const Order order = wanted.strain || wanted.polar || wanted.dipole ? Order::third : Order::second;
+    const Order order = request.strain || request.polar || request.dipole ? Order::third : Order::second;
     const WaveNumber shear{{1.0, 0.0}, 1.0, 1.0},
         longitudinal{{m.nu, m.nu_low}, m.inverse_nu, m.inverse_root_nu};
     // The longitudinal potential alone can be in its core: for a nearly incompressible medium far out.
@@ -151,8 +151,8 @@ MediumDerivatives medium_derivatives(const Field& field, double x, double y, Wan
             : times(at.boost, complete(Scaled(at, core_potentials(at, longitudinal, longitudinal, order).d),
                                        Singular(at), m.nu, m.nu));
     const double unit = 0.5 * std::numbers::inv_pi * (at.boost > 1.0 ? 1.0 / at.boost : 1.0);
-    return {values(by_nu(own, m.nu), wanted, -unit * m.nu, m.c_shear),
-            values(by_scale(at, m, both, own, core), wanted, -unit / field.medium().xi, m.c_shear)};
+    return {values(by_nu(own, m.nu), request, -unit * m.nu, m.c_shear),
+            values(by_scale(at, m, both, own, core), request, -unit / field.medium().xi, m.c_shear)};
 }
 
 } // namespace rodwake::elastic

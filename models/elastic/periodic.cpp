@@ -1,12 +1,10 @@
 #include "rodwake/elastic/periodic.hpp"
 
 #include "periodic_potential.hpp"
-#include "periodic_uniform.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/superposition.hpp"
 
 #include <array>
-
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -41,16 +39,16 @@ struct Parts {
 }
 
 /// `uniform`: 1 for the field itself, whose Laplacian holds the counterforce; 0 for derivatives.
-FieldValues assembled(const Parts& p, Wanted wanted, double box, double shear_decay, double uniform) {
+FieldValues assembled(const Parts& p, FieldRequest request, double box, double shear_decay, double uniform) {
     const double unit = 0.5 * std::numbers::inv_pi, second = unit / box, third = second / box;
-    FieldValues f;
-    if (wanted.displacement)
+    FieldValues f = unrequested();
+    if (request.displacement)
         f.displacement = {unit * (p.a.v + p.b.x), unit * p.b.y};
-    if (wanted.strain)
+    if (request.strain)
         f.strain = {second * (p.a.x + p.b.xx), second * (0.5 * p.a.y + p.b.xy), second * p.b.yy};
-    if (wanted.dipole)
+    if (request.dipole)
         f.dipole = {-second * p.b.yy, second * (p.b.xy - p.c.y)};
-    if (wanted.polar) {
+    if (request.polar) {
         f.laplacian = {third * (2.0 * std::numbers::pi * uniform - shear_decay * p.a.x - p.a.xx + p.c.xx),
                        third * (p.c.xy - p.a.xy)};
         f.gradient_of_trace = {third * p.c.xx, third * p.c.xy};
@@ -73,9 +71,10 @@ void add(FieldValues& sum, const FieldValues& f) {
     add(sum.dipole, f.dipole);
 }
 
-void check(Wanted wanted) {
-    if (wanted.slopes)
-        throw InputError("slopes of the field of a periodic box are not available; use finite differences");
+void check(FieldRequest request) {
+    if (request.gradients)
+        throw InputError(
+            "gradients of the field of a periodic box are not available; use finite differences");
 }
 
 /// A place in the box's axes and side, in the cell about the nearest of the rod and its images; and its
@@ -121,8 +120,8 @@ struct PeriodicField::Impl {
     Jet to_rod(const Jet& box_axes) const { return from_axes(cosine, -sine, box_axes); }
 
     /// Of the whole field where it is summed as rows, of the rest near the rod.
-    Parts parts(double x, double y, Wanted wanted) const {
-        const bool second = wanted.strain || wanted.dipole || wanted.polar;
+    Parts parts(double x, double y, FieldRequest request) const {
+        const bool second = request.strain || request.dipole || request.polar;
         const Jet t = to_rod(shear.at(x, y, {.second = second}).g),
                   l = to_rod(longitudinal.at(x, y, {.second = second}).g);
         return {t, between ? b_between(x, y, second) : xi * (t + -1.0 * l), nu * l};
@@ -148,25 +147,25 @@ struct PeriodicField::Impl {
         return std::log(c) * f;
     }
 
-    FieldValues rest(double x, double y, Wanted wanted) const {
-        return assembled(parts(x, y, wanted), wanted, box, 1.0 / xi, 1.0);
+    FieldValues rest(double x, double y, FieldRequest request) const {
+        return assembled(parts(x, y, request), request, box, 1.0 / xi, 1.0);
     }
 
-    MediumDerivatives rest_derivatives(double x, double y, Wanted wanted) const;
+    MediumDerivatives rest_derivatives(double x, double y, FieldRequest request) const;
 };
 
 /// dc_T/dxi = -c_T/xi, dc_L/deta = -nu^2 c_T; xi in units of the box.
-MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, Wanted wanted) const {
-    const Needed needed{.second = wanted.strain || wanted.dipole || wanted.polar, .by_c = true};
+MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, FieldRequest request) const {
+    const Needed needed{.second = request.strain || request.dipole || request.polar, .by_c = true};
     const Jets t = shear.at(x, y, needed), l = longitudinal.at(x, y, needed);
     const Jet gt = to_rod(t.g), gl = to_rod(l.g), ct = shear.c() * to_rod(t.by_c),
               cl = longitudinal.c() * to_rod(l.by_c);
     const Parts by_eta{{}, xi * nu * cl, -nu * nu * (gl + cl)};
     const double per = 1.0 / box; // xi of the caller's over xi here
     const Parts by_xi{(-per / xi) * ct, per * (gt + -1.0 * gl + -1.0 * ct + cl), (-per * nu / xi) * cl};
-    MediumDerivatives d{assembled(by_eta, wanted, box, 1.0 / xi, 0.0),
-                        assembled(by_xi, wanted, box, 1.0 / xi, 0.0)};
-    if (wanted.polar) // the shear decay 1/xi itself
+    MediumDerivatives d{assembled(by_eta, request, box, 1.0 / xi, 0.0),
+                        assembled(by_xi, request, box, 1.0 / xi, 0.0)};
+    if (request.polar) // the shear decay 1/xi itself
         d.by_xi.laplacian.x += 0.5 * std::numbers::inv_pi * gt.x / (xi * xi * box * box * box);
     return d;
 }
@@ -184,27 +183,27 @@ PeriodicField::PeriodicField(const Medium& medium, double box, double heading) {
     impl_ = std::make_shared<const Impl>(medium, box, heading);
 }
 
-FieldValues PeriodicField::at(double x, double y, Wanted wanted) const {
-    check(wanted);
+FieldValues PeriodicField::at(double x, double y, FieldRequest request) const {
+    check(request);
     const Place p = impl_->place(x, y);
-    FieldValues f = impl_->rest(p.x, p.y, wanted);
+    FieldValues f = impl_->rest(p.x, p.y, request);
     if (is_near(p.x, p.y))
-        add(f, impl_->field.at(p.offset.x, p.offset.y, wanted));
+        add(f, impl_->field.at(p.offset.x, p.offset.y, request));
     return f;
 }
 
-FieldValues PeriodicField::at_own_place(Wanted wanted) const {
-    check(wanted);
-    return impl_->rest(0.0, 0.0, wanted);
+FieldValues PeriodicField::at_own_place(FieldRequest request) const {
+    check(request);
+    return impl_->rest(0.0, 0.0, request);
 }
 
-MediumDerivatives PeriodicField::medium_derivatives(double x, double y, Wanted wanted) const {
-    check(wanted);
+MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldRequest request) const {
+    check(request);
     const Place p = impl_->place(x, y);
-    MediumDerivatives d = impl_->rest_derivatives(p.x, p.y, wanted);
+    MediumDerivatives d = impl_->rest_derivatives(p.x, p.y, request);
     if (is_near(p.x, p.y)) {
         const MediumDerivatives own =
-            elastic::medium_derivatives(impl_->field, p.offset.x, p.offset.y, wanted);
+            elastic::medium_derivatives(impl_->field, p.offset.x, p.offset.y, request);
         add(d.by_eta, own.by_eta);
         add(d.by_xi, own.by_xi);
     }

@@ -1,7 +1,6 @@
 #include "periodic_local.hpp"
 
 #include "bessel.hpp"
-#include "periodic_uniform.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -5,9 +5,10 @@
 //   rest = P + exp(-c.r) [ln(c) psi_0 + Re sum_m A_m psi_m],   psi_m = w^m m! (2/(c r))^m I_m(c r),  w = x +
 //   i y
 //
-// P: periodic_uniform.hpp. The A_m come from the rest's values on a circle half a box wide (discrete Fourier
+// P: uniform_part below. The A_m come from the rest's values on a circle half a box wide (discrete Fourier
 // transform); at r <= 0.32 terms beyond the last fall below 1e-13. Unit of length: the box's side.
 
+#include "periodic_jet.hpp"
 #include "periodic_rows.hpp"
 
 #include <array>
@@ -35,5 +36,24 @@ private:
     double c_, ux_, uy_;
     Coefficients a_{}, a_by_c_{};
 };
+
+// What the uniform counterforce of the periodic box adds to a potential near the rod, regular for c -> 0:
+//
+//   lap P + 2 c d_x P = 2 pi,   P = (pi/c^2) (c x - 1 + exp(-c x) I0(c r)),   x along the heading
+
+/// P and its derivative by c at (x, y), second derivatives and all. For |c| r <= 5.
+Jets uniform_part(double c, double x, double y);
+
+/// The same without derivatives by place.
+struct UniformValue {
+    double g, by_c;
+};
+UniformValue uniform_value(double c, double x, double r_square);
+
+/// (I0(2 sqrt t) - 1)/t.
+double bessel_rest(double t);
+
+/// 0F1(; m+1; t) = m! (2/z)^m I_m(z), t = z^2/4.
+double bessel_ratio(int m, double t);
 
 } // namespace rodwake::elastic

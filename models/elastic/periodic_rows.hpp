@@ -6,16 +6,43 @@
 //   uy) k = -cx +- s,  s = sqrt(cx^2 + q^2 - 2 i cy q) 0 < x < 1:  g = (pi/s) [ e^(k- x)/(1 - e^(k-)) + e^(k+
 //   (x-1))/(1 - e^(-k+)) ]
 //
-// The first is all columns at x <= 0, the second all at x >= 1. n = 0: periodic_mean.hpp. The sum over n
-// converges as e^(-Re k d), d the distance of the nearest column that takes part; terms below e^-37 are left
-// out.
+// The first is all columns at x <= 0, the second all at x >= 1. n = 0: the mean over y (periodic_rows.cpp).
+// The sum over n converges as e^(-Re k d), d the distance of the nearest column that takes part; terms below
+// e^-37 are left out.
 
-#include "periodic_complex.hpp"
 #include "periodic_jet.hpp"
 
+#include <cmath>
+#include <complex>
 #include <vector>
 
 namespace rodwake::elastic {
+
+// Complex arithmetic without the library's care for infinities, which costs more than the arithmetic.
+
+using Complex = std::complex<double>;
+
+inline Complex times(Complex a, Complex b) {
+    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+inline Complex inverse(Complex a) {
+    const double scale = 1.0 / (a.real() * a.real() + a.imag() * a.imag());
+    return {scale * a.real(), -scale * a.imag()};
+}
+
+inline Complex exponential(Complex a) {
+    const double e = std::exp(a.real());
+    return a.imag() == 0.0 ? Complex{e, 0.0} : Complex{e * std::cos(a.imag()), e * std::sin(a.imag())};
+}
+
+/// Root of positive real part; Re a > 0.
+inline Complex root(Complex a) {
+    if (a.imag() == 0.0)
+        return std::sqrt(a.real());
+    const double re = std::sqrt(0.5 * (std::sqrt(a.real() * a.real() + a.imag() * a.imag()) + a.real()));
+    return {re, 0.5 * a.imag() / re};
+}
 
 class Rows {
 public:

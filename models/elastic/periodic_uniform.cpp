@@ -1,4 +1,4 @@
-#include "periodic_uniform.hpp"
+#include "periodic_local.hpp"
 
 #include <cmath>
 #include <numbers>

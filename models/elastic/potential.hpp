@@ -2,8 +2,8 @@
 // The potential G_a = exp(-a X) K0(a s) of the moving source and its derivatives; the whole field is made of
 // two of them, a = 1 (shear) and a = nu (longitudinal). Each Pair holds two values of a.
 
+#include "bessel.hpp"
 #include "geometry.hpp"
-#include "pair.hpp"
 
 namespace rodwake::elastic {
 

@@ -21,22 +21,12 @@ SymmetricTensor& operator+=(SymmetricTensor& a, const SymmetricTensor& b) {
 
 } // namespace
 
-Vector turned(const Vector& v, double cosine, double sine) {
-    return {cosine * v.x - sine * v.y, sine * v.x + cosine * v.y};
-}
-
-SymmetricTensor turned(const SymmetricTensor& t, double cosine, double sine) {
-    const double cc = cosine * cosine, ss = sine * sine, cs = cosine * sine;
-    return {cc * t.xx - 2.0 * cs * t.xy + ss * t.yy, cs * (t.xx - t.yy) + (cc - ss) * t.xy,
-            ss * t.xx + 2.0 * cs * t.xy + cc * t.yy};
-}
-
-FieldValues lab_field(const Field& field, const Source& source, double x, double y, Wanted wanted) {
+FieldValues lab_field(const Field& field, const Source& source, double x, double y, FieldRequest request) {
     const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
     const Vector offset = turned(Vector{x - source.x, y - source.y}, cosine, -sine);
-    wanted.slopes = false;
-    const FieldValues own = field.at(offset.x, offset.y, wanted);
-    FieldValues lab;
+    request.gradients = false;
+    const FieldValues own = field.at(offset.x, offset.y, request);
+    FieldValues lab = unrequested(); // gradients too
     lab.displacement = turned(own.displacement, cosine, sine);
     lab.strain = turned(own.strain, cosine, sine);
     lab.laplacian = turned(own.laplacian, cosine, sine);
@@ -46,10 +36,10 @@ FieldValues lab_field(const Field& field, const Source& source, double x, double
 }
 
 FieldValues superpose(const Field& field, std::span<const Source> sources, double x, double y,
-                      Wanted wanted) {
+                      FieldRequest request) {
     FieldValues sum;
     for (const Source& source : sources) {
-        const FieldValues one = lab_field(field, source, x, y, wanted);
+        const FieldValues one = lab_field(field, source, x, y, request);
         sum.displacement += one.displacement;
         sum.strain += one.strain;
         sum.laplacian += one.laplacian;

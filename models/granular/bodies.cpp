@@ -1,5 +1,8 @@
 #include "bodies.hpp"
 
+#include <Eigen/Geometry>
+
+#include <cmath>
 #include <numbers>
 
 namespace rodwake::granular {
@@ -44,7 +47,7 @@ Bodies make_bodies(const GranularProblem& problem, const State& state) {
     bodies.beads = state.beads.size();
     const double a = problem.bead_radius;
     bodies.bead_radius = a;
-    bodies.bead_mass = 4.0 / 3.0 * std::numbers::pi * a * a * a * problem.bead_density;
+    bodies.bead_mass = bead_mass(problem);
     bodies.bead_inertia = 0.4 * bodies.bead_mass * a * a;
     const Beads& b = state.beads;
     bodies.position = packed(b.x, b.y, b.z);
@@ -101,6 +104,20 @@ Energy total_energy(const Bodies& bodies, double gravity) {
         energy.potential += potential;
     }
     return energy;
+}
+
+Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix3d& inverse_mass,
+                              const Eigen::Vector3d& relative_velocity, const Surface& surface) {
+    // any two directions across the normal will do; away from the axis it is nearest to
+    const Eigen::Vector3d beside =
+        std::abs(normal.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+    Eigen::Matrix3d frame; // columns: tangents, normal
+    frame.col(2) = normal;
+    frame.col(1) = normal.cross(beside).normalized();
+    frame.col(0) = frame.col(1).cross(normal);
+    const Impact impact = stronge_impact(frame.transpose() * inverse_mass * frame,
+                                         frame.transpose() * relative_velocity, surface);
+    return frame * impact.impulse;
 }
 
 } // namespace rodwake::granular

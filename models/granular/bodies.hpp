@@ -4,6 +4,7 @@
 // the overlap test; the state that is stored and handed out is a structure of arrays (state.hpp).
 
 #include "rod_motion.hpp"
+#include "rodwake/granular/impact.hpp"
 #include "rodwake/granular/observe.hpp"
 #include "rodwake/granular/state.hpp"
 #include "rows.hpp"
@@ -35,5 +36,10 @@ State to_state(const Bodies& bodies, std::int64_t step);
 
 Temperatures bead_temperatures(const Bodies& bodies);
 Energy total_energy(const Bodies& bodies, double gravity);
+
+/// The impulse on body 1 of Stronge's law about `normal` (unit, from body 2 to body 1); everything in world
+/// axes.
+Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix3d& inverse_mass,
+                              const Eigen::Vector3d& relative_velocity, const Surface& surface);
 
 } // namespace rodwake::granular

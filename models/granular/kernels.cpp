@@ -5,7 +5,7 @@
 #include <hwy/highway.h>
 
 #include "kernels.hpp"
-#include "periodic.hpp"
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/granular/simulation.hpp"
 
 #include <algorithm>
@@ -89,7 +89,7 @@ struct Separation {
 
 Separation Separate(const double* position, const Pair& pair, double box) {
     const double *a = position + 4 * pair.first, *b = position + 4 * pair.second;
-    const double x = nearest_image(a[0] - b[0], box), y = nearest_image(a[1] - b[1], box);
+    const double x = nearest_image_rounded(a[0] - b[0], box), y = nearest_image_rounded(a[1] - b[1], box);
     return {x * x + y * y, a[2] - b[2]};
 }
 
@@ -170,21 +170,21 @@ std::size_t OverlappingPairs(const double* position, const PairList& list, std::
 }
 
 std::size_t PairsWithinReach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                             double box, double flat, double upright, std::uint32_t* found) {
+                             double box, double in_plane, double vertical, std::uint32_t* found) {
     const auto one = [&](std::size_t k) {
         const Separation s = Separate(position, list.pairs[k], box);
-        const double height = std::max(std::abs(s.height) - upright, 0.0), reach = list.reach[k] + flat;
+        const double height = std::max(std::abs(s.height) - vertical, 0.0), reach = list.reach[k] + in_plane;
         return s.flat2 + height * height < reach * reach;
     };
 #if RODWAKE_ROWS
     const Row row;
-    const V vbox = hn::Set(row, box), per_box = hn::Set(row, 1.0 / box), vflat = hn::Set(row, flat),
-            vupright = hn::Set(row, upright), zero = hn::Zero(row);
+    const V vbox = hn::Set(row, box), per_box = hn::Set(row, 1.0 / box), vin_plane = hn::Set(row, in_plane),
+            vvertical = hn::Set(row, vertical), zero = hn::Zero(row);
     const auto four = [&](std::size_t k) HWY_ATTR {
         V flat2, height;
         SeparateFour(position, &list.pairs[k], vbox, per_box, flat2, height);
-        height = hn::Max(hn::Sub(hn::Abs(height), vupright), zero);
-        const V reach = hn::Add(hn::LoadU(row, &list.reach[k]), vflat);
+        height = hn::Max(hn::Sub(hn::Abs(height), vvertical), zero);
+        const V reach = hn::Add(hn::LoadU(row, &list.reach[k]), vin_plane);
         return Bits(hn::Lt(hn::Add(flat2, hn::Mul(height, height)), hn::Mul(reach, reach)));
     };
     return Select(begin, end, found, four, one);
@@ -241,8 +241,8 @@ std::size_t overlapping(const double* position, const PairList& list, std::size_
 }
 
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                         double box, double flat, double upright, std::uint32_t* found) {
-    return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, flat, upright, found);
+                         double box, double in_plane, double vertical, std::uint32_t* found) {
+    return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, in_plane, vertical, found);
 }
 
 const char* vector_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }

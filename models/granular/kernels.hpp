@@ -46,9 +46,9 @@ struct PairList {
 std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end,
                         double box, std::uint32_t* found);
 
-/// Pairs of [begin, end) that can overlap before their bodies approach by more than `flat` in the plane and
-/// `upright` in height.
+/// Pairs of [begin, end) that can overlap before their bodies approach by more than `in_plane` in the plane
+/// and `vertical` in height.
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                         double box, double flat, double upright, std::uint32_t* found);
+                         double box, double in_plane, double vertical, std::uint32_t* found);
 
 } // namespace rodwake::granular

@@ -1,4 +1,4 @@
-#include "lattice.hpp"
+#include "first_places.hpp"
 
 #include "checks.hpp"
 

@@ -1,6 +1,7 @@
 #include "packing.hpp"
 
 #include "neighbours.hpp"
+#include "rodwake/core/periodic.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -49,15 +50,15 @@ private:
     };
 
     Gap gap(Near pair) const {
-        const double x = nearest_image(p_.x[pair.bead] - p_.x[pair.other], room_.box);
-        const double y = nearest_image(p_.y[pair.bead] - p_.y[pair.other], room_.box);
+        const double x = nearest_image_rounded(p_.x[pair.bead] - p_.x[pair.other], room_.box);
+        const double y = nearest_image_rounded(p_.y[pair.bead] - p_.y[pair.other], room_.box);
         const double z = p_.z[pair.bead] - p_.z[pair.other];
         return {x, y, z, std::sqrt(x * x + y * y + z * z)};
     }
     Gap gap_to_rod(Near pair) const {
         const Disc& disc = room_.rods[pair.other];
-        const double x = nearest_image(p_.x[pair.bead] - disc.x, room_.box);
-        const double y = nearest_image(p_.y[pair.bead] - disc.y, room_.box);
+        const double x = nearest_image_rounded(p_.x[pair.bead] - disc.x, room_.box);
+        const double y = nearest_image_rounded(p_.y[pair.bead] - disc.y, room_.box);
         const double z = p_.z[pair.bead] - disc.height;
         return {x, y, z, std::sqrt(x * x + y * y + z * z)};
     }
@@ -125,9 +126,10 @@ private:
         const double wanted = touching(pair) * (1.0 + aim);
         if (g.distance >= wanted)
             return 0.0;
-        const double flat = std::hypot(g.x, g.y), missing = std::sqrt(wanted * wanted - g.z * g.z) - flat;
-        if (flat > 0.0)
-            move(pair.bead, missing * g.x / flat, missing * g.y / flat, 0.0);
+        const double in_plane = std::hypot(g.x, g.y),
+                     missing = std::sqrt(wanted * wanted - g.z * g.z) - in_plane;
+        if (in_plane > 0.0)
+            move(pair.bead, missing * g.x / in_plane, missing * g.y / in_plane, 0.0);
         else
             move(pair.bead, missing, 0.0, 0.0);
         return std::max(0.0, touching(pair) * (1.0 + separation) - g.distance);

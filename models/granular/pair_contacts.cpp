@@ -1,7 +1,7 @@
 #include "pair_contacts.hpp"
 
-#include "contact_frame.hpp"
-#include "periodic.hpp"
+#include "bodies.hpp"
+#include "rodwake/core/periodic.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ std::size_t sphere_of_rod(const Bodies& bodies, std::size_t sphere) {
 PairContacts::Touch PairContacts::touch(const Bodies& bodies, const Pair& pair) const {
     Vector3 apart = row(bodies.position, pair.first) - row(bodies.position, pair.second);
     for (int k : {0, 1})
-        apart[k] = nearest_image(apart[k], box_);
+        apart[k] = nearest_image_rounded(apart[k], box_);
     const double distance = apart.norm();
     const double depth = bodies.radius[pair.first] + bodies.radius[pair.second] - distance;
     return {distance > 0.0 ? Vector3(apart / distance) : Vector3(Vector3::UnitZ()), depth};
@@ -86,7 +86,7 @@ void PairContacts::bead_rod(Bodies& bodies, const Pair& pair, const Touch& touch
     const Vector3 impulse = impulse_along(n, inverse_mass, relative, table_.bead_rod);
     push(bodies, pair.first, impulse, arm1);
     rod.push(-impulse, arm2);
-    tallies.pushed[index] += impulse;
+    tallies.impulse_on_beads[index] += impulse;
     ++tallies.bead_rod;
 }
 

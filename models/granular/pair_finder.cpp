@@ -27,9 +27,9 @@ PairFinder::PairFinder(const Bodies& bodies, double box)
     skin_ = first_skin * length_;
 }
 
-void PairFinder::Watch::note(double flat_motion, double upright_motion) {
-    flat += flat_motion;
-    upright += upright_motion;
+void PairFinder::Watch::note(double in_plane_motion, double vertical_motion) {
+    in_plane += in_plane_motion;
+    vertical += vertical_motion;
     ++steps;
 }
 
@@ -40,8 +40,8 @@ void PairFinder::Watch::adapt(double length) {
                 std::min(allowance, 0.5 * length)) /
                2.0;
     };
-    flat_allowance = towards(flat_allowance, flat);
-    upright_allowance = towards(upright_allowance, upright);
+    in_plane_allowance = towards(in_plane_allowance, in_plane);
+    vertical_allowance = towards(vertical_allowance, vertical);
 }
 
 double PairFinder::furthest_moved(const Bodies& bodies) const {
@@ -56,9 +56,9 @@ double PairFinder::furthest_moved(const Bodies& bodies) const {
 
 void PairFinder::rebuild(const Bodies& bodies) {
     near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box_,
-               skin_ + inner_.flat_allowance, outer_);
+               skin_ + inner_.in_plane_allowance, outer_);
     origin_ = bodies.position;
-    outer_allowance_ = inner_.flat_allowance;
+    outer_allowance_ = inner_.in_plane_allowance;
     steps_since_rebuild_ = 0;
     ++rebuilds_;
 }
@@ -82,8 +82,8 @@ void PairFinder::collect(std::size_t pairs, Team& team, const Test& test) {
 
 void PairFinder::draw(const Bodies& bodies, const PairList& from, Watch& watch, Team& team) {
     collect(from.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
-        return within_reach(bodies.position.data(), from, begin, end, box_, watch.flat_allowance,
-                            watch.upright_allowance, found);
+        return within_reach(bodies.position.data(), from, begin, end, box_, watch.in_plane_allowance,
+                            watch.vertical_allowance, found);
     });
     std::size_t total = 0, count = 0;
     for (std::size_t c = 0; c < chunks_of(from.size()); ++c)
@@ -95,7 +95,7 @@ void PairFinder::draw(const Bodies& bodies, const PairList& from, Watch& watch, 
             watch.list.pairs[count] = from.pairs[found_[c].index[k]];
             watch.list.reach[count] = from.reach[found_[c].index[k]];
         }
-    watch.flat = watch.upright = 0.0;
+    watch.in_plane = watch.vertical = 0.0;
     watch.steps = 0;
 }
 
@@ -108,7 +108,7 @@ void PairFinder::refresh(const Bodies& bodies, Team& team) {
             adapt_skin();
         rebuild(bodies);
     }
-    inner_.flat_allowance = std::min(inner_.flat_allowance, outer_allowance_);
+    inner_.in_plane_allowance = std::min(inner_.in_plane_allowance, outer_allowance_);
     draw(bodies, outer_, inner_, team);
     ++refreshes_;
 }
@@ -117,10 +117,10 @@ std::span<const Pair> PairFinder::find(const Bodies& bodies, const Range& veloci
                                        double slack, Team& team) {
     ++steps_since_rebuild_;
     const double x = velocities.width(0), y = velocities.width(1);
-    const double flat = std::sqrt(x * x + y * y) * time_step,
-                 upright = velocities.width(2) * time_step + slack;
-    inner_.note(flat, upright);
-    hot_.note(flat, upright);
+    const double in_plane = std::sqrt(x * x + y * y) * time_step,
+                 vertical = velocities.width(2) * time_step + slack;
+    inner_.note(in_plane, vertical);
+    hot_.note(in_plane, vertical);
     const bool stale = inner_.spent() || origin_.empty();
     if (stale)
         refresh(bodies, team);

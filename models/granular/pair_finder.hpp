@@ -10,7 +10,7 @@
 
 #include "bodies.hpp"
 #include "kernels.hpp"
-#include "rodwake/core/team.hpp"
+#include "rodwake/core/parallel.hpp"
 
 #include <span>
 
@@ -36,13 +36,13 @@ private:
     /// Pairs that cannot touch before bodies approach by more than the allowances are not in the list.
     struct Watch {
         PairList list;
-        double window;                                        ///< steps it should last
-        double flat = 0.0, upright = 0.0;                     ///< moved since it was drawn, m
-        double flat_allowance = 0.0, upright_allowance = 0.0; ///< m
-        std::int64_t steps = 0;                               ///< since it was drawn
+        double window;                                             ///< steps it should last
+        double in_plane = 0.0, vertical = 0.0;                     ///< moved since it was drawn, m
+        double in_plane_allowance = 0.0, vertical_allowance = 0.0; ///< m
+        std::int64_t steps = 0;                                    ///< since it was drawn
 
-        void note(double flat_motion, double upright_motion);
-        bool spent() const { return !(flat <= flat_allowance && upright <= upright_allowance); }
+        void note(double in_plane_motion, double vertical_motion);
+        bool spent() const { return !(in_plane <= in_plane_allowance && vertical <= vertical_allowance); }
         void adapt(double length);
     };
 
@@ -58,7 +58,7 @@ private:
     PairList outer_;
     Watch inner_, hot_;
     Rows origin_;                  ///< positions at the last rebuild
-    double outer_allowance_ = 0.0; ///< flat allowance of the inner list that the outer list was built for
+    double outer_allowance_ = 0.0; ///< in-plane allowance of the inner list that the outer list was built for
     std::int64_t steps_since_rebuild_ = 0;
     std::size_t rebuilds_ = 0, refreshes_ = 0;
     struct Found {

@@ -1,6 +1,9 @@
 #include "plan_view.hpp"
 
+#include "rodwake/core/periodic.hpp"
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace rodwake::granular {
@@ -18,7 +21,8 @@ double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, 
     double deepest = -std::numeric_limits<double>::infinity();
     for (const Disc& a : first)
         for (const Disc& b : second) {
-            const double dx = nearest_image(a.x - b.x, box), dy = nearest_image(a.y - b.y, box);
+            const double dx = nearest_image_rounded(a.x - b.x, box),
+                         dy = nearest_image_rounded(a.y - b.y, box);
             deepest = std::max(deepest, a.radius + b.radius - std::hypot(dx, dy));
         }
     return deepest;

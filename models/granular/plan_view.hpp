@@ -3,7 +3,6 @@
 
 #include "rodwake/granular/problem.hpp"
 
-#include <cmath>
 #include <vector>
 
 namespace rodwake::granular {
@@ -12,17 +11,6 @@ struct Disc {
     double x, y, radius; ///< m
     double height = 0.0; ///< of the centre above the middle of the gap, m; no part of the plan view
 };
-
-/// Difference of two coordinates to the nearest periodic image, in [-box/2, box/2].
-inline double nearest_image(double difference, double box) {
-    return difference - box * std::round(difference / box);
-}
-
-/// Same place in the box, in [0, box).
-inline double wrap(double coordinate, double box) {
-    const double inside = coordinate - box * std::floor(coordinate / box);
-    return inside < box ? inside : 0.0;
-}
 
 /// Sphere centres of a rod as it starts, from the thick to the thin end.
 std::vector<Disc> rod_discs(const RodSpec& rod, const Clump& clump);

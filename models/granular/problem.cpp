@@ -134,7 +134,7 @@ void check_room(const GranularProblem& problem, const std::vector<Clump>& clumps
     const double beads = bead_area_fraction(problem);
     double rods = 0.0;
     for (const Clump& clump : clumps)
-        rods += clump.shadow() / (problem.box * problem.box);
+        rods += clump.projected_area() / (problem.box * problem.box);
     checks.require(
         beads + rods <= closest_packing,
         fmt::format("{} beads cover {:.4f} of the box and the rods {:.4f}, together {:.4f}: a layer of discs "
@@ -168,6 +168,15 @@ double Plates::amplitude(double gravity) const {
 double bead_area_fraction(const GranularProblem& problem) {
     const double ratio = problem.bead_radius / problem.box;
     return static_cast<double>(problem.beads) * M_PI * ratio * ratio;
+}
+
+double bead_mass(const GranularProblem& problem) {
+    const double a = problem.bead_radius;
+    return 4.0 / 3.0 * M_PI * a * a * a * problem.bead_density;
+}
+
+std::int64_t whole_steps(double time, double step, std::int64_t least) {
+    return std::max(least, static_cast<std::int64_t>(std::llround(time / step)));
 }
 
 void validate(const GranularProblem& problem) {

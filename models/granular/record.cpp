@@ -1,6 +1,7 @@
 #include "rodwake/granular/record.hpp"
 
-#include "periodic.hpp"
+#include "rodwake/core/encounter.hpp"
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/granular/observe.hpp"
 
 #include <algorithm>
@@ -20,6 +21,10 @@ Eigen::Vector2d along(double heading) { return {std::cos(heading), std::sin(head
 
 } // namespace
 
+double neighbour_cutoff(double bead_radius, double phi_b) {
+    return 1.4 * 2.0 * bead_radius * std::sqrt(0.9069 / phi_b);
+}
+
 std::array<const char*, 10> TableRow::names() {
     return {"t",    "energy",   "kinetic",       "T_xy",        "T_z",
             "psi6", "contacts", "floor_impulse", "lid_impulse", "max_overlap"};
@@ -35,9 +40,10 @@ void Record::begin(const Simulation& simulation) {
     sums_.rows = 0;
     for (std::size_t i = 0; i < rods_.size(); ++i) {
         const RodBody& rod = simulation.rod(i);
-        const Eigen::Vector3d& pushed = simulation.tallies().pushed[i];
+        const Eigen::Vector3d& impulse_on_beads = simulation.tallies().impulse_on_beads[i];
         const double x = rod.position.x(), y = rod.position.y(), heading = rod.heading();
-        rods_[i] = {x, y, heading, x, y, heading, 0.0, {pushed.x(), pushed.y()}, 0.0, 0.0};
+        rods_[i] = {x,   y,  heading, x, y, heading, 0.0, {impulse_on_beads.x(), impulse_on_beads.y()},
+                    0.0, 0.0};
     }
 }
 
@@ -45,11 +51,13 @@ void Record::follow_rods(const Simulation& simulation) {
     for (std::size_t i = 0; i < rods_.size(); ++i) {
         RodProgress& p = rods_[i];
         const RodBody& rod = simulation.rod(i);
-        const Eigen::Vector2d ahead = along(p.heading), pushed = simulation.tallies().pushed[i].head<2>();
+        const Eigen::Vector2d ahead = along(p.heading),
+                              impulse_on_beads = simulation.tallies().impulse_on_beads[i].head<2>();
         p.travelled += (rod.position.head<2>() - Eigen::Vector2d(p.x, p.y)).dot(ahead);
-        p.pushed += (pushed - Eigen::Map<const Eigen::Vector2d>(p.pushed_at)).dot(ahead);
-        p.pushed_at[0] = pushed.x();
-        p.pushed_at[1] = pushed.y();
+        p.impulse_on_beads +=
+            (impulse_on_beads - Eigen::Map<const Eigen::Vector2d>(p.impulse_on_beads_at)).dot(ahead);
+        p.impulse_on_beads_at[0] = impulse_on_beads.x();
+        p.impulse_on_beads_at[1] = impulse_on_beads.y();
         p.x = rod.position.x();
         p.y = rod.position.y();
         p.heading = continued(rod.heading(), p.heading);
@@ -60,18 +68,14 @@ void Record::follow_pair(const Simulation& simulation) {
     if (rods_.size() != 2)
         return;
     const RodProgress &a = rods_[0], &b = rods_[1];
-    const Eigen::Vector2d forward = along(a.heading0) + along(b.heading0);
-    if (forward.norm() < 1e-6) // opposite headings have no common side
-        return;
-    const Eigen::Vector2d ahead = forward.normalized(), side(-ahead.y(), ahead.x());
     const double box = simulation.problem().box; // rods may stand beside each other across its edge
-    const double before =
-        side.dot(Eigen::Vector2d(nearest_image(a.x0 - b.x0, box), nearest_image(a.y0 - b.y0, box)));
-    const double moved = side.dot(Eigen::Vector2d(a.x - b.x - a.x0 + b.x0, a.y - b.y - a.y0 + b.y0));
-    sums_.pair.change = std::copysign(1.0, before) * moved;
-    const double advanced =
-        ahead.dot(Eigen::Vector2d(a.x + b.x - a.x0 - b.x0, a.y + b.y - a.y0 - b.y0)) / 2.0;
-    if (sums_.pair.half_box_time < 0.0 && advanced >= simulation.problem().box / 2.0) {
+    const PairCourse course(a.heading0, b.heading0, nearest_image_rounded(a.x0 - b.x0, box),
+                            nearest_image_rounded(a.y0 - b.y0, box));
+    if (!course.common())
+        return;
+    sums_.pair.change = course.change(a.x - b.x - a.x0 + b.x0, a.y - b.y - a.y0 + b.y0);
+    const double advanced = course.ahead(a.x + b.x - a.x0 - b.x0, a.y + b.y - a.y0 - b.y0) / 2.0;
+    if (sums_.pair.half_box_time < 0.0 && advanced >= box / 2.0) {
         sums_.pair.half_box_time = simulation.time();
         sums_.pair.half_box_change = sums_.pair.change;
     }
@@ -129,7 +133,7 @@ std::vector<TrackPoint> Record::track(const Simulation& simulation) {
         points.push_back({rod.position.x(), rod.position.y(), rod.position.z(),
                           begun ? p.heading : rod.heading(), std::asin(std::clamp(rod.axis().z(), -1.0, 1.0)),
                           interval > 0.0 ? (p.travelled - p.row_travelled) / interval : 0.0,
-                          begun ? p.pushed : 0.0});
+                          begun ? p.impulse_on_beads : 0.0});
         p.row_travelled = p.travelled;
     }
     return points;

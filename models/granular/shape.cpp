@@ -1,14 +1,89 @@
 #include "rodwake/granular/shape.hpp"
 
 #include "checks.hpp"
-#include "envelope.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 namespace rodwake::granular {
 
 namespace {
+
+// Outline of a row of overlapping spheres turned about its axis: R(x)^2 = max_k (r_k^2 - (x - c_k)^2). Two of
+// these parabolas differ by a straight line, so they meet once and the outline is a chain of pieces, one
+// sphere each.
+
+/// R(x)^2 = radius^2 - (x - centre)^2 for from <= x <= to.
+struct OutlinePiece {
+    double centre, radius, from, to;
+};
+
+/// Integrals along the whole axis, about x = 0.
+struct OutlineIntegrals {
+    double r1 = 0.0;    ///< of R
+    double r2 = 0.0;    ///< of R^2
+    double x_r2 = 0.0;  ///< of x R^2
+    double x2_r2 = 0.0; ///< of x^2 R^2
+    double r4 = 0.0;    ///< of R^4
+};
+
+/// Where the parabolas of two spheres meet; the one with the larger centre is above to the right of it.
+double crossing(double c1, double r1, double c2, double r2) {
+    return 0.5 * (c1 + c2) + 0.5 * (r1 - r2) * (r1 + r2) / (c2 - c1);
+}
+
+/// Antiderivatives at t = x - centre, all zero at the centre.
+OutlineIntegrals up_to(const OutlinePiece& piece, double x) {
+    const double c = piece.centre, s = piece.radius * piece.radius;
+    const double t = std::clamp(x - c, -piece.radius, piece.radius), t2 = t * t;
+    const double m0 = t * (s - t2 / 3.0), m1 = t2 * (s / 2.0 - t2 / 4.0), m2 = t * t2 * (s / 3.0 - t2 / 5.0);
+    OutlineIntegrals sum;
+    sum.r1 = 0.5 * (t * std::sqrt(s - t2) + s * std::asin(t / piece.radius));
+    sum.r2 = m0;
+    sum.x_r2 = m1 + c * m0;
+    sum.x2_r2 = m2 + c * (2.0 * m1 + c * m0);
+    sum.r4 = t * (s * s - t2 * (2.0 * s / 3.0 - t2 / 5.0));
+    return sum;
+}
+
+/// Pieces from left to right. Centres increase; neighbours overlap.
+std::vector<OutlinePiece> outline(const std::vector<double>& centre, const std::vector<double>& radius) {
+    std::vector<OutlinePiece> pieces;
+    for (std::size_t k = 0; k < centre.size(); ++k) {
+        double from = centre[k] - radius[k];
+        while (!pieces.empty()) { // the new sphere hides every earlier one that begins after they meet
+            const auto& last = pieces.back();
+            from = crossing(last.centre, last.radius, centre[k], radius[k]);
+            if (from > last.from)
+                break;
+            pieces.pop_back();
+            from = centre[k] - radius[k];
+        }
+        if (!pieces.empty()) {
+            auto& last = pieces.back();
+            if (from >= last.centre + last.radius) // the new sphere is inside the last one
+                continue;
+            last.to = from;
+        }
+        pieces.push_back({centre[k], radius[k], from, centre[k] + radius[k]});
+    }
+    return pieces;
+}
+
+OutlineIntegrals integrate(const std::vector<OutlinePiece>& pieces) {
+    OutlineIntegrals sum;
+    for (const auto& piece : pieces) {
+        const auto low = up_to(piece, piece.from), high = up_to(piece, piece.to);
+        sum.r1 += high.r1 - low.r1;
+        sum.r2 += high.r2 - low.r2;
+        sum.x_r2 += high.x_r2 - low.x_r2;
+        sum.x2_r2 += high.x2_r2 - low.x2_r2;
+        sum.r4 += high.r4 - low.r4;
+    }
+    return sum;
+}
 
 constexpr std::size_t most_spheres = 10000;
 constexpr double rounding = 1e-9; // of the length: two ways to write the same number
@@ -130,7 +205,7 @@ double Clump::reach() const {
     return furthest;
 }
 
-double Clump::shadow() const { return 2.0 * integrate(outline(offset, radius)).r1; }
+double Clump::projected_area() const { return 2.0 * integrate(outline(offset, radius)).r1; }
 
 Clump make_clump(const RodShape& shape) {
     Checks checks;

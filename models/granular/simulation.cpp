@@ -3,6 +3,7 @@
 #include "pair_contacts.hpp"
 #include "pair_finder.hpp"
 #include "plate_contacts.hpp"
+#include "rodwake/core/bond_order.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
@@ -80,7 +81,7 @@ struct Simulation::Impl {
         : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
           contacts(p.contacts, p.box), team(threads), tallies(t), step(state.step),
           chunks((bodies.beads + chunk - 1) / chunk) {
-        tallies.pushed.resize(problem.rods.size(), Vector3::Zero());
+        tallies.impulse_on_beads.resize(problem.rods.size(), Vector3::Zero());
         hold_rods();
     }
 
@@ -287,7 +288,7 @@ double Simulation::psi6(double cutoff) const {
         x[i] = b.position[4 * i];
         y[i] = b.position[4 * i + 1];
     }
-    return global_psi6(x, y, impl_->problem.box, cutoff);
+    return bond_order(b.beads, bonds_within(x, y, impl_->problem.box, cutoff)).global();
 }
 
 State Simulation::state() const { return to_state(impl_->bodies, impl_->step); }

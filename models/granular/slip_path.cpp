@@ -1,6 +1,5 @@
 #include "slip_path.hpp"
 
-#include "rest_slip.hpp"
 #include "rodwake/core/error.hpp"
 #include "slip_series.hpp"
 
@@ -14,6 +13,91 @@ namespace rodwake::granular {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
+
+double impulse_to_turn(const NormalMotion& motion, double rate) {
+    if (motion.velocity >= 0.0)
+        return 0.0;
+    return rate > 0.0 ? -motion.velocity / rate : never;
+}
+
+/// Smallest p >= 0 with velocity p + rate p^2/2 = wanted, without cancellation for either sign of rate.
+double impulse_to_regain(const NormalMotion& motion, double rate, double wanted) {
+    const double square = motion.velocity * motion.velocity + 2.0 * rate * wanted;
+    return square < 0.0 ? never : 2.0 * wanted / (motion.velocity + std::sqrt(square));
+}
+
+void advance(NormalMotion& motion, double rate, double impulse) {
+    motion.regained += impulse * (motion.velocity + 0.5 * rate * impulse);
+    motion.velocity += rate * impulse;
+}
+
+} // namespace
+
+void NormalMotion::turn() {
+    velocity = 0.0;
+    compression -= std::min(regained, 0.0);
+    regained = std::max(regained, 0.0);
+}
+
+Piece follow_straight(NormalMotion& motion, double rate, double length, double restitution) {
+    const double compressing = impulse_to_turn(motion, rate);
+    if (compressing > length) {
+        advance(motion, rate, length);
+        return {length, false};
+    }
+    if (motion.velocity < 0.0) {
+        motion.regained += 0.5 * motion.velocity * compressing;
+        motion.turn();
+    }
+    const double wanted = motion.wanted(restitution);
+    const double restoring = wanted > 0.0 ? impulse_to_regain(motion, rate, wanted) : 0.0;
+    if (compressing + restoring <= length)
+        return {compressing + restoring, true};
+    advance(motion, rate, length - compressing);
+    return {length, false};
+}
+
+namespace {
+
+// Linear algebra of zero slip: 2x2 systems solved to rounding, and the direction in which slip goes on.
+
+/// a b - c d by Kahan's method: error of 1.5 units in the last place at most (Jeannerod, Louvet, Muller
+/// 2013).
+double difference_of_products(double a, double b, double c, double d) {
+    const double cd = c * d;
+    return std::fma(a, b, -cd) + std::fma(-c, d, cd);
+}
+
+/// xx yy - xy^2, relative error of a few units in the last place.
+double determinant(double xx, double xy, double yy) { return difference_of_products(xx, yy, xy, xy); }
+
+/// A^-1 b, each component to a few units in the last place however near A is to singular.
+Eigen::Vector2d solve(const Eigen::Matrix2d& a, const Eigen::Vector2d& b) {
+    const Eigen::Vector2d adjugate(difference_of_products(a(1, 1), b.x(), a(0, 1), b.y()),
+                                   difference_of_products(a(0, 0), b.y(), a(0, 1), b.x()));
+    return adjugate / determinant(a(0, 0), a(0, 1), a(1, 1));
+}
+
+/// Newton on 1/|s(lambda)| - 1, concave and rising: from below it converges without overshoot, in three or
+/// four steps. lambda >= |q| - mu tr A because |q| <= lambda + mu |A|.
+/// The s with (lambda + mu A) s = q, |s| = 1, lambda > 0: slip along it grows, dr/dp = lambda, and keeps its
+/// direction. There is exactly one if |A^-1 q| > mu.
+Eigen::Vector2d resumed_direction(const ContactTerms& contact) {
+    const Eigen::Matrix2d drag = contact.friction * contact.tangential;
+    double lambda = std::max(0.0, contact.coupling.norm() - drag.trace());
+    Eigen::Vector2d s;
+    for (int k = 0; k < 100; ++k) { // every step at least halves the distance; ends at rounding long before
+        const Eigen::Matrix2d shifted = drag + lambda * Eigen::Matrix2d::Identity();
+        s = solve(shifted, contact.coupling);
+        const double length = s.norm();
+        const double step = (length - 1.0) * length * length / s.dot(solve(shifted, s));
+        if (!(std::abs(length - 1.0) > 2.0 * std::numeric_limits<double>::epsilon() &&
+              lambda + step > lambda))
+            break;
+        lambda += step;
+    }
+    return s.normalized();
+}
 
 /// Of scale: h below this is rounding of q, A and s.
 constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();

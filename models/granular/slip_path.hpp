@@ -1,6 +1,6 @@
 #pragma once
 // The slip of one impact followed over the normal impulse, in units in which K_nn = 1 and v_z starts at -1
-// (normal_motion.hpp). A = K_tt/K_nn, q = K_tn/K_nn, s the unit slip direction, t = s turned by +90 degrees,
+// (NormalMotion). A = K_tt/K_nn, q = K_tn/K_nn, s the unit slip direction, t = s turned by +90 degrees,
 // r the slip speed. While slipping
 //
 //   dr/dp = g(s) = s.q - mu s.A s     r dphi/dp = h(s) = t.q - mu t.A s     dv_z/dp = 1 - mu q.s
@@ -9,13 +9,33 @@
 // stops (g < 0) or in which it grows (g > 0). At a root dh/dphi = -g - mu t.A t: a root with g > 0 attracts,
 // and near one that repels the slip dies faster than its deviation grows, so rounding does no harm there.
 
-#include "normal_motion.hpp"
-
 #include "rodwake/granular/impact.hpp"
 
 #include <Eigen/Core>
 
 namespace rodwake::granular {
+
+/// Work is counted from its minimum on, not from the start: small restitution then loses no digits.
+struct NormalMotion {
+    double velocity = -1.0;   ///< v_z
+    double compression = 0.0; ///< -W_min, up to the last time v_z rose through 0
+    double regained = 0.0;    ///< W - W_min; below 0 while a compression goes deeper than before
+
+    /// v_z rises through 0: here W is smallest, unless an earlier compression went deeper.
+    void turn();
+    /// Work still to be regained until W = (1 - e^2) W_min.
+    double wanted(double restitution) const { return restitution * restitution * compression - regained; }
+};
+
+/// How far a piece of constant dv_z/dp was followed.
+struct Piece {
+    double impulse; ///< p covered
+    bool ended;     ///< the impact is over
+};
+
+/// v_z = velocity + rate p for at most `length` (may be infinite if rate > 0). Closed: v_z is linear and W
+/// quadratic in p.
+Piece follow_straight(NormalMotion& motion, double rate, double length, double restitution);
 
 struct ContactTerms {
     ContactTerms(const Eigen::Matrix2d& a, const Eigen::Vector2d& q, const Surface& surface);

@@ -1,10 +1,12 @@
 #include "rodwake/granular/start.hpp"
 
-#include "carve.hpp"
+#include "first_places.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/periodic.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -115,8 +117,8 @@ double set_places(State& state, Places places, const GranularProblem& problem, c
     const double middle = middle_height(problem);
     state.beads.resize(places.size());
     for (std::size_t i = 0; i < places.size(); ++i) {
-        state.beads.x[i] = wrap(places.x[i], problem.box);
-        state.beads.y[i] = wrap(places.y[i], problem.box);
+        state.beads.x[i] = into_box(places.x[i], problem.box);
+        state.beads.y[i] = into_box(places.y[i], problem.box);
         state.beads.z[i] = middle + places.z[i];
     }
     return left;
@@ -141,7 +143,7 @@ void check_stored(const GranularProblem& problem, const Beads& stored) {
 std::vector<Eigen::Vector2d> places_in_box(const Beads& beads, double box) {
     std::vector<Eigen::Vector2d> places;
     for (std::size_t i = 0; i < beads.size(); ++i)
-        places.emplace_back(wrap(beads.x[i], box), wrap(beads.y[i], box));
+        places.emplace_back(into_box(beads.x[i], box), into_box(beads.y[i], box));
     return places;
 }
 
@@ -153,6 +155,23 @@ void copy_velocities(const Beads& from, const std::vector<std::size_t>& kept, Be
 }
 
 } // namespace
+
+double settling_time(Start start, double phi_b) {
+    if (start == Start::lattice)
+        return 0.5;
+    struct Knot {
+        double phi_b, time;
+    };
+    static constexpr std::array knots{Knot{0.60, 1.0}, Knot{0.70, 2.0}, Knot{0.72, 8.0}, Knot{0.76, 10.0},
+                                      Knot{0.80, 24.0}};
+    for (std::size_t i = 1; i < knots.size(); ++i)
+        if (phi_b < knots[i].phi_b) {
+            const Knot &a = knots[i - 1], &b = knots[i];
+            const double part = std::max(0.0, (phi_b - a.phi_b) / (b.phi_b - a.phi_b));
+            return a.time + part * (b.time - a.time);
+        }
+    return knots.back().time;
+}
 
 State make_start(const GranularProblem& problem, std::uint32_t run) {
     validate(problem);

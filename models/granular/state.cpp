@@ -22,6 +22,8 @@ private:
     XXH3_state_t state_;
 };
 
+void put(std::vector<double>& out, const Eigen::Vector3d& v) { out.insert(out.end(), {v.x(), v.y(), v.z()}); }
+
 } // namespace
 
 void Beads::resize(std::size_t count) {
@@ -33,6 +35,32 @@ double RodBody::heading() const {
     const Eigen::Vector3d along = axis();
     const double angle = std::atan2(along.y(), along.x());
     return angle == -M_PI ? M_PI : angle; // atan2(-0, -1)
+}
+
+std::vector<double> sphere_positions(const State& state, std::span<const Clump> clumps) {
+    std::vector<double> out;
+    const Beads& b = state.beads;
+    for (std::size_t i = 0; i < b.size(); ++i)
+        put(out, {b.x[i], b.y[i], b.z[i]});
+    for (std::size_t r = 0; r < state.rods.size(); ++r)
+        for (const double offset : clumps[r].offset)
+            put(out, state.rods[r].position + offset * state.rods[r].axis());
+    return out;
+}
+
+std::vector<double> sphere_velocities(const State& state, std::span<const Clump> clumps) {
+    std::vector<double> out;
+    const Beads& b = state.beads;
+    for (std::size_t i = 0; i < b.size(); ++i)
+        put(out, {b.vx[i], b.vy[i], b.vz[i]});
+    for (std::size_t r = 0; r < state.rods.size(); ++r) {
+        const RodBody& rod = state.rods[r];
+        // the part of the spin across the axis is L/I_t there, and the part along it moves no centre
+        const Eigen::Vector3d turning = rod.angular_momentum.cross(rod.axis()) / clumps[r].transverse_inertia;
+        for (const double offset : clumps[r].offset)
+            put(out, rod.velocity + offset * turning);
+    }
+    return out;
 }
 
 std::uint64_t state_hash(const State& state) {

@@ -2,6 +2,10 @@
 
 namespace rodwake::rods {
 
+Couplings from_divergence_basis(double kappa, double gamma1, double gamma2) {
+    return {kappa, 0.5 * gamma1, gamma2 + 0.5 * gamma1};
+}
+
 namespace {
 
 using elastic::SymmetricTensor;
@@ -29,8 +33,8 @@ Vector polar_vector(const Couplings& c, const Vector& laplacian, const Vector& g
 
 } // namespace
 
-elastic::Wanted wanted_by(const Couplings& couplings, bool slopes) {
-    return {.strain = couplings.apolar(), .polar = couplings.polar(), .slopes = slopes};
+elastic::FieldRequest request_of(const Couplings& couplings, bool gradients) {
+    return {.strain = couplings.apolar(), .polar = couplings.polar(), .gradients = gradients};
 }
 
 double turning_rate(const elastic::FieldValues& f, const Couplings& c, RelativeHeading n) {

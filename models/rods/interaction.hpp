@@ -3,7 +3,10 @@
 // frame.
 
 #include "rodwake/elastic/field.hpp"
+#include "rodwake/integrate/ode.hpp"
 #include "rodwake/rods/couplings.hpp"
+
+#include <cmath>
 
 namespace rodwake::rods {
 
@@ -21,11 +24,32 @@ double turning_rate(const elastic::FieldValues& field, const Couplings& coupling
 struct TurningRate {
     double value, by_x, by_y, by_phi;
 };
-/// As turning_rate; `field` must hold the slopes too.
+/// As turning_rate; `field` must hold the gradients too.
 TurningRate turning_rate_derivatives(const elastic::FieldValues& field, const Couplings& couplings,
                                      RelativeHeading heading);
 
 /// What the couplings need of the field; nothing more is evaluated.
-elastic::Wanted wanted_by(const Couplings& couplings, bool slopes);
+elastic::FieldRequest request_of(const Couplings& couplings, bool gradients);
+
+struct Direction {
+    double cosine, sine;
+};
+
+inline Direction direction(integrate::State y, std::size_t rod) {
+    return {std::cos(y[3 * rod + 2]), std::sin(y[3 * rod + 2])};
+}
+
+/// Rod a as rod b sees it.
+struct View {
+    double x, y; ///< place of a in b's frame
+    RelativeHeading heading;
+};
+
+inline View view(integrate::State y, std::size_t a, std::size_t b, Direction na, Direction nb) {
+    const double dx = y[3 * a] - y[3 * b], dy = y[3 * a + 1] - y[3 * b + 1];
+    return {nb.cosine * dx + nb.sine * dy,
+            nb.cosine * dy - nb.sine * dx,
+            {na.cosine * nb.cosine + na.sine * nb.sine, na.sine * nb.cosine - na.cosine * nb.sine}};
+}
 
 } // namespace rodwake::rods

@@ -1,4 +1,4 @@
-#include "rodwake/rods/method.hpp"
+#include "rodwake/rods/simulate.hpp"
 
 #include <algorithm>
 #include <cmath>

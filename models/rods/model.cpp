@@ -1,8 +1,8 @@
 #include "rodwake/rods/model.hpp"
 
+#include "interaction.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/periodic.hpp"
-#include "view.hpp"
 
 #include <array>
 
@@ -28,27 +28,27 @@ void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
         add_periodic_turning(y, ydot);
         return;
     }
-    const elastic::Wanted wanted = wanted_by(couplings_, false);
+    const elastic::FieldRequest request = request_of(couplings_, false);
     for (std::size_t a = 0; a < rods_; ++a)
         for (std::size_t b = 0; b < rods_; ++b) {
             if (a == b)
                 continue;
             const View at = view(y, a, b, {ydot[3 * a], ydot[3 * a + 1]}, {ydot[3 * b], ydot[3 * b + 1]});
-            ydot[3 * a + 2] += turning_rate(field_->at(at.x, at.y, wanted), couplings_, at.heading);
+            ydot[3 * a + 2] += turning_rate(field_->at(at.x, at.y, request), couplings_, at.heading);
         }
 }
 
 /// Sources outside: a periodic field is built for one heading.
 void RodModel::add_periodic_turning(integrate::State y, std::span<double> ydot) const {
-    const elastic::Wanted wanted = wanted_by(couplings_, false);
+    const elastic::FieldRequest request = request_of(couplings_, false);
     for (std::size_t b = 0; b < rods_; ++b) {
         const elastic::PeriodicField field(field_->medium(), *box_, y[3 * b + 2]);
-        ydot[3 * b + 2] += turning_rate(field.at_own_place(wanted), couplings_, {1.0, 0.0});
+        ydot[3 * b + 2] += turning_rate(field.at_own_place(request), couplings_, {1.0, 0.0});
         for (std::size_t a = 0; a < rods_; ++a) {
             if (a == b)
                 continue;
             const View at = view(y, a, b, {ydot[3 * a], ydot[3 * a + 1]}, {ydot[3 * b], ydot[3 * b + 1]});
-            ydot[3 * a + 2] += turning_rate(field.at(at.x, at.y, wanted), couplings_, at.heading);
+            ydot[3 * a + 2] += turning_rate(field.at(at.x, at.y, request), couplings_, at.heading);
         }
     }
 }
@@ -69,7 +69,7 @@ void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian
                 continue;
             const Direction nb = direction(y, b);
             const View at = view(y, a, b, na, nb);
-            const auto rate = turning_rate_derivatives(field_->at(at.x, at.y, wanted_by(couplings_, true)),
+            const auto rate = turning_rate_derivatives(field_->at(at.x, at.y, request_of(couplings_, true)),
                                                        couplings_, at.heading);
             const auto column = static_cast<Eigen::Index>(3 * b);
             // The gradient in b's frame, turned to the lab; moving a one way is moving b the other.

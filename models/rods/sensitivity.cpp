@@ -1,6 +1,6 @@
 #include "rodwake/rods/sensitivity.hpp"
 
-#include "view.hpp"
+#include "interaction.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/medium_derivatives.hpp"
@@ -39,16 +39,16 @@ private:
     elastic::Field field_;
     Couplings couplings_;
     std::vector<Parameter> parameters_;
-    elastic::Wanted wanted_;     ///< by the couplings among the parameters
-    bool medium_wanted_ = false; ///< eta or xi among them
+    elastic::FieldRequest request_; ///< by the couplings among the parameters
+    bool medium_wanted_ = false;    ///< eta or xi among them
 };
 
 ParameterDerivatives::ParameterDerivatives(const elastic::Medium& medium, const Couplings& couplings,
                                            std::span<const Parameter> parameters)
     : field_(medium), couplings_(couplings), parameters_(parameters.begin(), parameters.end()) {
     for (const Parameter p : parameters_) {
-        wanted_.strain |= p == Parameter::kappa;
-        wanted_.polar |= p == Parameter::gamma1 || p == Parameter::gamma2;
+        request_.strain |= p == Parameter::kappa;
+        request_.polar |= p == Parameter::gamma1 || p == Parameter::gamma2;
         medium_wanted_ |= of_medium(p) && couplings.any();
     }
 }
@@ -70,10 +70,10 @@ void ParameterDerivatives::add_pair(const View& at,
                                     Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> rates) const {
     elastic::FieldValues field;
     elastic::MediumDerivatives derivatives;
-    if (wanted_.strain || wanted_.polar)
-        field = field_.at(at.x, at.y, wanted_);
+    if (request_.strain || request_.polar)
+        field = field_.at(at.x, at.y, request_);
     if (medium_wanted_)
-        derivatives = elastic::medium_derivatives(field_, at.x, at.y, wanted_by(couplings_, false));
+        derivatives = elastic::medium_derivatives(field_, at.x, at.y, request_of(couplings_, false));
     for (std::size_t j = 0; j < parameters_.size(); ++j) {
         const Parameter p = parameters_[j];
         rates(static_cast<Column>(j)) +=
@@ -99,8 +99,6 @@ void check(const RodProblem& problem, std::span<const Parameter> parameters,
            std::span<const std::size_t> headings) {
     if (!parameters.empty() && !problem.medium)
         throw InputError("sensitivities to couplings and medium need a medium; there is none");
-    if (problem.box)
-        throw InputError("sensitivities of rods in a periodic box are not available: leave the box out");
     if (problem.box)
         throw InputError(
             "sensitivities of trajectories in a periodic box are not available: leave the box out");
@@ -153,6 +151,8 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
     if (problem.rods.size() > 1)
         result.ode.step_limit = [](double, State y) { return encounter_step(y); };
     result.parameters = parameters.size() + headings.size();
+    // NOLINTBEGIN(performance-unnecessary-value-param): an Eigen::Ref is a view, and the signature is the
+    // problem's
     result.by_parameter = [](double, State, Eigen::Ref<Eigen::MatrixXd>) {
     }; // headings act at the start alone
     if (!parameters.empty()) {
@@ -162,6 +162,7 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
             (*derivatives)(y, by_parameter);
         };
     }
+    // NOLINTEND(performance-unnecessary-value-param)
     result.initial = initial_sensitivities(problem.rods.size(), parameters.size(), headings);
     for (const Parameter p : parameters)
         result.parameter_scale.push_back(std::max(1.0, std::abs(value(problem, p))));

@@ -1,5 +1,7 @@
 #include "rodwake/rods/separation.hpp"
 
+#include "rodwake/core/periodic.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -57,17 +59,17 @@ std::optional<Approach> approach_of_image(const integrate::Step& step, std::size
 }
 
 /// Where the image of b nearest to a is.
-Offset nearest_image(State y, std::size_t a, std::size_t b, double box) {
+Offset image_shift(State y, std::size_t a, std::size_t b, double box) {
     const Offset d = plane_offset(y, a, b);
-    return {box * std::nearbyint(d.x / box), box * std::nearbyint(d.y / box)};
+    return {nearest_shift(d.x, box), nearest_shift(d.y, box)};
 }
 
 /// Of the images nearest at the step's start and at its end.
 std::optional<Approach> approach_of_pair(const integrate::Step& step, std::size_t a, std::size_t b, Box box) {
     if (!box)
         return approach_of_image(step, a, b, {0.0, 0.0});
-    const Offset start = nearest_image(step.state_before, a, b, *box),
-                 end = nearest_image(step.state, a, b, *box);
+    const Offset start = image_shift(step.state_before, a, b, *box),
+                 end = image_shift(step.state, a, b, *box);
     const auto first = approach_of_image(step, a, b, start);
     if (start.x == end.x && start.y == end.y)
         return first;
@@ -79,7 +81,7 @@ std::optional<Approach> approach_of_pair(const integrate::Step& step, std::size_
 
 Offset offset(State y, std::size_t a, std::size_t b, Box box) {
     const Offset d = plane_offset(y, a, b);
-    return box ? Offset{std::remainder(d.x, *box), std::remainder(d.y, *box)} : d;
+    return box ? Offset{nearest_image(d.x, *box), nearest_image(d.y, *box)} : d;
 }
 
 Separation closest_pair(State y, Box box) {
@@ -91,11 +93,6 @@ Separation closest_pair(State y, Box box) {
                 best = {a, b, found};
     best.distance = std::sqrt(best.distance);
     return best;
-}
-
-double separation_rate(State y, std::size_t a, std::size_t b, Box box) {
-    const Offset d = offset(y, a, b, box);
-    return 0.5 * square_rate(y, a, b, d) / std::sqrt(square(d));
 }
 
 double encounter_step(State y, Box box) {

@@ -10,9 +10,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-void keep_smaller(SeparationRecord& record, const Separation& pair) {
-    if (pair.distance < record.smallest.distance)
+void keep_smaller(SeparationRecord& record, const Separation& pair, double time) {
+    if (pair.distance < record.smallest.distance) {
         record.smallest = pair;
+        record.smallest_time = time;
+    }
 }
 
 void add_late(SeparationRecord& record, const integrate::Step& step, Box box) {
@@ -26,8 +28,8 @@ void add_late(SeparationRecord& record, const integrate::Step& step, Box box) {
         for (std::size_t b = a + 1; b < rods; ++b) {
             const Offset d = offset(y, a, b, box);
             const double r = std::hypot(d.x, d.y);
-            PairHistory& range = record.late[a * rods + b];
-            range = {std::min(range.min_late, r), std::max(range.max_late, r),
+            LatePart& range = record.late[a * rods + b];
+            range = {std::min(range.min_separation, r), std::max(range.max_separation, r),
                      std::max({range.max_turning, turning(a), turning(b)})};
         }
 }
@@ -37,16 +39,16 @@ void add_late(SeparationRecord& record, const integrate::Step& step, Box box) {
 SeparationRecord start_record(integrate::State y, double late_from, Box box) {
     const std::size_t rods = y.size() / 3;
     if (rods < 2)
-        return {{0, 0, infinity}, late_from, {}};
-    return {closest_pair(y, box), late_from, std::vector<PairHistory>(rods * rods, {infinity, 0.0, 0.0})};
+        return {{0, 0, infinity}, 0.0, late_from, {}};
+    return {closest_pair(y, box), 0.0, late_from, std::vector<LatePart>(rods * rods, {infinity, 0.0, 0.0})};
 }
 
 void add_step(SeparationRecord& record, const integrate::Step& step, Box box) {
     if (record.late.empty())
         return;
-    keep_smaller(record, closest_pair(step.state, box));
+    keep_smaller(record, closest_pair(step.state, box), step.time);
     if (const auto approach = closest_approach(step, box))
-        keep_smaller(record, approach->pair);
+        keep_smaller(record, approach->pair, approach->time);
     if (step.time >= record.late_from)
         add_late(record, step, box);
 }

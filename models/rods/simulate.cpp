@@ -60,7 +60,7 @@ std::vector<double> output_times(const RodProblem& problem) {
 void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& status) {
     if (!status.ok())
         outcome.reason = "the integration stopped early";
-    else if (status.outcome == integrate::Outcome::interrupted)
+    else if (status.termination == integrate::Termination::interrupted)
         outcome.reason = fmt::format("interrupted at t = {:.6g}", outcome.time);
     else if (rods < 2)
         outcome.reason = "a single rod has no partner";
@@ -108,14 +108,15 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
     outcome.time = solution.final_time;
     for (std::size_t a = 0; a < model.rods(); ++a)
         outcome.turn.push_back(y[3 * a + 2] - problem.rods[a].heading);
-    const bool contact = solution.status.outcome == integrate::Outcome::stopped_at_event;
+    const bool contact = solution.status.termination == integrate::Termination::stopped_at_event;
     if (model.rods() > 1) {
         outcome.pair = contact ? closest_pair(y, problem.box) : record.smallest;
     }
     outcome.min_separation = contact ? outcome.pair.distance : record.smallest.distance;
+    outcome.min_separation_time = contact ? outcome.time : record.smallest_time;
     if (contact)
         outcome.ending = Ending::contact;
-    else if (solution.status.outcome == integrate::Outcome::reached_end && model.rods() > 1)
+    else if (solution.status.termination == integrate::Termination::reached_end && model.rods() > 1)
         classify(outcome, model, y, record, criteria, problem.box);
     describe(outcome, model.rods(), solution.status);
     return outcome;

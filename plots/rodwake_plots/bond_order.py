@@ -4,6 +4,7 @@ import numpy as np
 
 from . import canvas, curves, measured, ranges, style, words
 from .errors import PlotError
+from .spec import Spec
 
 FILE = "gB.csv"
 LOWEST = 1e-3  # what is smaller is noise in any run that fits a disk
@@ -75,3 +76,7 @@ def reason(part):
         return ""
     who = f"{words.label_html(part.label)}: {words.escape(phase)}" if part.label else words.escape(str(phase).capitalize())
     return f"{who} ({words.escape(str(why).rstrip('.'))})." if why else f"{who}."
+
+
+def defaults(run):
+    return [Spec("bond_order", "bond_order")] if measured.some(run, FILE) else []

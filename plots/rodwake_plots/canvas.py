@@ -6,8 +6,6 @@ import os
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from . import style
-
 
 def figure(width, height):
     made = Figure(figsize=(width, height), layout="compressed")

@@ -1,10 +1,13 @@
 """A CSV file of numbers as named columns; lines that begin with # are comments."""
 
 import csv
+import re
 
 import numpy as np
 
 from .errors import PlotError
+
+GAP = re.compile(r"(?:^|(?<=,))[ \t]*(?=,|$)")  # an empty cell
 
 
 def read(path):
@@ -22,16 +25,28 @@ def read(path):
 def read_with_gaps(path, text=()):
     """The same where cells may be empty, which become nan; columns named in `text` are lists of strings."""
     names, lines = parts(path)
-    rows = list(csv.reader(lines))
-    for row in rows:
-        if len(row) != len(names):
-            raise PlotError(f"{path}: {len(names)} names in its first line, {len(row)} values in another")
-    columns = dict(zip(names, map(list, zip(*rows)) if rows else [[] for _ in names]))
+    for line in lines:
+        if cells(line) != len(names):
+            raise PlotError(f"{path}: {len(names)} names in its first line, {cells(line)} values in another")
+    words = [index for index, name in enumerate(names) if name in text]
+    numbers = [index for index in range(len(names)) if index not in words]
     try:
-        return {name: cells if name in text else np.array([float(cell) if cell.strip() else np.nan for cell in cells])
-                for name, cells in columns.items()}
+        found = dict(zip(words, columns(lines, words, str).tolist())) | dict(zip(
+            numbers, columns([GAP.sub("nan", line) for line in lines], numbers, float)))
     except ValueError as error:
         raise PlotError(f"{path}: not a table of numbers: {error}") from error
+    return {name: found[index] for index, name in enumerate(names)}
+
+
+def cells(line):
+    return len(next(csv.reader([line]))) if '"' in line else line.count(",") + 1
+
+
+def columns(lines, wanted, kind):
+    """[column][row]; a scan has millions of cells, so this is left to numpy."""
+    if not lines or not wanted:
+        return np.empty((len(wanted), len(lines)), dtype=kind)
+    return np.loadtxt(lines, delimiter=",", usecols=wanted, dtype=kind, comments=None, quotechar='"', ndmin=2).T
 
 
 def parts(path):

@@ -5,6 +5,7 @@ from matplotlib.lines import Line2D
 
 from . import canvas, field_map, ranges, style, words
 from .errors import PlotError
+from .spec import Spec
 
 CORE = 0.012  # of the window: the limits ignore what is nearer to the singular point
 
@@ -103,3 +104,13 @@ def caption(run, spec):
     elif through_rod(cut):
         text += "The point force at the origin is logarithmically singular; the range leaves it out. "
     return text + field_map.medium_note(run)
+
+
+def defaults(run):
+    return [Spec(f"cut{index}_{part}", "cut", cut=index, component=part) for index in range(run.result.cut_count())
+            for part in components(run.result.cut(index))]
+
+
+def components(cut):
+    """U_y vanishes on the rod's own axis: no figure for a zero line."""
+    return ("Ux",) if cut.along == "x" and cut.at == 0 else ("Ux", "Uy")

@@ -7,6 +7,7 @@ from matplotlib.patches import Rectangle
 from . import canvas, measured, panels, profile, rod_outline, style
 from .errors import PlotError
 from .measured import FIELDS
+from .spec import Spec
 
 ARROWS = 22, 15  # across the window of one panel, of several
 LABELS = {"U": r"$|U|/a$", "Ux": r"$U_x/a$", "Uy": r"$U_y/a$"}
@@ -38,7 +39,7 @@ def draw(run, spec):
 def read(part, run, spec):
     """x, y and complex U in the window; nan where no bead was seen."""
     x, y, Ux, Uy, count = part.grid("displacement", "Ux", "Uy", "count")
-    U = np.where(count > 0, Ux + 1j * Uy, np.nan)
+    U = np.where(count > 0, Ux + 1j * Uy, complex(np.nan, np.nan))  # nan alone would leave U_y 0
     columns, rows = (measured.inside(values, asked, run.granular.a) for values, asked in ((x, spec.x), (y, spec.y)))
     U = U[np.ix_(rows, columns)]
     if columns.sum() < 2 or rows.sum() < 2 or not np.isfinite(U).any():
@@ -89,3 +90,7 @@ def caption(run, spec):
     return ("Measured displacement <b>U</b> of the beads in the frame of the rod, which heads along +<i>x</i>: colour, "
             f"{WORDS[spec.component]}; arrows, <b>U</b>, the largest ones cut to the distance between arrows. Hatched: no bead was seen "
             f"there. The rod is drawn to scale. {profile.how(parts[0])}{measured.not_measured(run, FIELDS, 'displacement')}")
+
+
+def defaults(run):
+    return [Spec("displacement_map", "displacement_map", component="U")] if measured.some_hold(run, "displacement") else []

@@ -6,9 +6,10 @@ import numpy as np
 
 from . import bed, canvas, measured, panels, words
 from .errors import PlotError
-from .granular_run import TRAJECTORY
+from .granular_run import SUMMARY, TRAJECTORY
 from .h5md import Frame
 from .periodic import with_images
+from .spec import Spec
 
 FILE = "marked.csv"
 PURPLE, PALE = "#7b3294", "#d9d9d4"
@@ -108,3 +109,10 @@ def moved(part):
     share = part.estimate("flow", "drag_share")
     text = f"{part.granular.which(TRAJECTORY)}<i>t</i> = {time} s: the {len(view.marked)} marked beads moved by {away} <i>a</i> (median)"
     return f"{text}; share of the rod's way that they were carried along: {words.with_error(*share[:2])}." if share else text + "."
+
+
+def defaults(run):
+    """Frames are not kept of every measured run."""
+    marked = [part for part in measured.parts(run) if part.has(FILE)]
+    there = marked and all(part.has(SUMMARY) and part.granular.has(TRAJECTORY) for part in marked)
+    return [Spec("dragged", "dragged")] if there else []

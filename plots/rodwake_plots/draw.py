@@ -1,25 +1,49 @@
-"""Which function draws which kind; drawing all figures of a run."""
+"""Which module draws which kind, one of its name for each kind of schema.json; drawing all figures of a run.
+
+A module has draw(run, spec) -> figure, or write(run, spec) -> paths, caption(run, spec) -> HTML, and defaults(run): what is drawn of
+a run whose scene asks for nothing.
+"""
+
+import importlib
+from dataclasses import replace
 
 import matplotlib
 
-from . import (bond_order, cut, defaults, displacement_map, dragged, extensional_axis, fit, fit_correlation, fit_likelihood, fit_starts,
-               fit_trajectories, flow, granular_table, movie, msd, pair_correlation, pair_tracks, polar_streamlines, profile,
-               rod_tracks, series, side_view, snapshot, spec, trajectories)
+from . import schema, spec
 from .canvas import save
 from .errors import PlotError
 from .style import SETTINGS
 
-KINDS = {"extensional_axis": extensional_axis, "polar_streamlines": polar_streamlines, "cut": cut, "trajectories": trajectories,
-         "snapshot": snapshot, "rod_tracks": rod_tracks, "side_view": side_view, "movie": movie, "granular_table": granular_table,
-         "pair_correlation": pair_correlation, "bond_order": bond_order, "msd": msd, "series": series, "flow": flow,
-         "dragged": dragged, "profile": profile, "displacement_map": displacement_map, "pair_tracks": pair_tracks,
-         "fit": fit, "fit_starts": fit_starts, "fit_likelihood": fit_likelihood, "fit_correlation": fit_correlation,
-         "fit_trajectories": fit_trajectories}
+KINDS = {kind: importlib.import_module(f".{kind}", __package__) for kind in schema.FIGURES}
 
 
 def figures_of(run):
     asked = spec.from_scene(run.scene)
-    return asked + defaults.fit_besides(run, asked) if asked else defaults.of(run)
+    return asked + besides(run, asked) if asked else defaults(run)
+
+
+def defaults(run):
+    """A figure for everything the run directory holds."""
+    there = {"bed": run.has_granular, "measure": run.has_granular, "theory": run.has_result, "fit": run.has_fit, "scan": run.has_scan}
+    specs = [one for kind, module in KINDS.items() if there[schema.subject(kind)] for one in module.defaults(run)]
+    if not specs:
+        raise PlotError(f"{run.path}: holds no rods, no field, no cuts, no fit, no scan and no tables or trajectories of beads: nothing to draw")
+    return specs
+
+
+def besides(run, asked):
+    """What to add to figures asked for, none of which shows the fit or the scan that was made: data and fit, phase diagram."""
+    shown, taken = {schema.subject(one.kind) for one in asked}, {one.name for one in asked}
+    kinds = (["fit", "fit_trajectories"] if run.has_fit and "fit" not in shown else []) + (
+        ["phase_diagram", "scan_curve"] if run.has_scan and "scan" not in shown else [])
+    ends = {"fit": "to_data", "scan": "of_scan"}
+    return [replace(one, name=f"{one.name}_{ends[schema.subject(kind)]}") if one.name in taken else one
+            for kind in kinds for one in first(KINDS[kind].defaults(run), kind)]
+
+
+def first(specs, kind):
+    """Of a phase diagram the outcomes are enough."""
+    return specs[:1] if schema.subject(kind) == "scan" else specs
 
 
 def write_all(run, figures, pdf):
@@ -33,10 +57,11 @@ def write_all(run, figures, pdf):
 
 def write_one(run, figure, endings):
     with matplotlib.rc_context(SETTINGS):
-        if figure.kind == "movie":
-            print(*movie.write(run, figure), sep="\n")
+        kind = KINDS[figure.kind]
+        if hasattr(kind, "write"):
+            print(*kind.write(run, figure), sep="\n")
             return
-        made = KINDS[figure.kind].draw(run, figure)
+        made = kind.draw(run, figure)
         for ending in endings:
             path = run.figures_dir / (figure.name + ending)
             save(made, path)

@@ -6,6 +6,7 @@ from matplotlib.collections import LineCollection
 
 from . import canvas, field_map, ranges, style
 from .field_map import draw_rod, grid_of, paint
+from .spec import Spec
 
 SEGMENTS_ACROSS = 25
 
@@ -55,3 +56,7 @@ def caption(run, spec):
     return ("Strain around one rod at the origin that heads along +<i>x</i>. Segments: extensional principal axis of the "
             "traceless strain, along which a second rod turns for <i>κ</i> > 0. Colour, log scale: its positive eigenvalue. "
             + field_map.medium_note(run))
+
+
+def defaults(run):
+    return [Spec("extensional_axis", "extensional_axis")] if run.result.has("/field/grid") else []

@@ -58,5 +58,5 @@ def medium_note(run):
     """The medium's numbers for a caption."""
     medium, units = run.result.attributes("/medium"), run.result.units
     unit = {"xi": units.length_html()}
-    parts = [words.equation(words.SYMBOLS[key], medium[key], unit.get(key, "")) for key in ("eta", "alpha", "xi") if key in medium]
+    parts = [words.equation(words.symbol(key), medium[key], unit.get(key, "")) for key in ("eta", "alpha", "xi") if key in medium]
     return ", ".join(parts) + "." if parts else ""

@@ -6,6 +6,7 @@ from matplotlib.lines import Line2D
 
 from . import canvas, fit_caption, fit_panel, fit_words, style
 from .errors import PlotError
+from .spec import Spec
 
 
 def draw(run, spec):
@@ -83,3 +84,7 @@ def key(figure, fit, views):
 
 def caption(run, spec):
     return fit_caption.of(run.fit, chosen(run.fit, spec), spec)
+
+
+def defaults(run):
+    return [Spec("fit", "fit")] if run.fit.profiles else []

@@ -6,6 +6,7 @@ import numpy as np
 
 from . import canvas, fit_words, style
 from .errors import PlotError
+from .spec import Spec
 
 MAP = "RdBu_r"
 
@@ -58,3 +59,7 @@ def caption(run, spec):
     lacking = [fit_words.symbol_html(one.name) for one in run.fit.free if not math.isfinite(one.error)]
     text = "Correlations of the errors of the fitted parameters. "
     return text + (f"Blank: {', '.join(lacking)} {'have' if len(lacking) > 1 else 'has'} no finite error. " if lacking else "")
+
+
+def defaults(run):
+    return [Spec("fit_correlation", "fit_correlation")] if len(run.fit.free) > 1 else []

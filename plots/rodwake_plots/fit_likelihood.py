@@ -7,6 +7,7 @@ import numpy as np
 from . import canvas, curves, fit_words, ranges, style, words
 from .errors import PlotError
 from .fit_result import RISE_95
+from .spec import Spec
 
 TOP = 3.2  # of the threshold: as far up as is drawn
 
@@ -81,3 +82,7 @@ def caption(run, spec):
     if run.fit.number(run.fit.told, "error_factor", 1.0) != 1.0:
         text += "The errors of the data are not known: the rise is in units of <i>χ</i>² per degree of freedom. "
     return text
+
+
+def defaults(run):
+    return [Spec(f"fit_likelihood_{name}", "fit_likelihood", parameter=name) for name in run.fit.likelihood]

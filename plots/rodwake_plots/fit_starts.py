@@ -6,6 +6,7 @@ import numpy as np
 
 from . import canvas, fit_words, ranges, style, words
 from .errors import PlotError
+from .spec import Spec
 
 SAME, SAME_AT_ZERO = 1e-4, 1e-8  # relative and absolute: starts within this of the best reached the same optimum
 BELOW = 1e-3  # of that: smaller differences are drawn there
@@ -103,3 +104,7 @@ def caption(run, spec):
     bounded = any(map(math.isfinite, sum((one.bounds for one in run.fit.free), ())))
     text += "Broken lines: bounds, where they are in sight. " if bounded else ""
     return text + (f"{ends.failed} {'starts' if ends.failed > 1 else 'start'} failed." if ends.failed else "")
+
+
+def defaults(run):
+    return [Spec("fit_starts", "fit_starts")] if len(run.fit.starts) > 1 else []

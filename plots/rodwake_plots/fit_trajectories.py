@@ -5,6 +5,7 @@ from matplotlib.lines import Line2D
 
 from . import canvas, fit_words, path_panel, style, words
 from .errors import PlotError
+from .spec import Spec
 
 MOST_MARKS = 40  # a path
 MOST_COLUMNS = 3
@@ -100,3 +101,7 @@ def caption(run, spec):
         if parts:
             text += f"{fit_words.letter(index) + ' ' if len(found) > 1 else ''}Root mean square of what is left: {', '.join(parts)}. "
     return text
+
+
+def defaults(run):
+    return [Spec("fit_trajectories", "fit_trajectories")] if run.fit.trajectories else []

@@ -4,41 +4,25 @@ import math
 import re
 import string
 
-from . import words
-
-SYMBOLS = {
-    "f_over_mu": (r"f/\mu", "<i>f</i>/<i>μ</i>"), "f2d_over_mu": (r"f_2d/\mu", "<i>f</i><sub>2</sub><i>d</i>/<i>μ</i>"),
-    "eta": (r"\eta", "<i>η</i>"), "xi": (r"\xi", "<i>ξ</i>"), "alpha": (r"\alpha", "<i>α</i>"),
-    "x0": ("x_0", "<i>x</i><sub>0</sub>"),
-    "offset": (r"U_x^{(0)}", "<i>U<sub>x</sub></i><sup>(0)</sup>"), "offset_y": (r"U_y^{(0)}", "<i>U<sub>y</sub></i><sup>(0)</sup>"),
-    "kappa": (r"\kappa", "<i>κ</i>"), "gamma1": (r"\gamma_1", "<i>γ</i><sub>1</sub>"), "gamma2": (r"\gamma_2", "<i>γ</i><sub>2</sub>"),
-}
-MEANINGS = {
-    "f_over_mu": "force of the rod over the shear modulus", "f2d_over_mu": "force dipole across the rod over the shear modulus",
-    "eta": "(<i>λ</i> + <i>μ</i>)/<i>μ</i>", "xi": "screening length <i>μ</i>/(<i>ζv</i><sub>0</sub>)", "alpha": "(<i>f</i>/<i>μ</i>)/<i>ξ</i>",
-    "x0": "where the force acts, ahead of the rod's centre", "offset": "added to <i>U<sub>x</sub></i>",
-    "offset_y": "added to <i>U<sub>y</sub></i>", "kappa": "turning towards the extensional axis of the strain",
-    "gamma1": "first polar coupling", "gamma2": "second polar coupling",
-}
-
+from . import schema, words
 
 LETTER = "([A-Za-ln-rt-z])"  # a length of the problem; m and s are units
 
 
 def symbol(name):
     """Mathtext without dollars."""
-    known = SYMBOLS.get(name)
+    known = schema.FIT_PARAMETERS.get(name)
     heading = heading_of(name)
     if heading:
         return rf"\theta_{{{heading[1]}}}^{{({heading[0]})}}"
-    return known[0] if known else r"\mathrm{%s}" % re.sub(r"[^\w.+-]", "?", name).replace("_", r"\ ")
+    return known["symbol"] if known else r"\mathrm{%s}" % re.sub(r"[^\w.+-]", "?", name).replace("_", r"\ ")
 
 
 def symbol_html(name):
     heading = heading_of(name)
     if heading:
         return f"<i>θ</i><sub>{heading[1]}</sub><sup>({heading[0]})</sup>"
-    return SYMBOLS[name][1] if name in SYMBOLS else words.escape(name)
+    return words.tex_html(schema.FIT_PARAMETERS[name]["symbol"]) if name in schema.FIT_PARAMETERS else words.escape(name)
 
 
 def heading_of(name):
@@ -49,7 +33,9 @@ def heading_of(name):
 
 def meaning(name):
     heading = heading_of(name)
-    return f"heading of rod {heading[1]} at the start of trajectory {heading[0]}" if heading else MEANINGS.get(name, "")
+    if heading:
+        return f"heading of rod {heading[1]} at the start of trajectory {heading[0]}"
+    return words.prose(schema.FIT_PARAMETERS[name]["meaning"]) if name in schema.FIT_PARAMETERS else ""
 
 
 def unit_html(unit):
@@ -58,7 +44,7 @@ def unit_html(unit):
         return ""
     text = re.sub(rf"(?<![\w&]){LETTER}(?![\w;])", r"<i>\1</i>", words.escape(unit))
     text = re.sub(r"(?<![\w<&;])(mu|kappa|xi)(?!\w)", lambda m: f"<i>{words.GREEK[m[1]]}</i>", text).replace("v0", "<i>v</i><sub>0</sub>")
-    return re.sub(r"\^\(?([-\d/.]+)\)?", lambda m: f"<sup>{m[1].replace('-', '−')}</sup>", text)
+    return re.sub(r"\^(?:\(([-\d/.]+)\)|(-?[\d.]+))", lambda m: f"<sup>{(m[1] or m[2]).replace('-', '−')}</sup>", text)
 
 
 def axis(letter, unit):

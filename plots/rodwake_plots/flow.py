@@ -8,6 +8,7 @@ from matplotlib.colors import LogNorm, Normalize
 from . import canvas, measured, panels, ranges, rod_outline, style, words
 from .errors import PlotError
 from .measured import FIELDS
+from .spec import Spec
 
 NAMES = ("vx", "vy", "sigma_x", "sigma_y", "count")
 MOST_ARROWS = 40, 24  # across the window of one or two panels, of more
@@ -114,3 +115,7 @@ def caption(run, spec):
 def near(part):
     speed = part.number("flow", "near_speed")
     return "" if speed is None else f"Mean speed within 6 <i>a</i> of the rod: {words.number(float(speed), 3)} <i>a</i>/s."
+
+
+def defaults(run):
+    return [Spec("flow", "flow")] if measured.some_hold(run, "flow") else []

@@ -4,6 +4,8 @@ import numpy as np
 
 from . import canvas, style, units
 from .errors import PlotError
+from .granular_run import TABLE
+from .spec import Spec
 
 COLUMNS = ("t", "energy", "kinetic", "T_xy", "T_z", "psi6", "floor_impulse", "lid_impulse")
 ORANGE = style.ROD_COLOURS[0]
@@ -103,3 +105,7 @@ def caption(run, spec):
     return ("From above: energy; temperatures <i>T</i><sub>z</sub> = var <i>v</i><sub>z</sub> and <i>T</i><sub>xy</sub> = (var "
             "<i>v</i><sub>x</sub> + var <i>v</i><sub>y</sub>)/2 of the beads; global bond order <i>ψ</i><sub>6</sub>; "
             f"mean upward force of floor and lid on the bed between rows of table.csv.{mean}{shaded}")
+
+
+def defaults(run):
+    return [Spec("granular_table", "granular_table")] if run.granular.has(TABLE) else []

@@ -67,7 +67,9 @@ class Part:
         found = self.results.get(table, {})
         if not isinstance(found, dict):
             raise PlotError(f"{self.folder / RESULTS}: {table} is not a table")
-        return found.get(key)
+        for step in key.split("."):  # "chi2.algebraic"
+            found = found.get(step) if isinstance(found, dict) else None
+        return found
 
     def number(self, table, key):
         value = self.told(table, key)
@@ -119,6 +121,15 @@ def holders(run, name, group=None):
         raise PlotError(f"{run.path / name}: {lacking}: this run has not measured it; ask for it in [measure] and run "
                         "rodwake measure on the stored frames, or the scene again")
     return found
+
+
+def some(run, name):
+    """Whether a part has this file."""
+    return any(part.has(name) for part in parts(run))
+
+
+def some_hold(run, group):
+    return any(part.has_group(group) for part in parts(run))
 
 
 def not_measured(run, name, group=None):

@@ -102,3 +102,8 @@ def caption(run, spec):
     return (f"{run.granular.which(TRAJECTORY)}{name}he bed from above, {count} pictures from "
             f"<i>t</i> = {bed.clock(first.time, last)} s to {bed.clock(last, last)} s, {spec.fps} a second"
             f"{snapshot.rods_told(first)}. {snapshot.colours_told(run, spec, cutoff)}")
+
+
+def defaults(_):
+    """Only where a scene asks for it: it takes longer than all the rest."""
+    return []

@@ -4,6 +4,7 @@ import numpy as np
 
 from . import canvas, curves, measured, style, words
 from .errors import PlotError
+from .spec import Spec
 
 FILE = "msd.csv"
 
@@ -45,3 +46,7 @@ def caption(run, spec):
                       for part, one in told if one)
     stiffness = f" Stiffness 1/(<i>s</i> Δ̃(<i>s</i>)) for <i>s</i> → 0: {found}." if found else ""
     return text + stiffness + measured.not_measured(run, FILE)
+
+
+def defaults(run):
+    return [Spec("msd", "msd")] if measured.some(run, FILE) else []

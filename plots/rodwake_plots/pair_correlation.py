@@ -4,6 +4,7 @@ import numpy as np
 
 from . import canvas, curves, measured, style, words
 from .errors import PlotError
+from .spec import Spec
 
 FILE = "gr.csv"
 SHOWN = 20.0  # a
@@ -57,3 +58,7 @@ def caption(run, spec):
 
 def of(part):
     return f" ({words.label_html(part.label)})" if part.label else ""
+
+
+def defaults(run):
+    return [Spec("pair_correlation", "pair_correlation")] if measured.some(run, FILE) else []

@@ -7,6 +7,7 @@ import numpy as np
 from . import bed, canvas, measured, panels, path_panel, track_curves, words
 from .errors import PlotError
 from .granular_run import TRACKS, track
+from .spec import Spec
 
 THIN = dict(linewidth=0.6, alpha=0.4)
 NARROWEST = 0.45  # height over width of a panel
@@ -131,8 +132,12 @@ def outcomes(part):
     """From measure.json, where the pairs were measured."""
     if not part.has(measured.RESULTS):
         return ""
-    counts = [(name, part.number("pairs", name)) for name in ("contact", "pursuit", "escape")]
+    counts = [(name, part.number("pairs", name)) for name in ("contact", "pursuit", "escape", "undecided")]
     change = part.estimate("pairs", "half_box_change")
-    known = all(count is not None for _, count in counts)
-    text = "Outcomes: " + ", ".join(f"{words.number(count)} {name}" for name, count in counts) + "." if known else ""
+    known = [f"{words.number(count)} {name}" for name, count in counts if count is not None]
+    text = "Outcomes: " + ", ".join(known) + "." if known else ""
     return text + (f" Δ<i>y</i> over half the box: {words.with_error(*change[:2])} <i>a</i>." if change else "")
+
+
+def defaults(run):
+    return [Spec("pair_tracks", "pair_tracks")] if measured.some(run, "pairs.csv") and run.granular.has(TRACKS) else []

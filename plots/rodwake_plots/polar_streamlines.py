@@ -7,6 +7,7 @@ import numpy as np
 
 from . import canvas, field_map, ranges, style, words
 from .field_map import draw_rod, grid_of, paint
+from .spec import Spec
 
 LINES = 0.85  # density of streamlines; 1 is matplotlib's 30 across
 
@@ -82,3 +83,7 @@ def pair_label(gamma1, gamma2):
 def caption(run, spec):
     return ("Streamlines of <i>γ</i><sub>1</sub>∇²<b>u</b> + <i>γ</i><sub>2</sub>∇∇·<b>u</b> around one rod at the origin that "
             "heads along +<i>x</i>, over its magnitude (colour, log scale). " + field_map.medium_note(run))
+
+
+def defaults(run):
+    return [Spec("polar_streamlines", "polar_streamlines")] if run.result.has("/field/grid") else []

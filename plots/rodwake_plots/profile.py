@@ -4,6 +4,7 @@ import numpy as np
 
 from . import canvas, curves, measured, rod_outline, style, words
 from .errors import PlotError
+from .spec import Spec
 
 
 def file_of(spec):
@@ -96,3 +97,10 @@ def how(part):
     text = f"Estimator: {words.escape(method)}"
     text += {"box": ", relative to the mean over the box", "far": ", relative to the far field"}.get(reference, "")
     return text + (f"; {words.number(blocks)} blocks of time." if blocks else ".")
+
+
+def defaults(run):
+    specs = [Spec(f"profile_{component}_{along}", "profile", component=component, along=along) for component in ("Ux", "Uy")
+             for along in ("x", "y")]
+    specs.append(Spec("profile_Ux_x_scaled", "profile", sqrt_scaled=True))
+    return [spec for spec in specs if measured.some(run, file_of(spec))]

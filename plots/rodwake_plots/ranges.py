@@ -49,6 +49,12 @@ def plain_ticks(axis, low, high):
         axis.set_minor_formatter(NullFormatter())
 
 
+def plain_decades(axis, low, high):
+    """0.1, 1, 10 where powers of ten would be longer to read; few decades have their numbers from plain_ticks."""
+    if high >= 100 * low and 1e-3 <= low and high < 2e4:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+
+
 def linear_limits(values, trusted, below=0.06, above=0.06):
     """Limits from the trusted values only, with zero in view and room (a part of the range) on both sides."""
     kept = values[trusted & np.isfinite(values)]

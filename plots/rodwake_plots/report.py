@@ -26,6 +26,7 @@ def document(run, figures):
         sections.header(run),
         section("Figures", "\n".join(figure(run, one, number) for number, one in enumerate(figures, 1))),
         section("Fit", sections.fit(run)),
+        section("Scan", sections.scan(run)),
         section("Granular bed", sections.granular(run)),
         section("Measures", sections.measures(run)),
         section("Runs", sections.runs(run)),

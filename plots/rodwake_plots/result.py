@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from . import hdf5
+from . import hdf5, schema
 from .errors import PlotError
 from .units import Units
 
@@ -33,13 +33,13 @@ class Run:
     theta: np.ndarray
 
 
-SYMBOLS = {"kappa": r"\kappa", "gamma1": r"\gamma_1", "gamma2": r"\gamma_2", "alpha": r"\alpha", "eta": r"\eta"}
+TOLD = "kappa", "gamma1", "gamma2", "alpha", "eta"  # what runs differ in, in this order
 
 
 def told_apart(run, runs):
     """The parameters in which the runs differ, as a label for a run that has none."""
-    differing = [key for key in SYMBOLS if len({one.attrs.get(key) for one in runs}) > 1]
-    return ", ".join(f"${SYMBOLS[key]} = {run.attrs[key]:g}$" for key in differing if key in run.attrs) or "as written"
+    differing = [key for key in TOLD if len({one.attrs.get(key) for one in runs}) > 1]
+    return ", ".join(f"${schema.SYMBOLS[key]} = {run.attrs[key]:g}$" for key in differing if key in run.attrs) or "as written"
 
 
 def plain(value):

@@ -3,8 +3,10 @@
 import numpy as np
 
 from . import bed, canvas, path_panel, style, track_curves, words
+from .granular_run import TRACKS
 from .paths import mark_interval
 from .periodic import wrapped_path
+from .spec import Spec
 
 NUMBER = 4.0  # of a rod: its distance from the start, bead radii
 THIN = dict(linewidth=0.6, alpha=0.45)
@@ -138,3 +140,7 @@ def caption(run, spec):
     window = words.number(track_curves.window_time(tracks[0].t), 2)
     return text + (f"Right: speed along the rod, positive thin end first, as a moving mean over {window} s"
                    f"{'' if several else ' (values at the output times pale)'}, and heading from <i>x</i>.")
+
+
+def defaults(run):
+    return [Spec("rod_tracks", "rod_tracks")] if run.granular.rods and run.granular.has(TRACKS) else []

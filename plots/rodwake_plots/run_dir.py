@@ -9,11 +9,13 @@ from .fit_result import FILE as FIT
 from .fit_result import FitResult
 from .granular_run import SUMMARY, GranularRun
 from .result import Result
+from .scan_run import TOLD as SCAN
+from .scan_run import ScanRun
 from .units import Units
 
 
 class RunDir:
-    """Opens result.h5, unless the run is a granular one or a fit alone, for as long as the `with` block lasts."""
+    """Opens result.h5, unless the run is a granular one, a fit or a scan alone, for as long as the `with` block lasts."""
 
     def __init__(self, path):
         self.path = Path(path)
@@ -26,8 +28,9 @@ class RunDir:
         self.log = self._text("log.txt") if (self.path / "log.txt").is_file() else ""
         self._granular = GranularRun(self.path) if (self.path / SUMMARY).is_file() else None
         self._fit = FitResult(self.path) if (self.path / FIT).is_file() else None
+        self._scan = ScanRun(self.path) if (self.path / SCAN).is_file() else None
         self.medium = self._json("medium.json")  # of the rods, where it was fitted
-        alone = (self._granular or self._fit) and not (self.path / "result.h5").is_file()
+        alone = (self._granular or self._fit or self._scan) and not (self.path / "result.h5").is_file()
         self._result = None if alone else Result(self.path / "result.h5")
         if self.has_result and self.result.has("/rods") and self.outcome is None:
             self.result.close()
@@ -72,6 +75,16 @@ class RunDir:
         if self._fit is None:
             raise PlotError(f"{self.path / FIT}: no such file: this run has fitted nothing; [fit] in the scene and rodwake fit write it")
         return self._fit
+
+    @property
+    def has_scan(self):
+        return self._scan is not None
+
+    @property
+    def scan(self):
+        if self._scan is None:
+            raise PlotError(f"{self.path / SCAN}: no such file: this run has scanned nothing; [scan] in the scene and rodwake scan write it")
+        return self._scan
 
     @property
     def units(self):

@@ -1,6 +1,6 @@
 """The parts of the report that are words and tables."""
 
-from . import fit_sections, fit_words, granular_sections, measure_sections, scene_table, words
+from . import fit_sections, fit_words, granular_sections, measure_sections, scan_sections, scene_table, words
 from .trajectories import outcome_words, parameters as run_parameters
 
 
@@ -34,6 +34,7 @@ def header(run):
     head = f'<header>\n<h1>{words.escape(run.title)}</h1>\n<div class="sub">rodwake {words.escape(run.version)}, {units}</div>'
     told = granular_sections.headline(run) if run.has_granular else ""
     told += fit_sections.headline(run) if run.has_fit else ""
+    told += scan_sections.headline(run) if run.has_scan else ""
     return f"{head}\n{told}{outcome(run) if has_theory(run) else ''}\n</header>"
 
 
@@ -78,6 +79,14 @@ def fit(run):
     return "\n".join(one if isinstance(one, str) else f"<h3>{one[0]}</h3>\n{table(*one[1:])}" for one in fit_sections.parts(run) if one)
 
 
+def scan(run):
+    """How the points were chosen, what became of them, and the axes."""
+    if not run.has_scan:
+        return ""
+    told = table(("What", "Value"), list(scan_sections.points(run.scan)))
+    return f"{told}\n<h3>Axes</h3>\n{table(('Key', 'Axis', 'Range', 'Spacing'), list(scan_sections.axes(run.scan)))}"
+
+
 def granular(run):
     """What was modelled, what came out, what it cost."""
     if not run.has_granular:
@@ -96,7 +105,9 @@ def measures(run):
 
 
 def parameters(run):
-    return "\n".join(f"<h3>{name}</h3>\n{table(heads, rows)}" for name, heads, rows in scene_table.tables(run.scene, run.units))
+    told = scene_table.Told(run.scene.get("units", "reduced"), run.fit.unit if run.has_fit else "")
+    return "\n".join(f"<h3>{name}</h3>\n<p>{meaning}</p>\n{table(heads, rows)}"
+                     for name, meaning, heads, rows in scene_table.tables(run.scene, told))
 
 
 def solver(run):

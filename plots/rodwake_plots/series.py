@@ -6,6 +6,7 @@ import numpy as np
 
 from . import canvas, csv_columns, curves, line_fit, measured, style, units, words
 from .errors import PlotError
+from .spec import Spec
 
 
 class Quantity(NamedTuple):
@@ -195,3 +196,7 @@ def fit_told(group):
 
 def chi2(fit):
     return f"<i>χ</i>² = {words.number(fit.chi2, 3)} for {fit.dof} degree{'' if fit.dof == 1 else 's'} of freedom"
+
+
+def defaults(run):
+    return [Spec(f"series_{what}", "series", quantity=what, against=against) for what, against in measured_in(run)]

@@ -9,6 +9,7 @@ from matplotlib.colors import Normalize
 from . import bed, canvas, style, words
 from .granular_run import LAST_PERIOD
 from .periodic import images
+from .spec import Spec
 
 PHASES = 5
 SLAB = 3.0    # thickness of the slice, a
@@ -158,3 +159,7 @@ def caption(run, spec):
             f"at true size and shape. Left: the phase of the plates; broken lines: their mean heights. "
             f"{words.equation('<i>A</i>', plates.amplitude)} <i>a</i>, {words.equation('<i>f</i>', plates.frequency, 'Hz')}, "
             f"{words.equation('<i>w</i>', plates.gap)} <i>a</i>.")
+
+
+def defaults(run):
+    return [Spec("side_view", "side_view")] if run.granular.has(LAST_PERIOD) else []

@@ -9,6 +9,7 @@ from . import bed, canvas, style, words
 from .granular_run import TRAJECTORY
 from .local_order import psi6
 from .periodic import with_images
+from .spec import Spec
 
 # The angles repeat every 60 degrees, and so does the map; turned so that rows along x and along y, the usual ones, stand out.
 ORIENTATION_MAP = ListedColormap(np.roll(matplotlib.colormaps["twilight"](np.linspace(0, 1, 256)), 64, axis=0), name="rows")
@@ -88,3 +89,7 @@ def colours_told(run, spec, cutoff):
     if spec.colour == "orientation":
         return what + "shown is its angle over 6, the direction of the close-packed rows from <i>x</i>."
     return what + "shown is its modulus |<i>ψ</i><sub>6</sub>|, 1 in a perfect triangular lattice."
+
+
+def defaults(run):
+    return [Spec("snapshot", "snapshot")] if run.granular.has(TRAJECTORY) else []

@@ -9,6 +9,7 @@ from matplotlib.colors import Normalize
 from . import canvas, path_panel, style, words
 from .errors import PlotError
 from .paths import mark_interval, seen_until, window_of
+from .spec import Spec
 
 FLAT = 0.6  # windows flatter than this have the colour bar below
 
@@ -120,6 +121,10 @@ def outcome_words(units, run):
 
 
 def parameters(run):
-    known = [words.equation(words.SYMBOLS[key], run.attrs[key])
+    known = [words.equation(words.symbol(key), run.attrs[key])
              for key in ("eta", "alpha", "kappa", "gamma1", "gamma2") if key in run.attrs]
     return ", ".join(known) + "." if known else ""
+
+
+def defaults(run):
+    return [Spec("trajectories", "trajectories")] if run.result.has("/rods") else []

@@ -4,12 +4,64 @@ import html
 import math
 import re
 
+from . import schema
+
 GREEK = {"alpha": "α", "gamma": "γ", "eta": "η", "kappa": "κ", "mu": "μ", "nu": "ν", "xi": "ξ", "theta": "θ", "pm": "±",
          "times": "×", "infty": "∞", "varepsilon": "ε", "epsilon": "ε", "zeta": "ζ", "lambda": "λ", "phi": "φ", "psi": "ψ",
          "Gamma": "Γ", "Delta": "Δ"}
 
-SYMBOLS = {"eta": "<i>η</i>", "alpha": "<i>α</i>", "xi": "<i>ξ</i>", "nu": "<i>ν</i>", "kappa": "<i>κ</i>",
-           "gamma1": "<i>γ</i><sub>1</sub>", "gamma2": "<i>γ</i><sub>2</sub>"}
+SCRIPTS = {"_": "sub", "^": "sup"}
+RELATIONS = {"propto": "∝", "to": "→"}
+TEX = re.compile(r"\\(?:mathrm|tilde)\{[^}]*\}|\\[A-Za-z]+|[_^]|\{[^}]*\}|\S")
+SPELT = re.compile(r"(?<![\w.\"])(alpha|eta|gamma|kappa|lambda|mu|nu|phi|psi|xi|zeta)(\d?)(?:_([A-Za-z]+))?(?!\w)")
+
+
+def tex_html(tex):
+    """A symbol of schema.json, `\\gamma_1`, as HTML."""
+    text, script = "", ""
+    for token in TEX.findall(tex):
+        if token in SCRIPTS:
+            script = SCRIPTS[token]
+            continue
+        text += f"<{script}>{atom(token)}</{script}>" if script else atom(token)
+        script = ""
+    return text
+
+
+def atom(token):
+    if token.startswith(r"\mathrm"):
+        return html.escape(token[8:-1])
+    if token.startswith(r"\tilde"):
+        return tex_html(token[7:-1]) + "\u0303"
+    if token[1:] in RELATIONS:
+        return f" {RELATIONS[token[1:]]} "
+    if token == "-":
+        return "−"
+    if token.startswith("{"):
+        return tex_html(token[1:-1])
+    letter = GREEK.get(token[1:], "") if token.startswith("\\") else token
+    return f"<i>{letter}</i>" if letter.isalpha() and not (token.startswith("\\") and letter.isupper()) else html.escape(letter)
+
+
+def text_html(text):
+    """Text with formulas as TeX between dollars, as HTML."""
+    return "".join(tex_html(part) if index % 2 else html.escape(part, quote=False) for index, part in enumerate(text.split("$")))
+
+
+def symbol(name):
+    """Of a quantity of [medium] or [coupling], as HTML."""
+    return tex_html(schema.SYMBOLS[name])
+
+
+def prose(text):
+    """A meaning of schema.json as HTML: Greek letters that are spelt out become letters, `x` code and ^2 a power."""
+    def letter(found):
+        below = ",".join(part for part in found.groups()[1:] if part)
+        return f"<i>{GREEK[found[1]]}</i>" + (f"<sub>{below}</sub>" if below else "")
+    text = SPELT.sub(letter, html.escape(text, quote=False))
+    for plain, page in ((r"\bv0\b", "<i>v</i><sub>0</sub>"), (r"\bpi\b", "π"), (r"\^(-?\d+)\b", r"<sup>\1</sup>"), (r"`([^`]*)`", r"<code>\1</code>")):
+        text = re.sub(plain, page, text)
+    return text
 
 
 def parts(value, digits):
@@ -25,6 +77,8 @@ def is_number(value):
 
 def number(value, digits=4):
     """A value as HTML; anything but a number is escaped text."""
+    if value is None:
+        return "unknown"
     if not is_number(value):
         return escape(value)
     mantissa, exponent = parts(value, digits)

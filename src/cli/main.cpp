@@ -2,7 +2,6 @@
 #include "rodwake/core/error.hpp"
 #include "signals.hpp"
 #include "verbs.hpp"
-#include "words_of.hpp"
 
 #include <fmt/format.h>
 
@@ -21,14 +20,13 @@ int dispatch(const Options& options) {
         return options.points.empty() ? verb_stages(options) : verb_field_points(options);
     case Verb::rods:
     case Verb::dem:
+    case Verb::measure:
+    case Verb::fit:
+    case Verb::scan:
     case Verb::run:
         return verb_stages(options);
     case Verb::impact:
         return verb_impact(options);
-    case Verb::measure:
-        return verb_measure(options);
-    case Verb::fit:
-        return verb_fit(options);
     case Verb::plot:
         return verb_plot(options);
     case Verb::info:
@@ -45,7 +43,7 @@ int flushed(int code) {
 }
 
 int fail(const std::exception& error, int code) {
-    fmt::print(stderr, "rodwake: {}\n", words_of(error));
+    fmt::print(stderr, "rodwake: {}\n", describe(error));
     return code;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 
 namespace rodwake::cli {
 
@@ -17,17 +18,31 @@ constexpr const char* exit_codes =
 
 constexpr std::uint64_t largest_seed = 9223372036854775807; // 2^63 - 1, the largest integer a scene can hold
 
-void add_common(CLI::App& verb, Options& options) {
-    verb.add_option("-o,--output", options.output, "folder for the results [results/<scene name>]");
+/// Flags of the verbs that compute something of a scene.
+void add_scene(CLI::App& verb, Options& options) {
+    verb.add_option("SCENE", options.target, "scene file (TOML)")->required();
     verb.add_option("-s,--set", options.overrides, "change a key of the scene: table.key=value; repeatable")
         ->allow_extra_args(false);
-    verb.add_option("-j,--threads", options.threads, "threads")->check(CLI::Range(1, 1024));
+    verb.add_option("-o,--output", options.output, "folder for the results [results/<scene name>]");
     verb.add_option("--seed", options.seed, "seed of everything random, 0 to 2^63 - 1")
         ->check(CLI::Range(std::uint64_t{0}, largest_seed));
-    verb.add_flag("--dry-run", options.dry_run, "say what would be done, do nothing");
+}
+
+void add_quiet(CLI::App& verb, Options& options) {
     verb.add_flag("--quiet", options.quiet, "no progress, no summary; errors only");
-    verb.add_flag("-v,--verbose", options.verbose, "more detail");
+}
+
+void add_dry_run(CLI::App& verb, Options& options) {
+    verb.add_flag("--dry-run", options.dry_run, "say what would be done, do nothing");
+}
+
+void add_run(CLI::App& verb, Options& options) {
+    verb.add_option("-j,--threads", options.threads, "threads [one for each core]")
+        ->check(CLI::Range(1, 1024));
     verb.add_flag("--force", options.force, "replace a finished run");
+    add_dry_run(verb, options);
+    add_quiet(verb, options);
+    verb.add_flag("-v,--verbose", options.verbose, "more detail")->excludes("--quiet");
     verb.add_option("--log-json", options.json_log, "also log to FILE, one JSON object a line");
 }
 
@@ -36,72 +51,125 @@ CLI::App* add_verb(CLI::App& app, Options& options, Verb verb, const std::string
     CLI::App* sub = app.add_subcommand(name, does);
     sub->footer("Examples:\n" + examples + "\n" + exit_codes);
     sub->callback([&options, verb] { options.verb = verb; });
-    add_common(*sub, options);
     return sub;
 }
 
-void add_verbs(CLI::App& app, Options& options) {
-    const auto scene = [&](CLI::App* verb) {
-        verb->add_option("SCENE", options.target, "scene file (TOML)")->required();
-    };
-    scene(add_verb(app, options, Verb::check, "check",
-                   "validate a scene; say what will be modelled and what not",
-                   "  rodwake check scenes/quickstart.toml\n"
-                   "  rodwake check scenes/pair.toml -s coupling.kappa=100"));
+void add_stage_verb(CLI::App& app, Options& options, Verb verb, const std::string& name,
+                    const std::string& does, const std::string& examples) {
+    CLI::App* sub = add_verb(app, options, verb, name, does, examples);
+    add_scene(*sub, options);
+    add_run(*sub, options);
+}
+
+void add_field(CLI::App& app, Options& options) {
     CLI::App* field =
         add_verb(app, options, Verb::field, "field", "field of one rod, at points or on a scene's grid",
                  "  rodwake field --points points.csv > field.csv\n"
                  "  rodwake field scenes/ufield.toml -o results/ufield");
-    field->add_option("SCENE", options.target, "scene file with a [field] table");
-    field->add_option("--points", options.points,
-                      "CSV with columns x,y,xi,eta; the field goes to standard output");
-    field->add_option("--backend", options.backend, "evaluation: exact")
-        ->check(CLI::IsMember({"exact", "table"}));
-    field->add_option("--table-tolerance", options.table_tolerance,
-                      "relative error of --backend table, 1e-14 to 0.1 [1e-8]");
-    scene(add_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
+    add_scene(*field, options);
+    field->get_option("SCENE")->required(false)->description("scene file with a [field] table");
+    add_run(*field, options);
+    field->add_option(
+        "--points", options.points,
+        "CSV with columns x,y,xi,eta (- for standard input); the field goes to standard output");
+    field->add_option("--backend", options.backend, "evaluation of --points: exact")
+        ->check(CLI::IsMember({"exact"}));
+}
+
+void add_scan(CLI::App& app, Options& options) {
+    CLI::App* scan =
+        add_verb(app, options, Verb::scan, "scan", "vary keys of a scene over a design: phase diagrams",
+                 "  rodwake scan scenes/phase_perpendicular.toml -j 2\n"
+                 "  mpiexec -n 64 rodwake scan scenes/phase_gamma_zero.toml -o results/gamma\n"
+                 "  rodwake scan scenes/phase_perpendicular.toml -s scan.resolution=512\n"
+                 "  rodwake scan scenes/phase_alpha.toml -s scan.design=grid -o results/alpha --part 3/16\n"
+                 "  rodwake scan scenes/phase_alpha.toml -s scan.design=grid -o results/alpha --merge\n"
+                 "  rodwake scan scenes/phase_perpendicular.toml --rerun-failed");
+    add_scene(*scan, options);
+    add_run(*scan, options);
+    scan->add_option("--part", options.part,
+                     "i/n: only the i-th of n shares of the points (i from 1), into its own folder below -o");
+    scan->add_flag("--merge", options.merge,
+                   "take over what the shares below -o hold, evaluate what is missing, write the results")
+        ->excludes("--part");
+    scan->add_flag("--rerun-failed", options.rerun_failed, "evaluate points again that failed");
+}
+
+void add_stage_verbs(CLI::App& app, Options& options) {
+    add_stage_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
                    "  rodwake rods scenes/pair.toml -o results/pair\n"
-                   "  rodwake rods scenes/pair.toml -s coupling.kappa=100 -s rods_run.method=bdf"));
-    scene(add_verb(app, options, Verb::dem, "dem",
+                   "  rodwake rods scenes/pair.toml -s coupling.kappa=100 -s rods_run.method=bdf");
+    add_stage_verb(app, options, Verb::dem, "dem",
                    "granular run of a scene; the same command resumes one that was stopped",
                    "  rodwake dem scenes/granular_quick.toml\n"
                    "  rodwake dem scenes/pair_crystal.toml -s granular.phi_b=0.70 -s granular.runs=50 -j 2 "
-                   "-o results/fluid"));
-    add_verb(app, options, Verb::impact, "impact", "single impacts, one a row: the contact law by itself",
-             "  rodwake impact --cases cases.csv > impacts.csv")
-        ->add_option("--cases", options.cases,
-                     "CSV with columns Kxx,Kxy,Kxz,Kyy,Kyz,Kzz,vx,vy,vz,mu,e; Px,Py,Pz,wx,wy,wz go to "
-                     "standard output")
-        ->required();
-    scene(add_verb(
+                   "-o results/fluid");
+    add_stage_verb(
         app, options, Verb::measure, "measure",
         "what [measure] names, of the granular run in the results folder or of measure.trajectory",
         "  rodwake measure scenes/wake.toml\n"
         "  rodwake measure scenes/wake.toml -s measure.displacement=lagrangian --force\n"
-        "  rodwake measure scenes/wake.toml -s measure.trajectory=other/trajectory.h5md -o results/other"));
-    scene(add_verb(app, options, Verb::fit, "fit",
+        "  rodwake measure scenes/wake.toml -s measure.trajectory=other/trajectory.h5md -o results/other");
+    add_stage_verb(app, options, Verb::fit, "fit",
                    "elastic parameters and couplings from measured profiles and tracks, with their errors",
                    "  rodwake fit fitting/problems/monopole.toml -o results/monopole\n"
-                   "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force"));
-    scene(add_verb(app, options, Verb::run, "run",
+                   "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force");
+    add_scan(app, options);
+    add_stage_verb(app, options, Verb::run, "run",
                    "every stage the scene names, then figures and report.html",
                    "  rodwake run scenes/quickstart.toml\n"
-                   "  rodwake run scenes/attraction.toml -o results/attraction --force"));
+                   "  rodwake run scenes/attraction.toml -o results/attraction --force");
+}
+
+void add_verbs(CLI::App& app, Options& options) {
+    add_scene(*add_verb(app, options, Verb::check, "check",
+                        "validate a scene; say what will be modelled and what not, and what it will cost",
+                        "  rodwake check scenes/quickstart.toml\n"
+                        "  rodwake check scenes/pair.toml -s coupling.kappa=100"),
+              options);
+    add_field(app, options);
+    add_stage_verbs(app, options);
+    CLI::App* impact =
+        add_verb(app, options, Verb::impact, "impact", "single impacts, one a row: the contact law by itself",
+                 "  rodwake impact --cases cases.csv > impacts.csv");
+    impact
+        ->add_option("--cases", options.cases,
+                     "CSV with columns Kxx,Kxy,Kxz,Kyy,Kyz,Kzz,vx,vy,vz,mu,e (- for standard input); "
+                     "Px,Py,Pz,wx,wy,wz go to standard output")
+        ->required();
+    add_dry_run(*impact, options);
     CLI::App* plot =
         add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
                  "  rodwake plot results/quickstart --pdf");
     plot->add_option("RESULT", options.target, "run directory, or its result.h5")->required();
     plot->add_flag("--pdf", options.pdf, "PDF beside each PNG");
+    add_dry_run(*plot, options);
+    add_quiet(*plot, options);
     CLI::App* info =
         add_verb(app, options, Verb::info, "info", "versions and CPU; or what a result file holds",
                  "  rodwake info\n  rodwake info results/quickstart/result.h5");
     info->add_option("FILE", options.target, "result file or run directory");
     info->add_flag("--scene-reference", options.scene_reference,
                    "print docs/scene.md: every key a scene may have");
+    info->add_flag("--schema", options.schema, "print the same as JSON, with the kinds of figures");
 }
 
-std::string joined(int argc, const char* const* argv) {
-    return fmt::format("{}", fmt::join(argv, argv + argc, " "));
+/// A word as a shell takes it: in single quotes if it has anything a shell would touch.
+std::string quoted(const std::string& word) {
+    constexpr std::string_view plain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos)
+        return word;
+    std::string out = "'";
+    for (const char c : word)
+        out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
+std::string shell_command(int argc, const char* const* argv) {
+    std::vector<std::string> words(argv, argv + argc);
+    std::ranges::transform(words, words.begin(), quoted);
+    return fmt::format("{}", fmt::join(words, " "));
 }
 
 /// CLI11 would only say that a verb is missing.
@@ -114,28 +182,46 @@ void refuse_unknown_verb(const CLI::App& app, int argc, const char* const* argv)
     throw CLI::ValidationError(argv[1], fmt::format("no such verb; legal: {}", fmt::join(verbs, ", ")));
 }
 
-void check_field_options(const Options& options) {
+/// With --points the answer goes to standard output and no scene takes part: what else is given would be
+/// ignored.
+void check_field_options(const CLI::App& app, const Options& options) {
     if (options.target.empty() == options.points.empty())
         throw CLI::ValidationError("field", "give either a SCENE or --points FILE");
-    if (!(options.table_tolerance >= 1e-14 && options.table_tolerance <= 1e-1)) // CLI::Range lets nan pass
-        throw CLI::ValidationError("--table-tolerance",
-                                   fmt::format("{}: must be from 1e-14 to 0.1", options.table_tolerance));
+    const CLI::App& field = *app.get_subcommand("field");
+    if (options.points.empty() && field.count("--backend") > 0)
+        throw CLI::ValidationError("--backend", "is for --points; a scene says medium.field");
     if (!options.points.empty() && !options.output.empty())
         throw CLI::ValidationError(
             "--output", "field --points writes to standard output and makes no folder; use > FILE");
-}
-
-void check_impact_options(const Options& options) {
-    if (!options.output.empty())
-        throw CLI::ValidationError("--output",
-                                   "impact writes to standard output and makes no folder; use > FILE");
+    for (const char* flag : {"--set", "--seed", "--threads", "--force", "--quiet", "--verbose", "--log-json"})
+        if (!options.points.empty() && field.count(flag) > 0)
+            throw CLI::ValidationError(flag, "field --points makes no use of it");
 }
 
 } // namespace
 
+std::optional<scan::Part> part_of(const Options& options) {
+    long index = 0, of = 0;
+    char end = 0;
+    if (options.part.empty())
+        return std::nullopt;
+    if (std::sscanf(options.part.c_str(), "%ld/%ld%c", &index, &of, &end) != 2 || index < 1 || of < index)
+        throw CLI::ValidationError("--part", "expected i/n with 1 <= i <= n, found " + options.part);
+    return scan::Part{index - 1, of};
+}
+
+std::filesystem::path output_folder(const Options& options) {
+    const std::filesystem::path folder =
+        options.output.empty()
+            ? std::filesystem::path("results") / std::filesystem::path(options.target).stem()
+            : std::filesystem::path(options.output);
+    const auto part = part_of(options);
+    return part ? folder / fmt::format("part-{}-of-{}", part->index + 1, part->of) : folder;
+}
+
 Parsed parse_command_line(int argc, const char* const* argv) {
     Parsed parsed;
-    parsed.options.command = joined(argc, argv);
+    parsed.options.command = shell_command(argc, argv);
     CLI::App app("rodwake: motile rods in an elastic medium", "rodwake");
     app.set_version_flag("--version", "rodwake " + build_info().version);
     app.require_subcommand(1);
@@ -146,9 +232,8 @@ Parsed parse_command_line(int argc, const char* const* argv) {
         refuse_unknown_verb(app, argc, argv);
         app.parse(argc, argv);
         if (parsed.options.verb == Verb::field)
-            check_field_options(parsed.options);
-        if (parsed.options.verb == Verb::impact)
-            check_impact_options(parsed.options);
+            check_field_options(app, parsed.options);
+        part_of(parsed.options);
     } catch (const CLI::ParseError& error) {
         parsed.exit_now = true;
         parsed.exit_code = app.exit(error) == 0 ? 0 : 2;

@@ -1,32 +1,38 @@
 #pragma once
 // The command line, parsed.
 
+#include "rodwake/scan/run.hpp"
+
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace rodwake::cli {
 
-enum class Verb { check, field, rods, dem, impact, measure, fit, run, plot, info };
+enum class Verb { check, field, rods, dem, impact, measure, fit, scan, run, plot, info };
 
 struct Options {
     Verb verb = Verb::check;
     std::string target;                 ///< scene, run directory or file the verb works on
     std::string output;                 ///< -o; empty: results/<name of the scene>
     std::vector<std::string> overrides; ///< -s table.key=value
-    std::size_t threads = 1;            ///< -j
+    std::size_t threads = 0;            ///< -j; 0: one for each core
     std::optional<std::uint64_t> seed;  ///< --seed; absent: that of the scene
     bool dry_run = false, quiet = false, verbose = false, force = false;
     std::string json_log; ///< --log-json FILE
-    std::string command;  ///< the whole line, for provenance
+    std::string command;  ///< the whole line, as a shell takes it
     // verb-specific
-    std::string points;            ///< field --points
+    std::string points;            ///< field --points; "-": standard input
     std::string backend = "exact"; ///< field --backend
-    double table_tolerance = 1e-8; ///< field --table-tolerance; only for the backend table
-    std::string cases;             ///< impact --cases
+    std::string cases;             ///< impact --cases; "-": standard input
+    std::string part;              ///< scan --part i/n
+    bool merge = false;            ///< scan --merge
+    bool rerun_failed = false;     ///< scan --rerun-failed
     bool pdf = false;              ///< plot --pdf
     bool scene_reference = false;  ///< info --scene-reference
+    bool schema = false;           ///< info --schema
 };
 
 /// Result of parsing: either options to act on, or an exit code (help, version, usage error; the text is
@@ -36,6 +42,12 @@ struct Parsed {
     bool exit_now = false;
     int exit_code = 0;
 };
+/// --part i/n, i from 1; nothing without.
+std::optional<scan::Part> part_of(const Options& options);
+
+/// -o, or results/<scene name>; of a share of a scan part-i-of-n below it.
+std::filesystem::path output_folder(const Options& options);
+
 Parsed parse_command_line(int argc, const char* const* argv);
 
 } // namespace rodwake::cli

@@ -1,9 +1,11 @@
-#include "dem_checkpoint.hpp"
+#include "rodwake/assembly/schema.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/scan/ledger.hpp"
 #include "rodwake/scene/document.hpp"
-#include "rodwake/store/hdf5_listing.hpp"
-#include "rodwake/store/run_directory.hpp"
+#include "rodwake/stages/run.hpp"
+#include "rodwake/stages/run_folder.hpp"
+#include "rodwake/store/hdf5_reader.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -34,34 +36,35 @@ void print_file(const fs::path& path) {
 }
 
 int describe_run(const fs::path& folder) {
-    const std::string status = store::run_status(folder);
+    const std::string status = stages::run_status(folder);
     if (status.empty())
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
     fmt::print("{}: {} run\n", folder.string(), status);
-    for (const char* name : {"provenance.json", "outcome.json", "summary.json", "measure.json"})
-        if (fs::exists(folder / name)) {
-            fmt::print("\n{}\n", name);
-            print_file(folder / name);
+    const std::vector<stages::FileEntry> files = stages::files_of_run(folder);
+    for (const stages::FileEntry& file : files)
+        fmt::print("  {:<40} {}\n", file.name, file.what);
+    for (const stages::FileEntry& file : files)
+        if (file.name.ends_with(".json") && file.name.find('/') == std::string::npos &&
+            file.name != "manifest.json") {
+            fmt::print("\n{}\n", file.name);
+            print_file(folder / file.name);
         }
+    if (fs::exists(folder / "ledger.sqlite") && !fs::exists(folder / "scan.json")) {
+        const scan::Counts counts = scan::counts_of(folder / "ledger.sqlite");
+        fmt::print(
+            "\nledger.sqlite\n{} points evaluated, {} of them failed, {:.4g} CPU seconds; the scan has not "
+            "ended\n",
+            counts.points, counts.failed, counts.seconds);
+    }
     if (fs::exists(folder / "result.h5"))
         fmt::print("\nresult.h5\n{}", store::list_hdf5(folder / "result.h5"));
     return 0;
 }
 
-void describe_checkpoint(const fs::path& file) {
-    const auto loaded = load_checkpoint(file);
-    const DemCheckpoint& c = loaded->checkpoint;
-    fmt::print("{}: checkpoint of a granular run by rodwake {}\n{}run {}, seed {}, step {}, {} beads, {} "
-               "rods, state {:016x}\n\n{}",
-               file.string(), c.build, loaded->notice.empty() ? "" : loaded->notice + "\n", c.run + 1, c.seed,
-               c.state.step, c.state.beads.size(), c.state.rods.size(), granular::state_hash(c.state),
-               c.scene);
-}
-
 int describe_file(const fs::path& file) {
     const std::string ending = file.extension().string();
     if (ending == ".rwc")
-        describe_checkpoint(file);
+        fmt::print("{}", stages::describe_checkpoint(file));
     else if (ending == ".json" || ending == ".csv" || ending == ".toml" || ending == ".txt")
         print_file(file);
     else
@@ -74,6 +77,10 @@ int describe_file(const fs::path& file) {
 int verb_info(const Options& options) {
     if (options.scene_reference) {
         fmt::print("{}", scene::scene_reference());
+        return 0;
+    }
+    if (options.schema) {
+        fmt::print("{}", assembly::schema_json());
         return 0;
     }
     if (options.target.empty())

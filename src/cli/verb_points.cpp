@@ -1,5 +1,7 @@
 // rodwake field --points: the field at the points of a CSV file, to standard output. Rows with a side L are
-// in the periodic box of that side, its axes along the rod; the others in the infinite plane.
+// in the periodic box of that side, its axes along the rod; the others in the infinite plane. A point where
+// there is no field (the rod itself, a medium that does not exist) has nan there, and does not take the
+// others with it.
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/field.hpp"
@@ -9,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -44,7 +47,8 @@ std::vector<Point> read_points(const std::string& file) {
 class Fields {
 public:
     elastic::FieldValues at(const Point& point) {
-        constexpr elastic::Wanted all{.displacement = true, .strain = true, .polar = true, .dipole = true};
+        constexpr elastic::FieldRequest all{
+            .displacement = true, .strain = true, .polar = true, .dipole = true};
         if (std::isnan(point.box))
             return elastic::Field(point.medium).at(point.x, point.y, all);
         if (!periodic_ || periodic_->box() != point.box || periodic_->medium().eta != point.medium.eta ||
@@ -57,48 +61,67 @@ private:
     std::optional<elastic::PeriodicField> periodic_;
 };
 
-std::string row(const Point& point, Fields& fields) {
+using Row = std::array<double, 15>;
+
+Row row(const Point& point, Fields& fields) {
     const elastic::FieldValues f = fields.at(point);
-    const double values[] = {point.x,
-                             point.y,
-                             point.medium.xi,
-                             point.medium.eta,
-                             f.displacement.x,
-                             f.displacement.y,
-                             f.strain.xx,
-                             f.strain.xy,
-                             f.strain.yy,
-                             f.laplacian.x,
-                             f.laplacian.y,
-                             f.gradient_of_trace.x,
-                             f.gradient_of_trace.y,
-                             f.dipole.x,
-                             f.dipole.y};
-    return fmt::format("{:.17g}\n", fmt::join(values, ","));
+    return {point.x,
+            point.y,
+            point.medium.xi,
+            point.medium.eta,
+            f.displacement.x,
+            f.displacement.y,
+            f.strain.xx,
+            f.strain.xy,
+            f.strain.yy,
+            f.laplacian.x,
+            f.laplacian.y,
+            f.gradient_of_trace.x,
+            f.gradient_of_trace.y,
+            f.dipole.x,
+            f.dipole.y};
 }
+
+Row row_without_field(const Point& point) {
+    Row values;
+    values.fill(std::nan(""));
+    values[0] = point.x;
+    values[1] = point.y;
+    values[2] = point.medium.xi;
+    values[3] = point.medium.eta;
+    return values;
+}
+
+/// "points.csv" for messages.
+std::string name_of(const std::string& file) { return file == "-" ? "standard input" : file; }
 
 } // namespace
 
 int verb_field_points(const Options& options) {
-    if (options.backend != "exact")
-        throw InputError("--backend " + options.backend +
-                         ": not available in this version; legal here: exact");
     const std::vector<Point> points = read_points(options.points);
-    // Every point is evaluated before the first is printed: a bad one leaves nothing half-written.
     fmt::memory_buffer out;
     out.append(std::string_view(header));
     Fields fields;
-    for (const Point& point : points)
+    std::vector<std::string> failed;
+    for (const Point& point : points) {
+        Row values = row_without_field(point);
         try {
-            out.append(row(point, fields));
+            values = row(point, fields);
         } catch (const InputError& error) {
-            throw InputError(fmt::format("{}:{}:1: {}", options.points, point.line, error.what()));
+            failed.push_back(fmt::format("{}:{}:1: {}", name_of(options.points), point.line, error.what()));
         }
-    if (options.dry_run)
-        return 0;
-    if (std::fwrite(out.data(), 1, out.size(), stdout) != out.size() || std::fflush(stdout) != 0)
+        fmt::format_to(std::back_inserter(out), "{:.17g}\n", fmt::join(values, ","));
+    }
+    if (!options.dry_run &&
+        (std::fwrite(out.data(), 1, out.size(), stdout) != out.size() || std::fflush(stdout) != 0))
         throw RunError("cannot write to standard output");
-    return 0;
+    for (const std::string& message : failed)
+        fmt::print(stderr, "rodwake: {}\n", message);
+    if (failed.empty())
+        return 0;
+    fmt::print(stderr, "rodwake: {} of {} points have no field: nan in their rows\n", failed.size(),
+               points.size());
+    return 3;
 }
 
 } // namespace rodwake::cli

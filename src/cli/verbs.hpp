@@ -3,15 +3,20 @@
 
 #include "options.hpp"
 
+#include <filesystem>
+
 namespace rodwake::cli {
 
 int verb_check(const Options& options);
 int verb_field_points(const Options& options);
 int verb_impact(const Options& options);
-int verb_measure(const Options& options);
-int verb_fit(const Options& options);
-int verb_stages(const Options& options); ///< field, rods and run: the stages the verb stands for
+int verb_stages(
+    const Options& options); ///< field, rods, dem, measure, fit, run: the stages the verb stands for
 int verb_plot(const Options& options);
 int verb_info(const Options& options);
+
+/// Figures and report.html by the plotting program. Throws RunError if it cannot be run or fails; a stop
+/// signal ends it early, and it returns.
+void make_figures(const std::filesystem::path& run_directory, bool pdf, bool quiet);
 
 } // namespace rodwake::cli

@@ -1,4 +1,4 @@
-#include "check_problem.hpp"
+#include "run.hpp"
 
 #include "rodwake/core/error.hpp"
 

@@ -1,6 +1,5 @@
 // Adams and BDF steps by CVODES.
 
-#include "step_failure.hpp"
 #include "stepper.hpp"
 
 #include <cstdlib>

@@ -1,10 +1,11 @@
 // Explicit Runge-Kutta steps by ARKODE's ERKStep.
 
-#include "erk_table.hpp"
-#include "runge_kutta_step.hpp"
 #include "stepper.hpp"
 
+#include <algorithm>
 #include <cstdlib>
+#include <utility>
+#include <vector>
 
 namespace rodwake::integrate {
 
@@ -13,6 +14,85 @@ namespace {
 using sundials::elements;
 using sundials::made;
 using sundials::require;
+
+/// The same method with y1 itself as its last stage. ERKStep 6.4.1 takes the last slope of any table that
+/// ends in c = 1 for the first slope of the next step (llnl/sundials issue 311), which costs Verner's table,
+/// as shipped, its order. With this stage the assumption is true, at the same number of right-hand sides.
+sundials::ButcherTable with_first_same_as_last(sundials::ButcherTable method) {
+    const int stages = method->stages;
+    sundials::ButcherTable extended(sundials::made(ARKodeButcherTable_Alloc(stages + 1, 1)));
+    extended->q = method->q;
+    extended->p = method->p;
+    for (int i = 0; i < stages; ++i)
+        std::copy_n(method->A[i], stages, extended->A[i]);
+    std::copy_n(method->b, stages, extended->A[stages]);
+    std::copy_n(method->b, stages, extended->b);
+    std::copy_n(method->d, stages, extended->d);
+    std::copy_n(method->c, stages, extended->c);
+    extended->c[stages] = 1.0;
+    return extended;
+}
+
+/// Dormand-Prince 5(4) for rtol > 1e-6, from there down Verner 6(5): the higher order pays for its extra
+/// stages. Both propagate the higher of their two orders.
+sundials::ButcherTable erk_table(double rtol) {
+    const ARKODE_ERKTableID id = rtol > 1e-6 ? ARKODE_DORMAND_PRINCE_7_4_5 : ARKODE_VERNER_8_5_6;
+    sundials::ButcherTable table(sundials::made(ARKodeButcherTable_LoadERK(id)));
+    return id == ARKODE_DORMAND_PRINCE_7_4_5 ? std::move(table) : with_first_same_as_last(std::move(table));
+}
+
+/// One explicit Runge-Kutta step from a Butcher table, of any length. Used for times inside a step: a shorter
+/// step from the same point has the method's accuracy, which ARKODE's Hermite interpolant has not.
+class RungeKuttaStep {
+public:
+    RungeKuttaStep(const ARKodeButcherTableMem& table, std::size_t size);
+
+    /// y1 = the step of length h from (t, y0). Throws StepFailure when a right-hand side fails.
+    void operator()(ProblemCalls& calls, double t, State y0, double h, std::span<double> y1);
+
+private:
+    std::span<double> slope(int stage) { return {slopes_.data() + stage * size_, size_}; }
+    int used_stages() const;
+    void add(std::span<double> y, const double* coefficients, int stages, double h);
+
+    const ARKodeButcherTableMem& table_;
+    std::size_t size_;
+    std::vector<double> slopes_; ///< stage by stage
+};
+
+RungeKuttaStep::RungeKuttaStep(const ARKodeButcherTableMem& table, std::size_t size)
+    : table_(table), size_(size), slopes_(size * static_cast<std::size_t>(table.stages)) {}
+
+/// Without the last ones that serve only the error estimate or the next step.
+int RungeKuttaStep::used_stages() const {
+    int stages = table_.stages;
+    while (table_.b[stages - 1] == 0.0)
+        --stages;
+    return stages;
+}
+
+void RungeKuttaStep::operator()(ProblemCalls& calls, double t, State y0, double h, std::span<double> y1) {
+    const int stages = used_stages();
+    for (int stage = 0; stage < stages; ++stage) {
+        std::copy(y0.begin(), y0.end(), y1.begin());
+        add(y1, table_.A[stage], stage, h);
+        if (calls.rhs(t + table_.c[stage] * h, y1, slope(stage)) != ProblemCalls::fine)
+            throw StepFailure{"RHSFUNC_FAIL", calls.fault()};
+    }
+    std::copy(y0.begin(), y0.end(), y1.begin());
+    add(y1, table_.b, stages, h);
+}
+
+void RungeKuttaStep::add(std::span<double> y, const double* coefficients, int stages, double h) {
+    for (int stage = 0; stage < stages; ++stage) {
+        const double weight = h * coefficients[stage];
+        if (weight == 0.0)
+            continue;
+        const std::span<const double> k = slope(stage);
+        for (std::size_t i = 0; i < size_; ++i)
+            y[i] += weight * k[i];
+    }
+}
 
 class ErkStepper final : public Stepper {
 public:

@@ -1,7 +1,5 @@
 #include "event_finder.hpp"
 
-#include "step_failure.hpp"
-
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>

@@ -1,7 +1,5 @@
 #include "problem_calls.hpp"
 
-#include "step_failure.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

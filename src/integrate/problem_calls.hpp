@@ -4,7 +4,15 @@
 
 #include "rodwake/integrate/sensitivity.hpp"
 
+#include <string>
+
 namespace rodwake::integrate {
+
+/// A solve that cannot go on, on its way from where it was noticed to the Status.
+struct StepFailure {
+    std::string flag;  ///< without the solver's prefix: "RHSFUNC_FAIL"
+    std::string cause; ///< empty: the usual cause of this flag
+};
 
 class ProblemCalls {
 public:

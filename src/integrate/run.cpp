@@ -1,7 +1,5 @@
 #include "run.hpp"
 
-#include "describe_failure.hpp"
-
 #include <algorithm>
 #include <utility>
 
@@ -48,7 +46,7 @@ bool Run::start() {
     } catch (const StepFailure& failure) {
         return fail(failure, t, y);
     }
-    return all_stored() ? end(Outcome::reached_end, t, y) : true;
+    return all_stored() ? end(Termination::reached_end, t, y) : true;
 }
 
 bool Run::advance() {
@@ -82,7 +80,7 @@ bool Run::digest_step() {
         return fail(failure, stepper_->time_before(), stepper_->state_before());
     }
     report_step(stop);
-    const bool going = stop ? end(Outcome::stopped_at_event, stop->time, stop->state) : true;
+    const bool going = stop ? end(Termination::stopped_at_event, stop->time, stop->state) : true;
     std::move(hits.begin(), hits.end(), std::back_inserter(solution_.hits));
     return going;
 }
@@ -90,18 +88,18 @@ bool Run::digest_step() {
 /// After a step: the end, a new segment, or the caller's wish to stop.
 bool Run::go_on() {
     if (all_stored())
-        return end(Outcome::reached_end, stepper_->time(), stepper_->state());
+        return end(Termination::reached_end, stepper_->time(), stepper_->state());
     if (steps_ % options_.segment_steps == 0 && steps_ < options_.max_steps)
         begin_segment();
     if (!options_.stop_requested || !options_.stop_requested())
         return true;
-    return end(Outcome::interrupted, stepper_->time(), stepper_->state());
+    return end(Termination::interrupted, stepper_->time(), stepper_->state());
 }
 
-bool Run::end(Outcome outcome, double t, State state) {
+bool Run::end(Termination termination, double t, State state) {
     solution_.final_time = t;
     solution_.final_state.assign(state.begin(), state.end());
-    solution_.status.outcome = outcome;
+    solution_.status.termination = termination;
     solution_.status.reached = t;
     solution_.status.wanted = output_times_.back();
     solution_.status.step = stepper_->time() - stepper_->time_before();
@@ -112,7 +110,7 @@ bool Run::end(Outcome outcome, double t, State state) {
 }
 
 bool Run::fail(const StepFailure& failure, double reached, State state) {
-    end(Outcome::failed, reached, state);
+    end(Termination::failed, reached, state);
     describe_failure(failure, *stepper_, calls_, solution_.status);
     return false;
 }
@@ -165,6 +163,11 @@ Eigen::VectorXd Run::event_time_by_parameter(const EventHit& hit) {
     if (gradient.size() > n)
         by_parameter += gradient.tail(gradient.size() - n);
     return -by_parameter / by_state.dot(slope);
+}
+
+Solution solve(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times) {
+    check_problem(problem, options, output_times);
+    return Run(problem, nullptr, options, output_times).execute().solution;
 }
 
 } // namespace rodwake::integrate

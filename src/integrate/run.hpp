@@ -3,9 +3,9 @@
 // any.
 
 #include "event_finder.hpp"
-#include "stepper.hpp"
-
+#include "rodwake/integrate/ode.hpp"
 #include "rodwake/integrate/sensitivity.hpp"
+#include "stepper.hpp"
 
 #include <memory>
 #include <optional>
@@ -21,12 +21,12 @@ public:
     SensitivitySolution execute();
 
 private:
-    // These say whether the solve goes on; if not, the outcome is set.
+    // These say whether the solve goes on; if not, the termination is set.
     bool start();
     bool advance();
     bool digest_step();
     bool go_on();
-    bool end(Outcome outcome, double t, State state);
+    bool end(Termination termination, double t, State state);
     bool fail(const StepFailure& failure, double reached, State state);
 
     void store_outputs(double until);
@@ -47,5 +47,10 @@ private:
     Solution& solution_ = result_.solution;
     long steps_ = 0, stalled_steps_ = 0;
 };
+
+/// Throws InputError for what solve() cannot start from; the message names the offending value and what is
+/// legal.
+void check_problem(const OdeProblem& problem, const OdeOptions& options,
+                   std::span<const double> output_times);
 
 } // namespace rodwake::integrate

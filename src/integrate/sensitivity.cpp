@@ -1,6 +1,5 @@
 #include "rodwake/integrate/sensitivity.hpp"
 
-#include "check_problem.hpp"
 #include "run.hpp"
 
 #include "rodwake/core/error.hpp"

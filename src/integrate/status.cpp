@@ -1,24 +1,76 @@
-#include "describe_failure.hpp"
+// How a solve ended, in words: what each solver flag usually means and what to do about it. tests/integrate
+// provokes the reachable ones.
+
 #include "rodwake/integrate/ode.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include "stepper.hpp"
+
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <numeric>
+#include <string_view>
 
 namespace rodwake::integrate {
 
-Statistics& Statistics::operator+=(const Statistics& other) {
-    steps += other.steps;
-    rhs_evaluations += other.rhs_evaluations;
-    jacobian_evaluations += other.jacobian_evaluations;
-    error_test_failures += other.error_test_failures;
-    convergence_failures += other.convergence_failures;
-    event_evaluations += other.event_evaluations;
-    return *this;
-}
-
 namespace {
+
+/// Likely cause and remedy of a SUNDIALS flag, its prefix removed. Flags without an entry have no cause here.
+struct Remedy {
+    const char* cause; ///< or null
+    const char* advice;
+};
+
+struct Entry {
+    std::string_view flag;
+    Remedy remedy;
+};
+
+constexpr const char* look_at_rhs =
+    "check the model at that time and state; set max_step if it is only defined near the solution";
+
+constexpr std::array entries{
+    Entry{"TOO_MUCH_WORK",
+          {"the steps allowed were used up", "raise max_steps, loosen rtol, or use method bdf if the "
+                                             "problem is stiff"}},
+    Entry{"TOO_MUCH_ACC",
+          {"the tolerances ask for more digits than the arithmetic has", "loosen rtol or raise atol"}},
+    Entry{"ERR_FAILURE",
+          {"no step was short enough for the tolerances: the right-hand side jumps or is singular here",
+           "raise atol for the components named, loosen rtol, or stop earlier by an event (a larger "
+           "contact distance)"}},
+    Entry{"CONV_FAILURE",
+          {"the implicit equation of the step did not converge: stiff problem, or a wrong Jacobian",
+           "use method bdf, check the Jacobian against difference quotients, or tighten rtol"}},
+    Entry{"LSETUP_FAIL", {"the Jacobian could not be set up", "check the Jacobian at that time"}},
+    Entry{"LSOLVE_FAIL",
+          {"the linear system of the step could not be solved", "check the Jacobian at that time"}},
+    Entry{"RHSFUNC_FAIL", {"the right-hand side failed", look_at_rhs}},
+    Entry{"FIRST_RHSFUNC_ERR", {"the right-hand side failed at the start", "check the initial state"}},
+    Entry{"REPTD_RHSFUNC_ERR", {"the right-hand side kept failing however short the step", look_at_rhs}},
+    Entry{"UNREC_RHSFUNC_ERR", {"the right-hand side kept failing however short the step", look_at_rhs}},
+    Entry{"SRHSFUNC_FAIL", {"the derivatives of the right-hand side failed", look_at_rhs}},
+    Entry{"FIRST_SRHSFUNC_ERR",
+          {"the derivatives of the right-hand side failed at the start", "check the initial state"}},
+    Entry{"REPTD_SRHSFUNC_ERR",
+          {"the derivatives of the right-hand side kept failing however short the step", look_at_rhs}},
+    Entry{"UNREC_SRHSFUNC_ERR",
+          {"the derivatives of the right-hand side kept failing however short the step", look_at_rhs}},
+    Entry{"RTFUNC_FAIL", {"an event function failed", "check the event function at that time"}},
+    Entry{"STEP_BELOW_ROUNDOFF",
+          {"the step no longer changes the time: the solution is singular here",
+           "loosen rtol, or stop earlier by an event (a larger contact distance)"}},
+};
+
+Remedy remedy_for(const std::string& flag) {
+    const auto entry =
+        std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.flag == flag; });
+    if (entry != entries.end())
+        return entry->remedy;
+    return {nullptr, "try another method, or loosen rtol"};
+}
 
 /// The ten largest, by name; those a thousand times below the largest say nothing, NaN is the worst of all.
 std::vector<Status::Component> worst_components(const std::vector<double>& errors,
@@ -52,6 +104,16 @@ std::string failure_message(const Status& status) {
 
 } // namespace
 
+Statistics& Statistics::operator+=(const Statistics& other) {
+    steps += other.steps;
+    rhs_evaluations += other.rhs_evaluations;
+    jacobian_evaluations += other.jacobian_evaluations;
+    error_test_failures += other.error_test_failures;
+    convergence_failures += other.convergence_failures;
+    event_evaluations += other.event_evaluations;
+    return *this;
+}
+
 void describe_failure(const StepFailure& failure, const Stepper& stepper, const ProblemCalls& calls,
                       Status& status) {
     const Remedy remedy = remedy_for(failure.flag);
@@ -68,14 +130,14 @@ void describe_failure(const StepFailure& failure, const Stepper& stepper, const 
 }
 
 std::string Status::message() const {
-    switch (outcome) {
-    case Outcome::failed:
+    switch (termination) {
+    case Termination::failed:
         return failure_message(*this);
-    case Outcome::reached_end:
+    case Termination::reached_end:
         return fmt::format("integration reached t={}", reached);
-    case Outcome::stopped_at_event:
+    case Termination::stopped_at_event:
         return fmt::format("integration stopped by an event at t={} of {}", reached, wanted);
-    case Outcome::interrupted:
+    case Termination::interrupted:
         break;
     }
     return fmt::format("integration interrupted at t={} of {}", reached, wanted);

@@ -3,7 +3,6 @@
 
 #include "problem_calls.hpp"
 #include "rodwake/integrate/ode.hpp"
-#include "step_failure.hpp"
 #include "sundials_raii.hpp"
 
 #include <memory>
@@ -78,5 +77,10 @@ protected:
 
 std::unique_ptr<Stepper> make_cvode_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
 std::unique_ptr<Stepper> make_erk_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
+
+/// Completes the status of a solve that ended with the stepper where it is now: flag, step, cause,
+/// components, advice.
+void describe_failure(const StepFailure& failure, const Stepper& stepper, const ProblemCalls& calls,
+                      Status& status);
 
 } // namespace rodwake::integrate

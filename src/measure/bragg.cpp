@@ -142,6 +142,11 @@ double BraggPeaks::row_angle() const {
     return angle < 0.0 ? angle + M_PI / 3.0 : angle;
 }
 
+double BraggPeaks::lattice_spacing() const {
+    const double cell = std::abs(G[0].x * G[2].y - G[0].y * G[2].x) / (4.0 * M_PI * M_PI);
+    return cell > 0.0 ? std::sqrt(2.0 / (std::sqrt(3.0) * cell)) : 0.0;
+}
+
 BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, double box) {
     if (x.size() < least_points || x.size() != y.size())
         throw InputError(

@@ -1,7 +1,7 @@
 #include "decay_fit.hpp"
-#include "decay_rule.hpp"
+
 #include "rodwake/core/error.hpp"
-#include "rodwake/measure/structure.hpp"
+#include "rodwake/measure/order.hpp"
 
 #include <fmt/format.h>
 
@@ -11,6 +11,43 @@
 namespace rodwake::measure {
 
 namespace {
+
+constexpr double hexatic_bound = 0.25;   // eta_6 where the hexatic melts (KTHNY)
+constexpr double least_exponent = 0.003; // what a crystal's shells and phonons leave at these distances
+constexpr double clear_chi2 = 4.0;       // decides between two models of as many parameters
+constexpr double by_chance = 0.01;
+
+/// Sets decay and reason by the rule in order.hpp. `zero_chance`: probability of chi2 if g_B were 0;
+/// `farthest`: distance of the last point, m.
+void decide(DecayClass& c, double zero_chance, double farthest) {
+    const double eta = c.exponent.value, error = c.exponent.error;
+    const bool flat = eta < least_exponent || eta < 2.0 * error;
+    const std::string shown = fmt::format("eta_6 = {:.4f} +- {:.4f}", eta, error);
+    if (zero_chance > by_chance) {
+        c.decay = Decay::exponential;
+        c.reason = fmt::format("no order is left at these distances: g_B = 0 within errors (P = {:.2g})",
+                               zero_chance);
+    } else if (!c.exponent.known()) {
+        c.reason = "eta_6 is not known: chi2 does not tell how well";
+    } else if (eta - error > hexatic_bound) {
+        c.decay = Decay::exponential;
+        c.reason = shown + " is above 1/4, where a hexatic melts (KTHNY)";
+    } else if (flat && eta + 2.0 * error < hexatic_bound) {
+        c.decay = Decay::long_range;
+        c.reason = fmt::format("{}: {}, so g_B stays at {:.4f}", shown,
+                               eta < least_exponent ? "below 0.003" : "0 within 2 errors", c.plateau.value);
+    } else if (flat) {
+        c.reason = shown + ": neither 0 nor 1/4 can be excluded; more frames or a longer run would tell";
+    } else if (c.chi2_algebraic - c.chi2_exponential > clear_chi2 && c.length.known() &&
+               c.length.value < farthest) {
+        c.decay = Decay::exponential;
+        c.reason = fmt::format("the exponential fits better (chi2 {:.3g} against {:.3g})", c.chi2_exponential,
+                               c.chi2_algebraic);
+    } else {
+        c.decay = Decay::algebraic;
+        c.reason = shown + ": above 0 and not above 1/4 within its error";
+    }
+}
 
 constexpr double flattest = -1.0, steepest = 16.0; // exponents
 constexpr std::size_t least_points = 4;
@@ -113,12 +150,39 @@ double chi2_of_zero(const Points& points) {
 
 Estimate length_of(const ShapeFit& rate, double farthest, std::size_t points) {
     if (!(rate.k * farthest > 1e-6))
-        return {0.0, -1.0, points};
-    const double error = rate.error >= 0.0 ? rate.error / (rate.k * rate.k) : -1.0;
-    return {1.0 / rate.k, error, points};
+        return {0.0, unknown_error, points};
+    return {1.0 / rate.k, rate.error / (rate.k * rate.k), points};
 }
 
 } // namespace
+
+const char* to_string(Decay decay) {
+    switch (decay) {
+    case Decay::exponential:
+        return "exponential";
+    case Decay::algebraic:
+        return "algebraic";
+    case Decay::long_range:
+        return "long-range";
+    case Decay::undetermined:
+        break;
+    }
+    return "undetermined";
+}
+
+const char* phase_of(Decay decay) {
+    switch (decay) {
+    case Decay::exponential:
+        return "liquid";
+    case Decay::algebraic:
+        return "hexatic";
+    case Decay::long_range:
+        return "crystal";
+    case Decay::undetermined:
+        break;
+    }
+    return "undetermined";
+}
 
 DecayClass classify(const DecayPoints& points, double from) {
     if (points.g_B.size() != points.r.size() || points.error.size() != points.r.size())

@@ -60,7 +60,7 @@ double curvature_error(F chi2, double k, double step) {
     for (int round = 0; round < 6; ++round) {
         const double grown = 0.5 * (chi2(k - step) + chi2(k + step)) - least;
         if (!(grown > 0.0))
-            return -1.0;
+            return unknown_error;
         step *= std::min(1.0 / std::sqrt(grown), 4.0);
     }
     return step;

@@ -1,7 +1,8 @@
 #pragma once
 // Least squares of A m(r; k) to points with errors, where k alone is nonlinear: A follows from k.
 
-#include <cstddef>
+#include "rodwake/core/estimate.hpp"
+
 #include <span>
 #include <vector>
 
@@ -9,12 +10,12 @@ namespace rodwake::measure {
 
 struct ShapeFit {
     double k = 0.0, amplitude = 0.0, chi2 = 0.0;
-    double error = -1.0; ///< of k, where chi2 has grown by 1 by its curvature; < 0: no curvature
+    double error = unknown_error; ///< of k, where chi2 has grown by 1 by its curvature; unknown without one
 };
 
 /// m(r; k) at one distance. `box` 0: infinite plane.
 using Shape = double (*)(double r, double k, double box);
-double algebraic_shape(double r, double eta, double box);    ///< exp(-eta s), see structure.hpp
+double algebraic_shape(double r, double eta, double box);    ///< exp(-eta s), see order.hpp
 double exponential_shape(double r, double rate, double box); ///< rate = 1/xi
 
 struct Points {

@@ -1,7 +1,8 @@
 #include "delaunay.hpp"
 
-#include "cells.hpp"
+#include "rodwake/core/cell_list.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/periodic.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -108,8 +109,8 @@ Around all_within(const std::vector<double>& x, const std::vector<double>& y, st
     for (int m = -images; m <= images; ++m)
         for (int n = -images; n <= images; ++n)
             for (std::size_t j = 0; j < x.size(); ++j) {
-                const double dx = nearest_of_two(x[j] - x[i], box) + m * box;
-                const double dy = nearest_of_two(y[j] - y[i], box) + n * box;
+                const double dx = nearest_image_once(x[j] - x[i], box) + m * box;
+                const double dy = nearest_image_once(y[j] - y[i], box) + n * box;
                 const double r2 = dx * dx + dy * dy;
                 if (r2 > 0.0 && r2 < reach * reach)
                     near.add(j, dx, dy);
@@ -137,7 +138,14 @@ std::vector<Bond> delaunay_bonds(const std::vector<double>& x, const std::vector
     const double reach = std::min(2.0 * box / std::sqrt(static_cast<double>(x.size())), 0.5 * box);
     std::vector<Around> near(x.size());
     std::vector<double> scratch;
-    for_near_pairs(x, y, box, reach, [&](std::size_t i, std::size_t j, double dx, double dy) {
+    const CellList cells(x, y, box, reach);
+    cells.pairs([&](std::size_t p, std::size_t q) {
+        const std::size_t i = cells.member()[p], j = cells.member()[q];
+        const double dx = nearest_image_once(cells.x()[q] - cells.x()[p], box);
+        const double dy = nearest_image_once(cells.y()[q] - cells.y()[p], box);
+        const double r2 = dx * dx + dy * dy;
+        if (!(r2 < reach * reach && r2 > 0.0))
+            return;
         near[i].add(j, dx, dy);
         near[j].add(i, -dx, -dy);
     });

@@ -8,16 +8,11 @@
 // such a circle are none, and each bead of a square lattice has four. Beads in exactly one place do not see
 // each other.
 
-#include <cstddef>
+#include "rodwake/core/bond_order.hpp"
+
 #include <vector>
 
 namespace rodwake::measure {
-
-/// From one bead to a neighbour (perhaps an image); each bond comes once from either end.
-struct Bond {
-    std::size_t from = 0, to = 0;
-    double dx = 0.0, dy = 0.0;
-};
 
 /// Places in [0, box).
 std::vector<Bond> delaunay_bonds(const std::vector<double>& x, const std::vector<double>& y, double box);

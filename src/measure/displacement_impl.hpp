@@ -1,32 +1,110 @@
 #pragma once
-// What a DisplacementRecord holds: the sums of its estimator and what is common to all.
+// Sums of exp(i G_k.r) in bins around the rod: what the estimators `phase` and `density` need.
+//
+// phase:   in the box's frame, the mean phase of the far field taken off in each frame (the crystal drifts).
+// density: in the rod's frame (wave vectors turned to the rod's heading at the start of the block), nothing
+//          taken off: the Fourier content at G_k of the time-averaged density around the rod.
+
+#include "blocks.hpp"
+#include "plane_waves.hpp"
+#include "rod_view.hpp"
 
 #include "rodwake/measure/displacement.hpp"
-
-#include "lagrangian_record.hpp"
-#include "phase_record.hpp"
 
 #include <optional>
 #include <variant>
 
 namespace rodwake::measure {
 
-struct DisplacementRecord::Impl {
-    using Sums = std::variant<PhaseRecord, LagrangianRecord>;
+class PhaseAccumulator {
+public:
+    /// Channels of a bin: real and imaginary parts of the three sums, beads, places from the bin's middle.
+    enum Channel : std::size_t { re0, im0, re1, im1, re2, im2, beads, place_x, place_y, channels };
 
-    Impl(const Layout& layout_in, const DisplacementKeys& keys_in);
+    PhaseAccumulator(const Layout& layout, const DisplacementOptions& options);
+
+    /// Whether the frame was used: not if no bead is far from every rod.
+    bool add(const Frame& frame);
+    void save(StateWriter& out) const;
+    void load(StateReader& in);
+
+    /// Of the first frame.
+    const std::optional<BraggPeaks>& peaks() const { return peaks_; }
+    std::span<const BlockSums> blocks() const { return blocks_.all(); }
+
+private:
+    std::optional<Phases> far_phases(const Frame& frame) const;
+    void count(const Seen& now, const Phases& waves, BlockSums& block) const;
+
+    Layout layout_;
+    DisplacementOptions options_;
+    RodGrid grid_;
+    std::optional<BraggPeaks> peaks_;
+    Blocks blocks_;
+    std::vector<Phases> waves_; ///< of the frame at hand, in the box's frame; no state
+};
+
+void save(StateWriter& out, const std::optional<BraggPeaks>& peaks);
+std::optional<BraggPeaks> load_peaks(StateReader& in);
+
+// Displacement of each bead from where it was before the rod came, the mean displacement of all beads taken
+// off, in the bin of that place.
+//
+// Where it was: its mean place while it was in the zone ahead, 0.3 L < x < 0.45 L in the rod's frame; before
+// it has been there, its place in the first frame if that was ahead already, 0.15 L < x < 0.45 L. Other beads
+// do not count until they have come through the zone. A bead that enters it anew gets a new place.
+
+class LagrangianAccumulator {
+public:
+    /// Channels of a bin: displacement along and across the rod, beads, places from the bin's middle.
+    enum Channel : std::size_t { along, across, beads, place_x, place_y, channels };
+
+    LagrangianAccumulator(const Layout& layout, const DisplacementOptions& options);
+
+    void add(const Frame& frame);
+    void save(StateWriter& out) const;
+    void load(StateReader& in);
+
+    std::span<const BlockSums> blocks() const { return blocks_.all(); }
+
+private:
+    void start(const Frame& frame, const RodView& rod);
+    void note_zone(std::size_t bead, const Frame& frame, const Seen& now);
+    void count(std::size_t bead, const Frame& frame, const RodView& rod, double* sums);
+
+    Layout layout_;
+    DisplacementOptions options_;
+    RodGrid grid_;
+    Blocks blocks_;
+    std::vector<double> place_x_, place_y_; ///< [beads] sums of drift-free places before the rod came
+    std::vector<double> samples_;           ///< [beads] how many; 0: unknown
+    std::vector<double> in_zone_;           ///< [beads] 1 while it is there
+    double first_x_ = 0.0, first_y_ = 0.0;  ///< mean of all beads in the first frame
+    double drift_x_ = 0.0, drift_y_ = 0.0;  ///< of that mean until the frame at hand
+};
+
+// What a DisplacementAccumulator holds: the sums of its estimator and what is common to all.
+
+using EstimatorSums = std::variant<PhaseAccumulator, LagrangianAccumulator>;
+
+struct DisplacementAccumulator::Impl {
+    Impl(const Layout& layout_in, const DisplacementOptions& options_in);
 
     void add(const Frame& frame);
     void follow(const Frame& frame);
 
     Layout layout;
-    DisplacementKeys keys; ///< as given
-    double far_from;       ///< m, worked out
-    Sums sums;
+    DisplacementOptions options; ///< as given
+    double far_from;             ///< m, worked out
+    EstimatorSums sums;
     std::size_t frames = 0;
     double path = 0.0, duration = 0.0; ///< of the rod along its heading, m; s
     double last_time = 0.0;
     RodPlace last; ///< of the rod
+};
+
+struct DisplacementSums {
+    static const DisplacementAccumulator::Impl& of(const DisplacementAccumulator& run) { return *run.impl_; }
 };
 
 } // namespace rodwake::measure

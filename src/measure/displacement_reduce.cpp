@@ -1,9 +1,11 @@
-#include "rodwake/core/error.hpp"
-
-#include "fill_in.hpp"
-#include "lagrangian_samples.hpp"
-#include "phase_samples.hpp"
+#include "displacement_impl.hpp"
+#include "estimators.hpp"
 #include "regrid.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/measure/displacement.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,13 +16,15 @@ namespace {
 
 constexpr int reference_rounds = 3;
 
-void check(std::span<const DisplacementRecord> runs) {
-    const bool same = std::ranges::all_of(runs, [&](const DisplacementRecord& run) {
-        return run.layout() == runs[0].layout() && run.keys() == runs[0].keys();
+void check(std::span<const DisplacementAccumulator> runs) {
+    const bool same = std::ranges::all_of(runs, [&](const DisplacementAccumulator& run) {
+        return run.layout() == runs[0].layout() && run.options() == runs[0].options();
     });
     if (!same)
-        throw InputError("measure: displacement: records of different beds or keys cannot be put together");
-    if (std::ranges::none_of(runs, [](const DisplacementRecord& run) { return run.impl().frames > 0; }))
+        throw InputError(
+            "measure: displacement: accumulators of different beds or options cannot be put together");
+    if (std::ranges::none_of(
+            runs, [](const DisplacementAccumulator& run) { return DisplacementSums::of(run).frames > 0; }))
         throw InputError(
             "measure: displacement: there are no frames to measure, or none has a bead farther than "
             "far_from from every rod; lengthen the runs or lower `from` or `far_from`");
@@ -149,15 +153,15 @@ std::size_t block_count(std::span<const BlockSums> parts) {
     return count;
 }
 
-void describe(std::span<const DisplacementRecord> runs, DisplacementField& field) {
+void describe(std::span<const DisplacementAccumulator> runs, DisplacementField& field) {
     double path = 0.0, duration = 0.0;
-    for (const DisplacementRecord& run : runs) {
-        const auto& impl = run.impl();
+    for (const DisplacementAccumulator& run : runs) {
+        const auto& impl = DisplacementSums::of(run);
         field.frames += impl.frames;
         path += impl.path;
         duration += impl.duration;
         std::visit([&](const auto& sums) { field.blocks += block_count(sums.blocks()); }, impl.sums);
-        if (const auto* phase = std::get_if<PhaseRecord>(&impl.sums);
+        if (const auto* phase = std::get_if<PhaseAccumulator>(&impl.sums);
             phase && phase->peaks() && field.peaks.m[0] == 0 && field.peaks.n[0] == 0)
             field.peaks = *phase->peaks();
     }
@@ -166,22 +170,57 @@ void describe(std::span<const DisplacementRecord> runs, DisplacementField& field
 
 } // namespace
 
-DisplacementField reduce(std::span<const DisplacementRecord> runs) {
+DisplacementField reduce(std::span<const DisplacementAccumulator> runs) {
     check(runs);
-    const DisplacementKeys& keys = runs[0].keys();
+    const DisplacementOptions& options = runs[0].options();
     DisplacementField field;
-    field.grid = RodGrid(runs[0].layout().box, keys.spacing);
-    field.method = keys.method;
-    field.reference = keys.reference;
+    field.grid = RodGrid(runs[0].layout().box, options.spacing);
+    field.method = options.method;
+    field.reference = options.reference;
     describe(runs, field);
     const BinSamples samples =
-        keys.method == DisplacementMethod::lagrangian ? lagrangian_samples(runs) : phase_samples(runs);
+        options.method == DisplacementMethod::lagrangian ? lagrangian_samples(runs) : phase_samples(runs);
     field.block_correlation = samples.block_correlation;
-    place(samples, runs[0].impl().far_from, field);
-    if (keys.mirror)
+    place(samples, DisplacementSums::of(runs[0]).far_from, field);
+    if (options.mirror)
         field = with_mirror_image(field);
     unknown_errors(field);
     return field;
+}
+
+namespace {
+
+void want(bool good, const char* what, const std::string& found, const char* legal) {
+    if (!good)
+        throw InputError(fmt::format("measure: profile: {} = \"{}\": must be {}", what, found, legal));
+}
+
+} // namespace
+
+Profile profile(const DisplacementField& field, const std::string& component, const std::string& along,
+                double at) {
+    want(component == "Ux" || component == "Uy", "component", component, "Ux or Uy");
+    want(along == "x" || along == "y", "along", along, "x or y");
+    const RodGrid& grid = field.grid;
+    const std::size_t middle = grid.n / 2;
+    const double line = std::round(at / grid.spacing) + static_cast<double>(middle);
+    if (!(line >= 0.0 && line < static_cast<double>(grid.n)))
+        throw InputError(fmt::format("measure: profile at {:g} m: the grid reaches from {:g} to {:g} m", at,
+                                     grid.middle(0), grid.middle(grid.n - 1)));
+    const auto& value = component == "Ux" ? field.Ux : field.Uy;
+    const auto& sigma = component == "Ux" ? field.sigma_x : field.sigma_y;
+    Profile result{component, along, grid.middle(static_cast<std::size_t>(line)), {}, {}, {}, {}};
+    for (std::size_t k = 0; k < grid.n; ++k) {
+        const std::size_t fixed = static_cast<std::size_t>(line),
+                          bin = along == "x" ? fixed * grid.n + k : k * grid.n + fixed;
+        if (!(field.count[bin] > 0.0))
+            continue;
+        result.place.push_back(grid.middle(k));
+        result.value.push_back(value[bin]);
+        result.sigma.push_back(sigma[bin]);
+        result.count.push_back(field.count[bin]);
+    }
+    return result;
 }
 
 } // namespace rodwake::measure

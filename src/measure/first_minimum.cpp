@@ -1,4 +1,4 @@
-#include "rodwake/measure/structure.hpp"
+#include "rodwake/measure/order.hpp"
 
 #include "rodwake/core/error.hpp"
 

@@ -8,12 +8,12 @@ namespace rodwake::measure {
 namespace {
 
 using Row = std::vector<double>;
-using Runs = std::span<const FlowRecord>;
+using Runs = std::span<const FlowAccumulator>;
 
-std::vector<const FlowRecord::Block*> all_blocks(Runs runs) {
-    std::vector<const FlowRecord::Block*> blocks;
-    for (const FlowRecord& run : runs)
-        for (const FlowRecord::Block& block : run.blocks())
+std::vector<const FlowAccumulator::Block*> all_blocks(Runs runs) {
+    std::vector<const FlowAccumulator::Block*> blocks;
+    for (const FlowAccumulator& run : runs)
+        for (const FlowAccumulator::Block& block : run.blocks())
             blocks.push_back(&block);
     return blocks;
 }
@@ -21,9 +21,9 @@ std::vector<const FlowRecord::Block*> all_blocks(Runs runs) {
 void check(Runs runs) {
     if (runs.empty())
         throw InputError("measure: flow: no runs");
-    for (const FlowRecord& run : runs)
-        if (!(run.keys() == runs[0].keys()) || !(run.layout() == runs[0].layout()))
-            throw InputError("measure: flow: the runs were measured with different keys or beds");
+    for (const FlowAccumulator& run : runs)
+        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
+            throw InputError("measure: flow: the runs were measured with different options or beds");
     if (all_blocks(runs).empty())
         throw InputError(
             "measure: flow: no two frames a lag apart: write frames more often, run longer or choose a "
@@ -39,10 +39,10 @@ FlowField empty_field(const RodGrid& grid) {
     return field;
 }
 
-void set_bin(FlowField& field, std::size_t bin, const std::vector<const FlowRecord::Block*>& blocks) {
+void set_bin(FlowField& field, std::size_t bin, const std::vector<const FlowAccumulator::Block*>& blocks) {
     Row vx, vy, weights;
     double ux = 0.0, uy = 0.0;
-    for (const FlowRecord::Block* block : blocks) {
+    for (const FlowAccumulator::Block* block : blocks) {
         const double count = block->count[bin];
         if (count == 0.0)
             continue;
@@ -78,7 +78,7 @@ double near_speed(const FlowField& field, double within) {
 }
 
 /// Mean displacement of the marked beads of a run along the rod's first heading.
-double drag_of(const FlowRecord& run, const std::vector<MarkedBead>& beads) {
+double drag_of(const FlowAccumulator& run, const std::vector<MarkedBead>& beads) {
     const double c = std::cos(run.first_heading()), s = std::sin(run.first_heading());
     double sum = 0.0;
     for (const MarkedBead& bead : beads)
@@ -88,7 +88,7 @@ double drag_of(const FlowRecord& run, const std::vector<MarkedBead>& beads) {
 
 void set_drag(FlowField& field, Runs runs) {
     Row drags, shares;
-    for (const FlowRecord& run : runs) {
+    for (const FlowAccumulator& run : runs) {
         const std::vector<MarkedBead> beads = run.marked();
         if (beads.empty() || run.frames() < 2)
             continue;
@@ -112,7 +112,7 @@ FlowField reduce(Runs runs) {
     set_drag(field, runs);
     field.near_speed = near_speed(field, 6.0 * runs[0].layout().bead_radius);
     field.blocks = blocks.size();
-    for (const FlowRecord& run : runs)
+    for (const FlowAccumulator& run : runs)
         field.frames += run.frames();
     return field;
 }

@@ -1,5 +1,4 @@
 #include "rodwake/measure/frame.hpp"
-
 #include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
@@ -46,7 +45,7 @@ void validate(const Layout& layout) {
 void check_frame(const Layout& layout, const Frame& frame) {
     if (!std::isfinite(frame.time))
         throw RunError("measure: the time of a frame is not finite");
-    for (const auto* values : {&frame.x, &frame.y, &frame.free_x, &frame.free_y})
+    for (const auto* values : {&frame.x, &frame.y, &frame.unwrapped_x, &frame.unwrapped_y})
         want_values("coordinates of beads", *values, layout.beads);
     for (const auto* values : {&frame.vx, &frame.vy})
         want_values("velocities of beads", *values, layout.beads);
@@ -60,8 +59,32 @@ void check_frame(const Layout& layout, const Frame& frame) {
             throw RunError("measure: the place of a rod is not finite");
 }
 
-double nearest(double difference, double box) {
-    return std::remainder(difference, box); // exact, but a call: inner loops have their own
+void EvenTimes::next(double time, const char* what) {
+    const double step = time - last;
+    if (frames > 0 && !(step > 0.0))
+        throw RunError(fmt::format(
+            "measure: {}: a frame at {:.9g} s follows one at {:.9g} s: times must grow", what, time, last));
+    if (frames > 1 && std::abs(step - interval) > 1e-6 * interval)
+        throw RunError(
+            fmt::format("measure: {}: frames at {:.9g} s and {:.9g} s are {:.9g} s apart, those before "
+                        "{:.9g} s: they must be evenly spaced",
+                        what, last, time, step, interval));
+    if (frames == 1)
+        interval = step;
+    last = time;
+    ++frames;
+}
+
+void EvenTimes::save(StateWriter& out) const {
+    out.put(frames);
+    out.put(last);
+    out.put(interval);
+}
+
+void EvenTimes::load(StateReader& in) {
+    frames = in.count();
+    last = in.get();
+    interval = in.get();
 }
 
 } // namespace rodwake::measure

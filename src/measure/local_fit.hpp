@@ -1,7 +1,7 @@
 #pragma once
 // Samples at scattered places of the rod's frame: those near a point, and a quadratic through them.
 
-#include "bin_samples.hpp"
+#include "estimators.hpp"
 
 #include <Eigen/Core>
 

@@ -1,60 +1,44 @@
 #include "rodwake/measure/measures.hpp"
 
+#include <algorithm>
+
 namespace rodwake::measure {
 
-Measures::Measures(const Layout& layout, const MeasureKeys& keys) : layout_(layout), keys_(keys) {
-    validate(layout);
-    if (keys.structure)
-        structure_.emplace(layout, *keys.structure);
-    if (keys.microrheology)
-        microrheology_.emplace(layout, *keys.microrheology);
-    if (keys.flow)
-        flow_.emplace(layout, *keys.flow);
-    if (keys.displacement)
-        displacement_.emplace(layout, *keys.displacement);
+Measures::Measures(const Layout& layout, double from) : layout_(layout), from_(from) { validate(layout); }
+
+void Measures::include(std::string name, Accumulator sums, std::size_t every) {
+    parts_.push_back({std::move(name), every, std::move(sums)});
 }
 
 void Measures::add(const Frame& frame) {
     check_frame(layout_, frame);
-    if (frame.time < keys_.from)
+    if (frame.time < from_)
         return;
-    if (structure_ && frames_ % keys_.structure_every == 0)
-        structure_->add(frame);
-    if (microrheology_)
-        microrheology_->add(frame);
-    if (flow_)
-        flow_->add(frame);
-    if (displacement_)
-        displacement_->add(frame);
+    for (Part& part : parts_)
+        if (frames_ % part.every == 0)
+            part.sums.add(frame);
     ++frames_;
 }
 
-std::vector<double> Measures::pack() const {
-    Packer out;
+std::vector<double> Measures::save() const {
+    StateWriter out;
     out.put(frames_);
-    if (structure_)
-        structure_->pack(out);
-    if (microrheology_)
-        microrheology_->pack(out);
-    if (flow_)
-        flow_->pack(out);
-    if (displacement_)
-        displacement_->pack(out);
+    for (const Part& part : parts_)
+        part.sums.save(out);
     return out.take();
 }
 
-void Measures::unpack(std::span<const double> values, const std::string& what) {
-    Unpacker in(values, what);
+void Measures::load(std::span<const double> values, const std::string& what) {
+    StateReader in(values, what);
     frames_ = in.count();
-    if (structure_)
-        structure_->unpack(in);
-    if (microrheology_)
-        microrheology_->unpack(in);
-    if (flow_)
-        flow_->unpack(in);
-    if (displacement_)
-        displacement_->unpack(in);
+    for (Part& part : parts_)
+        part.sums.load(in);
     in.finish();
+}
+
+Accumulator* Measures::find(std::string_view name) {
+    const auto found = std::ranges::find(parts_, name, &Part::name);
+    return found == parts_.end() ? nullptr : &found->sums;
 }
 
 } // namespace rodwake::measure

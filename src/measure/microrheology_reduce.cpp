@@ -13,8 +13,8 @@ namespace rodwake::measure {
 namespace {
 
 using Row = std::vector<double>;
-using Runs = std::span<const MicrorheologyRecord>;
-constexpr auto channels = MicrorheologyRecord::channels, groups = MicrorheologyRecord::groups;
+using Runs = std::span<const MicrorheologyAccumulator>;
+constexpr auto channels = MicrorheologyAccumulator::channels, groups = MicrorheologyAccumulator::groups;
 constexpr std::size_t fewest_frames = 32, fewest_runs = 4, window_points = 16;
 
 struct Lag {
@@ -30,14 +30,14 @@ struct Block {
 void check(Runs runs) {
     if (runs.empty())
         throw InputError("measure: microrheology: no runs");
-    for (const MicrorheologyRecord& run : runs) {
+    for (const MicrorheologyAccumulator& run : runs) {
         if (run.frames() < fewest_frames)
             throw InputError(
                 fmt::format("measure: microrheology of {} frames: needs at least {} a run; write frames more "
                             "often or run longer",
                             run.frames(), fewest_frames));
-        if (!(run.keys() == runs[0].keys()) || !(run.layout() == runs[0].layout()))
-            throw InputError("measure: microrheology: the runs were measured with different keys or beds");
+        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
+            throw InputError("measure: microrheology: the runs were measured with different options or beds");
         if (std::abs(run.interval() - runs[0].interval()) > 1e-6 * runs[0].interval())
             throw InputError(
                 fmt::format("measure: microrheology: frames are {:g} s apart in one run and {:g} s in "
@@ -46,7 +46,7 @@ void check(Runs runs) {
     }
 }
 
-double origins(const MicrorheologyRecord& run, Lag lag) {
+double origins(const MicrorheologyAccumulator& run, Lag lag) {
     return lag.level < run.levels().size() ? run.levels()[lag.level].origins[lag.channel] : 0.0;
 }
 
@@ -78,7 +78,7 @@ Row well_known(Runs runs, const std::vector<Lag>& lags, const Row& seconds) {
     return {seconds.begin(), seconds.begin() + (end - lags.begin())};
 }
 
-Block block(const MicrorheologyRecord& run, const std::vector<Lag>& lags, std::size_t first,
+Block block(const MicrorheologyAccumulator& run, const std::vector<Lag>& lags, std::size_t first,
             std::size_t end) {
     Block b{Row(lags.size(), 0.0), Row(lags.size(), 0.0)};
     for (std::size_t i = 0; i < lags.size(); ++i)
@@ -92,7 +92,7 @@ Block block(const MicrorheologyRecord& run, const std::vector<Lag>& lags, std::s
 std::vector<Block> all_blocks(Runs runs, const std::vector<Lag>& lags) {
     std::vector<Block> blocks;
     const std::size_t step = runs.size() >= fewest_runs ? groups : 1;
-    for (const MicrorheologyRecord& run : runs)
+    for (const MicrorheologyAccumulator& run : runs)
         for (std::size_t g = 0; g < groups; g += step)
             blocks.push_back(block(run, lags, g, g + step));
     return blocks;
@@ -145,7 +145,7 @@ void set_msd(MicrorheologyResult& result, Runs runs, const std::vector<Lag>& lag
     for (const Lag lag : lags) {
         result.lag.push_back(static_cast<double>(lag.frames()) * runs[0].interval());
         result.origins.push_back(0.0);
-        for (const MicrorheologyRecord& run : runs)
+        for (const MicrorheologyAccumulator& run : runs)
             result.origins.back() += origins(run, lag);
     }
     const Jackknife msd = Jackknife::of(blocks, [](const Row& curve) { return curve; });
@@ -173,8 +173,9 @@ Row log_range(double low, double high, std::size_t points) {
 
 /// Below 1/t_max the transform is mostly the tail's, above half a frame's rate mostly the straight piece from
 /// lag 0 to the first lag's.
-void set_window(MicrorheologyResult& result, const MicrorheologyKeys& keys, double longest, double interval) {
-    const double low = keys.s_low.value_or(2.0 / longest), high = keys.s_high.value_or(8.0 / longest);
+void set_window(MicrorheologyResult& result, const MicrorheologyOptions& options, double longest,
+                double interval) {
+    const double low = options.s_low.value_or(2.0 / longest), high = options.s_high.value_or(8.0 / longest);
     result.s_low = std::max(low, 1.0 / longest);
     result.s_high = std::min(high, 0.5 / interval);
     result.window_narrowed = result.s_low != low || result.s_high != high;
@@ -231,17 +232,21 @@ void set_stiffness_zero(MicrorheologyResult& result, const std::vector<Block>& b
 
 void set_spring(MicrorheologyResult& result, Runs runs) {
     double sum = 0.0;
-    for (const MicrorheologyRecord& run : runs) {
+    for (const MicrorheologyAccumulator& run : runs) {
         sum += run.temperature() * static_cast<double>(run.frames());
         result.frames += run.frames();
     }
     result.temperature = sum / static_cast<double>(result.frames);
     const double factor = 4.0 * runs[0].layout().bead_mass * result.temperature;
-    const Estimate& zero = result.stiffness_zero;
-    result.spring = {factor * zero.value, factor * zero.error, zero.samples};
+    result.spring = result.stiffness_zero.scaled(factor);
 }
 
 } // namespace
+
+void MicrorheologyResult::use_temperature(double T) {
+    spring = spring.scaled(T / temperature);
+    temperature = T;
+}
 
 MicrorheologyResult reduce(Runs runs) {
     check(runs);
@@ -250,7 +255,7 @@ MicrorheologyResult reduce(Runs runs) {
     MicrorheologyResult result;
     set_msd(result, runs, lags, blocks);
     const Row lag = well_known(runs, lags, result.lag);
-    set_window(result, runs[0].keys(), lag.back(), runs[0].interval());
+    set_window(result, runs[0].options(), lag.back(), runs[0].interval());
     set_stiffness(result, blocks, lag, runs[0].interval());
     set_stiffness_zero(result, blocks, lag);
     set_spring(result, runs);

@@ -1,6 +1,7 @@
-#include "pair_outcome.hpp"
+#include "rodwake/measure/pairs.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/periodic.hpp"
 
 #include <fmt/format.h>
 
@@ -27,10 +28,15 @@ void want_positive(const char* what, double value) {
         throw InputError(fmt::format("measure: pair, {} {:g}: must be finite and positive", what, value));
 }
 
-void check(const PairTrack& track, const PairKeys& keys) {
-    want_positive("box (m)", keys.box);
-    want_positive("contact distance (m)", keys.contact_distance);
-    want_positive("lock angle (rad)", keys.lock_angle);
+void check(const PairTrack& track, const PairOptions& options) {
+    want_positive("box (m)", options.box);
+    want_positive("contact distance (m)", options.contact_distance);
+    const EndingCriteria& limit = options.ending;
+    want_positive("locked heading (rad)", limit.locked_heading);
+    want_positive("lateral offset", limit.lateral_offset);
+    want_positive("steady separation", limit.steady_separation);
+    want_positive("residual turn (rad)", limit.residual_turn);
+    want_positive("last part of the track", limit.steady_fraction);
     if (track.t.size() < 2)
         throw InputError(fmt::format("measure: pair: a track of {} rows: needs 2 or more", track.t.size()));
     want_column(track.t, track.t.size());
@@ -51,93 +57,155 @@ Row turns(const Row& heading) {
     return turn;
 }
 
-/// +1 if the other rod is first to the left of rod i, -1 to its right: a turn there is towards it.
-double side_of_other(const PairTrack& track, const PairKeys& keys, int i) {
-    const Apart d = apart(track, keys.box, 0);
-    const double away = i == 0 ? -1.0 : 1.0, heading = track.heading[i][0];
-    return std::copysign(1.0, away * (std::cos(heading) * d.y - std::sin(heading) * d.x));
-}
-
-/// The frame of the first headings' mean: how far apart across it, and how far along it, in each row.
-struct Course {
-    bool common = false; ///< whether there is a mean heading
-    Row across, ahead;   ///< of rod 0 seen from rod 1
-    Row advanced;        ///< mean of both since the first row
+struct Offset {
+    double x = 0.0, y = 0.0;
 };
 
-Course course(const PairTrack& track, const PairKeys& keys) {
-    double cx = std::cos(track.heading[0][0]) + std::cos(track.heading[1][0]);
-    double cy = std::sin(track.heading[0][0]) + std::sin(track.heading[1][0]);
-    const double length = std::hypot(cx, cy);
-    if (length < 1e-6) // as the granular record has it
-        return {};
-    cx /= length;
-    cy /= length;
-    Course c{true, {}, {}, {}};
-    for (std::size_t row = 0; row < track.t.size(); ++row) {
-        const Apart d = apart(track, keys.box, row);
-        c.across.push_back(cx * d.y - cy * d.x);
-        c.ahead.push_back(cx * d.x + cy * d.y);
-        const auto gone = [&](const Row(&place)[2]) {
-            return (place[0][row] - place[0][0] + place[1][row] - place[1][0]) / 2.0;
-        };
-        c.advanced.push_back(cx * gone(track.x) + cy * gone(track.y));
-    }
-    return c;
+/// Rod 0 seen from rod 1, of the nearest images.
+Offset apart(const PairTrack& track, double box, std::size_t row) {
+    return {nearest_image(track.x[0][row] - track.x[1][row], box),
+            nearest_image(track.y[0][row] - track.y[1][row], box)};
 }
 
-double outward(const Course& c, std::size_t row) {
-    return std::copysign(1.0, c.across[0]) * (c.across[row] - c.across[0]);
+double separation(const PairTrack& track, double box, std::size_t row) {
+    return nearest_distance(track.x[0][row] - track.x[1][row], track.y[0][row] - track.y[1][row], box);
+}
+
+/// What rod 0 has moved by relative to rod 1 from one row to another.
+Offset moved(const PairTrack& track, std::size_t from, std::size_t to) {
+    const auto step = [&](const Row(&place)[2]) {
+        return place[0][to] - place[1][to] - place[0][from] + place[1][from];
+    };
+    return {step(track.x), step(track.y)};
+}
+
+/// +1 if the other rod is first to the left of rod i, -1 to its right: a turn there is towards it.
+double side_of_other(const PairTrack& track, Offset first, int i) {
+    const double away = i == 0 ? -1.0 : 1.0, heading = track.heading[i][0];
+    return std::copysign(1.0, away * (std::cos(heading) * first.y - std::sin(heading) * first.x));
+}
+
+/// How far the rods came along the mean first heading, mean of both.
+double advanced(const PairTrack& track, const PairCourse& course, std::size_t row) {
+    const auto sum = [&](const Row(&place)[2]) {
+        return place[0][row] + place[1][row] - place[0][0] - place[1][0];
+    };
+    return course.ahead(sum(track.x), sum(track.y)) / 2.0;
+}
+
+double change(const PairTrack& track, const PairCourse& course, std::size_t row) {
+    const Offset d = moved(track, 0, row);
+    return course.change(d.x, d.y);
 }
 
 /// Straight between the rows on both sides of half a box.
-std::optional<double> half_box_change(const Course& c, double box) {
-    const auto there = std::ranges::find_if(c.advanced, [&](double way) { return way >= box / 2.0; });
-    if (there == c.advanced.end())
-        return std::nullopt;
-    const auto row = static_cast<std::size_t>(there - c.advanced.begin()); // not the first, which is 0
-    const double before = c.advanced[row - 1];
-    const double part = (box / 2.0 - before) / (c.advanced[row] - before);
-    return outward(c, row - 1) + part * (outward(c, row) - outward(c, row - 1));
+std::optional<double> half_box_change(const PairTrack& track, const PairCourse& course, double box) {
+    for (std::size_t row = 1; row < track.t.size(); ++row) {
+        const double now = advanced(track, course, row);
+        if (now < box / 2.0)
+            continue;
+        const double before = advanced(track, course, row - 1);
+        const double part = (box / 2.0 - before) / (now - before);
+        const double first = change(track, course, row - 1);
+        return first + part * (change(track, course, row) - first);
+    }
+    return std::nullopt;
 }
 
-void set_course(PairRun& run, const PairTrack& track, const PairKeys& keys, const Row (&turn)[2]) {
-    const Course c = course(track, keys);
-    const double distance = image_distance(track, keys.box, 0);
-    run.separation = c.common && !run.perpendicular ? std::abs(c.across[0]) : distance;
-    if (!c.common)
-        return;
-    run.half_box_change = half_box_change(c, keys.box);
-    run.last_change = outward(c, track.t.size() - 1);
+/// Who was ahead when the pair had turned most.
+int leader(const PairTrack& track, const PairCourse& course, Offset first, const Row (&turn)[2]) {
     std::size_t most = 0;
+    const auto turned = [&](std::size_t row) { return std::abs(turn[0][row]) + std::abs(turn[1][row]); };
     for (std::size_t row = 0; row < track.t.size(); ++row)
-        if (std::abs(turn[0][row]) + std::abs(turn[1][row]) >
-            std::abs(turn[0][most]) + std::abs(turn[1][most]))
+        if (turned(row) > turned(most))
             most = row;
-    run.leader = c.ahead[most] >= 0.0 ? 0 : 1;
+    const Offset d = moved(track, 0, most);
+    return course.ahead(first.x + d.x, first.y + d.y) >= 0.0 ? 0 : 1;
+}
+
+void set_course(PairRun& run, const PairTrack& track, double box, Offset first, const Row (&turn)[2]) {
+    const PairCourse course(track.heading[0][0], track.heading[1][0], first.x, first.y);
+    run.separation =
+        course.common() && !run.perpendicular ? course.separation() : std::hypot(first.x, first.y);
+    if (!course.common())
+        return;
+    run.half_box_change = half_box_change(track, course, box);
+    run.last_change = change(track, course, track.t.size() - 1);
+    run.leader = leader(track, course, first, turn);
     const double front = std::abs(turn[run.leader].back()), rear = std::abs(turn[1 - run.leader].back());
     if (front + rear > 1e-9) // rad
         run.non_reciprocity = (rear - front) / (rear + front);
 }
 
+/// First row of the last part of a track: at most the last but one.
+std::size_t late_row(const PairTrack& track, double fraction) {
+    const double from = track.t.back() - fraction * (track.t.back() - track.t.front());
+    const auto found = std::ranges::lower_bound(track.t, from) - track.t.begin();
+    return std::min(static_cast<std::size_t>(found), track.t.size() - 2);
+}
+
+/// The end of a track from its rows `late` to last (core/encounter.hpp says what is a mean).
+PairEnd end_of(const PairTrack& track, double box, std::size_t late, const Row (&turn)[2]) {
+    const std::size_t last = track.t.size() - 1;
+    const double duration = track.t[last] - track.t[late];
+    const Offset place = apart(track, box, last), way = moved(track, late, last);
+    PairEnd end;
+    end.x = place.x;
+    end.y = place.y;
+    end.vx = way.x / duration;
+    end.vy = way.y / duration;
+    for (const int i : {0, 1}) {
+        end.heading[i] = track.heading[i][last];
+        end.late.max_turning =
+            std::max(end.late.max_turning, std::abs(turn[i][last] - turn[i][late]) / duration);
+    }
+    end.late.min_separation = end.late.max_separation = std::hypot(place.x, place.y);
+    for (std::size_t row = late; row <= last; ++row) {
+        end.angle = std::max(end.angle, angle_between(track.heading[0][row], track.heading[1][row]));
+        const double r = separation(track, box, row);
+        end.late.min_separation = std::min(end.late.min_separation, r);
+        end.late.max_separation = std::max(end.late.max_separation, r);
+    }
+    return end;
+}
+
+/// The time from which on headings stay locked.
+double lock_begin(const PairTrack& track, double locked) {
+    std::size_t row = track.t.size() - 1;
+    while (row > 0 && angle_between(track.heading[0][row - 1], track.heading[1][row - 1]) <= locked)
+        --row;
+    return track.t[row];
+}
+
+void set_ending(PairRun& run, const PairTrack& track, const PairOptions& options, const Row (&turn)[2]) {
+    for (std::size_t row = 0; row < track.t.size(); ++row)
+        if (separation(track, options.box, row) < options.contact_distance) {
+            run.ending = Ending::contact;
+            run.ending_time = track.t[row];
+            return;
+        }
+    const std::size_t late = late_row(track, options.ending.steady_fraction);
+    run.ending = classify(end_of(track, options.box, late, turn), options.ending);
+    run.ending_time =
+        run.ending == Ending::pursuit ? lock_begin(track, options.ending.locked_heading) : track.t.back();
+}
+
 } // namespace
 
-PairRun follow_pair(const PairTrack& track, const PairKeys& keys) {
-    check(track, keys);
+PairRun follow_pair(const PairTrack& track, const PairOptions& options) {
+    check(track, options);
     PairRun run;
-    const double between =
-        std::abs(std::remainder(track.heading[0][0] - track.heading[1][0], 2.0 * std::numbers::pi));
+    const double between = angle_between(track.heading[0][0], track.heading[1][0]);
     run.perpendicular = between > std::numbers::pi / 3.0 && between < 2.0 * std::numbers::pi / 3.0;
     const Row turn[2] = {turns(track.heading[0]), turns(track.heading[1])};
+    const Offset first = apart(track, options.box, 0);
     for (const int i : {0, 1})
-        run.turn[i] = side_of_other(track, keys, i) * turn[i].back();
-    set_course(run, track, keys, turn);
-    run.min_separation = image_distance(track, keys.box, 0);
+        run.turn[i] = side_of_other(track, first, i) * turn[i].back();
+    set_course(run, track, options.box, first, turn);
+    run.min_separation = separation(track, options.box, 0);
     for (std::size_t row = 1; row < track.t.size(); ++row)
-        run.min_separation = std::min(run.min_separation, image_distance(track, keys.box, row));
-    const Ending end = ending(track, keys);
-    run.outcome = end.outcome;
-    run.outcome_time = end.time;
+        run.min_separation = std::min(run.min_separation, separation(track, options.box, row));
+    set_ending(run, track, options, turn);
     return run;
 }
 
@@ -153,9 +221,8 @@ PairResult reduce(std::span<const PairRun> runs) {
         index.push_back(run.non_reciprocity);
         rear.push_back(run.turn[1 - run.leader]);
         front.push_back(run.turn[run.leader]);
-        ++(run.outcome == PairOutcome::contact   ? result.contact
-           : run.outcome == PairOutcome::pursuit ? result.pursuit
-                                                 : result.escape);
+        std::size_t* const counts[] = {&result.contact, &result.pursuit, &result.escape, &result.undecided};
+        ++*counts[static_cast<std::size_t>(run.ending)];
     }
     result.half_box_change = mean_of_blocks(changes);
     result.not_there = runs.size() - changes.size();

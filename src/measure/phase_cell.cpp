@@ -10,7 +10,7 @@ namespace rodwake::measure {
 namespace {
 
 constexpr int newton_steps = 8;
-constexpr std::size_t channels = PhaseRecord::channels;
+constexpr std::size_t channels = PhaseAccumulator::channels;
 
 } // namespace
 
@@ -23,7 +23,7 @@ PhaseCell::PhaseCell(const std::vector<PhaseBlock>& blocks, const std::vector<Ce
 
 void PhaseCell::add(const PhaseBlock& block, const CellPart& part, Sums& to) {
     const double* from = &block.sums[part.bin * channels];
-    if (from[PhaseRecord::beads] == 0.0)
+    if (from[PhaseAccumulator::beads] == 0.0)
         return;
     const bool moved = part.difference != Vector2{};
     const Phases back =
@@ -33,7 +33,8 @@ void PhaseCell::add(const PhaseBlock& block, const CellPart& part, Sums& to) {
         to[2 * k] += part.weight * z.real();
         to[2 * k + 1] += part.weight * z.imag();
     }
-    for (const std::size_t c : {PhaseRecord::beads, PhaseRecord::place_x, PhaseRecord::place_y})
+    for (const std::size_t c :
+         {PhaseAccumulator::beads, PhaseAccumulator::place_x, PhaseAccumulator::place_y})
         to[c] += part.weight * from[c];
 }
 
@@ -75,12 +76,12 @@ std::vector<Vector2> PhaseCell::pulls(const Vector2& u) {
 std::vector<bool> PhaseCell::present() const {
     std::vector<bool> result(sums_.size());
     for (std::size_t b = 0; b < sums_.size(); ++b)
-        result[b] = sums_[b][PhaseRecord::beads] > 0.0;
+        result[b] = sums_[b][PhaseAccumulator::beads] > 0.0;
     return result;
 }
 
 double PhaseCell::coherence() const {
-    return std::clamp(in_phase_ / (3.0 * total(PhaseRecord::beads)), 0.0, 1.0);
+    return std::clamp(in_phase_ / (3.0 * total(PhaseAccumulator::beads)), 0.0, 1.0);
 }
 
 /// Slope of each block's likelihood and curvature of all.
@@ -88,7 +89,7 @@ void PhaseCell::look(const Vector2& u) {
     xx_ = xy_ = yy_ = in_phase_ = longest_ = 0.0;
     slopes_.assign(sums_.size(), {});
     for (std::size_t b = 0; b < sums_.size(); ++b) {
-        if (sums_[b][PhaseRecord::beads] == 0.0)
+        if (sums_[b][PhaseAccumulator::beads] == 0.0)
             continue;
         const Phases back = plane_waves(blocks_[b].g, -u.x, -u.y);
         for (std::size_t k = 0; k < 3; ++k)

@@ -27,7 +27,7 @@ public:
     double coherence() const;
 
 private:
-    using Sums = std::array<double, PhaseRecord::channels>;
+    using Sums = std::array<double, PhaseAccumulator::channels>;
 
     static void add(const PhaseBlock& block, const CellPart& part, Sums& to);
     void look(const Vector2& u);

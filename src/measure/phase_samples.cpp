@@ -1,21 +1,96 @@
-#include "phase_samples.hpp"
+#include "blocks.hpp"
+#include "estimators.hpp"
+#include "phase_cell.hpp"
+#include "regrid.hpp"
+#include "unwrap.hpp"
 
 #include "rodwake/core/error.hpp"
 
-#include "block_scatter.hpp"
-#include "first_guess.hpp"
-#include "phase_cell.hpp"
-
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
 
 namespace rodwake::measure {
 
 namespace {
 
+constexpr double same_heading = 0.1; // rad
+constexpr double full_count = 10.0;  // beads at which a bin's coherence begins to be trusted
+constexpr std::size_t channels = PhaseAccumulator::channels;
+
+bool alike(const PhaseBlock& a, const PhaseBlock& b) {
+    return a.m == b.m && a.n == b.n &&
+           std::abs(std::remainder(a.heading - b.heading, 2.0 * M_PI)) <= same_heading;
+}
+
+/// The block to which most frames are alike.
+const PhaseBlock& centre_of(const std::vector<PhaseBlock>& blocks) {
+    std::size_t best = 0;
+    double most = -1.0;
+    for (std::size_t a = 0; a < blocks.size(); ++a) {
+        double frames = 0.0;
+        for (const PhaseBlock& b : blocks)
+            frames += alike(blocks[a], b) ? b.frames : 0.0;
+        if (frames > most) {
+            most = frames;
+            best = a;
+        }
+    }
+    return blocks[best];
+}
+
+/// phase_1 = phase_0 + phase_2 holds up to noise and a whole turn, which is taken out.
+Vector2 principal_value(const double* sums, const std::array<Vector2, 3>& g) {
+    std::array<double, 3> phase{};
+    for (std::size_t k = 0; k < 3; ++k)
+        phase[k] = std::atan2(sums[2 * k + 1], sums[2 * k]);
+    const double sum = phase[0] + phase[2];
+    phase[1] = sum + std::remainder(phase[1] - sum, 2.0 * M_PI);
+    BraggPeaks axes;
+    axes.G = g;
+    return displacement_of(axes, phase);
+}
+
+double quality(const double* sums) {
+    const double count = sums[PhaseAccumulator::beads];
+    double size = 0.0;
+    for (std::size_t k = 0; k < 3; ++k)
+        size += std::hypot(sums[2 * k], sums[2 * k + 1]) / 3.0;
+    return count > 0.0 ? size / (count + full_count) : 0.0;
+}
+
+/// Bins without beads of those blocks are filled in.
+std::vector<Vector2> first_guess(const std::vector<PhaseBlock>& blocks, const RodGrid& grid,
+                                 double far_from) {
+    const PhaseBlock& centre = centre_of(blocks);
+    std::vector<double> pooled(centre.sums.size(), 0.0);
+    for (const PhaseBlock& block : blocks)
+        if (alike(centre, block))
+            std::ranges::transform(pooled, block.sums, pooled.begin(), std::plus{});
+    std::vector<Vector2> u(grid.bins());
+    std::vector<double> good(grid.bins());
+    for (std::size_t j = 0; j < grid.bins(); ++j) {
+        u[j] = principal_value(&pooled[j * channels], centre.g);
+        good[j] = quality(&pooled[j * channels]);
+    }
+    const auto done = unwrap(u, good, grid, LatticeVectors(centre.g), far_from);
+    for (double Vector2::*part : {&Vector2::x, &Vector2::y}) {
+        std::vector<double> values(u.size());
+        std::ranges::transform(u, values.begin(), [&](const Vector2& v) { return v.*part; });
+        fill_in(values, done, grid.n);
+        for (std::size_t j = 0; j < u.size(); ++j)
+            u[j].*part = values[j];
+    }
+    return u;
+}
+
 constexpr double least_contrast = 20.0;
 
 std::vector<Follows> follows_of(const std::vector<PhaseBlock>& blocks) {
     std::vector<Follows> follows;
+    follows.reserve(blocks.size());
     for (const PhaseBlock& block : blocks)
         follows.push_back(block.follows);
     return follows;
@@ -29,14 +104,14 @@ BinSamples of_bins(const std::vector<PhaseBlock>& blocks, std::vector<Vector2> g
     const auto follows = follows_of(blocks);
     for (std::size_t j = 0; j < grid.bins(); ++j) {
         PhaseCell cell(blocks, {{j, 1.0, {}}});
-        const double beads = samples.count[j] = cell.total(PhaseRecord::beads);
+        const double beads = samples.count[j] = cell.total(PhaseAccumulator::beads);
         if (!(beads > 0.0))
             continue;
         cell.solve(samples.value[j]);
         scatter.add(j, cell.pulls(samples.value[j]), cell.present(), follows);
         samples.coherence[j] = cell.coherence();
-        samples.place[j] = {grid.middle(j % grid.n) + cell.total(PhaseRecord::place_x) / beads,
-                            grid.middle(j / grid.n) + cell.total(PhaseRecord::place_y) / beads};
+        samples.place[j] = {grid.middle(j % grid.n) + cell.total(PhaseAccumulator::place_x) / beads,
+                            grid.middle(j / grid.n) + cell.total(PhaseAccumulator::place_y) / beads};
     }
     scatter.finish(samples);
     return samples;
@@ -71,9 +146,9 @@ BinSamples at_middles(BinSamples samples, const RodGrid& grid) {
 
 } // namespace
 
-void want_crystal(std::span<const DisplacementRecord> runs) {
-    for (const DisplacementRecord& run : runs) {
-        const auto& peaks = std::get<PhaseRecord>(run.impl().sums).peaks();
+void want_crystal(std::span<const DisplacementAccumulator> runs) {
+    for (const DisplacementAccumulator& run : runs) {
+        const auto& peaks = std::get<PhaseAccumulator>(DisplacementSums::of(run).sums).peaks();
         if (peaks && peaks->contrast() < least_contrast)
             throw RunError(fmt::format(
                 "measure: displacement: no crystal: the largest Bragg peak is {:.3g} times the mean around "
@@ -83,13 +158,14 @@ void want_crystal(std::span<const DisplacementRecord> runs) {
     }
 }
 
-BinSamples phase_samples(std::span<const DisplacementRecord> runs) {
+BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
     want_crystal(runs);
-    const RodGrid grid(runs[0].layout().box, runs[0].keys().spacing);
+    const RodGrid grid(runs[0].layout().box, runs[0].options().spacing);
     std::vector<std::vector<double>> smoothed;
     const auto blocks = phase_blocks(runs, smoothed);
-    const BinSamples single = of_bins(blocks, first_guess(blocks, grid, runs[0].impl().far_from), grid);
-    if (runs[0].keys().method == DisplacementMethod::density)
+    BinSamples single =
+        of_bins(blocks, first_guess(blocks, grid, DisplacementSums::of(runs[0]).far_from), grid);
+    if (runs[0].options().method == DisplacementMethod::density)
         return single; // has been averaged over a window already
     const double spacing = lattice_spacing(runs[0].layout());
     const BinSamples plain = of_cells(blocks, CellWindow(single, nullptr, grid, spacing), grid);

@@ -1,20 +1,11 @@
 #pragma once
-// psi_6 of each bead with the number of its neighbours.
+// psi_6 of each bead with the number of its neighbours, by either rule for who is one.
 
-#include <complex>
-#include <cstddef>
+#include "rodwake/core/bond_order.hpp"
+
 #include <vector>
 
 namespace rodwake::measure {
-
-struct LocalOrder {
-    std::vector<std::complex<double>> psi; ///< 0 without neighbours
-    std::vector<int> neighbours;
-
-    double mean_size() const; ///< of |psi|
-    double mean_neighbours() const;
-    double global() const; ///< |mean of psi|
-};
 
 /// Places in [0, box), else InputError; 0 < cutoff <= box/2.
 LocalOrder order_by_cutoff(const std::vector<double>& x, const std::vector<double>& y, double box,

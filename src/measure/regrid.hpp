@@ -8,12 +8,21 @@
 // a local quadratic fit through its neighbourhood between its place and the middle. So each sample stands
 // behind one value, hardly more, and errors of neighbours stay independent.
 
-#include "bin_samples.hpp"
+#include "estimators.hpp"
+
+#include <cstddef>
+#include <vector>
 
 namespace rodwake::measure {
 
 /// Overwrites the parts of `field` that belong to bins; count 0 and value 0 where there is no sample.
 /// `undisplaced` are the samples' places.
 void regrid(const BinSamples& samples, const std::vector<Vector2>& undisplaced, DisplacementField& field);
+
+// Values of empty bins from those around them.
+
+/// Solves the discrete Laplace equation in the bins of an n x n grid that are not known, with the known ones
+/// as given and no flux through the edge. All stay as they are if none is known.
+void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::size_t n);
 
 } // namespace rodwake::measure

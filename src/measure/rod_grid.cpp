@@ -1,6 +1,7 @@
 #include "rodwake/measure/rod_grid.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/periodic.hpp"
 
 #include <fmt/format.h>
 
@@ -43,7 +44,7 @@ std::optional<std::size_t> RodGrid::bin(double x, double y) const {
 }
 
 Seen seen_from(const RodPlace& rod, double x, double y, double box) {
-    const double dx = nearest(x - rod.x, box), dy = nearest(y - rod.y, box);
+    const double dx = nearest_image(x - rod.x, box), dy = nearest_image(y - rod.y, box);
     const double c = std::cos(rod.heading), s = std::sin(rod.heading);
     return {c * dx + s * dy, -s * dx + c * dy};
 }

@@ -1,9 +1,12 @@
 #include "check.hpp"
 
+#include "check_figures.hpp"
 #include "check_fit.hpp"
 #include "check_granular.hpp"
 #include "check_measure.hpp"
+#include "check_scan.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -16,26 +19,39 @@ namespace {
 constexpr double same_point = 1e-9;
 constexpr long max_grid_points = 4'000'000;
 
+/// Whether the scene has this table. One that could not be read is missing in the scene, not in the document.
+bool has_table(const Scene& scene, std::string_view name) {
+    const std::pair<std::string_view, bool> tables[] = {
+        {"medium", scene.medium.has_value()},   {"coupling", scene.coupling.has_value()},
+        {"rods", !scene.rods.empty()},          {"rods_run", scene.rods_run.has_value()},
+        {"field", scene.field.has_value()},     {"granular", scene.granular.has_value()},
+        {"measure", scene.measure.has_value()}, {"fit", scene.fit.has_value()},
+        {"variants", !scene.variants.empty()}};
+    const auto* found = std::ranges::find(tables, name, &std::pair<std::string_view, bool>::first);
+    return found != std::end(tables) && found->second;
+}
+
 class Checker {
 public:
-    Checker(const Scene& scene, const Node& root, Problems& problems)
+    /// Without a document (null) no places are given.
+    Checker(const Scene& scene, const Node* root, Problems& problems)
         : scene_(scene), root_(root), problems_(problems) {}
 
     void tables() {
-        const bool rods = has_rods(), run = root_.find("rods_run"), field = root_.find("field");
-        if (!rods && !run && !field && !root_.find("granular") && !root_.find("fit"))
+        const bool rods = has("rods"), run = has("rods_run"), field = has("field"), bed = has("granular");
+        if (!rods && !run && !field && !bed && !has("fit"))
             add("", "nothing to do: give [[rods]] with [rods_run], or [field], or [granular], or [fit]");
         if (rods && !run)
             add("rods", "[[rods]] need [rods_run] with t_end");
         if (run && !rods)
             add("rods_run", "[rods_run] needs [[rods]]");
-        if (field && !root_.find("medium"))
+        if (field && !has("medium"))
             add("field", "[field] needs [medium]");
-        if (scene_.rods.size() > 1 && root_.find("coupling") && !root_.find("medium"))
+        if (scene_.rods.size() > 1 && has("coupling") && !has("medium"))
             add("coupling", "[coupling] of two or more rods needs [medium]");
-        if (root_.find("variants") && !rods && !root_.find("granular"))
+        if (has("variants") && !rods && !bed)
             add("variants", "[[variants]] run the rods or the bed again: they need [[rods]] or [granular]");
-        if (root_.find("measure") && !root_.find("granular"))
+        if (has("measure") && !bed)
             add("measure", "[measure] needs [granular], the bed that is measured");
     }
 
@@ -43,30 +59,39 @@ public:
         separations();
         if (scene_.field)
             field(*scene_.field);
-        for (std::size_t i = 0; i < scene_.figures.size(); ++i)
-            figure(scene_.figures[i], fmt::format("figures.{}", i));
-        check_granular(scene_,
-                       [this](const std::string& path, const std::string& message) { add(path, message); });
-        check_measure(scene_,
-                      [this](const std::string& path, const std::string& message) { add(path, message); });
-        check_fit(scene_,
-                  [this](const std::string& path, const std::string& message) { add(path, message); });
+        const auto report = [this](const std::string& path, const std::string& message) {
+            add(path, message);
+        };
+        check_figures(scene_, report);
+        check_granular(scene_, report);
+        check_measure(scene_, report);
+        check_fit(scene_, report);
+        check_scan(scene_, report);
         unique_names(scene_.figures, "figures");
         unique_names(scene_.variants, "variants");
     }
 
 private:
-    bool has_rods() const {
-        const Entry* rods = root_.find("rods");
-        const auto* list = rods ? rods->value.as<Node::List>() : nullptr;
-        return rods && !(list && list->empty());
+    bool has(std::string_view table) const {
+        if (!root_)
+            return has_table(scene_, table);
+        const Entry* entry = root_->find(table);
+        const auto* list = entry ? entry->value.as<Node::List>() : nullptr;
+        return entry && !(table == "rods" && list && list->empty());
     }
 
     void add(const std::string& path, const std::string& message) {
-        problems_.add(locate(root_, path), path, message);
+        if (root_)
+            problems_.add(locate(*root_, path), path, message);
+        else
+            problems_.add({scene_.path, 0, 0, path, message});
     }
 
-    long line_of(const std::string& path) const { return locate(root_, path).line; }
+    /// "rods[0].name (line 7)"; of a value from the command line, and without a document, the name alone.
+    std::string place_of(const std::string& name, const std::string& path) const {
+        const long line = root_ ? locate(*root_, path).line : 0;
+        return line > 0 ? fmt::format("{} (line {})", name, line) : name;
+    }
 
     void separations() {
         const auto& rods = scene_.rods;
@@ -88,8 +113,8 @@ private:
     void report_separation(double smallest, std::size_t i, std::size_t j) {
         const std::string a = fmt::format("rods.{}.position", i), b = fmt::format("rods.{}.position", j);
         if (smallest < same_point)
-            add(b, fmt::format("rods[{}] (line {}) and rods[{}] (line {}) start at the same point", i,
-                               line_of(a), j, line_of(b)));
+            add(b, fmt::format("{} and {} start at the same point", place_of(fmt::format("rods[{}]", i), a),
+                               place_of(fmt::format("rods[{}]", j), b)));
         else if (scene_.rods_run && scene_.rods_run->contact_distance &&
                  *scene_.rods_run->contact_distance >= smallest)
             add("rods_run.contact_distance",
@@ -120,47 +145,6 @@ private:
             add(path, fmt::format("{}: min = {} must be below max = {}", path, range[0], range[1]));
     }
 
-    void figure(const Figure& figure, const std::string& path) {
-        const bool streamlines = figure.kind == "polar_streamlines", cut = figure.kind == "cut";
-        window(figure.x, path + ".x");
-        window(figure.y, path + ".y");
-        if (figure.kind == "trajectories" && scene_.rods.empty())
-            add(path + ".kind", "a figure of kind trajectories needs [[rods]]");
-        if ((streamlines || figure.kind == "extensional_axis") && !(scene_.field && !scene_.field->x.empty()))
-            add(path + ".kind", fmt::format("a figure of kind {} needs [field] with x and y", figure.kind));
-        if (streamlines && figure.gammas.empty())
-            add(path, "a figure of kind polar_streamlines needs gammas = [[gamma1, gamma2], ...]");
-        if (!streamlines && !figure.gammas.empty())
-            add(path + ".gammas", "gammas belong to kind polar_streamlines only");
-        if (cut)
-            cut_exists(figure, path);
-        if (!cut)
-            no_cut_keys(figure, path, figure.kind == "profile");
-    }
-
-    void no_cut_keys(const Figure& figure, const std::string& path, bool profile) {
-        const Figure unset;
-        const auto refuse = [&](bool differs, const std::string& key) {
-            if (differs)
-                add(path + "." + key, key + (key == "cut" ? " belongs to kind cut only"
-                                                          : " belongs to kinds cut and profile only"));
-        };
-        refuse(figure.cut != unset.cut, "cut");
-        if (profile)
-            return;
-        refuse(figure.component != unset.component, "component");
-        refuse(figure.sqrt_scaled != unset.sqrt_scaled, "sqrt_scaled");
-    }
-
-    void cut_exists(const Figure& figure, const std::string& path) {
-        const std::size_t cuts = scene_.field ? scene_.field->cuts.size() : 0;
-        if (cuts == 0)
-            add(path + ".kind", "a figure of kind cut needs [[field.cuts]]");
-        else if (static_cast<std::size_t>(figure.cut) >= cuts)
-            add(path + ".cut",
-                fmt::format("there is no cut {}: field.cuts has {} (numbered from 0)", figure.cut, cuts));
-    }
-
     template<class Named>
     void unique_names(const std::vector<Named>& items, const std::string& list) {
         std::map<std::string, std::size_t> seen;
@@ -169,13 +153,13 @@ private:
             const std::string first = fmt::format("{}.{}.name", list, it->second);
             if (!is_new)
                 add(fmt::format("{}.{}.name", list, i),
-                    fmt::format("the name \"{}\" is taken by {}[{}] (line {})", items[i].name, list,
-                                it->second, line_of(first)));
+                    fmt::format("the name \"{}\" is taken by {}", items[i].name,
+                                place_of(fmt::format("{}[{}]", list, it->second), first)));
         }
     }
 
     const Scene& scene_;
-    const Node& root_;
+    const Node* root_;
     Problems& problems_;
 };
 
@@ -183,10 +167,16 @@ private:
 
 void check(const Scene& scene, const Node& root, Problems& problems) {
     const bool values_hold = problems.empty();
-    Checker checker(scene, root, problems);
+    Checker checker(scene, &root, problems);
     checker.tables();
     if (values_hold)
         checker.values();
+}
+
+void check(const Scene& scene, Problems& problems) {
+    Checker checker(scene, nullptr, problems);
+    checker.tables();
+    checker.values();
 }
 
 } // namespace rodwake::scene

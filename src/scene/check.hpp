@@ -10,4 +10,8 @@ namespace rodwake::scene {
 /// left out while `problems` holds any: the values may be stand-ins.
 void check(const Scene& scene, const Node& root, Problems& problems);
 
+/// The same for a scene whose values hold and that no document is known of: problems are in scene.path as a
+/// whole.
+void check(const Scene& scene, Problems& problems);
+
 } // namespace rodwake::scene

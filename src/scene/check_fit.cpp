@@ -86,10 +86,8 @@ void bounds(const Fit& fit, const Report& report) {
                                interval.low, interval.high));
     for (const auto& name : fit.parameters)
         start_within(fit, name, report);
-    const bool global = fit.method == FitMethod::mlsl || fit.method == FitMethod::crs ||
-                        fit.method == FitMethod::isres || fit.method == FitMethod::direct_l;
     for (const auto& name : fit.parameters)
-        if (global && !fit_bounds(fit, name))
+        if (fitting::is_global(fit.search.algorithm) && !fit_bounds(fit, name))
             report("fit.method",
                    fmt::format("this method searches all over the bounds, and {0} has none: give "
                                "fit.bounds.{0} = [low, high]",
@@ -159,7 +157,6 @@ void medium(const Scene& scene, const Report& report) {
 
 void check_fit(const Scene& scene, const Report& report) {
     medium(scene, report);
-    check_fit_figures(scene, report);
     if (!scene.fit)
         return;
     const Fit& fit = *scene.fit;

@@ -1,5 +1,5 @@
 #pragma once
-// What must hold within [fit], and between it, the medium and the figures of it.
+// What must hold within [fit], and between it and the medium.
 
 #include "rodwake/scene/scene.hpp"
 

@@ -1,6 +1,5 @@
 #include "check_fit_data.hpp"
 
-#include "fields.hpp"
 #include "suggest.hpp"
 
 #include <algorithm>
@@ -95,7 +94,7 @@ void model(const Fit& fit, const Report& report) {
     of_profiles(fit.independent_spacing.has_value(), "independent_spacing");
     if (fit.heading != unset.heading && !fit.box)
         report("fit.heading", "heading is that of the rod against the sides of box; there is no box");
-    if (fit.loss_width != unset.loss_width && fit.loss == FitLoss::squares)
+    if (fit.search.loss_width != unset.search.loss_width && fit.search.loss == fitting::Loss::squares)
         report("fit.loss_width", "loss_width belongs to loss = \"huber\" and \"cauchy\" only");
     if (fit.length_unit.empty())
         report("fit.length_unit", "length_unit must not be empty");
@@ -116,40 +115,6 @@ void profile(const FitProfile& p, const std::string& path, const Report& report)
                                             p.range[0], p.range[1]));
 }
 
-std::string missing(const Figure& figure, const Scene& scene) {
-    if (!scene.fit)
-        return "[fit]";
-    if (figure.kind == "fit" && scene.fit->profiles.empty())
-        return "[[fit.profiles]]";
-    if (figure.kind == "fit_trajectories" && scene.fit->trajectories.empty())
-        return "[[fit.trajectories]]";
-    if (figure.kind == "fit_starts" && scene.fit->starts < 2)
-        return "fit.starts of 2 or more";
-    if (figure.kind == "fit_likelihood" && scene.fit->likelihood.empty())
-        return "fit.likelihood";
-    return "";
-}
-
-void options(const Figure& figure, const std::string& path, const Report& report) {
-    if (figure.kind != "fit" && !figure.profiles.empty())
-        report(path + ".profiles", "profiles belongs to kind fit only");
-    if (figure.kind != "fit" && !figure.residuals)
-        report(path + ".residuals", "residuals belongs to kind fit only");
-    if (figure.kind != "fit_likelihood" && !figure.parameter.empty())
-        report(path + ".parameter", "parameter belongs to kind fit_likelihood only");
-}
-
-void contents(const Figure& figure, const std::string& path, const Fit& fit, const Report& report) {
-    for (std::size_t i = 0; i < figure.profiles.size(); ++i)
-        if (static_cast<std::size_t>(figure.profiles[i]) >= fit.profiles.size())
-            report(fmt::format("{}.profiles.{}", path, i),
-                   fmt::format("there is no profile {}: fit.profiles has {} (numbered from 0)",
-                               figure.profiles[i], fit.profiles.size()));
-    if (!figure.parameter.empty() && !contains(fit.likelihood, figure.parameter))
-        report(path + ".parameter", fmt::format("{} is not in fit.likelihood, which has {}", figure.parameter,
-                                                comma_list(fit.likelihood)));
-}
-
 } // namespace
 
 void check_fit_data(const Fit& fit, const Report& report) {
@@ -160,20 +125,6 @@ void check_fit_data(const Fit& fit, const Report& report) {
         profile(fit.profiles[i], fmt::format("fit.profiles.{}", i), report);
     for (std::size_t i = 0; i < fit.trajectories.size(); ++i)
         trajectory(fit.trajectories[i], fmt::format("fit.trajectories.{}", i), report);
-}
-
-void check_fit_figures(const Scene& scene, const Report& report) {
-    for (std::size_t i = 0; i < scene.figures.size(); ++i) {
-        const Figure& figure = scene.figures[i];
-        const std::string path = fmt::format("figures.{}", i);
-        options(figure, path, report);
-        if (!shows_the_fit(figure))
-            continue;
-        if (const std::string what = missing(figure, scene); !what.empty())
-            report(path + ".kind", fmt::format("a figure of kind {} needs {}", figure.kind, what));
-        else
-            contents(figure, path, *scene.fit, report);
-    }
 }
 
 } // namespace rodwake::scene

@@ -1,5 +1,5 @@
 #pragma once
-// [fit]: what the data must be for the parameters, and what figures need of it.
+// [fit]: what the data must be for the parameters.
 
 #include "rodwake/scene/scene.hpp"
 
@@ -10,7 +10,5 @@ namespace rodwake::scene {
 
 void check_fit_data(const Fit& fit,
                     const std::function<void(const std::string&, const std::string&)>& report);
-void check_fit_figures(const Scene& scene,
-                       const std::function<void(const std::string&, const std::string&)>& report);
 
 } // namespace rodwake::scene

@@ -1,8 +1,5 @@
 #include "check_granular.hpp"
 
-#include "fields.hpp"
-
-#include <algorithm>
 #include <fmt/format.h>
 #include <optional>
 
@@ -49,9 +46,10 @@ void times(const Granular& bed, const Report& report) {
 }
 
 void rods(const Granular& bed, const Report& report) {
-    const GranularRod unset;
+    const granular::RodShape unset;
     for (std::size_t i = 0; i < bed.rods.size(); ++i)
-        if (bed.rods[i].taper == RodTaper::linear && bed.rods[i].segments != unset.segments)
+        if (const auto& shape = bed.rods[i].shape;
+            shape.taper == granular::Taper::linear && shape.segments != unset.segments)
             report(fmt::format("granular.rods.{}.segments", i),
                    "segments belong to taper = \"stepwise\" only");
 }
@@ -64,43 +62,9 @@ void radii(const Scene& scene, const Report& report) {
                    scene.granular->bead_radius, scene.scales->bead_radius));
 }
 
-/// What a figure draws has to be there and stored.
-std::string missing(const Figure& figure, const Scene& scene) {
-    if (!scene.granular)
-        return "[granular]";
-    const GranularOutput& output = scene.granular->output;
-    const bool frames = std::ranges::find(output.formats, "h5md") != output.formats.end();
-    if ((figure.kind == "snapshot" || figure.kind == "movie") && !frames)
-        return "\"h5md\" in granular.output.formats";
-    if (figure.kind == "rod_tracks" && scene.granular->rods.empty())
-        return "[[granular.rods]]";
-    if (figure.kind == "side_view" && !output.last_period)
-        return "granular.output.last_period = true";
-    return "";
-}
-
-/// Options of a kind beside another kind.
-void options(const Figure& figure, const std::string& path, const Report& report) {
-    const Figure unset;
-    const bool snapshot = figure.kind == "snapshot", movie = figure.kind == "movie";
-    if (!snapshot && figure.frame != unset.frame)
-        report(path + ".frame", "frame belongs to kind snapshot only");
-    if (!snapshot && !movie && figure.colour != unset.colour)
-        report(path + ".colour", "colour belongs to kinds snapshot and movie only");
-    if (!movie && figure.fps != unset.fps)
-        report(path + ".fps", "fps belongs to kind movie only");
-}
-
 } // namespace
 
 void check_granular(const Scene& scene, const Report& report) {
-    for (std::size_t i = 0; i < scene.figures.size(); ++i) {
-        const Figure& figure = scene.figures[i];
-        const std::string path = fmt::format("figures.{}", i);
-        if (const std::string what = missing(figure, scene); shows_the_bed(figure) && !what.empty())
-            report(path + ".kind", fmt::format("a figure of kind {} needs {}", figure.kind, what));
-        options(figure, path, report);
-    }
     if (!scene.granular)
         return;
     start(*scene.granular, report);

@@ -7,7 +7,7 @@
 
 namespace rodwake::scene {
 
-/// Reports values of [granular] and of the figures of it that do not fit each other, by path and message.
+/// Reports values of [granular] that do not fit each other, by path and message.
 /// What needs the geometry of rods (does it fit?) is left to granular::validate.
 void check_granular(const Scene& scene,
                     const std::function<void(const std::string&, const std::string&)>& report);

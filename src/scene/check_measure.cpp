@@ -1,8 +1,5 @@
 #include "check_measure.hpp"
 
-#include "fields.hpp"
-
-#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -21,7 +18,7 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
     };
     want_rod(m.flow, "flow");
     want_rod(m.force, "force");
-    want_rod(m.displacement != DisplacementMethod::none, "displacement");
+    want_rod(m.displacement.has_value(), "displacement");
     if (m.pairs && count != 2)
         report("measure.pairs", fmt::format("pairs needs two [[granular.rods]]; there are {}", count));
     if (count > 0 && m.rod >= count)
@@ -86,58 +83,13 @@ void lengths(const Measure& m, const Granular& bed, const Report& report) {
     want_below(m.marked_within, "marked_within", bed.box / 2.0, "half the box");
     want_below(m.profile_offset, "profile_offset", bed.box / 2.0, "half the box");
     want_below(m.far_from, "far_from", 0.45 * bed.box, "0.45 of the box: beyond it hardly a bead is left");
-    if (m.order_cutoff && m.order_neighbours == NeighbourRule::delaunay)
+    if (m.order_cutoff && m.order_neighbours == measure::Neighbours::delaunay)
         report("measure.order_cutoff", "order_cutoff belongs to order_neighbours = \"cutoff\" only");
-}
-
-/// What a figure shows has to be measured.
-std::string missing(const Figure& figure, const Scene& scene) {
-    const Measure m = scene.measure.value_or(Measure{});
-    const std::string &kind = figure.kind, &what = figure.quantity;
-    const auto series_of = [&](std::initializer_list<const char*> quantities) {
-        return kind == "series" && std::ranges::find(quantities, what) != quantities.end();
-    };
-    if (kind == "series" && scene.variants.empty())
-        return "[[variants]]: a point each";
-    if ((kind == "pair_correlation" || kind == "bond_order" || series_of({"psi6", "exponent"})) && !m.order)
-        return "measure.order = true";
-    if ((kind == "msd" || series_of({"stiffness"})) && !m.microrheology)
-        return "measure.microrheology = true";
-    if ((kind == "flow" || kind == "dragged") && !m.flow)
-        return "measure.flow = true";
-    if ((kind == "pair_tracks" || series_of({"delta_y", "non_reciprocity"})) && !m.pairs)
-        return "measure.pairs = true";
-    if (series_of({"force", "speed"}) && !m.force)
-        return "measure.force = true";
-    if ((kind == "profile" || kind == "displacement_map") && m.displacement == DisplacementMethod::none)
-        return "measure.displacement";
-    return "";
-}
-
-void options(const Figure& figure, const std::string& path, const Report& report) {
-    const Figure unset;
-    if (figure.kind != "profile" && figure.along != unset.along)
-        report(path + ".along", "along belongs to kind profile only");
-    if (figure.kind != "series" && figure.quantity != unset.quantity)
-        report(path + ".quantity", "quantity belongs to kind series only");
-    if (figure.kind != "series" && figure.against != unset.against)
-        report(path + ".against", "against belongs to kind series only");
-    if (figure.kind == "profile" && figure.sqrt_scaled && figure.along == "y")
-        report(path + ".sqrt_scaled",
-               "sqrt_scaled belongs to profiles along x: behind the rod U falls as |x|^(-1/2)");
 }
 
 } // namespace
 
 void check_measure(const Scene& scene, const Report& report) {
-    for (std::size_t i = 0; i < scene.figures.size(); ++i) {
-        const Figure& figure = scene.figures[i];
-        const std::string path = fmt::format("figures.{}", i);
-        if (shows_measures(figure))
-            if (const std::string what = missing(figure, scene); !what.empty())
-                report(path + ".kind", fmt::format("a figure of kind {} needs {}", figure.kind, what));
-        options(figure, path, report);
-    }
     if (!scene.measure || !scene.granular)
         return;
     rods(*scene.measure, *scene.granular, report);

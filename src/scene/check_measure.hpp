@@ -1,5 +1,5 @@
 #pragma once
-// What must hold between [measure], the bed and the figures of what is measured.
+// What must hold between [measure] and the bed.
 
 #include "rodwake/scene/scene.hpp"
 

@@ -8,11 +8,14 @@ namespace {
 
 using enum Dimension;
 
+/// What "a" means in tables of the bed.
+double bed_radius(const Scene& scene) {
+    return scene.granular ? scene.granular->bead_radius : default_bead_radius;
+}
+
 /// What "a" means in [fit].
 double bead_radius(const Scene& scene) {
-    if (scene.granular)
-        return scene.granular->bead_radius;
-    return scene.scales.value_or(Scales{}).bead_radius;
+    return !scene.granular && scene.scales ? scene.scales->bead_radius : bed_radius(scene);
 }
 
 /// What reduced units are in the numbers of rods.csv.
@@ -28,12 +31,27 @@ void fields(Visitor& v, Scales& scales) {
     Units units = si_units(scales.bead_radius);
     units.bead_words = false;
     v.use_units(units);
-    v(key("bead_radius").unit(length).above(0.0).doc("what \"a\" means in \"2.2 a\"").example("\"0.4 mm\""),
+    v(key("bead_radius")
+          .symbol("a")
+          .says_units()
+          .unit(length)
+          .above(0.0)
+          .doc("what \"a\" means in \"2.2 a\"")
+          .example("\"0.4 mm\""),
       scales.bead_radius);
     v.use_units(si_units(scales.bead_radius));
-    v(key("f_over_mu").required().unit(length).above(0.0).doc("unit of length, f/mu").example("\"2.2 a\""),
+    v(key("f_over_mu")
+          .symbol("f/\\mu")
+          .says_units()
+          .required()
+          .unit(length)
+          .above(0.0)
+          .doc("unit of length, f/mu")
+          .example("\"2.2 a\""),
       scales.f_over_mu);
     v(key("v0")
+          .symbol("v_0")
+          .says_units()
           .required()
           .unit(speed)
           .above(0.0)
@@ -45,6 +63,7 @@ void fields(Visitor& v, Scales& scales) {
 void fields(Visitor& v, Scene& scene) {
     v(key("schema").required().within(1, 1).doc("version of the scene format").example("1"), scene.schema);
     v(key("units")
+          .says_units()
           .doc("what plain numbers mean: reduced (f/mu, v0) or SI; SI needs [scales]")
           .example("\"reduced\""),
       choice(scene.units, {{"reduced", UnitSystem::reduced}, {"si", UnitSystem::si}}));
@@ -68,13 +87,12 @@ void fields(Visitor& v, Scene& scene) {
                 .doc("Beads and rods between two vibrating plates, periodic in x and y. SI, with its "
                      "own `a`."),
             scene.granular);
-    v.use_units(si_units(scene.granular.value_or(Granular{}).bead_radius));
+    const FigureUnits of_figures{units, si_units(bed_radius(scene)), file_units(bead_radius(scene))};
+    v.use_units(of_figures.bed);
     v.table(
         key("measure").doc("What is measured of the granular run; what is absent is not measured. SI, with "
                            "the bed's `a`."),
         scene.measure);
-    const FigureUnits of_figures{units, si_units(scene.granular.value_or(Granular{}).bead_radius),
-                                 file_units(bead_radius(scene))};
     v.use_units(of_figures.fit);
     const FitUnits of_fit{of_figures.fit, si_units(bead_radius(scene)), scales_of_tracks(scene)};
     v.table(key("fit").doc("What is fitted to measured profiles and tracks."), scene.fit,
@@ -84,7 +102,8 @@ void fields(Visitor& v, Scene& scene) {
            [&](Figure& figure) { fields(v, figure, of_figures); });
     v.list(key("variants").items(0, 100).doc("The rods, or the bed, run again with some keys changed."),
            scene.variants);
-    v.planned("scan");
+    v.table(key("scan").doc("Keys of the scene that vary, and how: a phase diagram of its rods or beds."),
+            scene.scan);
 }
 
 } // namespace rodwake::scene

@@ -7,14 +7,6 @@ namespace rodwake::scene {
 
 inline constexpr std::size_t max_rods = 1000;
 
-/// Whether a figure is of the granular bed, or of what was measured in it; such figures need [granular] and
-/// have their window in metres.
-bool shows_the_bed(const Figure& figure);
-/// Whether it is of what [measure] found.
-bool shows_measures(const Figure& figure);
-/// Whether it is of what [fit] found; its window is in the unit of the profiles.
-bool shows_the_fit(const Figure& figure);
-
 void fields(Visitor& v, Scales& scales);
 void fields(Visitor& v, FieldTable& table);
 void fields(Visitor& v, Medium& medium);
@@ -24,8 +16,8 @@ void fields(Visitor& v, Rod& rod);
 void fields(Visitor& v, RodsRun& run);
 void fields(Visitor& v, Cut& cut);
 void fields(Visitor& v, Field& field);
-void fields(Visitor& v, Plates& plates);
-void fields(Visitor& v, Surface& surface);
+void fields(Visitor& v, granular::Plates& plates);
+void fields(Visitor& v, granular::Surface& surface);
 void fields(Visitor& v, SurfaceChange& change);
 void fields(Visitor& v, Contacts& contacts);
 void fields(Visitor& v, GranularOutput& output);
@@ -47,6 +39,9 @@ struct FigureUnits {
 };
 void fields(Visitor& v, Figure& figure, const FigureUnits& units);
 void fields(Visitor& v, Variant& variant);
+void fields(Visitor& v, ScanAxis& axis);
+void fields(Visitor& v, ScanRefine& refine);
+void fields(Visitor& v, Scan& scan);
 void fields(Visitor& v, Scene& scene);
 
 } // namespace rodwake::scene

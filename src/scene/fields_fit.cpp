@@ -11,17 +11,12 @@ using enum Dimension;
 constexpr double largest_seed = 9223372036854775807.0; // 2^63 - 1, the largest TOML integer
 
 void parameter_fields(Visitor& v, Fit& fit) {
-    const auto& names = fit_parameter_names();
+    const auto names = fit_parameter_names();
     v(key("parameters")
           .required()
           .one_of(names)
           .items(1, names.size())
-          .doc("what is fitted. f_over_mu: force over shear modulus, a length; f2d_over_mu: y force dipole; "
-               "eta, "
-               "xi or alpha = f_over_mu/xi: the medium; x0: where the force acts, ahead of the rod's centre; "
-               "offset, offset_y: added to Ux, Uy; kappa, gamma1, gamma2: couplings, from trajectories, in "
-               "reduced units "
-               "(mu v0/f, v0, v0) whatever units says")
+          .doc("names of the parameters that are fitted")
           .example("[\"f_over_mu\", \"eta\", \"xi\"]"),
       fit.parameters);
     v(key("start")
@@ -61,6 +56,7 @@ void parameter_fields(Visitor& v, Fit& fit) {
 
 void model_fields(Visitor& v, Fit& fit) {
     v(key("box")
+          .symbol("L")
           .unit(length)
           .above(0.0)
           .absent("infinite plane")
@@ -88,46 +84,47 @@ void model_fields(Visitor& v, Fit& fit) {
       fit.independent_spacing);
 }
 
-void search_fields(Visitor& v, Fit& fit) {
+void search_fields(Visitor& v, fitting::SearchOptions& search) {
+    using fitting::Algorithm, fitting::Loss;
     v(key("method")
           .doc("how the minimum is searched: bobyqa, nelder-mead without derivatives; slsqp, lbfgs, mma with "
                "the "
                "gradient; mlsl, crs, isres, direct-l all over the bounds, which every parameter then needs")
           .example("\"bobyqa\""),
-      choice(fit.method, {{"slsqp", FitMethod::slsqp},
-                          {"bobyqa", FitMethod::bobyqa},
-                          {"nelder-mead", FitMethod::nelder_mead},
-                          {"lbfgs", FitMethod::lbfgs},
-                          {"mma", FitMethod::mma},
-                          {"mlsl", FitMethod::mlsl},
-                          {"crs", FitMethod::crs},
-                          {"isres", FitMethod::isres},
-                          {"direct-l", FitMethod::direct_l}}));
+      choice(search.algorithm, {{"slsqp", Algorithm::slsqp},
+                                {"bobyqa", Algorithm::bobyqa},
+                                {"nelder-mead", Algorithm::nelder_mead},
+                                {"lbfgs", Algorithm::lbfgs},
+                                {"mma", Algorithm::mma},
+                                {"mlsl", Algorithm::mlsl},
+                                {"crs", Algorithm::crs},
+                                {"isres", Algorithm::isres},
+                                {"direct-l", Algorithm::direct_l}}));
     v(key("loss")
           .doc("squares: sum of r^2; huber, cauchy: residuals beyond loss_width count less")
           .example("\"huber\""),
-      choice(fit.loss,
-             {{"squares", FitLoss::squares}, {"huber", FitLoss::huber}, {"cauchy", FitLoss::cauchy}}));
-    v(key("loss_width").above(0.0, 1e6).doc("of huber and cauchy, in sigma").example("1.5"), fit.loss_width);
+      choice(search.loss, {{"squares", Loss::squares}, {"huber", Loss::huber}, {"cauchy", Loss::cauchy}}));
+    v(key("loss_width").above(0.0, 1e6).doc("of huber and cauchy, in sigma").example("1.5"),
+      search.loss_width);
     v(key("polish")
           .doc("go on from where the method ended to a stationary point (Levenberg-Marquardt)")
           .example("true"),
-      fit.polish);
-    v(key("starts").within(1, 1e6).doc("number of starts; the best end counts").example("20"), fit.starts);
+      search.levenberg_marquardt);
+    v(key("starts").within(1, 1e6).doc("number of starts; the best end counts").example("20"), search.starts);
     v(key("spread")
           .above(1.0, 1e6)
           .doc("the starts after the first lie within this factor of it, or between the bounds")
           .example("10.0"),
-      fit.spread);
+      search.spread);
     v(key("seed")
           .within(0, largest_seed)
           .doc("of the starts and of random searches; --seed replaces it")
           .example("1"),
-      fit.seed);
+      search.seed);
     v(key("tolerance").above(0.0, 0.1).doc("relative, of parameters and chi2").example("1e-10"),
-      fit.tolerance);
+      search.tolerance);
     v(key("max_evaluations").within(1, 1e9).doc("of the residuals, each start").example("2000"),
-      fit.max_evaluations);
+      search.max_evaluations);
 }
 
 void report_fields(Visitor& v, Fit& fit) {
@@ -255,7 +252,7 @@ void fields(Visitor& v, FitCompare& c) {
 void fields(Visitor& v, Fit& fit, const FitUnits& units) {
     parameter_fields(v, fit);
     model_fields(v, fit);
-    search_fields(v, fit);
+    search_fields(v, fit.search);
     report_fields(v, fit);
     v.list(key("profiles").items(0, 100).doc("Measured displacement along a line."), fit.profiles);
     v.list(key("trajectories").items(0, 100).doc("Measured tracks of rods."), fit.trajectories,

@@ -15,12 +15,14 @@ constexpr double largest_seed = 9223372036854775807.0; // 2^63 - 1, the largest 
 
 void bead_fields(Visitor& v, Granular& bed) {
     v(key("phi_b")
+          .symbol("\\phi_b")
           .above(0.0, densest)
           .because("a layer of equal discs cannot be denser than pi/(2 sqrt 3)")
           .doc("area fraction N pi a^2/L^2 that the number of beads N is made from, rounded")
           .example("0.8"),
       bed.phi_b);
-    v(key("beads").within(0, 1e7).doc("number of beads; 0 needs a rod").example("1549"), bed.beads);
+    v(key("beads").symbol("N").within(0, 1e7).doc("number of beads; 0 needs a rod").example("1549"),
+      bed.beads);
     v(key("count_rod_area")
           .written_if(bed.phi_b.has_value())
           .doc("with phi_b; true: the beads that the rods displace are taken out, N pi a^2 = phi_b L^2 - "
@@ -32,9 +34,10 @@ void bead_fields(Visitor& v, Granular& bed) {
       bed.count_rod_area);
     v(key("bead_density").unit(density).above(0.0, 1e6).doc("mass density of the beads").example("2700.0"),
       bed.bead_density);
-    v(key("gravity").unit(acceleration).above(0.0, 1e4).doc("towards the floor").example("9.81"),
+    v(key("gravity").symbol("g").unit(acceleration).above(0.0, 1e4).doc("towards the floor").example("9.81"),
       bed.gravity);
     v(key("box")
+          .symbol("L")
           .required()
           .unit(length)
           .above(0.0, 1e3)
@@ -73,6 +76,7 @@ void start_fields(Visitor& v, Granular& bed) {
 
 void time_fields(Visitor& v, Granular& bed) {
     v(key("time_step")
+          .symbol("\\Delta t")
           .unit(time)
           .above(0.0, 1e-3)
           .because("above 1e-3 s overlaps are far beyond overlap_limit")
@@ -121,9 +125,11 @@ void time_fields(Visitor& v, Granular& bed) {
       bed.order_cutoff);
 }
 
+constexpr Form count_forms[] = {{"phi_b"}, {"beads"}};
+
 /// The beads are given in one of two ways; what an override drops is not given.
 void one_count(Visitor& v, Granular& bed) {
-    v.one_form({{"phi_b"}, {"beads"}}, [&bed](int form) {
+    v.one_form(count_forms, [&bed](int form) {
         if (form == 0)
             bed.beads.reset();
         else
@@ -133,18 +139,25 @@ void one_count(Visitor& v, Granular& bed) {
 
 } // namespace
 
-void fields(Visitor& v, Plates& plates) {
-    v(key("gap").unit(length).above(0.0, 1.0).doc("from floor to lid").example("\"1.2 mm\""), plates.gap);
-    v(key("frequency").unit(rate).above(0.0, 1e6).doc("f, of floor and lid together").example("\"200 Hz\""),
+void fields(Visitor& v, granular::Plates& plates) {
+    v(key("gap").symbol("w").unit(length).above(0.0, 1.0).doc("from floor to lid").example("\"1.2 mm\""),
+      plates.gap);
+    v(key("frequency")
+          .symbol("f")
+          .unit(rate)
+          .above(0.0, 1e6)
+          .doc("f, of floor and lid together")
+          .example("\"200 Hz\""),
       plates.frequency);
     v(key("gamma")
+          .symbol("\\Gamma")
           .within(0.0, 1e4)
           .doc("peak acceleration over gravity, A (2 pi f)^2/g; 0: static plates")
           .example("7.0"),
       plates.gamma);
 }
 
-void fields(Visitor& v, Surface& surface) {
+void fields(Visitor& v, granular::Surface& surface) {
     v(key("friction").within(0.0, 1e3).doc("Coulomb coefficient").example("0.05"), surface.friction);
     v(key("restitution").within(0.0, 1.0).doc("energetic coefficient").example("0.3"), surface.restitution);
 }
@@ -207,6 +220,7 @@ void fields(Visitor& v, Granular& bed) {
     units.bead_words = false;
     v.use_units(units);
     v(key("bead_radius")
+          .symbol("a")
           .unit(length)
           .above(0.0, 1.0)
           .doc("a; what \"a\" means in \"78 a\" here")

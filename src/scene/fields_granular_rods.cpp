@@ -7,6 +7,7 @@ namespace rodwake::scene {
 namespace {
 
 using enum Dimension;
+using granular::RodKind, granular::Taper;
 
 long default_spheres(RodKind kind) { return kind == RodKind::apolar ? 13 : 12; }
 double default_thickness(RodKind kind) { return kind == RodKind::apolar ? 0.95e-3 : 1.1e-3; }
@@ -17,12 +18,13 @@ std::optional<T> unless(T value, T fallback) {
 }
 
 /// Keys whose default depends on the kind; one that has its default is left to follow the kind.
-void kind_fields(Visitor& v, GranularRod& rod) {
+void kind_fields(Visitor& v, granular::RodShape& rod) {
+    auto spheres = unless(static_cast<long>(rod.spheres), default_spheres(rod.kind));
+    auto thick = unless(rod.thick_diameter, default_thickness(rod.kind));
     v(key("kind")
           .doc("motile: tapers from one end to the other; apolar: from the middle to both ends")
           .example("\"motile\""),
       choice(rod.kind, {{"motile", RodKind::motile}, {"apolar", RodKind::apolar}}));
-    auto spheres = unless(rod.spheres, default_spheres(rod.kind));
     v(key("spheres")
           .within(1, 1000)
           .absent("12; apolar: 13")
@@ -30,7 +32,6 @@ void kind_fields(Visitor& v, GranularRod& rod) {
                "move")
           .example("13"),
       spheres);
-    auto thick = unless(rod.thick_diameter, default_thickness(rod.kind));
     v(key("thick_diameter")
           .unit(length)
           .above(0.0, 1.0)
@@ -39,22 +40,22 @@ void kind_fields(Visitor& v, GranularRod& rod) {
           .example("\"1.1 mm\""),
       thick);
     v.derive([&] {
-        rod.spheres = spheres.value_or(default_spheres(rod.kind));
+        rod.spheres = static_cast<std::size_t>(spheres.value_or(default_spheres(rod.kind)));
         rod.thick_diameter = thick.value_or(default_thickness(rod.kind));
     });
 }
 
-void shape_fields(Visitor& v, GranularRod& rod) {
+void shape_fields(Visitor& v, granular::RodShape& rod) {
     v(key("thin_diameter").unit(length).above(0.0, 1.0).doc("of the thin end or ends").example("\"0.8 mm\""),
       rod.thin_diameter);
     v(key("length").unit(length).above(0.0, 1.0).doc("end to end").example("\"4.5 mm\""), rod.length);
     v(key("taper")
           .doc("linear: radii fall evenly along the axis; stepwise: in equal pieces of constant radius")
           .example("\"linear\""),
-      choice(rod.taper, {{"linear", RodTaper::linear}, {"stepwise", RodTaper::stepwise}}));
+      choice(rod.taper, {{"linear", Taper::linear}, {"stepwise", Taper::stepwise}}));
     v(key("segments")
           .within(1, 1000)
-          .written_if(rod.taper == RodTaper::stepwise)
+          .written_if(rod.taper == Taper::stepwise)
           .doc("pieces of a stepwise taper")
           .example("4"),
       rod.segments);
@@ -83,8 +84,8 @@ void fields(Visitor& v, GranularRod& rod) {
                "0: pinned")
           .example("\"1 mm/s\""),
       rod.imposed_speed);
-    kind_fields(v, rod);
-    shape_fields(v, rod);
+    kind_fields(v, rod.shape);
+    shape_fields(v, rod.shape);
 }
 
 } // namespace rodwake::scene

@@ -7,6 +7,7 @@ namespace rodwake::scene {
 namespace {
 
 using enum Dimension;
+using measure::DisplacementMethod, measure::Neighbours, measure::Reference;
 
 void what_fields(Visitor& v, Measure& m) {
     v(key("order")
@@ -27,7 +28,7 @@ void what_fields(Visitor& v, Measure& m) {
                "robust one; lagrangian: from each bead's place before the rod came; density: from the mean "
                "density in the rod's frame")
           .example("\"phase\""),
-      choice(m.displacement, {{"none", DisplacementMethod::none},
+      choice(m.displacement, {{"none", std::nullopt},
                               {"phase", DisplacementMethod::phase},
                               {"lagrangian", DisplacementMethod::lagrangian},
                               {"density", DisplacementMethod::density}}));
@@ -78,7 +79,7 @@ void order_fields(Visitor& v, Measure& m) {
     v(key("order_neighbours")
           .doc("whose angles count in psi6: beads nearer than order_cutoff, or Delaunay neighbours")
           .example("\"delaunay\""),
-      choice(m.order_neighbours, {{"cutoff", NeighbourRule::cutoff}, {"delaunay", NeighbourRule::delaunay}}));
+      choice(m.order_neighbours, {{"cutoff", Neighbours::cutoff}, {"delaunay", Neighbours::delaunay}}));
     v(key("order_cutoff")
           .unit(length)
           .above(0.0, 1e3)
@@ -144,7 +145,7 @@ void displacement_fields(Visitor& v, Measure& m) {
           .doc("what U is relative to. box: its mean over the periodic box, as in the periodic theory; far: "
                "beads farther than far_from from every rod")
           .example("\"far\""),
-      choice(m.reference, {{"box", DisplacementReference::box}, {"far", DisplacementReference::far}}));
+      choice(m.reference, {{"box", Reference::box}, {"far", Reference::far}}));
     v(key("far_from")
           .unit(length)
           .above(0.0, 1e3)

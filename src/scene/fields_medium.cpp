@@ -16,7 +16,7 @@ using enum Dimension;
 struct EtaForms {
     std::optional<double> eta, poisson_ratio, lame_lambda, bulk_modulus, mu;
 
-    /// eta of the given form; the forms are in the order of Forms below.
+    /// eta of the given form, an index into eta_forms.
     double value(int form) const {
         switch (form) {
         case 0:
@@ -33,8 +33,12 @@ struct EtaForms {
     }
 };
 
+constexpr Form eta_forms[] = {{"eta"}, {"poisson_ratio"}, {"lame_lambda", "mu"}, {"bulk_modulus", "mu"}};
+constexpr Form xi_forms[] = {{"xi"}, {"alpha"}};
+
 void eta_keys(Visitor& v, EtaForms& k, bool written) {
     v(key("eta")
+          .symbol("\\eta")
           .above(-1.0)
           .written_if(written)
           .because("the longitudinal modulus 1 + eta must be positive")
@@ -42,22 +46,29 @@ void eta_keys(Visitor& v, EtaForms& k, bool written) {
           .example("1.0"),
       k.eta);
     v(key("poisson_ratio")
+          .symbol("\\nu")
           .above(-1.0, 1.0 - 1e-12)
           .because("the bulk modulus of a 2-D medium is positive and finite only for -1 < nu < 1")
           .doc("2-D Poisson ratio nu = lambda_L/(lambda_L + 2 mu); eta = (1 + nu)/(1 - nu)")
           .example("0.3"),
       k.poisson_ratio);
     v(key("lame_lambda")
+          .symbol("\\lambda_L")
           .doc("lambda_L of the free energy F = int [lambda_L (tr eps)^2/2 + mu tr(eps^2)], any unit, the "
                "same as mu; "
                "eta = (lambda_L + mu)/mu")
           .example("0.5"),
       k.lame_lambda);
     v(key("bulk_modulus")
+          .symbol("K")
           .doc("2-D bulk modulus K = lambda_L + mu, any unit, the same as mu; eta = K/mu")
           .example("1.5"),
       k.bulk_modulus);
-    v(key("mu").above(0.0).doc("shear modulus, any unit, beside lame_lambda or bulk_modulus").example("1.0"),
+    v(key("mu")
+          .symbol("\\mu")
+          .above(0.0)
+          .doc("shear modulus, any unit, beside lame_lambda or bulk_modulus")
+          .example("1.0"),
       k.mu);
 }
 
@@ -66,13 +77,12 @@ void resolve_eta(Visitor& v, const EtaForms& keys, int form, Medium& medium) try
     elastic::validate({eta, 1.0});
     medium.eta = eta;
 } catch (const InputError& error) { // a bad eta by itself has been reported by its range
-    constexpr const char* names[] = {"eta", "poisson_ratio", "lame_lambda", "bulk_modulus"};
     if (form > 0)
-        v.complain(names[form], fmt::format("is not usable: {}", error.what()));
+        v.complain(eta_forms[form].first, fmt::format("is not usable: {}", error.what()));
 }
 
-/// What a fitted medium must not be given.
-void refuse_given(Visitor& v, const EtaForms& k, const std::optional<double>& xi,
+/// Reports what a fitted medium must not be given; whether there was any.
+bool refuse_given(Visitor& v, const EtaForms& k, const std::optional<double>& xi,
                   const std::optional<double>& alpha) {
     const std::pair<const char*, bool> keys[] = {{"eta", k.eta.has_value()},
                                                  {"poisson_ratio", k.poisson_ratio.has_value()},
@@ -81,11 +91,15 @@ void refuse_given(Visitor& v, const EtaForms& k, const std::optional<double>& xi
                                                  {"mu", k.mu.has_value()},
                                                  {"xi", xi.has_value()},
                                                  {"alpha", alpha.has_value()}};
+    bool any = false;
     for (const auto& [name, is_given] : keys)
-        if (is_given)
+        if (is_given) {
+            any = true;
             v.complain(
                 name,
                 "is given beside medium.fitted = true, which takes eta and xi from [fit]: leave one out");
+        }
+    return any;
 }
 
 } // namespace
@@ -98,8 +112,10 @@ void fields(Visitor& v, FieldTable& table) {
 void fields(Visitor& v, Medium& medium) {
     EtaForms given{medium.eta, {}, {}, {}, {}};
     std::optional<double> xi = medium.xi, alpha;
+    bool fitted = medium.fitted;
     eta_keys(v, given, !medium.fitted);
     v(key("xi")
+          .symbol("\\xi")
           .unit(length)
           .within(1e-12, 1e12)
           .written_if(!medium.fitted)
@@ -107,6 +123,7 @@ void fields(Visitor& v, Medium& medium) {
           .example("1.0"),
       xi);
     v(key("alpha")
+          .symbol("\\alpha")
           .within(1e-12, 1e12)
           .doc("(f/mu)/xi = f zeta v0/mu^2, the reading taken here of the paper's alpha, which it does not "
                "define")
@@ -118,7 +135,6 @@ void fields(Visitor& v, Medium& medium) {
           .doc("how the field is evaluated")
           .example("\"exact\""),
       choice(medium.field, {{"exact", FieldBackend::exact}}));
-    v.table(key("table").doc("Interpolation of the field; not used with field = \"exact\"."), medium.table);
     v(key("periodic")
           .unit(length)
           .above(0.0)
@@ -131,23 +147,27 @@ void fields(Visitor& v, Medium& medium) {
           .doc("eta and xi come from this scene's [fit], in units of its f_over_mu; only with rodwake run. "
                "Then eta, xi and their alternatives are not given")
           .example("true"),
-      medium.fitted);
-    if (medium.fitted)
-        return v.derive([&] { refuse_given(v, given, xi, alpha); });
-    v.one_form({{"eta"}, {"poisson_ratio"}, {"lame_lambda", "mu"}, {"bulk_modulus", "mu"}},
-               [&](int form) { resolve_eta(v, given, form, medium); });
-    v.one_form({{"xi"}, {"alpha"}},
+      fitted);
+    v.table(key("table").doc("Interpolation of the field; not used with field = \"exact\"."), medium.table);
+    if (fitted)
+        return v.derive([&] { medium.fitted = !refuse_given(v, given, xi, alpha); });
+    v.one_form(eta_forms, [&](int form) { resolve_eta(v, given, form, medium); });
+    v.one_form(xi_forms,
                [&](int form) { medium.xi = form == 1 ? 1.0 / alpha.value_or(1.0) : xi.value_or(1.0); });
+    v.derive([&] { medium.fitted = false; });
 }
 
 void fields(Visitor& v, Coupling& coupling) {
-    v(key("kappa").unit(rate).doc("turning by strain, kappa n x (eps n)").example("0.5"), coupling.kappa);
+    v(key("kappa").symbol("\\kappa").unit(rate).doc("turning by strain, kappa n x (eps n)").example("0.5"),
+      coupling.kappa);
     v(key("gamma1")
+          .symbol("\\gamma_1")
           .unit(speed)
           .doc("polar turning by lap u (basis laplacian) or div eps (divergence)")
           .example("10.0"),
       coupling.gamma1);
     v(key("gamma2")
+          .symbol("\\gamma_2")
           .unit(speed)
           .doc("polar turning by grad div u (laplacian) or grad tr eps (divergence)")
           .example("-10.0"),
@@ -162,6 +182,7 @@ void fields(Visitor& v, Coupling& coupling) {
 
 void fields(Visitor& v, Noise& noise) {
     v(key("rotational_diffusion")
+          .symbol("D")
           .unit(rate)
           .within(0.0, 0.0)
           .because("noise is not available in this version")

@@ -1,8 +1,7 @@
 // Field lists of what is shown: [field] and its cuts, [[figures]], [[variants]].
 
 #include "fields.hpp"
-
-#include <set>
+#include "figure_kinds.hpp"
 
 namespace rodwake::scene {
 
@@ -10,12 +9,10 @@ namespace {
 
 using enum Dimension;
 
-void window_fields(Visitor& v, std::vector<double>& x, std::vector<double>& y, const std::string& what,
-                   const std::string& absent) {
-    v(key("x").unit(length).items(2, 2).absent(absent).doc(what + ", [min, max] of x").example("[-5.0, 5.0]"),
-      x);
-    v(key("y").unit(length).items(2, 2).absent(absent).doc(what + ", [min, max] of y").example("[-5.0, 5.0]"),
-      y);
+void window_fields(Visitor& v, std::vector<double>& x, std::vector<double>& y, const char* of_x,
+                   const char* of_y, const char* absent) {
+    v(key("x").unit(length).items(2, 2).absent(absent).doc(of_x).example("[-5.0, 5.0]"), x);
+    v(key("y").unit(length).items(2, 2).absent(absent).doc(of_y).example("[-5.0, 5.0]"), y);
 }
 
 void fit_figure_fields(Visitor& v, Figure& figure) {
@@ -23,40 +20,82 @@ void fit_figure_fields(Visitor& v, Figure& figure) {
           .within(0, 99)
           .items(1, 100)
           .absent("all")
-          .written_if(figure.kind == "fit")
-          .doc("kind fit: which of fit.profiles, indices from 0, a panel each")
+          .written_if(has_key(figure, "profiles"))
+          .doc("which of fit.profiles, indices from 0, a panel each")
           .example("[0, 1]"),
       figure.profiles);
     v(key("residuals")
-          .written_if(figure.kind == "fit")
-          .doc("kind fit: residuals in sigma under each panel")
+          .written_if(has_key(figure, "residuals"))
+          .doc("residuals in sigma under each panel")
           .example("false"),
       figure.residuals);
     v(key("parameter")
           .one_of(fit_parameter_names())
           .absent("the first of fit.likelihood")
-          .written_if(figure.kind == "fit_likelihood")
-          .doc("kind fit_likelihood: whose profile likelihood")
+          .written_if(has_key(figure, "parameter"))
+          .doc("whose profile likelihood")
           .example("\"eta\""),
       figure.parameter);
 }
 
+/// Which one is drawn unless the scene says so depends on the kind.
+void component_field(Visitor& v, Figure& figure) {
+    v(key("component")
+          .one_of({"Ux", "Uy", "U"})
+          .absent("Ux; displacement_map: U")
+          .written_if(has_key(figure, "component"))
+          .doc("displacement component; U, the size, for displacement_map only")
+          .example("\"Uy\""),
+      figure.component);
+    v.derive([&] {
+        if (figure.component.empty() && has_key(figure, "component"))
+            figure.component = figure.kind == "displacement_map" ? "U" : "Ux";
+    });
+}
+
+/// As above: beads and points of a scan are coloured by different things.
+void colour_field(Visitor& v, Figure& figure) {
+    v(key("colour")
+          .absent("order; phase_diagram: outcome")
+          .written_if(has_key(figure, "colour"))
+          .doc("what colours beads, their sixfold order or the direction of their close-packed rows (order, "
+               "orientation); of phase_diagram outcome, time (to capture), final_separation, "
+               "non_reciprocity or any column of scan.csv")
+          .example("\"order\""),
+      figure.colour);
+    v.derive([&] {
+        if (figure.colour.empty() && has_key(figure, "colour"))
+            figure.colour = figure.kind == "phase_diagram" ? "outcome" : "order";
+    });
+}
+
+void scan_figure_fields(Visitor& v, Figure& figure) {
+    v(key("cells")
+          .written_if(has_key(figure, "cells"))
+          .doc("outline the cells of an adaptive scan")
+          .example("true"),
+      figure.cells);
+    v(key("boundary")
+          .written_if(has_key(figure, "boundary"))
+          .doc("draw the boundaries that the scan traced")
+          .example("false"),
+      figure.boundary);
+    v(key("slices")
+          .items(1, 9)
+          .absent("four at most, over the axis")
+          .written_if(has_key(figure, "slices"))
+          .doc("of a scan with three axes: values of the third, a panel each")
+          .example("[0.0, 10.0]"),
+      figure.slices);
+    v(key("column")
+          .absent("delta_y of beds, else final_separation")
+          .written_if(has_key(figure, "column"))
+          .doc("column of scan.csv that is drawn")
+          .example("\"psi6\""),
+      figure.column);
+}
+
 } // namespace
-
-bool shows_measures(const Figure& figure) {
-    static const std::set<std::string> kinds = {
-        "pair_correlation", "bond_order",       "msd",        "series", "flow", "dragged",
-        "profile",          "displacement_map", "pair_tracks"};
-    return kinds.contains(figure.kind);
-}
-
-bool shows_the_fit(const Figure& figure) { return figure.kind.starts_with("fit"); }
-
-bool shows_the_bed(const Figure& figure) {
-    static const std::set<std::string> kinds = {"snapshot", "rod_tracks", "side_view", "movie",
-                                                "granular_table"};
-    return kinds.contains(figure.kind) || shows_measures(figure);
-}
 
 void fields(Visitor& v, Cut& cut) {
     v(key("along").one_of({"x", "y"}).doc("the coordinate that varies").example("\"x\""), cut.along);
@@ -67,110 +106,63 @@ void fields(Visitor& v, Cut& cut) {
 }
 
 void fields(Visitor& v, Field& field) {
-    window_fields(v, field.x, field.y, "grid", "no grid");
+    window_fields(v, field.x, field.y, "grid, [min, max] of x", "grid, [min, max] of y", "no grid");
     v(key("nx").within(2, 4000).doc("grid points in x").example("161"), field.nx);
     v(key("ny").within(2, 4000).doc("grid points in y").example("161"), field.ny);
     v.list(key("cuts").items(0, 100).doc("The field along lines parallel to an axis."), field.cuts);
 }
 
 void fields(Visitor& v, Figure& figure, const FigureUnits& units) {
-    const auto is_kind = [&](const char* kind) { return figure.kind == kind; };
+    const auto of_kinds = [&](const char* name) { return key(name).written_if(has_key(figure, name)); };
+    v.use_units(units.scene); // whatever the figure before has
     v(key("name").required().file_name().doc("file name without ending").example("\"wake\""), figure.name);
     v(key("kind")
           .required()
-          .one_of({"extensional_axis",
-                   "polar_streamlines",
-                   "cut",
-                   "trajectories",
-                   "snapshot",
-                   "rod_tracks",
-                   "side_view",
-                   "movie",
-                   "granular_table",
-                   "pair_correlation",
-                   "bond_order",
-                   "msd",
-                   "series",
-                   "flow",
-                   "dragged",
-                   "profile",
-                   "displacement_map",
-                   "pair_tracks",
-                   "fit",
-                   "fit_starts",
-                   "fit_likelihood",
-                   "fit_correlation",
-                   "fit_trajectories"})
-          .doc("what is drawn: the first two need the grid of [field], cut one of field.cuts, trajectories "
-               "[[rods]], the five from snapshot on [granular], those of the fit [fit], the others what they "
-               "show in [measure]")
+          .says_units(!figure.x.empty() || !figure.y.empty())
+          .one_of(figure_kind_names())
+          .doc("what is drawn; what each needs stands under \"Figure kinds\"")
           .example("\"cut\""),
       figure.kind);
     v(key("title").absent("made from the data").doc("title").example("\"Wake\""), figure.title);
-    v(key("cut")
-          .within(0, 99)
-          .written_if(is_kind("cut"))
-          .doc("kind cut: index into field.cuts, from 0")
-          .example("0"),
-      figure.cut);
-    v(key("component")
-          .one_of({"Ux", "Uy"})
-          .written_if(is_kind("cut") || is_kind("profile"))
-          .doc("kinds cut, profile: displacement component")
-          .example("\"Uy\""),
-      figure.component);
-    v(key("sqrt_scaled")
-          .written_if(is_kind("cut") || is_kind("profile"))
-          .doc("kinds cut, profile: draw |s|^(1/2) U instead of U")
-          .example("true"),
-      figure.sqrt_scaled);
-    v(key("along")
+    v(of_kinds("cut").within(0, 99).doc("index into field.cuts, from 0").example("0"), figure.cut);
+    component_field(v, figure);
+    v(of_kinds("sqrt_scaled").doc("draw |s|^(1/2) U instead of U").example("true"), figure.sqrt_scaled);
+    v(of_kinds("along")
           .one_of({"x", "y"})
-          .written_if(is_kind("profile"))
-          .doc("kind profile: the axis of the rod's frame along which U is drawn")
+          .doc("the axis of the rod's frame along which U is drawn")
           .example("\"y\""),
       figure.along);
-    v(key("quantity")
-          .one_of({"psi6", "stiffness", "exponent", "delta_y", "non_reciprocity", "force", "speed"})
-          .written_if(is_kind("series"))
-          .doc("kind series: what is drawn, a point for the scene and one for each of [[variants]]")
+    v(of_kinds("quantity")
+          .one_of(figure_quantities())
+          .doc("what is drawn, a point for the scene and one for each of [[variants]]")
           .example("\"stiffness\""),
       figure.quantity);
-    v(key("against")
+    v(of_kinds("against")
           .one_of({"phi_b", "d0", "imposed_speed"})
-          .written_if(is_kind("series"))
-          .doc("kind series: against what; d0 is the separation at which a pair starts")
+          .doc("against what; d0 is the separation at which a pair starts")
           .example("\"imposed_speed\""),
       figure.against);
-    v(key("gammas")
-          .written_if(is_kind("polar_streamlines"))
+    v(of_kinds("gammas")
           .unit(speed)
           .items(1, 16)
-          .doc("kind polar_streamlines: a panel for each [gamma1, gamma2]")
+          .doc("a panel for each [gamma1, gamma2]")
           .example("[[10.0, 0.0], [0.0, 10.0]]"),
       figure.gammas);
-    v(key("frame")
-          .within(-1, 1e9)
-          .written_if(is_kind("snapshot"))
-          .doc("kind snapshot: which stored frame, from 0; -1: the last")
-          .example("-1"),
+    v(of_kinds("frame").within(-1, 1e9).doc("which stored frame, from 0; -1: the last").example("-1"),
       figure.frame);
-    v(key("colour")
-          .one_of({"order", "orientation"})
-          .written_if(is_kind("snapshot") || is_kind("movie"))
-          .doc("kinds snapshot, movie: what colours the beads, their sixfold order or the direction of their "
-               "close-packed rows")
-          .example("\"order\""),
-      figure.colour);
-    v(key("fps")
-          .within(1, 120)
-          .written_if(is_kind("movie"))
-          .doc("kind movie: stored frames shown a second")
-          .example("20"),
-      figure.fps);
+    colour_field(v, figure);
+    v(of_kinds("fps").within(1, 120).doc("stored frames shown a second").example("20"), figure.fps);
     fit_figure_fields(v, figure);
-    v.use_units(shows_the_fit(figure) ? units.fit : shows_the_bed(figure) ? units.bed : units.scene);
-    window_fields(v, figure.x, figure.y, "window", "fit to the data");
+    scan_figure_fields(v, figure);
+    using enum FigureSubject;
+    const bool of_bed = shows(figure, bed) || shows(figure, measure);
+    const Units of_axes; // numbers as they are: an axis may be anything
+    v.use_units(shows(figure, fit)    ? units.fit
+                : of_bed              ? units.bed
+                : shows(figure, scan) ? of_axes
+                                      : units.scene);
+    window_fields(v, figure.x, figure.y, "window, [min, max] of x", "window, [min, max] of y",
+                  "fit to the data");
 }
 
 void fields(Visitor& v, Variant& variant) {

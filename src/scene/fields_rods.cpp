@@ -10,40 +10,43 @@ namespace rodwake::scene {
 namespace {
 
 using enum Dimension;
+using integrate::Method;
+
+using Times = std::optional<std::vector<double>>;
 
 /// Whether the times are in order; if not, it is reported.
-bool increasing(Visitor& v, const RodsRun& run, const std::vector<double>& times) {
+bool increasing(Visitor& v, const std::vector<double>& times, double t_end) {
     for (std::size_t i = 0; i < times.size(); ++i)
-        if (times[i] > run.t_end || (i > 0 && times[i] <= times[i - 1])) {
+        if (times[i] > t_end || (i > 0 && times[i] <= times[i - 1])) {
             v.complain("output_times", fmt::format("entry {} is {} f/(mu v0): times must increase strictly "
                                                    "within 0 <= t <= t_end = {}",
-                                                   i, times[i], run.t_end));
+                                                   i, times[i], t_end));
             return false;
         }
     return true;
 }
 
-void resolve_times(Visitor& v, RodsRun& run, std::vector<double> times) {
-    if (!increasing(v, run, times))
-        return;
+Times listed_times(Visitor& v, std::vector<double> times, double t_end) {
+    if (!increasing(v, times, t_end))
+        return std::nullopt;
     if (!times.empty() && times.front() == 0.0)
         times.erase(times.begin()); // the start is stored in any case
-    if (times.empty() || times.back() < run.t_end)
-        times.push_back(run.t_end);
-    run.output_times = std::move(times);
+    if (times.empty() || times.back() < t_end)
+        times.push_back(t_end);
+    return times;
 }
 
-void resolve_interval(Visitor& v, RodsRun& run, std::optional<double> interval) {
-    const double step = interval.value_or(run.t_end / default_outputs);
-    if (step > run.t_end || run.t_end / step > max_outputs)
-        return v.complain(
-            "output_interval",
-            fmt::format("is {} f/(mu v0): must be between t_end/1000000 and t_end = {}", step, run.t_end));
-    run.output_times = output_grid(step, run.t_end);
+Times even_times(Visitor& v, std::optional<double> interval, double t_end) {
+    const double step = interval.value_or(t_end / default_outputs);
+    if (step <= t_end && t_end / step <= max_outputs)
+        return output_grid(step, t_end);
+    v.complain("output_interval",
+               fmt::format("is {} f/(mu v0): must be between t_end/1000000 and t_end = {}", step, t_end));
+    return std::nullopt;
 }
 
 /// The ways to say how long a run is and when it is stored, in the order of resolve_run's cases.
-const Forms run_forms = {
+constexpr Form run_forms[] = {
     {"t_end"}, {"t_end", "output_interval"}, {"t_end", "output_times"}, {"output_times"}};
 constexpr int without_t_end = 3;
 
@@ -52,59 +55,25 @@ struct RunTimes {
     std::vector<double> times;
 };
 
+/// Leaves the run as it is if the times are not usable.
 void resolve_run(Visitor& v, RodsRun& run, const RunTimes& given, int form) {
-    run.t_end_from_outputs = form == without_t_end;
+    const bool from_outputs = form == without_t_end;
     const double last = given.times.empty() ? 0.0 : given.times.back();
-    run.t_end = run.t_end_from_outputs ? last : given.t_end.value_or(0.0);
-    if (run.t_end_from_outputs && given.times == std::vector{0.0})
+    const double t_end = from_outputs ? last : given.t_end.value_or(0.0);
+    if (from_outputs && given.times == std::vector{0.0})
         return v.complain("output_times", "has no entry above 0, so the run has no end: give t_end");
-    if (!(run.t_end > 0.0)) // reported already
+    if (!(t_end > 0.0)) // reported already
         return;
-    form < 2 ? resolve_interval(v, run, given.interval) : resolve_times(v, run, given.times);
+    Times times = form < 2 ? even_times(v, given.interval, t_end) : listed_times(v, given.times, t_end);
+    if (!times)
+        return;
+    run.t_end = t_end;
+    run.t_end_from_outputs = from_outputs;
+    run.output_times = std::move(*times);
 }
 
-/// Coordinates matter on the scale of f/mu, headings on that of a radian.
-double default_atol(double rtol) { return rtol / 100.0; }
-
-void solver_fields(Visitor& v, RodsRun& run) {
-    std::string form = "angle"; // the only one so far
-    v(key("method")
-          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta; auto: explicit Runge-Kutta, or BDF for "
-               "stiff headings")
-          .example("\"bdf\""),
-      choice(run.method, {{"auto", RodMethod::automatic},
-                          {"bdf", RodMethod::bdf},
-                          {"adams", RodMethod::adams},
-                          {"erk", RodMethod::erk}}));
-    v(key("form")
-          .one_of({"angle"})
-          .not_yet({"director", "dae"})
-          .doc("form of the equations")
-          .example("\"angle\""),
-      form);
-    v(key("rtol").within(1e-13, 1e-1).doc("relative tolerance of the local error").example("1e-8"), run.rtol);
-    std::optional<double> atol = run.atol == default_atol(run.rtol) ? std::nullopt : std::optional(run.atol);
-    v(key("atol")
-          .above(0.0, 1.0)
-          .absent("rtol / 100")
-          .doc("absolute tolerance of the local error, reduced units")
-          .example("1e-10"),
-      atol);
-    v.derive([&] { run.atol = atol.value_or(default_atol(run.rtol)); });
-    v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
-}
-
-} // namespace
-
-void fields(Visitor& v, Rod& rod) {
-    v(key("position").required().unit(length).items(2, 2).doc("start, [x, y]").example("[0.0, 2.5]"),
-      rod.position);
-    v(key("heading").unit(angle).doc("start direction, counter-clockwise from +x").example("\"90 deg\""),
-      rod.heading);
-}
-
-void fields(Visitor& v, RodsRun& run) {
-    // Written as an interval where the times are a grid; the default grid is left to follow t_end.
+/// Written as an interval where the times are a grid; the default grid is left to follow t_end.
+RunTimes times_of(const RodsRun& run) {
     const auto grid = grid_interval(run.output_times, run.t_end);
     const bool is_default = grid && *grid == run.t_end / default_outputs;
     RunTimes given;
@@ -114,7 +83,12 @@ void fields(Visitor& v, RodsRun& run) {
         given.times = run.output_times;
     else if (!is_default)
         given.interval = grid;
+    return given;
+}
+
+void time_fields(Visitor& v, RunTimes& given) {
     v(key("t_end")
+          .symbol("t_\\mathrm{end}")
           .unit(time)
           .above(0.0)
           .absent("the last of output_times")
@@ -135,6 +109,55 @@ void fields(Visitor& v, RodsRun& run) {
           .doc("store i * output_interval and t_end; at most 1000000 times")
           .example("0.5"),
       given.interval);
+}
+
+/// Coordinates matter on the scale of f/mu, headings on that of a radian.
+double default_atol(double rtol) { return rtol / 100.0; }
+
+void solver_fields(Visitor& v, RodsRun& run) {
+    std::string form = "angle"; // the only one so far
+    std::optional<double> atol = run.atol == default_atol(run.rtol) ? std::nullopt : std::optional(run.atol);
+    v(key("method")
+          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta; auto: explicit Runge-Kutta, or BDF for "
+               "stiff headings")
+          .example("\"bdf\""),
+      choice(run.method,
+             {{"auto", std::nullopt}, {"bdf", Method::bdf}, {"adams", Method::adams}, {"erk", Method::erk}}));
+    v(key("form")
+          .one_of({"angle"})
+          .not_yet({"director", "dae"})
+          .doc("form of the equations")
+          .example("\"angle\""),
+      form);
+    v(key("rtol").within(1e-13, 1e-1).doc("relative tolerance of the local error").example("1e-8"), run.rtol);
+    v(key("atol")
+          .above(0.0, 1.0)
+          .absent("rtol / 100")
+          .doc("absolute tolerance of the local error, reduced units")
+          .example("1e-10"),
+      atol);
+    v.derive([&] { run.atol = atol.value_or(default_atol(run.rtol)); });
+    v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
+}
+
+} // namespace
+
+void fields(Visitor& v, Rod& rod) {
+    v(key("position").required().unit(length).items(2, 2).doc("start, [x, y]").example("[0.0, 2.5]"),
+      rod.position);
+    v(key("heading")
+          .symbol("\\theta")
+          .unit(angle)
+          .doc("start direction, counter-clockwise from +x")
+          .example("\"90 deg\""),
+      rod.heading);
+}
+
+void fields(Visitor& v, RodsRun& run) {
+    const bool with_times = v.wants(run_forms); // up to a million times to look through
+    RunTimes given = with_times ? times_of(run) : RunTimes{};
+    if (with_times)
+        time_fields(v, given);
     v(key("contact_distance")
           .unit(length)
           .above(0.0)
@@ -143,7 +166,8 @@ void fields(Visitor& v, RodsRun& run) {
           .example("0.1"),
       run.contact_distance);
     solver_fields(v, run);
-    v.one_form(run_forms, [&](int form) { resolve_run(v, run, given, form); });
+    if (with_times)
+        v.one_form(run_forms, [&](int form) { resolve_run(v, run, given, form); });
 }
 
 } // namespace rodwake::scene

@@ -2,10 +2,10 @@
 
 #include "rodwake/scene/fit.hpp"
 
+#include "fit_parameters.hpp"
 #include "suggest.hpp"
 
-#include <algorithm>
-#include <iterator>
+#include <map>
 
 namespace rodwake::scene {
 
@@ -15,10 +15,30 @@ bool is_of_medium(const std::string& name) { return name == "eta" || name == "xi
 
 } // namespace
 
-const std::vector<std::string>& fit_parameter_names() {
-    static const std::vector<std::string> names = {"f_over_mu", "f2d_over_mu", "eta",    "xi",
-                                                   "alpha",     "x0",          "offset", "offset_y",
-                                                   "kappa",     "gamma1",      "gamma2"};
+const std::vector<FitParameter>& fit_parameter_list() {
+    static const std::vector<FitParameter> list = {
+        {"f_over_mu", "f/\\mu", "force of the rod over the shear modulus, a length"},
+        {"f2d_over_mu", "f_2 d/\\mu", "y force dipole over the shear modulus"},
+        {"eta", "\\eta", "(lambda_L + mu)/mu of the medium"},
+        {"xi", "\\xi", "screening length mu/(zeta v0) of the medium"},
+        {"alpha", "\\alpha", "f_over_mu/xi, in place of xi"},
+        {"x0", "x_0", "where the force acts, ahead of the rod's centre"},
+        {"offset", "U_x^{(0)}", "added to Ux"},
+        {"offset_y", "U_y^{(0)}", "added to Uy"},
+        {"kappa", "\\kappa", "coupling to strain, from trajectories, in mu v0/f whatever units says"},
+        {"gamma1", "\\gamma_1", "first polar coupling, from trajectories, in v0"},
+        {"gamma2", "\\gamma_2", "second polar coupling, from trajectories, in v0"},
+    };
+    return list;
+}
+
+std::span<const std::string_view> fit_parameter_names() {
+    static const std::vector<std::string_view> names = [] {
+        std::vector<std::string_view> all;
+        for (const FitParameter& parameter : fit_parameter_list())
+            all.push_back(parameter.name);
+        return all;
+    }();
     return names;
 }
 
@@ -50,8 +70,9 @@ bool fit_has(const Fit& fit, const std::string& parameter) {
 
 std::vector<std::string> fit_used(const Fit& fit) {
     std::vector<std::string> used;
-    std::ranges::copy_if(fit_parameter_names(), std::back_inserter(used),
-                         [&](const std::string& name) { return fit_has(fit, name); });
+    for (const std::string_view name : fit_parameter_names())
+        if (fit_has(fit, std::string(name)))
+            used.emplace_back(name);
     return used;
 }
 

@@ -1,11 +1,14 @@
 #pragma once
-// The description of one key, from which it is read, written, checked and documented.
+// The description of one key, from which it is read, written, checked, set and documented.
 
+#include "suggest.hpp"
 #include "units.hpp"
 
-#include <functional>
+#include <initializer_list>
+#include <span>
 #include <string>
-#include <utility>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace rodwake::scene {
@@ -21,57 +24,92 @@ struct Range {
     std::string text() const;
 };
 
+/// Only refers to its texts, and is used within the expression that makes it: a visit of a table allocates
+/// nothing, so that a scan can set a value in less than a microsecond. The name is a literal.
 struct Key {
-    std::string name, meaning, example_value;
+    std::string_view name, meaning, example_value;
+    std::string_view symbol_tex; ///< TeX without dollars; empty: none
     Dimension dimension = Dimension::none;
     Range range;
-    std::string reason;      ///< why the range is what it is, for the message
-    std::string absent_text; ///< what the absence of an optional key means
+    std::string_view reason;      ///< why the range is what it is, for the message
+    std::string_view absent_text; ///< what the absence of an optional key means
     bool is_required = false, is_file_name = false;
     bool is_written =
-        true; ///< false: the key means nothing beside the other values, a written scene omits it
+        true;             ///< false: the key means nothing beside the other values, a written scene omits it
+    bool is_unit = false; ///< says what the numbers of the scene mean
     std::size_t min_items = 0, max_items = 0; ///< for lists
-    std::vector<std::string> choices;         ///< for strings; empty: any
-    std::vector<std::string> planned;         ///< choices that are not available in this version
+    Names choices;                            ///< for strings; empty: any
+    Names planned;                            ///< choices that are not available in this version
 
     Key& required() { return is_required = true, *this; }
     Key& above(double low, double high = 1e12) { return range = {low, high, true}, *this; }
     Key& within(double low, double high) { return range = {low, high, false}, *this; }
     Key& unit(Dimension d) { return dimension = d, *this; }
-    Key& because(std::string text) { return reason = std::move(text), *this; }
-    Key& absent(std::string text) { return absent_text = std::move(text), *this; }
+    Key& symbol(std::string_view tex) { return symbol_tex = tex, *this; }
+    Key& because(std::string_view text) { return reason = text, *this; }
+    Key& absent(std::string_view text) { return absent_text = text, *this; }
     Key& items(std::size_t min, std::size_t max) { return min_items = min, max_items = max, *this; }
-    Key& one_of(std::vector<std::string> names) { return choices = std::move(names), *this; }
-    Key& not_yet(std::vector<std::string> names) { return planned = std::move(names), *this; }
+    Key& one_of(Names names) { return choices = names, *this; }
+    Key& one_of(std::initializer_list<std::string_view> names) {
+        return one_of(Names{names.begin(), names.size()});
+    }
+    Key& not_yet(std::initializer_list<std::string_view> names) {
+        return planned = {names.begin(), names.size()}, *this;
+    }
     Key& written_if(bool belongs) { return is_written = belongs, *this; }
+    Key& says_units(bool is = true) { return is_unit = is, *this; }
     Key& file_name() { return is_file_name = true, *this; }
-    Key& doc(std::string text) { return meaning = std::move(text), *this; }
-    Key& example(std::string toml) { return example_value = std::move(toml), *this; }
+    Key& doc(std::string_view text) { return meaning = text, *this; }
+    Key& example(std::string_view toml) { return example_value = toml, *this; }
 
+    /// What is wrong with a value ("must be > -1 and <= 1e12: the longitudinal modulus 1 + eta must be
+    /// positive"); empty: nothing.
+    std::string fault(double value) const;
+    std::string fault(const std::string& text) const;
     /// "2 numbers", "1 to 1000 numbers"
-    std::string count_text(const std::string& of) const;
+    std::string count_text(std::string_view of) const;
 };
 
-Key key(std::string name);
+inline Key key(std::string_view name) {
+    Key result;
+    result.name = name;
+    return result;
+}
 
-/// An enumeration seen as names.
+template<class Enum>
+struct Named {
+    std::string_view name;
+    Enum value;
+};
+
+/// An enumeration seen as names. Like a Key it refers to what it was made from.
 struct Choice {
-    std::vector<std::string> names;
-    std::size_t current = 0;
-    std::function<void(std::size_t)> set;
+    std::size_t count = 0, current = 0;
+    void* value = nullptr;
+    const void* options = nullptr; ///< array of Named<Enum>
+    std::string_view (*name_of)(const void* options, std::size_t) = nullptr;
+    void (*assign)(void* value, const void* options, std::size_t) = nullptr;
+
+    std::string_view name(std::size_t i) const { return name_of(options, i); }
+    void set(std::size_t i) const { assign(value, options, i); }
+    std::vector<std::string_view> names() const;
 };
 
 template<class Enum>
-Choice choice(Enum& value, const std::vector<std::pair<std::string, Enum>>& options) {
+Choice choice(Enum& value, std::initializer_list<Named<std::type_identity_t<Enum>>> options) {
     Choice result;
-    std::vector<Enum> values;
-    for (const auto& [name, option] : options) {
-        if (option == value)
-            result.current = values.size();
-        result.names.push_back(name);
-        values.push_back(option);
-    }
-    result.set = [&value, values](std::size_t i) { value = values[i]; };
+    result.count = options.size();
+    for (std::size_t i = 0; i < options.size(); ++i)
+        if (options.begin()[i].value == value)
+            result.current = i;
+    result.value = &value;
+    result.options = options.begin();
+    result.name_of = [](const void* all, std::size_t i) {
+        return static_cast<const Named<Enum>*>(all)[i].name;
+    };
+    result.assign = [](void* target, const void* all, std::size_t i) {
+        *static_cast<Enum*>(target) = static_cast<const Named<Enum>*>(all)[i].value;
+    };
     return result;
 }
 

@@ -48,9 +48,9 @@ std::string shortened(std::string text) {
 
 } // namespace
 
-const Entry* Node::find(const std::string& key) const { return const_cast<Node*>(this)->find(key); }
+const Entry* Node::find(std::string_view key) const { return const_cast<Node*>(this)->find(key); }
 
-Entry* Node::find(const std::string& key) {
+Entry* Node::find(std::string_view key) {
     auto* table = as<Table>();
     if (!table)
         return nullptr;
@@ -64,7 +64,7 @@ std::string number_text(double value) {
     return integral ? text + ".0" : text;
 }
 
-std::string quoted(const std::string& text) {
+std::string quoted(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         const auto code = static_cast<unsigned char>(c);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -36,8 +37,8 @@ struct Node {
     }
 
     /// Entry of a table by key; null if there is none or this is not a table.
-    const Entry* find(const std::string& key) const;
-    Entry* find(const std::string& key);
+    const Entry* find(std::string_view key) const;
+    Entry* find(std::string_view key);
 };
 
 struct Entry {
@@ -50,7 +51,7 @@ struct Entry {
 std::string number_text(double value);
 
 /// TOML basic string with escapes.
-std::string quoted(const std::string& text);
+std::string quoted(std::string_view text);
 
 /// A bare key where TOML allows it, else quoted.
 std::string key_text(const std::string& key);

@@ -4,6 +4,7 @@
 #include "check.hpp"
 #include "fields.hpp"
 #include "reader.hpp"
+#include "rodwake/scene/set.hpp"
 #include "rodwake/scene/write.hpp"
 #include "toml.hpp"
 #include "variants.hpp"
@@ -80,6 +81,40 @@ std::string read_text(const std::filesystem::path& path) {
     return text;
 }
 
+/// A setting's value if it is a single one, as TOML has it.
+std::optional<Value> single_value(const Node& node) {
+    if (const auto* flag = node.as<bool>())
+        return *flag;
+    if (const auto* whole = node.as<std::int64_t>())
+        return *whole;
+    if (const auto* real = node.as<double>())
+        return *real;
+    const auto* text = node.as<std::string>();
+    return text ? std::optional<Value>(*text) : std::nullopt;
+}
+
+/// The scene with the settings made if each is the value of a key that it has and all fit; else nothing.
+std::optional<Scene> with_values(Scene scene, const std::vector<std::string>& settings) try {
+    std::vector<std::string> keys;
+    std::vector<Value> values;
+    Problems problems;
+    for (const std::string& setting : settings) {
+        const auto item = parse_override(setting, problems);
+        const auto value = item ? single_value(item->value) : std::nullopt;
+        if (!value)
+            return std::nullopt;
+        keys.push_back(item->path);
+        values.push_back(*value);
+    }
+    const ValueSetter setter = compile_setter(scene, keys);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = setter.held(values[i], i);
+    const bool is_right = !setter.set(scene, values) && validate(scene).empty();
+    return is_right ? std::optional(std::move(scene)) : std::nullopt;
+} catch (const InputError&) {
+    return std::nullopt;
+}
+
 } // namespace
 
 Scene read_scene(const std::filesystem::path& path, std::span<const std::string> overrides) {
@@ -106,6 +141,9 @@ Scene apply_variant(const Scene& scene, const Variant& variant) {
     Scene base = scene;
     base.variants.clear();
     base.figures.clear();
+    if (auto changed = with_values(base, variant.set))
+        return *std::move(changed);
+    // More than values (lists, tables that the scene has not), or wrong, which reading says best.
     return parse_scene(to_toml(base), scene.path, variant.set);
 }
 

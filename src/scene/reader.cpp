@@ -1,7 +1,6 @@
 #include "reader.hpp"
 
 #include "fields.hpp"
-#include "rodwake/scene/document.hpp"
 #include "suggest.hpp"
 
 #include <algorithm>
@@ -11,45 +10,13 @@ namespace rodwake::scene {
 
 namespace {
 
-/// The alternatives that count: all that are given, but what an override sets drops what only the file gives.
-std::vector<std::string> effective_names(const Node& table, const Forms& forms) {
-    std::vector<std::string> given, overriding;
-    for (const auto& form : forms)
-        for (const auto& name : form)
-            if (const Entry* entry = table.find(name); entry && !contains(given, name)) {
-                given.push_back(name);
-                if (entry->value.place.overriding)
-                    overriding.push_back(name);
-            }
-    if (overriding.empty())
-        return given;
-    const auto has_all_overriding = [&](const std::vector<std::string>& form) {
-        return std::all_of(overriding.begin(), overriding.end(),
-                           [&](const auto& n) { return contains(form, n); });
-    };
-    std::erase_if(given, [&](const std::string& name) {
-        const auto keeps = [&](const auto& form) { return contains(form, name) && has_all_overriding(form); };
-        return !contains(overriding, name) && std::none_of(forms.begin(), forms.end(), keeps);
-    });
+/// Keys of the forms that the document gives.
+std::vector<GivenKey> given_keys(const Node& table, Forms forms) {
+    std::vector<GivenKey> given;
+    for (const auto name : names_of(forms))
+        if (const Entry* entry = table.find(name))
+            given.push_back({name, entry->value.place.overriding});
     return given;
-}
-
-std::string forms_text(const Forms& forms) {
-    std::string text;
-    for (const auto& form : forms) {
-        text += text.empty() ? "" : " | ";
-        for (std::size_t i = 0; i < form.size(); ++i)
-            text += (i == 0 ? "" : " + ") + form[i];
-    }
-    return text;
-}
-
-/// " ([coupling] has it)" for a key that stands in the wrong table.
-std::string where_it_belongs(const std::string& name) {
-    for (const auto& known : scene_keys())
-        if (known.name == name && !known.table.empty())
-            return fmt::format(" ([{}] has it)", known.table);
-    return "";
 }
 
 /// Whether the scene has more than granular tables, which are SI without [scales].
@@ -77,9 +44,9 @@ const Entry* Reader::find(const Key& key) {
     return entry;
 }
 
-std::string Reader::path_of(const std::string& name) const {
+std::string Reader::path_of(std::string_view name) const {
     const std::string& path = frames_.back().path;
-    return path.empty() ? name : path + "." + name;
+    return fmt::format("{}{}{}", path, path.empty() ? "" : ".", name);
 }
 
 bool Reader::enter_table(const Key& key, bool) {
@@ -95,22 +62,22 @@ bool Reader::enter_table(const Key& key, bool) {
     return true;
 }
 
-std::size_t Reader::enter_list(const Key& key, std::size_t) {
+Entries Reader::enter_list(const Key& key, std::size_t) {
     const Entry* entry = find(key);
     if (!entry)
-        return 0;
+        return {};
     const std::string path = path_of(key.name);
     const auto* list = entry->value.as<Node::List>();
     if (!list) {
         wrong_type(entry->value, path, fmt::format("expected entries [[{}]]", path));
-        return 0;
+        return {};
     }
     if (list->size() > key.max_items) {
         problems_.add(entry->value.place, path,
                       fmt::format("{}: {} entries; at most {}", path, list->size(), key.max_items));
-        return 0;
+        return {};
     }
-    return list->size();
+    return {list->size(), 0, list->size()};
 }
 
 bool Reader::enter_entry(const Key& key, std::size_t index) {
@@ -134,23 +101,7 @@ void Reader::leave() {
 }
 
 void Reader::unknown_key(const Frame& frame, const Entry& entry) {
-    const std::string where = frame.title.empty() ? "unknown table or key" : frame.title + " unknown key";
-    std::string hint = did_you_mean(entry.key, frame.known);
-    if (hint.empty())
-        hint = where_it_belongs(entry.key);
-    problems_.add(entry.key_place, path_of(entry.key),
-                  fmt::format("{} {}{}. Known keys: {}", where, describe_value(Node{{}, entry.key}), hint,
-                              comma_list(frame.known)));
-}
-
-void Reader::planned(const std::string& name) {
-    const Node& table = *frames_.back().table;
-    const Entry* entry = table.find(name);
-    if (!entry)
-        return;
-    const std::string path = path_of(name);
-    problems_.add(entry->key_place, path, fmt::format("[{}] is not available in this version", path));
-    frames_.back().known.push_back(name);
+    problems_.add(entry.key_place, path_of(entry.key), unknown_key_text(frame.title, entry.key, frame.known));
 }
 
 void Reader::use_units(const Units& units) {
@@ -164,23 +115,23 @@ void Reader::use_units(const Units& units) {
         missing_scales(system->value, "units", "units = \"si\"");
 }
 
-void Reader::one_form(const Forms& forms, const std::function<void(int)>& resolve) {
+int Reader::form_given(Forms forms) {
     const Node& table = *frames_.back().table;
-    const auto given = effective_names(table, forms);
-    if (given.empty())
-        return problems_.add(table.place, frames_.back().path,
-                             fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
-    for (std::size_t i = 0; i < forms.size(); ++i)
-        if (std::is_permutation(given.begin(), given.end(), forms[i].begin(), forms[i].end()))
-            return resolve(static_cast<int>(i));
-    report_forms(given, forms);
+    const auto names = effective_names(given_keys(table, forms), forms);
+    const int form = matching_form(names, forms);
+    if (names.empty())
+        problems_.add(table.place, frames_.back().path,
+                      fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
+    else if (form < 0)
+        report_forms(names, forms);
+    return form;
 }
 
-void Reader::report_forms(const std::vector<std::string>& given, const Forms& forms) {
+void Reader::report_forms(std::span<const std::string_view> given, Forms forms) {
     const Node& table = *frames_.back().table;
     std::string places;
     const Entry* last = table.find(given.front());
-    for (const auto& name : given) {
+    for (const auto name : given) {
         const Entry* entry = table.find(name);
         places +=
             fmt::format("{}{}{}", places.empty() ? "" : " and ", name,
@@ -192,7 +143,7 @@ void Reader::report_forms(const std::vector<std::string>& given, const Forms& fo
                   fmt::format("{} gives {}: give one of {}", frames_.back().path, places, forms_text(forms)));
 }
 
-void Reader::complain(const std::string& name, const std::string& message) {
+void Reader::complain(std::string_view name, const std::string& message) {
     const Node& table = *frames_.back().table;
     const Entry* entry = table.find(name);
     problems_.add(entry ? entry->value.place : table.place, path_of(name),

@@ -24,21 +24,22 @@ public:
     void operator()(const Key& key, std::vector<double>& value) override;
     void operator()(const Key& key, std::vector<long>& value) override;
     void operator()(const Key& key, std::vector<std::vector<double>>& value) override;
+    void operator()(const Key& key, std::optional<Value>& value) override;
+    void operator()(const Key& key, std::vector<Value>& value) override;
     void operator()(const Key& key, std::vector<std::string>& value) override;
     void operator()(const Key& key, const Choice& value) override;
     void operator()(const Key& key, std::map<std::string, double>& value) override;
     void operator()(const Key& key, std::map<std::string, Interval>& value) override;
     void operator()(const Key& key, std::map<std::string, Tie>& value) override;
     void settings(const Key& key, std::vector<std::string>& value) override;
-    void planned(const std::string& name) override;
     void use_units(const Units& units) override;
-    void one_form(const Forms& forms, const std::function<void(int)>& resolve) override;
-    void derive(const std::function<void()>& resolve) override { resolve(); }
-    void complain(const std::string& key, const std::string& message) override;
+    void complain(std::string_view key, const std::string& message) override;
 
 protected:
+    int form_given(Forms forms) override;
+    bool derives() const override { return true; }
     bool enter_table(const Key& key, bool present) override;
-    std::size_t enter_list(const Key& key, std::size_t count) override;
+    Entries enter_list(const Key& key, std::size_t count) override;
     bool enter_entry(const Key& key, std::size_t index) override;
     void leave() override;
 
@@ -48,27 +49,26 @@ private:
         const Node* table;
         std::string path;  ///< "rods[1]"; empty: top level
         std::string title; ///< "[medium]", "[[rods]]"
-        std::vector<std::string> known;
+        std::vector<std::string_view> known;
     };
 
     const Entry* find(const Key& key);
-    std::string path_of(const std::string& key) const;
+    std::string path_of(std::string_view key) const;
     void wrong(const Node& node, const std::string& path, const std::string& message);
     void wrong_type(const Node& node, const std::string& path, const std::string& expected,
                     const std::string& why = "");
     std::optional<double> number(const Key& key, const Node& node, const std::string& path);
+    std::optional<Value> written(const Node& node, const std::string& path);
     std::optional<double> quantity(const Key& key, const Node& node, const std::string& path);
     std::optional<std::vector<double>> numbers(const Key& key, const Node& node, const std::string& path);
     /// Entries of a table whose keys are among key.choices; `read` gives the value of one, or nothing.
     template<class T, class Read>
     void entries(const Key& key, std::map<std::string, T>& value, const std::string& of, Read read);
     const std::string* text(const Key& key, const Node& node, const std::string& path);
-    bool is_choice(const Key& key, const std::vector<std::string>& names, const Node& node,
-                   const std::string& path);
-    const Node::List* list_of(const Key& key, const Node& node, const std::string& path,
-                              const std::string& of);
+    bool is_choice(const Key& key, Names names, const Node& node, const std::string& path);
+    const Node::List* list_of(const Key& key, const Node& node, const std::string& path, std::string_view of);
     void missing_scales(const Node& node, const std::string& path, const std::string& what);
-    void report_forms(const std::vector<std::string>& given, const Forms& forms);
+    void report_forms(std::span<const std::string_view> given, Forms forms);
     void unknown_key(const Frame& frame, const Entry& entry);
 
     Problems& problems_;

@@ -14,21 +14,6 @@ namespace rodwake::scene {
 
 namespace {
 
-constexpr std::size_t max_text_bytes = 300;
-
-/// Letters, digits, '_', '-' and inner '.', so that it is the same file on every system.
-bool is_file_name(const std::string& text) {
-    const auto plain = [](unsigned char c) {
-        return (c < 128 && std::isalnum(c)) || c == '_' || c == '-' || c == '.';
-    };
-    return !text.empty() && text.size() <= 64 && text.front() != '.' && text.front() != '-' &&
-           std::all_of(text.begin(), text.end(), plain);
-}
-
-bool has_control_characters(const std::string& text) {
-    return std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
-}
-
 std::string expected_number(Dimension dimension) {
     static constexpr const char* examples[] = {"",        "0.4 mm", "5 s",         "2.8 mm/s",
                                                "0.5 1/s", "30 deg", "2700 kg/m^3", "9.81 m/s^2"};
@@ -105,9 +90,9 @@ void Reader::operator()(const Key& key, const Choice& value) {
         return;
     const std::string path = path_of(key.name);
     const auto* found = text(key, entry->value, path);
-    if (found && is_choice(key, value.names, entry->value, path))
-        value.set(static_cast<std::size_t>(
-            std::distance(value.names.begin(), std::find(value.names.begin(), value.names.end(), *found))));
+    const auto names = value.names();
+    if (found && is_choice(key, names, entry->value, path))
+        value.set(static_cast<std::size_t>(std::ranges::find(names, *found) - names.begin()));
 }
 
 void Reader::operator()(const Key& key, std::vector<double>& value) {
@@ -131,6 +116,41 @@ void Reader::operator()(const Key& key, std::vector<std::vector<double>>& value)
             value.push_back(std::move(*found));
 }
 
+void Reader::operator()(const Key& key, std::optional<Value>& value) {
+    const Entry* entry = find(key);
+    value = entry ? written(entry->value, path_of(key.name)) : std::nullopt;
+}
+
+void Reader::operator()(const Key& key, std::vector<Value>& value) {
+    value.clear();
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const std::string path = path_of(key.name);
+    const auto* list = list_of(key, entry->value, path, "numbers, quantities or words");
+    for (std::size_t i = 0; list && i < list->size(); ++i)
+        if (auto found = written((*list)[i], fmt::format("{}[{}]", path, i)))
+            value.push_back(std::move(*found));
+}
+
+/// A value of another key: what it must be is seen where that key is known.
+std::optional<Value> Reader::written(const Node& node, const std::string& path) {
+    if (const auto* flag = node.as<bool>())
+        return *flag;
+    if (const auto* whole = node.as<std::int64_t>())
+        return *whole;
+    if (const auto* text = node.as<std::string>())
+        return *text;
+    const auto* real = node.as<double>();
+    if (!real)
+        wrong_type(node, path, "expected a number, quantity or word");
+    else if (!std::isfinite(*real))
+        wrong(node, path, "must be a finite number");
+    else
+        return *real;
+    return std::nullopt;
+}
+
 void Reader::operator()(const Key& key, std::vector<std::string>& value) {
     const Entry* entry = find(key);
     if (!entry)
@@ -142,7 +162,7 @@ void Reader::operator()(const Key& key, std::vector<std::string>& value) {
         const Node& node = (*list)[i];
         const std::string item_path = fmt::format("{}[{}]", path, i);
         const auto* name = text(key, node, item_path);
-        if (!name || !is_choice(key, key.choices, node, item_path))
+        if (!name || (!key.choices.empty() && !is_choice(key, key.choices, node, item_path)))
             continue;
         if (contains(value, *name))
             wrong(node, item_path, "stands in the list already");
@@ -157,7 +177,7 @@ void Reader::settings(const Key& key, std::vector<std::string>& value) {
         return;
     const std::string path = path_of(key.name);
     if (!entry->value.as<Node::Table>()) {
-        wrong_type(entry->value, path, "expected a table such as " + key.example_value);
+        wrong_type(entry->value, path, fmt::format("expected a table such as {}", key.example_value));
         return;
     }
     const auto overrides = variant_overrides(entry->value);
@@ -193,18 +213,15 @@ std::optional<double> Reader::quantity(const Key& key, const Node& node, const s
     const auto value = number(key, node, path);
     if (!value)
         return std::nullopt;
-    if (!std::isfinite(*value))
-        wrong(node, path, "must be a finite number");
-    else if (!key.range.contains(*value))
-        wrong(node, path,
-              fmt::format("must be {}{}{}", key.range.text(), key.reason.empty() ? "" : ": ", key.reason));
-    else
-        return value;
-    return std::nullopt;
+    if (const std::string fault = key.fault(*value); !fault.empty()) {
+        wrong(node, path, fault);
+        return std::nullopt;
+    }
+    return value;
 }
 
 const Node::List* Reader::list_of(const Key& key, const Node& node, const std::string& path,
-                                  const std::string& of) {
+                                  std::string_view of) {
     const auto* list = node.as<Node::List>();
     if (!list)
         wrong_type(node, path, "expected " + key.count_text(of));
@@ -233,17 +250,14 @@ const std::string* Reader::text(const Key& key, const Node& node, const std::str
     const auto* found = node.as<std::string>();
     if (!found)
         wrong_type(node, path, "expected a string");
-    else if (key.is_file_name && !is_file_name(*found))
-        wrong(node, path, "must be usable as a file name: letters, digits, _ - . and at most 64 of them");
-    else if (found->size() > max_text_bytes || has_control_characters(*found))
-        wrong(node, path, fmt::format("must be one line of at most {} bytes", max_text_bytes));
+    else if (const std::string fault = key.fault(*found); !fault.empty())
+        wrong(node, path, fault);
     else
         return found;
     return nullptr;
 }
 
-bool Reader::is_choice(const Key& key, const std::vector<std::string>& names, const Node& node,
-                       const std::string& path) {
+bool Reader::is_choice(const Key& key, Names names, const Node& node, const std::string& path) {
     const std::string& found = *node.as<std::string>();
     if (contains(names, found))
         return true;
@@ -252,7 +266,7 @@ bool Reader::is_choice(const Key& key, const std::vector<std::string>& names, co
                       fmt::format("{} = {} is not available in this version; available: {}", path,
                                   describe_value(node), comma_list(names)));
     else
-        wrong(node, path, fmt::format("must be one of {}{}", comma_list(names), did_you_mean(found, names)));
+        wrong(node, path, one_of_text(names, found));
     return false;
 }
 

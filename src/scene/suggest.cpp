@@ -1,22 +1,34 @@
 #include "suggest.hpp"
 
-#include <algorithm>
+#include "node.hpp"
+#include "rodwake/scene/document.hpp"
+
 #include <cctype>
+#include <fmt/format.h>
 #include <vector>
 
 namespace rodwake::scene {
 
 namespace {
 
-std::string lower(std::string text) {
+std::string lower(std::string_view word) {
+    std::string text(word);
     for (char& c : text)
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return text;
 }
 
+/// " ([coupling] has it)" for a key that stands in the wrong table.
+std::string where_it_belongs(const std::string& name) {
+    for (const auto& known : scene_keys())
+        if (known.name == name && !known.table.empty())
+            return fmt::format(" ([{}] has it)", known.table);
+    return "";
+}
+
 } // namespace
 
-std::size_t edit_distance(const std::string& a, const std::string& b) {
+std::size_t edit_distance(std::string_view a, std::string_view b) {
     // Three rows of the usual table: the swap looks two rows back.
     std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j)
@@ -34,12 +46,12 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     return last[b.size()];
 }
 
-std::string nearest(const std::string& name, std::span<const std::string> known) {
-    std::string best;
+std::string_view nearest(std::string_view name, Names known) {
+    std::string_view best;
     if (name.size() > 64) // no key is near, and the table would be large
         return best;
     std::size_t best_distance = std::clamp<std::size_t>(name.size() / 3, 1, 3) + 1;
-    for (const auto& candidate : known) {
+    for (const std::string_view candidate : known) {
         const std::size_t distance = edit_distance(lower(name), lower(candidate));
         if (distance < best_distance) {
             best_distance = distance;
@@ -49,20 +61,20 @@ std::string nearest(const std::string& name, std::span<const std::string> known)
     return best;
 }
 
-std::string did_you_mean(const std::string& name, std::span<const std::string> known) {
-    const std::string near = nearest(name, known);
-    return near.empty() ? "" : " (did you mean \"" + near + "\"?)";
+std::string did_you_mean(std::string_view name, Names known) {
+    const std::string_view near = nearest(name, known);
+    return near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near);
 }
 
-bool contains(std::span<const std::string> names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+std::string one_of_text(Names legal, std::string_view found) {
+    return fmt::format("must be one of {}{}", comma_list(legal), did_you_mean(found, legal));
 }
 
-std::string comma_list(std::span<const std::string> names) {
-    std::string text;
-    for (const auto& name : names)
-        text += (text.empty() ? "" : ", ") + name;
-    return text;
+std::string unknown_key_text(const std::string& title, const std::string& name, Names known) {
+    const std::string near = did_you_mean(name, known);
+    return fmt::format(
+        "{} {}{}. Known keys: {}", title.empty() ? "unknown table or key" : title + " unknown key",
+        describe_value(Node{{}, name}), near.empty() ? where_it_belongs(name) : near, comma_list(known));
 }
 
 } // namespace rodwake::scene

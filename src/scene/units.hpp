@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace rodwake::scene {
 
@@ -19,7 +20,7 @@ struct Units {
     bool reduced_words =
         true; ///< "f/mu", "v0" may be used; not in [scales], which defines them, nor in [granular]
     bool bead_words = true; ///< "a", "a/s" may be used; not by the key that says what "a" is
-    std::string own{};      ///< name of a unit of length that the scene does not know; empty: none such
+    std::string_view own{}; ///< name of a unit of length that the scene does not know; empty: none such
 
     bool is_own() const { return !own.empty(); }
 };

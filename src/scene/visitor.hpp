@@ -1,11 +1,11 @@
 #pragma once
-// A field list is a function that shows every key of a struct to a visitor. Visitors read, write and
+// A field list is a function that shows every key of a struct to a visitor. Visitors read, write, set and
 // document.
 
+#include "forms.hpp"
 #include "key.hpp"
 #include "rodwake/scene/scene.hpp"
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,9 +13,10 @@
 
 namespace rodwake::scene {
 
-/// Key names that give the same thing in different ways: {{"alpha"}, {"xi"}}, {{"eta"}, {"lame_lambda",
-/// "mu"}}.
-using Forms = std::vector<std::vector<std::string>>;
+/// Which entries of a list of `count` are visited: those in [first, last).
+struct Entries {
+    std::size_t count = 0, first = 0, last = 0;
+};
 
 class Visitor {
 public:
@@ -32,7 +33,11 @@ public:
     virtual void operator()(const Key& key, std::vector<double>& value) = 0;
     virtual void operator()(const Key& key, std::vector<long>& value) = 0;
     virtual void operator()(const Key& key, std::vector<std::vector<double>>& value) = 0;
-    /// Some of key.choices, each at most once; reading keeps the value when the key is absent.
+    /// Values of another key, as a scene file has them.
+    virtual void operator()(const Key& key, std::optional<Value>& value) = 0;
+    virtual void operator()(const Key& key, std::vector<Value>& value) = 0;
+    /// Some of key.choices, or any words where it has none, each at most once; reading keeps the value when
+    /// the key is absent.
     virtual void operator()(const Key& key, std::vector<std::string>& value) = 0;
     virtual void operator()(const Key& key, const Choice& value) = 0;
     /// Tables whose keys are among key.choices: numbers, [low, high], [other name, factor].
@@ -41,6 +46,13 @@ public:
     virtual void operator()(const Key& key, std::map<std::string, Tie>& value) = 0;
     /// A table of "path.to.key" = value, held as "path.to.key=value".
     virtual void settings(const Key& key, std::vector<std::string>& value) = 0;
+
+    /// A count or a seed: the key's range keeps it from being negative.
+    void operator()(const Key& key, std::size_t& value) {
+        long number = static_cast<long>(value);
+        (*this)(key, number);
+        value = static_cast<std::size_t>(number);
+    }
 
     template<class T>
     void table(const Key& key, std::optional<T>& value) {
@@ -75,29 +87,42 @@ public:
     /// The same with a field list of its own.
     template<class T, class Fields>
     void list(const Key& key, std::vector<T>& values, Fields each) {
-        values.resize(enter_list(key, values.size()));
-        for (std::size_t i = 0; i < values.size(); ++i)
+        const Entries visited = enter_list(key, values.size());
+        values.resize(visited.count);
+        for (std::size_t i = visited.first; i < visited.last; ++i)
             if (enter_entry(key, i)) {
                 each(values[i]);
                 leave();
             }
     }
 
-    /// A table of the contract that this version does not have.
-    virtual void planned(const std::string& name) = 0;
+    /// Of these forms exactly one must be given: `resolve` gets its index. Only where values are read or set.
+    template<class Resolve>
+    void one_form(Forms forms, Resolve resolve) {
+        if (const int form = form_given(forms); form >= 0)
+            resolve(form);
+    }
+
+    /// What follows from the keys before it. Only where values are read or set.
+    template<class Resolve>
+    void derive(Resolve resolve) {
+        if (derives())
+            resolve();
+    }
+
+    /// Whether keys of these forms are of interest. If not, a field list may leave them out, which saves what
+    /// it takes to show them.
+    virtual bool wants(Forms) const { return true; }
     /// Unit system for the keys that follow.
     virtual void use_units(const Units& units) = 0;
-    /// Of these forms exactly one must be given. Reading calls resolve with its index; other visitors do not
-    /// call it.
-    virtual void one_form(const Forms& forms, const std::function<void(int)>& resolve) = 0;
-    /// What follows from the keys before it. Reading calls it; other visitors do not.
-    virtual void derive(const std::function<void()>& resolve) = 0;
     /// A key of the present table has a value that is wrong beside others. Called only from `resolve`.
-    virtual void complain(const std::string& key, const std::string& message) = 0;
+    virtual void complain(std::string_view key, const std::string& message) = 0;
 
 protected:
+    virtual int form_given(Forms forms) = 0; ///< -1: none, nothing to resolve
+    virtual bool derives() const = 0;
     virtual bool enter_table(const Key& key, bool present) = 0;
-    virtual std::size_t enter_list(const Key& key, std::size_t count) = 0; ///< number of entries to visit
+    virtual Entries enter_list(const Key& key, std::size_t count) = 0;
     virtual bool enter_entry(const Key& key, std::size_t index) = 0;
     virtual void leave() = 0;
 };

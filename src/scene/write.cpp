@@ -11,6 +11,16 @@ namespace rodwake::scene {
 
 namespace {
 
+std::string value_text(const Value& value) {
+    if (const auto* flag = std::get_if<bool>(&value))
+        return *flag ? "true" : "false";
+    if (const auto* whole = std::get_if<std::int64_t>(&value))
+        return std::to_string(*whole);
+    if (const auto* real = std::get_if<double>(&value))
+        return number_text(*real);
+    return quoted(std::get<std::string>(value));
+}
+
 class Writer : public Visitor {
 public:
     const std::string& text() const { return text_; }
@@ -33,7 +43,7 @@ public:
     }
     void operator()(const Key& key, bool& value) override { line(key, value ? "true" : "false"); }
     void operator()(const Key& key, const Choice& value) override {
-        line(key, quoted(value.names[value.current]));
+        line(key, quoted(value.name(value.current)));
     }
     void operator()(const Key& key, std::string& value) override {
         if (value.empty())
@@ -52,6 +62,21 @@ public:
         for (const auto& item : value)
             inner += (inner.empty() ? "" : ", ") + list_text(key, item);
         if (!value.empty())
+            line(key, "[" + inner + "]");
+    }
+    void operator()(const Key& key, std::optional<Value>& value) override {
+        if (value)
+            line(key, value_text(*value));
+        else
+            absent(key);
+    }
+    void operator()(const Key& key, std::vector<Value>& value) override {
+        std::string inner;
+        for (const Value& item : value)
+            inner += (inner.empty() ? "" : ", ") + value_text(item);
+        if (value.empty())
+            absent(key);
+        else
             line(key, "[" + inner + "]");
     }
     void operator()(const Key& key, std::vector<std::string>& value) override {
@@ -82,19 +107,18 @@ public:
         line(key, settings_text(value));
     }
 
-    void planned(const std::string&) override {}
     void use_units(const Units& units) override { units_ = units; }
-    void one_form(const Forms&, const std::function<void(int)>&) override {}
-    void derive(const std::function<void()>&) override {}
-    void complain(const std::string&, const std::string&) override {}
+    void complain(std::string_view, const std::string&) override {}
 
 protected:
+    int form_given(Forms) override { return -1; }
+    bool derives() const override { return false; }
     bool enter_table(const Key& key, bool present) override {
         if (present)
             open(key, "\n[{}]\n");
         return present;
     }
-    std::size_t enter_list(const Key&, std::size_t count) override { return count; }
+    Entries enter_list(const Key&, std::size_t count) override { return {count, 0, count}; }
     bool enter_entry(const Key& key, std::size_t) override {
         open(key, "\n[[{}]]\n");
         return true;
@@ -103,13 +127,13 @@ protected:
 
 private:
     void open(const Key& key, const char* header) {
-        path_.push_back(path_.empty() ? key.name : path_.back() + "." + key.name);
+        path_.push_back(path_.empty() ? std::string(key.name) : fmt::format("{}.{}", path_.back(), key.name));
         text_ += fmt::format(fmt::runtime(header), path_.back());
     }
 
     void line(const Key& key, const std::string& value) {
         if (key.is_written)
-            text_ += key.name + " = " + value + "\n";
+            text_ += fmt::format("{} = {}\n", key.name, value);
     }
 
     void absent(const Key& key) {

@@ -4,7 +4,6 @@
 #include "rodwake/store/atomic_file.hpp"
 
 #include "descriptor.hpp"
-#include "hash.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,6 @@
 #include "rodwake/core/error.hpp"
 
 #include "descriptor.hpp"
-#include "hash.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +14,7 @@ namespace rodwake::store {
 namespace {
 
 constexpr std::string_view magic = "RWKBLOC\n";
-constexpr std::uint32_t version = 1, byte_order = 0x01020304, other_order = 0x04030201;
+constexpr std::uint32_t version = 2, byte_order = 0x01020304, other_order = 0x04030201;
 constexpr std::size_t header_size = 40, block_overhead = 24;
 
 template<class Integer>
@@ -33,7 +32,8 @@ Integer peek(std::string_view bytes, std::size_t offset) {
 
 void put_block(std::string& out, const Block& block) {
     const std::size_t start = out.size();
-    put(out, std::uint64_t{block.name.size()});
+    put(out, static_cast<std::uint32_t>(block.name.size()));
+    put(out, block.layout);
     put(out, std::uint64_t{block.content.size()});
     out += block.name;
     out += as_text(block.content);
@@ -108,7 +108,9 @@ private:
     Block next_block(std::size_t number) {
         if (left() < block_overhead)
             fail("damaged block number {}: no room for it", number);
-        const auto name = peek<std::uint64_t>(bytes_, at_), content = peek<std::uint64_t>(bytes_, at_ + 8);
+        const std::uint64_t name = peek<std::uint32_t>(bytes_, at_),
+                            content = peek<std::uint64_t>(bytes_, at_ + 8);
+        const auto layout = peek<std::uint32_t>(bytes_, at_ + 4);
         const std::size_t room = left() - block_overhead;
         if (name > room || content > room - name)
             fail("damaged block number {}: its length goes beyond the end of the file", number);
@@ -117,7 +119,7 @@ private:
             fail("damaged block \"{}\"", printable(block.substr(16, name)));
         at_ += block.size() + 8;
         const auto* first = reinterpret_cast<const std::byte*>(block.data() + 16 + name);
-        return {std::string(block.substr(16, name)), std::vector<std::byte>(first, first + content)};
+        return {std::string(block.substr(16, name)), std::vector<std::byte>(first, first + content), layout};
     }
 
     /// A name that may be damaged.
@@ -153,10 +155,14 @@ std::vector<Block> decode_blocks(std::string_view bytes, const std::string& file
     return Decoder(bytes, file_name).decode();
 }
 
-const Block& find_block(std::span<const Block> blocks, std::string_view name, const std::string& file_name) {
+const Block& find_block(std::span<const Block> blocks, std::string_view name, const std::string& file_name,
+                        std::uint32_t layout) {
     const auto found = std::ranges::find(blocks, name, &Block::name);
     if (found == blocks.end())
         throw InputError(fmt::format("{}: the checkpoint has no block \"{}\"", file_name, name));
+    if (found->layout != layout)
+        throw InputError(fmt::format("{}: block \"{}\" has layout {}; this program reads layout {}",
+                                     file_name, name, found->layout, layout));
     return *found;
 }
 

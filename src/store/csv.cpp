@@ -145,7 +145,11 @@ void drop_byte_order_mark(std::string& line) {
         line.erase(0, 3);
 }
 
+bool is_standard_input(const std::filesystem::path& path) { return path == "-"; }
+
 std::ifstream open(const std::filesystem::path& path) {
+    if (is_standard_input(path))
+        return std::ifstream("/dev/stdin");
     std::error_code error;
     if (std::filesystem::is_directory(path, error))
         throw InputError(path.string() + ": is a folder, expected a CSV file");
@@ -175,7 +179,8 @@ Table read_csv(const std::filesystem::path& path, std::span<const std::string> r
     std::ifstream file = open(path);
     Table table;
     Header header;
-    Place at{path.string()};
+    const std::string name = is_standard_input(path) ? "standard input" : path.string();
+    Place at{name};
     for (std::string line; std::getline(file, line);) {
         if (++at.line == 1)
             drop_byte_order_mark(line);
@@ -190,7 +195,7 @@ Table read_csv(const std::filesystem::path& path, std::span<const std::string> r
     }
     if (header.empty())
         throw InputError(
-            fmt::format("{}: no header line; expected at least {}", path.string(), fmt::join(required, ",")));
+            fmt::format("{}: no header line; expected at least {}", name, fmt::join(required, ",")));
     return table;
 }
 

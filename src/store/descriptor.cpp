@@ -2,6 +2,9 @@
 
 #include "rodwake/core/error.hpp"
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -65,6 +68,10 @@ std::string read_file(const std::filesystem::path& path) {
         if (got == 0)
             return text;
     }
+}
+
+std::uint64_t xxh3(std::string_view bytes, std::uint64_t seed) {
+    return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
 }
 
 } // namespace rodwake::store

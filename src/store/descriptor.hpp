@@ -1,7 +1,9 @@
 #pragma once
-// POSIX files: descriptors that close themselves, writes that come through whole or say why not.
+// POSIX files: descriptors that close themselves, writes that come through whole or say why not; and the
+// checksum of what is in them.
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -40,5 +42,8 @@ std::string read_file(const std::filesystem::path& path);
 inline std::string_view as_text(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
+
+/// XXH3-64, the checksum of every binary file written here.
+std::uint64_t xxh3(std::string_view bytes, std::uint64_t seed = 0);
 
 } // namespace rodwake::store

@@ -1,7 +1,6 @@
 #include "rodwake/store/h5md.hpp"
 
 #include "hdf5_file.hpp"
-#include "hdf5_series.hpp"
 
 #include <limits>
 #include <map>
@@ -163,11 +162,15 @@ struct H5mdWriter::Impl {
 };
 
 H5mdWriter::H5mdWriter(const std::filesystem::path& target, FrameLayout layout, const H5mdInfo& info)
-    : impl_(std::make_unique<Impl>(target, checked(std::move(layout)), info)) {}
+    : impl_((Hdf5Guard(), std::make_unique<Impl>(target, checked(std::move(layout)), info))) {}
 
-H5mdWriter::~H5mdWriter() = default;
+H5mdWriter::~H5mdWriter() {
+    const Hdf5Guard guard;
+    impl_.reset();
+}
 
 void H5mdWriter::add_frame(const Frame& frame) {
+    const Hdf5Guard guard;
     check_frame(impl_->layout, frame, impl_->last_step);
     impl_->series.at(spheres + "position/step").append(&frame.step);
     impl_->series.at(spheres + "position/time").append(&frame.time);
@@ -180,6 +183,7 @@ void H5mdWriter::add_frame(const Frame& frame) {
 }
 
 void H5mdWriter::commit() {
+    const Hdf5Guard guard;
     impl_->file.flush(); // closing the series would not tell what could not be written
     impl_->series.clear();
     impl_->file.commit();

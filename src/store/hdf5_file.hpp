@@ -1,9 +1,8 @@
 #pragma once
 // An HDF5 file that appears at commit, and the few calls everything in it is made of.
 
-#include "rodwake/store/atomic_file.hpp"
-
 #include "hdf5_handle.hpp"
+#include "rodwake/store/atomic_file.hpp"
 
 #include <span>
 #include <vector>
@@ -47,5 +46,26 @@ void write_attribute(hid_t object, const std::string& name, double value);
 /// One-dimensional; strings of fixed length.
 void write_attribute(hid_t object, const std::string& name, std::span<const std::int32_t> values);
 void write_attribute(hid_t object, const std::string& name, std::span<const std::string> values);
+
+/// A dataset that grows along its first dimension, row by row.
+class Hdf5Series {
+public:
+    struct Layout {
+        hid_t type;                ///< in memory and in the file
+        std::vector<hsize_t> item; ///< extents of a row; none: a number
+        hsize_t chunk_rows;
+        bool deflate; ///< shuffled and deflated
+    };
+    Hdf5Series(hid_t file, const std::string& path, const Layout& layout);
+
+    /// `row` has the elements of a row in C order. Throws RunError with the system's reason.
+    void append(const void* row);
+
+private:
+    std::string path_;
+    hid_t type_;
+    std::vector<hsize_t> extent_; ///< of the whole
+    Hdf5Handle data_;
+};
 
 } // namespace rodwake::store

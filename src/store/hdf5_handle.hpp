@@ -5,6 +5,7 @@
 
 #include <hdf5.h>
 
+#include <mutex>
 #include <string>
 
 namespace rodwake::store {
@@ -15,6 +16,27 @@ inline void set_up_hdf5() {
     [[maybe_unused]] static const herr_t once = H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
+
+/// Held by whoever calls HDF5, from any thread: a library that was built without thread safety lets one in at
+/// a time, one that was built with it needs no help.
+class Hdf5Guard {
+public:
+    Hdf5Guard() {
+        static const bool safe = [] {
+            hbool_t answer = 0;
+            return H5is_library_threadsafe(&answer) >= 0 && answer;
+        }();
+        if (!safe)
+            lock_ = std::unique_lock(mutex());
+    }
+
+private:
+    static std::recursive_mutex& mutex() {
+        static std::recursive_mutex one;
+        return one;
+    }
+    std::unique_lock<std::recursive_mutex> lock_;
+};
 
 /// ": <what the system said>" if the last HDF5 call failed for a reason of the system's, else empty.
 std::string hdf5_reason();

@@ -1,4 +1,4 @@
-#include "rodwake/store/hdf5_listing.hpp"
+#include "rodwake/store/hdf5_reader.hpp"
 
 #include "hdf5_handle.hpp"
 
@@ -78,6 +78,7 @@ herr_t append_object(hid_t root, const char* name, const H5O_info_t* info, void*
 } // namespace
 
 std::string list_hdf5(const std::filesystem::path& path) {
+    const Hdf5Guard guard;
     set_up_hdf5();
     const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (id < 0)

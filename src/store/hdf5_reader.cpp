@@ -22,21 +22,29 @@ std::string one_text(const Hdf5Input& file, const std::string& owner, const std:
 } // namespace
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& path)
-    : file_(std::make_unique<Hdf5Input>(path, advice)) {}
+    : file_((Hdf5Guard(), std::make_unique<Hdf5Input>(path, advice))) {}
 
-Hdf5Reader::~Hdf5Reader() = default;
+Hdf5Reader::~Hdf5Reader() {
+    const Hdf5Guard guard;
+    file_.reset();
+}
 Hdf5Reader::Hdf5Reader(Hdf5Reader&&) noexcept = default;
 Hdf5Reader& Hdf5Reader::operator=(Hdf5Reader&&) noexcept = default;
 
-bool Hdf5Reader::has(const std::string& path) const { return file_->has(path); }
+bool Hdf5Reader::has(const std::string& path) const {
+    const Hdf5Guard guard;
+    return file_->has(path);
+}
 
 Hdf5Dataset Hdf5Reader::dataset(const std::string& path) const {
+    const Hdf5Guard guard;
     const Hdf5Table table(*file_, path, H5T_IEEE_F64LE);
     const auto& shape = table.shape();
     return {read_finite(*file_, path, table), {shape.begin(), shape.end()}, one_text(*file_, path, "unit")};
 }
 
 double Hdf5Reader::real(const std::string& group, const std::string& name) const {
+    const Hdf5Guard guard;
     const double value = real_attribute(*file_, group, name);
     if (!std::isfinite(value))
         file_->refuse(fmt::format("attribute {} of {} is not finite", name, group));
@@ -44,10 +52,12 @@ double Hdf5Reader::real(const std::string& group, const std::string& name) const
 }
 
 std::int64_t Hdf5Reader::integer(const std::string& group, const std::string& name) const {
+    const Hdf5Guard guard;
     return integer_attribute(*file_, group, name);
 }
 
 std::string Hdf5Reader::text(const std::string& group, const std::string& name) const {
+    const Hdf5Guard guard;
     return one_text(*file_, group, name);
 }
 

@@ -1,5 +1,6 @@
+#include "rodwake/store/provenance.hpp"
+
 #include "rodwake/core/build_info.hpp"
-#include "rodwake/store/run_directory.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -27,6 +28,7 @@ std::string provenance_json(const Provenance& provenance) {
     json["version"] = build.version;
     json["git"] = build.git;
     json["status"] = provenance.status;
+    json["stages"] = provenance.stages;
     json["command"] = provenance.command;
     json["scene"] = provenance.scene;
     json["seed"] = provenance.seed;

@@ -71,8 +71,10 @@ class CheckBedTest(ProgramTest):
         text = self.check(BED, "granular.runs=3")
         self.assertIn("500000 steps of 2e-05 s from t = 0 (10 s) after 25000 of equilibration", text)
         self.assertIn("; 3 runs\n", text)
-        # 525000 steps of 1549 beads at 3.2e-9 s.
-        self.assertIn("about 2.6 CPU seconds each, 7.8 for 3 runs", text)
+        each, all_runs = map(float, re.search(r"about (\S+) CPU seconds each, (\S+) for 3 runs", text).groups())
+        self.assertAlmostEqual(all_runs, 3.0 * each, delta=0.1 * all_runs)  # two digits are printed
+        longer = self.check(BED, "granular.duration=100")  # measured: ten times the steps within a factor of two
+        self.assertGreater(float(re.search(r"about (\S+) CPU seconds\n", longer).group(1)), 4.8 * each)
         self.assertIn("1 steps of 2e-05 s", self.check(BED, "granular.duration=1e-9"))
         self.assertIn("101 frames of 1549 spheres (h5md), at most 9.39 MB", text)
         self.assertIn("no frames; a table of 1001 rows", self.check(BED, "granular.output.formats=[]", "granular.output.last_period=false"))

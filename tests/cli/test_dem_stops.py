@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import json
 import os
 import resource
 import shutil
@@ -83,6 +84,19 @@ class SignalTest(BedTest):
         self.assertEqual(self.hash("out"), self.hash("whole"))
         for run in ("runs/0001", "runs/0002"):
             self.assert_same(f"out/{run}", f"whole/{run}")
+
+    def test_one_finished_run_tells_no_error(self):
+        ensemble = (*setting(runs=2, duration=1.0), "-j", 1, "--quiet")
+        with self.started("dem", "bed.toml", "-o", "out", *ensemble) as process:
+            self.wait_for(process, "out/runs/0001/summary.json")
+            self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS)[0], 143)
+        names = ("T_xy_error", "T_z_error", "psi6_error")
+        found = json.loads(self.out("out", "summary.json").read_text())
+        self.assertEqual((found["finished_runs"], *(found[name] for name in names)), (1, None, None, None))
+        self.dem("out", *ensemble)
+        found = json.loads(self.out("out", "summary.json").read_text())
+        self.assertEqual(found["finished_runs"], 2)
+        self.assertGreater(min(found[name] for name in names), 0)
 
 
 class CheckpointTest(BedTest):

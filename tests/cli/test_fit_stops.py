@@ -40,7 +40,7 @@ class ResumeTest(FitTest):
             self.assertFalse((self.folder / "out/fit_starts.log").exists())
 
     def expect_stop(self, number, code):
-        (self.folder / "out/provenance.json").write_text('{"status": "failed"}')
+        (self.folder / "out/provenance.json").write_text('{"status": "failed", "stages": {"fit": "failed"}}')
         for file in (self.folder / "out").glob("fit*"):
             file.unlink()
         returned, _, err = self.stopped(number)
@@ -61,7 +61,7 @@ class ResumeTest(FitTest):
         again = self.result()
         again["provenance"]["command"] = other["provenance"]["command"]
         compare_fits(self, other, again)
-        self.write("out/provenance.json", '{"status": "failed"}')
+        self.write("out/provenance.json", '{"status": "failed", "stages": {"fit": "failed"}}')
         self.write("out/fit_starts.log", "nonsense" * 100)
         self.expect(0, *self.command())
         compare_fits(self, self.result(), other)

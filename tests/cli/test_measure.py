@@ -195,6 +195,15 @@ class NumbersTest(MeasureTest):
             self.close(value * A**2, np.mean(np.sum((free[k:] - free[:-k]) ** 2, axis=2)))
             self.assertEqual(origins, len(free) - k)
 
+    def test_spacings(self):
+        """That of the lattice is the beads', that of the grid the scene's, 1 a."""
+        found, count = self.found["displacement"], self.trajectory.place.shape[1]
+        self.assertEqual(found["spacing"], 1.0)
+        # The lattice closes in the box, so its sites are a whole number to rounding: those of the beads and of what the rod displaces.
+        sites = 2 / np.sqrt(3) * (self.trajectory.box / A / found["lattice_spacing"]) ** 2
+        self.assertLess(abs(sites - round(sites)), 1e-9 * sites)
+        self.assertTrue(count < sites < 1.1 * count, (sites, count))
+
     def test_units_and_errors(self):
         with h5py.File(self.run_folder / "measure.h5") as opened:
             self.assertEqual(opened["displacement/Ux"].attrs["unit"], b"a")
@@ -230,7 +239,7 @@ class ManyCasesTest(MeasureTest):
         run = self.made("run", *keys)
         pairs = self.measured("run", *keys)["pairs"]
         self.assertEqual(pairs["not_there"], 2)
-        self.assertEqual(pairs["contact"] + pairs["pursuit"] + pairs["escape"], 2)
+        self.assertEqual(pairs["contact"] + pairs["pursuit"] + pairs["escape"] + pairs["undecided"], 2)
         rows = read(run / "pairs.csv")
         self.assertTrue(np.all(np.isnan(rows["half_box_change"])))
         last = columns(run / "runs/0001/tracks.csv")
@@ -269,7 +278,7 @@ class RefusalTest(MeasureTest):
     def test_measured_already(self):
         self.made()
         self.measured()
-        self.refuse(2, "is measured already .* --force", "measure", "bed.toml", "-o", "run")
+        self.refuse(2, "holds a finished run .* --force", "measure", "bed.toml", "-o", "run")
 
     def test_another_bed(self):
         self.made()

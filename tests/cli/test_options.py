@@ -2,11 +2,15 @@
 
 import json
 import re
+import subprocess
 
 import rodwake
 from rodwake import PAIR, THEORY_PAIR, ProgramTest, snapshot
 
-VERBS = ("check", "field", "rods", "dem", "impact", "measure", "fit", "run", "plot", "info")
+VERBS = ("check", "field", "rods", "dem", "measure", "fit", "scan", "run", "impact", "plot", "info")
+COMMON = {"--output", "--set", "--threads", "--seed", "--dry-run", "--quiet", "--verbose", "--force", "--log-json"}
+# Of the common options, those that count; a verb that is not here has all.
+OPTIONS = {"check": {"--output", "--set", "--seed"}, "impact": {"--dry-run"}, "plot": {"--dry-run", "--quiet"}, "info": set()}
 
 
 class HelpTest(ProgramTest):
@@ -17,11 +21,15 @@ class HelpTest(ProgramTest):
             text = self.expect(0, verb, "--help").stdout
             self.assertRegex(text, rf"Examples:\n  rodwake {verb}")
             self.assertIn("Exit codes:", text)
-            for option in ("--output", "--set", "--threads", "--seed", "--dry-run", "--quiet", "--verbose", "--force",
-                           "--log-json"):
-                self.assertIn(option, text, verb)
+            self.assertEqual(set(re.findall(r"(?m)^  .*?(--[a-z-]+)", text)) & COMMON, OPTIONS.get(verb, COMMON), verb)
         listed = re.search(r"Subcommands:\n((?:  .*\n)+)", overview).group(1)
         self.assertEqual(tuple(re.findall(r"(?m)^  (\w+) ", listed)), VERBS)
+
+    def test_an_option_that_does_not_count_is_refused(self):
+        for verb, options in OPTIONS.items():
+            for option in COMMON - options:
+                value = [] if option in ("--quiet", "--verbose", "--force", "--dry-run") else ["1"]
+                self.refuse(2, "not expected", verb, *(["--cases"] if verb == "impact" else []), "x", option, *value)
 
     def test_the_examples_in_the_help_are_right(self):
         """Every example line parses: with --help appended to it, it exits with 0."""
@@ -133,6 +141,14 @@ class InfoTest(ProgramTest):
         page = (rodwake.SOURCE / "docs/scene.md").read_text()
         self.assertEqual(self.expect(0, "info", "--scene-reference").stdout, page)
 
+    def test_schema_is_the_file_that_the_plots_read(self):
+        text = (rodwake.SOURCE / "plots/rodwake_plots/schema.json").read_text(encoding="utf-8")
+        self.assertEqual(self.expect(0, "info", "--schema").stdout, text)
+        told = json.loads(text)
+        self.assertEqual(set(told), {"schema", "tables", "keys", "figures", "fit_parameters", "measures"})
+        self.assertIn({"measure": "force", "key": "speed", "title": "Speed", "unit": "mm/s", "factor": 1000.0,
+                       "meaning": "of the rod along its heading"}, told["measures"])
+
 
 class PlotTest(ProgramTest):
     def setUp(self):
@@ -144,6 +160,13 @@ class PlotTest(ProgramTest):
         self.expect(0, "plot", "out/result.h5", "--pdf")
         figures = sorted(path.suffix for path in (self.folder / "out/figures").iterdir())
         self.assertEqual(figures, [".pdf", ".png"])
+        self.assertTrue((self.folder / "out/report.html").is_file())
+
+    def test_a_listing_that_nobody_reads_to_its_end(self):
+        self.expect(0, "rods", "pair.toml", "-o", "out", "--quiet")
+        done = subprocess.run(["bash", "-o", "pipefail", "-c", '"$0" plot out | head -1', rodwake.PROGRAM], cwd=self.folder,
+                              capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr, done.stdout.count("\n")), (0, "", 1))
         self.assertTrue((self.folder / "out/report.html").is_file())
 
     def test_what_is_no_run(self):

@@ -33,6 +33,16 @@ class PointsTest(ProgramTest):
         self.write("points.csv", text)
         return self.expect(code, "field", "--points", "points.csv", **options)
 
+    def failed(self, text, pattern):
+        """One bad point: nan in its row, the others as ever, exit 3."""
+        self.write("points.csv", text)
+        done = self.expect(3, "field", "--points", "points.csv")
+        self.assertRegex(done.stderr, pattern)
+        bad = [row for row in rows_of(done.stdout) if math.isnan(row["Ux"])]
+        self.assertEqual(len(bad), 1)
+        self.assertIn("1 of ", done.stderr)
+        self.assertTrue(all(math.isnan(bad[0][name]) for names in QUANTITIES for name in names))
+
     def refused(self, text, pattern):
         self.write("points.csv", text)
         return self.refuse(2, pattern, "field", "--points", "points.csv")
@@ -69,18 +79,11 @@ class PointsTest(ProgramTest):
         self.assertEqual(self.points('x,y,xi,eta,L\n1,2,3,4,\n5,6,7,8,""\n').stdout, plain)
         self.refused('"x",y,xi,eta\n"1,2,3,4\n', r"points\.csv:2:1: a quote is opened and not closed")
 
-    def test_tolerance_of_the_table(self):
-        self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
-        plain = self.expect(0, "field", "--points", "points.csv").stdout
-        self.assertEqual(self.expect(0, "field", "--points", "points.csv", "--table-tolerance", "1e-8").stdout, plain)
-        for value in ("1e-15", "0.2", "-1", "nan", "small"):
-            self.refuse(2, "--table-tolerance", "field", "--points", "points.csv", "--table-tolerance", value)
-        self.refuse(2, "--backend table: not available", "field", "--points", "points.csv", "--backend", "table",
-                    "--table-tolerance", "1e-8")
-
     def test_points_go_to_standard_output_only(self):
         self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
         self.refuse(2, "--output: field --points writes to standard output", "field", "--points", "points.csv", "-o", "out")
+        self.refuse(2, "--threads: field --points makes no use of it", "field", "--points", "points.csv", "-j", "2")
+        self.refuse(2, "--backend: is for --points", "field", rodwake.THEORY_PAIR, "--backend", "exact")
 
     def test_seventeen_digits(self):
         text = self.points("x,y,xi,eta\n0.1,0.30000000000000004,1,1\n").stdout.splitlines()[1]
@@ -92,11 +95,11 @@ class PointsTest(ProgramTest):
         self.assertEqual(self.points("x,y,xi,eta\n").stdout, HEADER + "\n")
 
     def test_points_outside_the_domain(self):
-        self.refused("x,y,xi,eta\n1,1,1,1\n\n0,0,1,1\n", r"points\.csv:4:1: ")
-        self.refused("x,y,xi,eta\n1,1,0,1\n", r"points\.csv:2:1: .*xi")
-        self.refused("x,y,xi,eta\n1,1,-2,1\n", r"points\.csv:2:1: .*xi")
-        self.refused("x,y,xi,eta\n1,1,1,-1\n", r"points\.csv:2:1: .*eta")
-        self.refused("x,y,xi,eta\n1,1,1,-3\n", r"points\.csv:2:1: .*eta")
+        self.failed("x,y,xi,eta\n1,1,1,1\n\n0,0,1,1\n", r"points\.csv:4:1: ")
+        self.failed("x,y,xi,eta\n1,1,0,1\n", r"points\.csv:2:1: .*xi")
+        self.failed("x,y,xi,eta\n1,1,-2,1\n", r"points\.csv:2:1: .*xi")
+        self.failed("x,y,xi,eta\n1,1,1,-1\n", r"points\.csv:2:1: .*eta")
+        self.failed("x,y,xi,eta\n1,1,1,-3\n", r"points\.csv:2:1: .*eta")
 
     def test_tables_that_cannot_be_read(self):
         self.refused("", r"points\.csv: no header line; expected at least x,y,xi,eta")
@@ -131,15 +134,15 @@ class PointsTest(ProgramTest):
 
     def test_bad_boxes(self):
         for box in ("0", "-2"):
-            self.refused(f"x,y,xi,eta,L\n1,1,1,1,\n1,1,1,1,{box}\n", rf"points\.csv:3:1: box = {box}: .* > 0")
+            self.failed(f"x,y,xi,eta,L\n1,1,1,1,\n1,1,1,1,{box}\n", rf"points\.csv:3:1: box = {box}: .* > 0")
         self.refused("x,y,xi,eta,L\n1,1,1,1,inf\n", r"points\.csv:2:\d+: ")
-        self.refused("x,y,xi,eta,L\n1,1,1,1,1e9\n", r"points\.csv:2:1: box = 1e\+09: .*infinite plane")
-        self.refused("x,y,xi,eta,L\n1,1,1,1,5\n10,-5,1,1,5\n", r"points\.csv:3:1: field at x = 10, y = -5: .*images is there")
-        self.refused("x,y,xi,eta,L\n1,1,1,-2,5\n", r"points\.csv:2:1: .*eta")
+        self.failed("x,y,xi,eta,L\n1,1,1,1,1e9\n", r"points\.csv:2:1: box = 1e\+09: .*infinite plane")
+        self.failed("x,y,xi,eta,L\n1,1,1,1,5\n10,-5,1,1,5\n", r"points\.csv:3:1: field at x = 10, y = -5: .*images is there")
+        self.failed("x,y,xi,eta,L\n1,1,1,-2,5\n", r"points\.csv:2:1: .*eta")
 
     def test_what_is_not_available_is_said(self):
         self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
-        self.refuse(2, "--backend table: not available", "field", "--points", "points.csv", "--backend", "table")
+        self.refuse(2, r"--backend: table not in \{exact\}", "field", "--points", "points.csv", "--backend", "table")
         self.refuse(2, "backend", "field", "--points", "points.csv", "--backend", "magic")
 
     def test_points_and_scene_exclude_each_other(self):
@@ -152,7 +155,13 @@ class PointsTest(ProgramTest):
         done = self.expect(0, "field", "--points", "points.csv", "--dry-run")
         self.assertEqual(done.stdout, "")
         self.write("points.csv", "x,y,xi,eta\n0,0,1,1\n")
-        self.refuse(2, "points.csv:2:1", "field", "--points", "points.csv", "--dry-run")
+        self.refuse(3, "points.csv:2:1", "field", "--points", "points.csv", "--dry-run")
+
+    def test_standard_input(self):
+        text = "x,y,xi,eta\n1,2,3,4\n0,0,1,1\n"
+        piped = self.expect(3, "field", "--points", "-", input=text)
+        self.assertIn("standard input:3:1: ", piped.stderr)
+        self.assertEqual(piped.stdout, self.points(text, 3).stdout)
 
 
 if __name__ == "__main__":

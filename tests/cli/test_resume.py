@@ -50,10 +50,11 @@ class ResumeTest(ProgramTest):
         self.assertNotEqual(self.results("nudged"), self.results("whole"))
 
     def test_a_checkpoint_that_does_not_fit_is_named(self):
-        (self.folder / "out").mkdir()
-        self.write("out/provenance.json", '{"status": "interrupted"}')
+        short = ("rods", "crowd.toml", "-s", "rods_run.t_end=0.1", "-o", "out")
+        self.expect(0, *short)
+        self.write("out/provenance.json", '{"status": "interrupted", "stages": {"rods": "interrupted"}}')
         self.write("out/checkpoint.json", "{damaged")
-        done = self.expect(0, "rods", "crowd.toml", "-s", "rods_run.t_end=0.1", "-o", "out")
+        done = self.expect(0, *short)
         self.assertIn("checkpoint.json: damaged, or of another scene or version; starting from the beginning", done.stderr)
         self.assertEqual(self.status("out"), "finished")
         self.assertFalse((self.folder / "out/checkpoint.json").exists())

@@ -2,6 +2,8 @@
 
 import csv
 import json
+import shutil
+import subprocess
 import re
 
 import h5py
@@ -16,7 +18,7 @@ class RunTest(ProgramTest):
         self.expect(0, "run", THEORY_PAIR, "-o", "out", "--quiet")
         out = self.folder / "out"
         names = {str(p.relative_to(out)) for p in out.rglob("*") if p.is_file()}
-        self.assertEqual(names, {"scene.toml", "provenance.json", "log.txt", "result.h5", "rods.csv", "outcome.json",
+        self.assertEqual(names, {"scene.toml", "provenance.json", "log.txt", "manifest.json", "result.h5", "rods.csv", "outcome.json",
                                  "field_cut_0.csv", "report.html", "figures/trajectories.png", "figures/strain.png",
                                  "figures/wake.png"})
         self.assert_outcome(json.loads((out / "outcome.json").read_text()))
@@ -78,7 +80,7 @@ class RunTest(ProgramTest):
         self.write("pair.toml", PAIR)
         self.expect(0, "rods", "pair.toml", "-o", "out", "--force")
         self.assertEqual(set(snapshot(self.folder / "out")),
-                         {"scene.toml", "provenance.json", "log.txt", "result.h5", "rods.csv", "outcome.json"})
+                         {"scene.toml", "provenance.json", "log.txt", "manifest.json", "result.h5", "rods.csv", "outcome.json"})
 
     def test_files_of_others_are_safe(self):
         self.write("pair.toml", PAIR)
@@ -91,13 +93,40 @@ class RunTest(ProgramTest):
         self.write("pair.toml", PAIR)
         self.expect(0, "rods", "pair.toml", "-o", "whole")
         for status in ("unfinished", "interrupted", "failed"):
-            self.write(f"{status}/provenance.json", json.dumps({"status": status}))
+            self.write(f"{status}/provenance.json", json.dumps({"status": status, "stages": {"rods": status}}))
+            shutil.copy(self.folder / "whole/scene.toml", self.folder / status)
             self.write(f"{status}/result.h5.tmp99999", "of a run that was killed")
             done = self.expect(0, "rods", "pair.toml", "-o", status)
             self.assertIn("did not finish", done.stderr)
             self.assertEqual(self.status(status), "finished")
             self.assertEqual((self.folder / status / "rods.csv").read_bytes(), (self.folder / "whole/rods.csv").read_bytes())
         self.assert_no_temporaries()
+
+    def test_another_scene_does_not_wipe_a_run(self):
+        self.write("pair.toml", PAIR)
+        self.expect(1, "rods", "pair.toml", "-o", "out", "-s", "rods_run.max_steps=5")  # failed: what it has is kept
+        other = ("-s", "coupling.kappa=7")
+        self.refuse(2, "holds the stage rods of another scene .*kappa = 7", "rods", "pair.toml", "-o", "out", *other)
+        self.refuse(2, "holds the stage rods of another scene", "field", THEORY_PAIR, "-o", "out")
+        self.expect(0, "rods", "pair.toml", "-o", "out", *other, "--force")
+
+    def test_stages_of_a_scene_add_up(self):
+        self.expect(0, "rods", THEORY_PAIR, "-o", "out")
+        self.expect(0, "field", THEORY_PAIR, "-o", "out")
+        self.expect(0, "run", THEORY_PAIR, "-o", "whole")
+        for name in ("rods.csv", "outcome.json", "field_cut_0.csv"):
+            self.assertEqual((self.folder / "out" / name).read_bytes(), (self.folder / "whole" / name).read_bytes())
+        with h5py.File(self.folder / "out/result.h5") as parts, h5py.File(self.folder / "whole/result.h5") as whole:
+            self.assertEqual(set(parts), set(whole))
+        self.refuse(2, "holds a finished run", "run", THEORY_PAIR, "-o", "out")
+
+    def test_the_command_on_record_can_be_replayed(self):
+        self.write("a pair.toml", PAIR)
+        self.expect(0, "rods", "a pair.toml", "-o", "out", "-s", "coupling.kappa=0.25", "-s", 'title="it\'s; $HOME"')
+        command = json.loads((self.folder / "out/provenance.json").read_text())["command"]
+        subprocess.run(["sh", "-c", command + " --force"], cwd=self.folder, check=True, capture_output=True)
+        self.assertIn("kappa = 0.25", (self.folder / "out/scene.toml").read_text())
+        self.assertIn("it's; $HOME", (self.folder / "out/scene.toml").read_text())
 
     def test_a_solve_that_fails_keeps_what_it_has_and_says_so(self):
         self.write("pair.toml", PAIR)

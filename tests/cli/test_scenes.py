@@ -21,6 +21,11 @@ SHORTER = {"rod_in_bed": settings(granular__duration=0.5),  # its film has a hun
            "order": bed(0.35, 0.01, measure__block=0.1, measure__order_interval=0.05), "wake": bed(0.6, 0.05, measure__from=0),
            "quickstart": bed(1.0, 0.1, measure__interval=0.05, measure__from=0, measure__block=0.2), "wake_large": bed(0.2, 0.02, measure__from=0), "bead_drag": bed(0.5, 0.1), "pursuit_bed": bed(0.3, 0.1, 2),
            "force": bed(0.3, 0.1, 2)}
+COARSE = settings(scan__resolution=16, scan__axes__0__count=8, scan__axes__1__count=8, scan__audit=10)  # of scans
+
+
+def shorter(scene):
+    return COARSE if "[scan]" in scene.read_text() else SHORTER.get(scene.stem, [])
 
 
 class ScenesTest(ProgramTest):
@@ -38,7 +43,7 @@ class ScenesTest(ProgramTest):
     def test_run(self):
         for scene in (scene for scene in self.scenes() if scene.stem not in LONG):
             with self.subTest(scene.name):
-                self.expect(0, "run", scene, "--quiet", *SHORTER.get(scene.stem, []))
+                self.expect(0, "run", scene, "--quiet", *shorter(scene))
                 out = self.folder / "results" / scene.stem
                 self.assertEqual(self.status(out), "finished")
                 named = {figure["name"] + ".png" for figure in tomllib.loads(scene.read_text())["figures"]}

@@ -64,7 +64,7 @@ class SignalTest(ProgramTest):
     def test_an_interrupted_run_can_be_started_again(self):
         self.write("crowd.toml", rodwake.crowd(200))
         self.interrupt(signal.SIGTERM, "rods", "crowd.toml")
-        self.expect(0, "rods", "crowd.toml", "-o", "out", "-s", "rods_run.t_end=0.01")
+        self.expect(0, "rods", "crowd.toml", "-o", "out", "-s", "rods_run.t_end=0.01", "--force")
         self.assertEqual(self.status("out"), "finished")
 
     def test_quiet_is_quiet_when_interrupted(self):

@@ -1,6 +1,6 @@
 // Every task once, in every round, however many threads there are.
 
-#include "rodwake/core/team.hpp"
+#include "rodwake/core/parallel.hpp"
 
 #include <catch2/catch.hpp>
 

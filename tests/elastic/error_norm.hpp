@@ -18,7 +18,7 @@ double norm(const std::vector<Real>& exact);
 /// got too.
 double relative_error(const std::vector<double>& got, const std::vector<Real>& exact);
 
-inline constexpr elastic::Wanted everything{true, true, true, true, true};
+inline constexpr elastic::FieldRequest everything{true, true, true, true, true};
 
 /// Worst relative error per quantity, and where.
 struct Worst {

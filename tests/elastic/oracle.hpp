@@ -55,16 +55,16 @@ private:
     Potential shear_, longitudinal_;
 };
 
-/// What is compared: the five quantities of a point, then their slopes.
+/// What is compared: the five quantities of a point, then their gradients.
 enum class Quantity {
     displacement,
     strain,
     laplacian,
     gradient_of_trace,
     dipole,
-    strain_slopes,
-    laplacian_slopes,
-    gradient_of_trace_slopes
+    strain_gradients,
+    laplacian_gradients,
+    gradient_of_trace_gradients
 };
 inline constexpr int plain_quantities = 5, all_quantities = 8;
 std::string name(Quantity q);

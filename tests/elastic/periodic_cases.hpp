@@ -7,7 +7,7 @@
 
 namespace rodwake::oracle {
 
-inline constexpr elastic::Wanted plain{true, true, true, true, false};
+inline constexpr elastic::FieldRequest plain{true, true, true, true, false};
 
 /// Norms of the five plain quantities: displacement, strain, laplacian, gradient_of_trace, dipole.
 using Norms = std::array<double, 5>;

@@ -6,7 +6,7 @@ namespace rodwake::oracle {
 
 namespace {
 
-// Derivative i, j of one quantity; the slopes are i, j = 1, 0 and 0, 1 of the quantities themselves.
+// Derivative i, j of one quantity; the gradients are i, j = 1, 0 and 0, 1 of the quantities themselves.
 
 std::vector<Real> strain(const Field& f, int i, int j) {
     const Real xy = (f.ux(i, j + 1) + f.uy(i + 1, j)) / 2;
@@ -22,7 +22,7 @@ std::vector<Real> gradient_of_trace(const Field& f, int i, int j) {
 }
 
 template<class Part>
-std::vector<Real> slopes(Part part, const Field& f) {
+std::vector<Real> gradients(Part part, const Field& f) {
     std::vector<Real> both = part(f, 1, 0);
     for (const Real& value : part(f, 0, 1))
         both.push_back(value);
@@ -43,8 +43,9 @@ std::vector<double> list(const Part& d_x, const Part& d_y) {
 } // namespace
 
 std::string name(Quantity q) {
-    constexpr const char* names[] = {"displacement", "strain",        "laplacian",        "gradient of trace",
-                                     "dipole",       "strain slopes", "laplacian slopes", "gradient slopes"};
+    constexpr const char* names[] = {"displacement",        "strain",         "laplacian",
+                                     "gradient of trace",   "dipole",         "strain gradients",
+                                     "laplacian gradients", "trace gradients"};
     return names[static_cast<int>(q)];
 }
 
@@ -60,12 +61,12 @@ std::vector<Real> components(const Field& f, Quantity q) {
         return gradient_of_trace(f, 0, 0);
     case Quantity::dipole: // V(y - d/2) - V(y + d/2) over d
         return {-f.vx(0, 1), -f.vy(0, 1)};
-    case Quantity::strain_slopes:
-        return slopes(strain, f);
-    case Quantity::laplacian_slopes:
-        return slopes(laplacian, f);
+    case Quantity::strain_gradients:
+        return gradients(strain, f);
+    case Quantity::laplacian_gradients:
+        return gradients(laplacian, f);
     default:
-        return slopes(gradient_of_trace, f);
+        return gradients(gradient_of_trace, f);
     }
 }
 
@@ -81,9 +82,9 @@ std::vector<double> components(const elastic::FieldValues& f, Quantity q) {
         return list(f.gradient_of_trace);
     case Quantity::dipole:
         return list(f.dipole);
-    case Quantity::strain_slopes:
+    case Quantity::strain_gradients:
         return list(f.strain_x, f.strain_y);
-    case Quantity::laplacian_slopes:
+    case Quantity::laplacian_gradients:
         return list(f.laplacian_x, f.laplacian_y);
     default:
         return list(f.gradient_of_trace_x, f.gradient_of_trace_y);

@@ -154,7 +154,7 @@ NistProblem parse_nist(const std::string& name, const std::string& text) {
 }
 
 NistProblem read_nist(const std::string& name) {
-    std::ifstream file(std::string(RODWAKE_TEST_DATA) + "/nist_strd/" + name + ".dat");
+    std::ifstream file((RODWAKE_TEST_DATA "/nist_strd/" + name).append(".dat"));
     std::stringstream text;
     text << file.rdbuf();
     return parse_nist(name, text.str());

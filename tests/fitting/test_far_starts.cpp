@@ -21,7 +21,7 @@ struct Found {
     Report report;
 
     bool says(const std::string& words) const {
-        return std::ranges::any_of(report.remarks,
+        return std::ranges::any_of(report.diagnostics,
                                    [&](const std::string& r) { return r.find(words) != std::string::npos; });
     }
 };
@@ -64,23 +64,24 @@ TEST_CASE("a search does not leap over the minimum that its start leads to") {
     CHECK(found("alpha", 5.0).value == Approx(1.0).epsilon(1e-6));
 }
 
-TEST_CASE("nor do the quasi-Newton searches by themselves, without the polish") {
+TEST_CASE("nor do the quasi-Newton searches by themselves, without Levenberg-Marquardt") {
     for (const Algorithm algorithm : {Algorithm::slsqp, Algorithm::lbfgs})
         for (const double start : {3.0, 5.0}) {
             CAPTURE(to_string(algorithm), start);
             Method alone = with(algorithm);
-            alone.polish = false;
+            alone.levenberg_marquardt = false;
             CHECK(found("alpha", start, alone).value == Approx(1.0).epsilon(1e-6));
         }
 }
 
-TEST_CASE("of NLopt's end and that of a polish from the start itself the better is taken, and said") {
+TEST_CASE(
+    "of NLopt's end and that of Levenberg-Marquardt from the start itself the better is taken, and said") {
     const Found both = found("alpha", 3.0, with(Algorithm::mma));
     CHECK_THAT(both.fit.reason, Catch::Matchers::StartsWith("mma: "));
     CHECK_THAT(both.fit.reason, Catch::Matchers::Contains(
                                     "taken instead: the polish from the start itself, which ends lower"));
     Method alone = with(Algorithm::mma);
-    alone.polish = false;
+    alone.levenberg_marquardt = false;
     const Found mma = found("alpha", 3.0, alone);
     CHECK(mma.fit.chi2 > 1.0);
     CHECK(both.fit.evaluations > mma.fit.evaluations + 2);
@@ -112,5 +113,5 @@ TEST_CASE("a coupling whose start has the wrong sign is found from several start
     many.starts = 20;
     const Found best = found("gamma2", 0.2, many);
     CHECK(best.value == Approx(pair_truth.at("gamma2")).epsilon(1e-6));
-    CHECK(std::ranges::any_of(best.fit.starts, [](const StartEnd& s) { return s.start[0] < 0.0; }));
+    CHECK(std::ranges::any_of(best.fit.starts, [](const StartResult& s) { return s.start[0] < 0.0; }));
 }

@@ -141,7 +141,7 @@ TEST_CASE("robust losses: the ends agree with the interval of the curvature") {
     const Report r = report(problem, best);
     const ProfileLikelihood p = profile_likelihood(problem, method, best, 1);
     // not quadratic: agreement is asymptotic, to some 1/sqrt(60)
-    CHECK(p.high.value() - best.values[1] == Approx(1.96 * r.estimates[1].stderr_).epsilon(0.25));
+    CHECK(p.high.value() - best.values[1] == Approx(1.96 * r.estimates[1].standard_error).epsilon(0.25));
 }
 
 TEST_CASE("profiles of what is not free are refused") {

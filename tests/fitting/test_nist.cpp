@@ -24,7 +24,7 @@ Score score(const NistProblem& nist, std::size_t start, const Method& method = {
     const Report r = report(problem, s.fit);
     for (std::size_t k = 0; k < nist.certified.size(); ++k) {
         s.parameters = std::min(s.parameters, digits(s.fit.values[k], nist.certified[k]));
-        s.deviations = std::min(s.deviations, digits(r.estimates[k].stderr_, nist.deviation[k]));
+        s.deviations = std::min(s.deviations, digits(r.estimates[k].standard_error, nist.deviation[k]));
     }
     s.sum_of_squares = digits(s.fit.chi2, nist.sum_of_squares);
     return s;
@@ -60,7 +60,7 @@ TEST_CASE("NIST: the score sees wrong values") {
     CHECK(digits(std::numeric_limits<double>::quiet_NaN(), 1.0) == 0.0);
     Method hasty;
     hasty.max_evaluations = 3;
-    hasty.polish = false;
+    hasty.levenberg_marquardt = false;
     CHECK(score(nist, 0, hasty).parameters < 2.0);
     NistProblem spoilt = nist;
     spoilt.rows[0][0] *= 1.01L;

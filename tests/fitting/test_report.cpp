@@ -1,4 +1,5 @@
-// What a fit says: errors, intervals, correlations, remarks. Straight lines have everything in closed form.
+// What a fit says: errors, intervals, correlations, diagnostics. Straight lines have everything in closed
+// form.
 
 #include "catch2/catch.hpp"
 #include "rodwake/measure/statistics.hpp"
@@ -27,7 +28,7 @@ struct LineByHand {
 };
 
 bool says(const Report& report, const std::string& words) {
-    return std::ranges::any_of(report.remarks,
+    return std::ranges::any_of(report.diagnostics,
                                [&](const std::string& r) { return r.find(words) != std::string::npos; });
 }
 
@@ -50,14 +51,15 @@ Problem times(Problem problem, double factor) {
 
 } // namespace
 
-// Tolerances of 1e-12: the polish ends at rounding errors, and the line's condition number is about 10.
+// Tolerances of 1e-12: Levenberg-Marquardt ends at rounding errors, and the line's condition number is
+// about 10.
 TEST_CASE("a straight line's errors, covariance, chi2 and intervals are those of the textbook") {
     const LineByHand hand;
     const Report r = reported(toy::line(ys));
     CHECK(r.estimates[0].value == Approx(hand.a).epsilon(1e-12));
     CHECK(r.estimates[1].value == Approx(hand.b).epsilon(1e-12));
-    CHECK(r.estimates[0].stderr_ == Approx(hand.error_a).epsilon(1e-12));
-    CHECK(r.estimates[1].stderr_ == Approx(hand.error_b).epsilon(1e-12));
+    CHECK(r.estimates[0].standard_error == Approx(hand.error_a).epsilon(1e-12));
+    CHECK(r.estimates[1].standard_error == Approx(hand.error_b).epsilon(1e-12));
     CHECK(r.covariance(0, 1) == Approx(hand.covariance).epsilon(1e-12));
     CHECK(r.correlation(1, 0) == Approx(hand.covariance / (hand.error_a * hand.error_b)).epsilon(1e-12));
     CHECK(r.correlation(0, 0) == 1.0);
@@ -78,12 +80,12 @@ TEST_CASE("without sigmas errors come from the scatter, intervals from Student's
     const Report r = reported(problem);
     const double factor = std::sqrt(hand.chi2 / 4.0);
     CHECK(r.error_factor == Approx(factor).epsilon(1e-12));
-    CHECK(r.estimates[1].stderr_ == Approx(factor * hand.error_b).epsilon(1e-12));
+    CHECK(r.estimates[1].standard_error == Approx(factor * hand.error_b).epsilon(1e-12));
     // t of 4 degrees of freedom, 97.5 %: 2.776445 in every table
     CHECK(r.estimates[1].high - hand.b == Approx(2.776445 * factor * hand.error_b).epsilon(1e-6));
     CHECK(says(r, "errors from the scatter"));
-    CHECK(reported(times(problem, 50.0)).estimates[1].stderr_ ==
-          Approx(r.estimates[1].stderr_).epsilon(1e-10));
+    CHECK(reported(times(problem, 50.0)).estimates[1].standard_error ==
+          Approx(r.estimates[1].standard_error).epsilon(1e-10));
 }
 
 TEST_CASE("the scale of the search changes no error") {
@@ -92,7 +94,7 @@ TEST_CASE("the scale of the search changes no error") {
     scaled.parameters[1].scale = 40.0;
     const Report a = reported(toy::decay(40, 3)), b = reported(scaled);
     for (std::size_t k = 0; k < 3; ++k) { // minima agree to 1e-6 standard errors
-        CHECK(a.estimates[k].stderr_ == Approx(b.estimates[k].stderr_).epsilon(1e-6));
+        CHECK(a.estimates[k].standard_error == Approx(b.estimates[k].standard_error).epsilon(1e-6));
         CHECK(a.estimates[k].high == Approx(b.estimates[k].high).epsilon(1e-6));
     }
 }
@@ -101,10 +103,10 @@ TEST_CASE("errors of a logarithmic parameter are symmetric in the logarithm") {
     const Report r = reported(toy::decay(40, 3));
     const Estimate& b = r.estimates[1];
     CHECK(b.value / b.low == Approx(b.high / b.value).epsilon(1e-12));
-    CHECK(std::log(b.high / b.value) == Approx(1.959964 * b.stderr_ / b.value).epsilon(1e-12));
+    CHECK(std::log(b.high / b.value) == Approx(1.959964 * b.standard_error / b.value).epsilon(1e-12));
     Problem linear = toy::decay(40, 3);
     linear.parameters[1].transform = Transform::linear;
-    CHECK(reported(linear).estimates[1].stderr_ == Approx(b.stderr_).epsilon(1e-6));
+    CHECK(reported(linear).estimates[1].standard_error == Approx(b.standard_error).epsilon(1e-6));
 }
 
 TEST_CASE("tied parameters follow, with their errors") {
@@ -115,14 +117,14 @@ TEST_CASE("tied parameters follow, with their errors") {
     const Estimate &a = r.estimates[0], &c = r.estimates[2];
     CHECK(r.free == std::vector<std::size_t>{0, 1});
     CHECK(c.value == -0.25 * a.value);
-    CHECK(c.stderr_ == 0.25 * a.stderr_);
+    CHECK(c.standard_error == 0.25 * a.standard_error);
     CHECK(c.low == -0.25 * a.high);
     CHECK(c.high == -0.25 * a.low);
     CHECK_FALSE(c.free);
     // d c/d p = 1 alone is what the tie makes of a
     Eigen::MatrixXd gradient = Eigen::MatrixXd::Zero(1, 3);
     gradient(0, 2) = 1.0;
-    CHECK(propagated(r, gradient)[0] == Approx(c.stderr_).epsilon(1e-12));
+    CHECK(propagated(r, gradient)[0] == Approx(c.standard_error).epsilon(1e-12));
 }
 
 TEST_CASE("a parameter on a bound has no error, the others theirs with it fixed") {
@@ -134,8 +136,8 @@ TEST_CASE("a parameter on a bound has no error, the others theirs with it fixed"
     const Report r = reported(problem), expected = reported(held);
     CHECK(r.estimates[0].at_lower);
     CHECK_FALSE(r.estimates[0].at_upper);
-    CHECK(r.estimates[0].stderr_ == 0.0);
-    CHECK(r.estimates[1].stderr_ == Approx(1.0 / std::sqrt(55.0)).epsilon(1e-12));
+    CHECK(r.estimates[0].standard_error == 0.0);
+    CHECK(r.estimates[1].standard_error == Approx(1.0 / std::sqrt(55.0)).epsilon(1e-12));
     CHECK(r.estimates[1].value == Approx(expected.estimates[1].value).epsilon(1e-12));
     CHECK(r.dof == 4); // a was fitted too: the data chose the bound
     CHECK(r.correlation.isIdentity(0.0));
@@ -164,8 +166,8 @@ TEST_CASE("nearly flat directions are named too, with finite errors") {
     REQUIRE(r.flat.size() == 1);
     CHECK_THAT(r.flat[0].text, Contains("the data hardly fix level and slope separately"));
     CHECK(r.flat[0].singular_value > 1e-6);
-    CHECK(std::isfinite(r.estimates[0].stderr_));
-    CHECK(r.estimates[1].stderr_ ==
+    CHECK(std::isfinite(r.estimates[0].standard_error));
+    CHECK(r.estimates[1].standard_error ==
           Approx(1e4).epsilon(1e-3)); // of the slope: 1/sqrt(sum (x - mean)^2) = 1e4
     CHECK(reported(toy::line(ys)).flat.empty());
 }
@@ -179,7 +181,7 @@ TEST_CASE("chi2 too large or too small is said, with the factor") {
     CHECK(factor == Approx(3.0).epsilon(0.4)); // 1 +- sqrt(2/37)/2, three times that
     CHECK(says(poor, "errors grow by " + std::to_string(factor).substr(0, 3)));
     CHECK(says(small, "the sigmas are too large"));
-    CHECK(fine.remarks.empty());
+    CHECK(fine.diagnostics.empty());
     CHECK(says(poor, "try fit.starts = 20"));
     Problem hopeless = times(toy::decay(40, 3), 1e3); // chi2 of 4e7
     CHECK(says(reported(hopeless), "probability < 1e-300"));
@@ -209,7 +211,7 @@ TEST_CASE("other minima nearly as good are said") {
 
 TEST_CASE("an unfinished fit is said to be one") {
     Method hasty;
-    hasty.polish = false;
+    hasty.levenberg_marquardt = false;
     hasty.max_evaluations = 4;
     CHECK(says(reported(toy::decay(40, 3), hasty), "not converged"));
     hasty.tolerance = 0.5;
@@ -226,7 +228,7 @@ TEST_CASE("how far from stationary is said in degrees, and after a flat directio
         best.values[1] += 1e-3; // not exact
         return report(problem, best);
     };
-    CHECK(moved(0.01).remarks == moved(0.0).remarks);
+    CHECK(moved(0.01).diagnostics == moved(0.0).diagnostics);
     CHECK(says(moved(0.1), "not quite at a stationary point: by the gradient the values may be off by 0.1 "));
     CHECK_FALSE(says(moved(0.1), "not to be trusted"));
     CHECK(says(moved(3.0), "worth 3 standard errors; errors are not to be trusted"));
@@ -248,9 +250,9 @@ TEST_CASE("beside a flat direction a small gradient is not said, a large one aft
     CHECK_FALSE(says(report(problem, best), "stationary point"));
     best.distance = 3.0;
     const Report far = report(problem, best);
-    REQUIRE(far.remarks.size() >= 2);
-    CHECK_THAT(far.remarks[0], Contains("do not fix idle"));
-    CHECK_THAT(far.remarks[1], Contains("not at a stationary point"));
+    REQUIRE(far.diagnostics.size() >= 2);
+    CHECK_THAT(far.diagnostics[0], Contains("do not fix idle"));
+    CHECK_THAT(far.diagnostics[1], Contains("not at a stationary point"));
 }
 
 TEST_CASE("few starts at the best optimum are said") {
@@ -297,7 +299,7 @@ TEST_CASE("propagated errors are those of the covariance") {
     Eigen::MatrixXd g(3, 3);
     g << 1.0, 0.0, 0.0, 0.3, -2.0, 1.5, 0.0, 0.0, 0.0;
     const Eigen::VectorXd errors = propagated(r, g);
-    CHECK(errors[0] == Approx(r.estimates[0].stderr_).epsilon(1e-12));
+    CHECK(errors[0] == Approx(r.estimates[0].standard_error).epsilon(1e-12));
     CHECK(errors[1] == Approx(std::sqrt((g.row(1) * r.covariance * g.row(1).transpose())(0))).epsilon(1e-10));
     CHECK(errors[2] == 0.0);
 }
@@ -321,8 +323,8 @@ TEST_CASE("data given twice and worth half each say what they say once") {
     CHECK(b.dof == a.dof);
     CHECK(b.chi2 == Approx(a.chi2).epsilon(1e-12));
     for (std::size_t j = 0; j < a.estimates.size(); ++j)
-        CHECK(b.estimates[j].stderr_ ==
-              Approx(a.estimates[j].stderr_).epsilon(1e-6)); // both stop within 1e-8 of the minimum
+        CHECK(b.estimates[j].standard_error ==
+              Approx(a.estimates[j].standard_error).epsilon(1e-6)); // both stop within 1e-8 of the minimum
     twice.independent = 1.0;
     CHECK(report(twice, fit(twice, {})).dof == a.dof + 40);
 }
@@ -333,4 +335,47 @@ TEST_CASE("an impossible worth of the data is refused") {
         problem.independent = wrong;
         CHECK_THROWS_WITH(validate(problem), Catch::Matchers::Contains("independent"));
     }
+}
+
+TEST_CASE("what follows from parameters has their errors, an unknown one, or an infinite one") {
+    const LineByHand hand;
+    const Report r = reported(toy::line(ys));
+    // the line at x = 2: var a + 4 var b + 4 cov
+    const rodwake::Estimate at2 = derived(r, hand.a + 2.0 * hand.b, {{"a", 1.0}, {"b", 2.0}});
+    CHECK(at2.error ==
+          Approx(std::sqrt(55.0 / 105.0 + 4.0 * 6.0 / 105.0 + 4.0 * hand.covariance)).epsilon(1e-12));
+    CHECK(at2.count == 6);
+    CHECK(fitted_value(r, "b") == r.estimates[1].value);
+    CHECK_FALSE(fitted_value(r, "c").has_value());
+
+    Problem held = toy::line(ys); // a is held by a bound: b has an error, what follows from both has none
+    held.parameters[0].lower = 2.0;
+    held.parameters[0].start = 3.0;
+    const Report bound = reported(held);
+    CHECK(at_bound(bound, bound.estimates[0]));
+    CHECK_FALSE(has_error(bound, bound.estimates[0]));
+    CHECK_FALSE(derived(bound, 1.0, {{"a", 1.0}, {"b", 2.0}}).known());
+    CHECK(derived(bound, 1.0, {{"b", 2.0}}).error == Approx(2.0 / std::sqrt(55.0)).epsilon(1e-12));
+
+    Problem fixed = toy::line(ys);
+    fixed.parameters[0].fixed = true;
+    CHECK_FALSE(derived(reported(fixed), 1.0, {{"a", 1.0}}).known());
+
+    Problem flat = toy::line(ys); // residuals of b alone
+    flat.evaluate = [inner = flat.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> residual,
+                                            Eigen::MatrixXd* jacobian) {
+        const std::vector<double> without{0.0, p[1]};
+        inner(without, residual, jacobian);
+        if (jacobian)
+            jacobian->col(0).setZero();
+    };
+    const Report loose = reported(flat);
+    CHECK(derived(loose, 1.0, {{"a", 1.0}}).not_fixed());
+    CHECK_FALSE(derived(loose, 1.0, {{"b", 1.0}}).not_fixed());
+
+    Problem exact = toy::line({1.0, 3.0}); // as many values as parameters, no sigma: unknown, not "not fixed"
+    exact.sigma_known = false;
+    const rodwake::Estimate unknown = derived(reported(exact), 1.0, {{"b", 1.0}});
+    CHECK_FALSE(unknown.known());
+    CHECK_FALSE(unknown.not_fixed());
 }

@@ -1,7 +1,7 @@
 // The search: each algorithm, bounds, many starts, interruption and resume.
 
 #include "catch2/catch.hpp"
-#include "fitting/polish.hpp"
+#include "fitting/search.hpp"
 #include "toy_problems.hpp"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ Method with(Algorithm algorithm) {
 }
 
 /// To the last bit, all of it.
-bool same(const StartEnd& a, const StartEnd& b) {
+bool same(const StartResult& a, const StartResult& b) {
     return a.index == b.index && a.start == b.start && a.end == b.end && a.objective == b.objective &&
            a.termination == b.termination && a.evaluations == b.evaluations;
 }
@@ -62,7 +62,7 @@ TEST_CASE("every algorithm finds the end of Rosenbrock's valley") {
         CHECK_THAT(best.reason, StartsWith(to_string(algorithm)));
         CHECK_THAT(best.reason, Contains("polish"));
         CHECK(best.termination == Termination::converged);
-        // r = 0 there, and the polish ends within rounding errors of it
+        // r = 0 there, and Levenberg-Marquardt ends within rounding errors of it
         CHECK(best.values[0] == Approx(1.0).epsilon(1e-12));
         CHECK(best.values[1] == Approx(1.0).epsilon(1e-12));
         CHECK(best.chi2 < 1e-20);
@@ -70,20 +70,20 @@ TEST_CASE("every algorithm finds the end of Rosenbrock's valley") {
     }
 }
 
-TEST_CASE("every algorithm comes down by itself, without the polish") {
+TEST_CASE("every algorithm comes down by itself, without Levenberg-Marquardt") {
     for (const Algorithm algorithm : algorithms) {
         CAPTURE(to_string(algorithm));
         Method method = with(algorithm);
-        method.polish = false;
+        method.levenberg_marquardt = false;
         method.tolerance = 1e-12;
         method.max_evaluations = 20000;
         const Fit best = fit(boxed_decay(), method);
-        method.polish = true;
-        const Fit polished = fit(boxed_decay(), method);
+        method.levenberg_marquardt = true;
+        const Fit refined = fit(boxed_decay(), method);
         CHECK_THAT(best.reason, !Contains("polish"));
         // MMA and L-BFGS stop at a relative change of 1e-12 of the objective, far from 1e-6
-        CHECK(best.objective <= polished.objective * (1.0 + 1e-6));
-        CHECK(polished.objective <= best.objective * (1.0 + 1e-15));
+        CHECK(best.objective <= refined.objective * (1.0 + 1e-6));
+        CHECK(refined.objective <= best.objective * (1.0 + 1e-15));
     }
 }
 
@@ -125,7 +125,8 @@ TEST_CASE("upper bounds hold as lower ones do, and let go inward") {
     problem.parameters[2] = toy::bounded("c", 3.0, -20.0, 3.0);
     const SearchSpace space(problem);
     Evaluator evaluator(problem, space, {});
-    const SearchEnd end = polish(evaluator, space.coordinates(std::vector<double>{1.0, 1.0, 3.0}));
+    const SearchResult end =
+        levenberg_marquardt(evaluator, space.coordinates(std::vector<double>{1.0, 1.0, 3.0}));
     CHECK(space.values(end.u)[2] == Approx(fit(toy::decay(40, 3), {}).values[2]).epsilon(1e-7));
     CHECK(end.termination == Termination::converged);
 }
@@ -161,8 +162,8 @@ TEST_CASE("global searches and many starts find the deepest of several minima, o
     const Fit best = fit(from_zero, many);
     CHECK(best.values[0] == Approx(2.0).epsilon(1e-8));
     CHECK(best.starts.size() == 30);
-    CHECK(std::ranges::count_if(best.starts, [](const StartEnd& s) { return s.objective > 1e-3; }) > 3);
-    for (const StartEnd& s : best.starts) {
+    CHECK(std::ranges::count_if(best.starts, [](const StartResult& s) { return s.objective > 1e-3; }) > 3);
+    for (const StartResult& s : best.starts) {
         CHECK(s.objective >= best.objective);
         CHECK((s.start[0] >= -10.0 && s.start[0] <= 10.0));
     }
@@ -194,12 +195,12 @@ TEST_CASE("starts spread by a factor, within the bounds, the first where the pro
     method.starts = 200;
     method.spread = 4.0;
     method.max_evaluations = 1;
-    method.polish = false;
+    method.levenberg_marquardt = false;
     const Fit best = fit(problem, method);
     CHECK(best.starts[0].start == std::vector<double>{-1.0, 1.0, 0.1});
     double least = 1.0, most = 1.0;
     int turned = 0;
-    for (const StartEnd& s : best.starts) {
+    for (const StartResult& s : best.starts) {
         CHECK((std::abs(s.start[0]) >= 0.25 && std::abs(s.start[0]) <= 4.0));
         turned += s.start[0] > 0.0;
         CHECK((s.start[1] >= 0.5 && s.start[1] <= 4.0));
@@ -221,9 +222,9 @@ TEST_CASE("starts keep the sign where a bound allows no other") {
     Method method;
     method.starts = 50;
     method.max_evaluations = 1;
-    method.polish = false;
+    method.levenberg_marquardt = false;
     bool below = false;
-    for (const StartEnd& s : fit(problem, method).starts) {
+    for (const StartResult& s : fit(problem, method).starts) {
         CHECK((s.start[0] >= -10.0 && s.start[0] <= -0.1));
         CHECK(s.start[2] >= -0.05);
         below = below || s.start[2] < 0.0;
@@ -267,10 +268,10 @@ TEST_CASE("finished starts are taken over: an interrupted fit goes on to the sam
     method.starts = 8;
     const Fit whole = fit(problem, method);
     for (const std::size_t threads : {1, 3}) {
-        std::vector<StartEnd> ledger;
+        std::vector<StartResult> ledger;
         Method first = method;
         first.threads = threads;
-        first.on_start_done = [&](const StartEnd& end) { ledger.push_back(end); };
+        first.on_start_done = [&](const StartResult& end) { ledger.push_back(end); };
         first.stop_requested = [&] { return ledger.size() >= 3; };
         const Fit cut = fit(problem, first);
         CHECK(cut.termination == Termination::interrupted);
@@ -279,7 +280,7 @@ TEST_CASE("finished starts are taken over: an interrupted fit goes on to the sam
         Method second = method;
         second.done = ledger;
         std::size_t again = 0;
-        second.on_start_done = [&](const StartEnd&) { ++again; };
+        second.on_start_done = [&](const StartResult&) { ++again; };
         CHECK(same(fit(problem, second), whole));
         CHECK(again == 8 - ledger.size());
     }
@@ -308,8 +309,8 @@ TEST_CASE("a stop request ends the search at once with the best so far") {
     }
 }
 
-TEST_CASE("a stop at any evaluation, in the polish too, leaves the best so far") {
-    bool in_polish = false;
+TEST_CASE("a stop at any evaluation, in Levenberg-Marquardt too, leaves the best so far") {
+    bool in_second_stage = false;
     for (long after = 1; after < 60; ++after) {
         CAPTURE(after);
         Problem problem = toy::decay(40, 3);
@@ -321,15 +322,15 @@ TEST_CASE("a stop at any evaluation, in the polish too, leaves the best so far")
                 best_seen = std::min(best_seen, r.squaredNorm());
         };
         Method method;
-        method.tolerance = 1e-3; // leaves the polish something to do
+        method.tolerance = 1e-3; // leaves Levenberg-Marquardt something to do
         method.stop_requested = [&] { return calls >= after; };
         const Fit cut = fit(problem, method);
-        in_polish = in_polish || cut.reason.find("polish: interrupted") != std::string::npos;
+        in_second_stage = in_second_stage || cut.reason.find("polish: interrupted") != std::string::npos;
         CHECK(cut.objective <= best_seen * (1.0 + 1e-14)); // the last digits are the sum's
         CHECK(calls <= after + 1);                         // one look at the best point
         CHECK((cut.termination == Termination::interrupted || calls < after + 2));
     }
-    CHECK(in_polish);
+    CHECK(in_second_stage);
 }
 
 TEST_CASE("a stop request before the first evaluation") {
@@ -342,14 +343,14 @@ TEST_CASE("a stop request before the first evaluation") {
     CHECK(std::isinf(none.chi2));
 }
 
-TEST_CASE("too few evaluations end as budget if nothing polishes") {
+TEST_CASE("too few evaluations end as budget without Levenberg-Marquardt") {
     Method method;
     method.max_evaluations = 3;
-    method.polish = false;
+    method.levenberg_marquardt = false;
     const Fit hasty = fit(toy::decay(40, 3), method);
     CHECK(hasty.termination == Termination::budget);
     CHECK_THAT(hasty.reason, Contains("MAXEVAL_REACHED"));
-    method.polish = true;
+    method.levenberg_marquardt = true;
     CHECK(fit(toy::decay(40, 3), method).termination == Termination::converged);
 }
 

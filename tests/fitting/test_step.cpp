@@ -1,7 +1,7 @@
 // One step of Levenberg-Marquardt within bounds.
 
 #include "catch2/catch.hpp"
-#include "fitting/damped_step.hpp"
+#include "fitting/search.hpp"
 #include "toy_problems.hpp"
 
 using namespace rodwake::fitting;

@@ -62,7 +62,7 @@ TEST_CASE("the page of a fit") {
         CHECK((at == 0 || text[at - 1] != ' ')); // no spaces at ends of lines
 }
 
-TEST_CASE("the page points at strong correlations, and lists remarks") {
+TEST_CASE("the page points at strong correlations, and lists diagnostics") {
     Problem problem = toy::line({1.2, 2.9, 5.1, 6.8, 9.3, 10.7});
     problem.evaluate = [inner = problem.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                                                   Eigen::MatrixXd* jacobian) {

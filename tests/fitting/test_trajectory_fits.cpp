@@ -153,7 +153,8 @@ TEST_CASE("errors of couplings from noisy trajectories are of the right size") {
         const Problem problem = trajectory_problem(model, {data}, truth);
         const Report said = report(problem, fit(problem, Method{}));
         for (std::size_t j = 0; j < 3; ++j)
-            squares += std::pow((said.estimates[j].value - truth[j].start) / said.estimates[j].stderr_, 2.0);
+            squares +=
+                std::pow((said.estimates[j].value - truth[j].start) / said.estimates[j].standard_error, 2.0);
     }
     // Mean square pull 1 +- sqrt(2/runs), as if the three were one; four times that is allowed.
     CHECK(std::abs(squares / (3.0 * runs) - 1.0) < 4.0 * std::sqrt(2.0 / runs));

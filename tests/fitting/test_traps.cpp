@@ -29,15 +29,15 @@ bool any_nan(const Fit& fit, const Report& report) {
                  report.covariance.hasNaN() || report.correlation.hasNaN() || report.root.hasNaN() ||
                  std::isnan(report.probability) || std::isnan(report.error_factor);
     for (const Estimate& e : report.estimates)
-        found =
-            found || std::isnan(e.value) || std::isnan(e.stderr_) || std::isnan(e.low) || std::isnan(e.high);
+        found = found || std::isnan(e.value) || std::isnan(e.standard_error) || std::isnan(e.low) ||
+                std::isnan(e.high);
     for (const FlatDirection& flat : report.flat)
         found = found || std::ranges::any_of(flat.change, [](double c) { return std::isnan(c); });
     return found;
 }
 
 bool says(const Report& report, const std::string& words) {
-    return std::ranges::any_of(report.remarks,
+    return std::ranges::any_of(report.diagnostics,
                                [&](const std::string& r) { return r.find(words) != std::string::npos; });
 }
 
@@ -93,7 +93,8 @@ TEST_CASE("residuals that throw or are not finite in places: every algorithm goe
             const Fit best = fit(problem, method);
             CHECK(best.values[0] == Approx(1.0).epsilon(1e-8));
             CHECK_FALSE(any_nan(best, report(problem, best)));
-            method.polish = false; // the wall must not look good to NLopt itself: 24.2 at the start
+            method.levenberg_marquardt =
+                false; // the wall must not look good to NLopt itself: 24.2 at the start
             CHECK(fit(problem, method).objective < 0.05);
         }
 }
@@ -146,8 +147,8 @@ TEST_CASE("a derivative that is not finite is caught") {
     CHECK_THAT(none.reason, Contains("a derivative of residual 5 is not a finite number"));
     Method without;
     without.algorithm = Algorithm::nelder_mead;
-    for (const bool polish : {true, false}) {
-        without.polish = polish;
+    for (const bool levenberg_marquardt : {true, false}) {
+        without.levenberg_marquardt = levenberg_marquardt;
         const Fit blind = fit(problem, without);
         CHECK(blind.objective < 60.0);
         CHECK(blind.termination == Termination::converged);
@@ -161,15 +162,16 @@ TEST_CASE("a parameter that changes nothing has an infinite error, and is named"
     const Report r = report(problem, best), without = report(toy::decay(40, 3), expected);
     CHECK(best.termination == Termination::converged);
     CHECK(best.values[3] == 7.0);
-    CHECK(std::isinf(r.estimates[3].stderr_));
+    CHECK(std::isinf(r.estimates[3].standard_error));
     CHECK(r.rank == 3);
     REQUIRE(r.flat.size() == 1);
     CHECK_THAT(r.flat[0].text, Contains("the data do not fix d: the residuals do not depend on it"));
     CHECK(r.flat[0].change == std::vector<double>{0.0, 0.0, 0.0, 1.0});
     CHECK(r.dof == 36); // d was fitted too
     CHECK(without.dof == 37);
-    for (std::size_t k = 0; k < 3; ++k) // the other three as without it, but for where the polish stopped
-        CHECK(r.estimates[k].stderr_ == Approx(without.estimates[k].stderr_).epsilon(1e-6));
+    for (std::size_t k = 0; k < 3;
+         ++k) // the other three as without it, but for where Levenberg-Marquardt stopped
+        CHECK(r.estimates[k].standard_error == Approx(without.estimates[k].standard_error).epsilon(1e-6));
     CHECK_FALSE(any_nan(best, r));
 }
 
@@ -178,9 +180,9 @@ TEST_CASE("two parameters of which only the product matters") {
     const Fit best = fit(problem, {});
     const Report r = report(problem, best);
     CHECK(best.termination == Termination::converged);
-    CHECK(std::isinf(r.estimates[0].stderr_));
-    CHECK(std::isinf(r.estimates[1].stderr_));
-    CHECK(std::isfinite(r.estimates[2].stderr_));
+    CHECK(std::isinf(r.estimates[0].standard_error));
+    CHECK(std::isinf(r.estimates[1].standard_error));
+    CHECK(std::isfinite(r.estimates[2].standard_error));
     REQUIRE(r.flat.size() == 1);
     CHECK_THAT(
         r.flat[0].text,
@@ -211,17 +213,17 @@ TEST_CASE("exact data: chi2 is 0 and nothing complains") {
         const Report r = report(problem, best);
         CHECK_FALSE(any_nan(best, r));
         CHECK_FALSE(says(r, "not at a stationary point"));
-        CHECK(r.estimates[0].stderr_ < (known ? 0.1 : 1e-12));
+        CHECK(r.estimates[0].standard_error < (known ? 0.1 : 1e-12));
     }
 }
 
 TEST_CASE("as many parameters as data: no errors without sigmas") {
     Problem problem = toy::line({1.0, 3.0});
     const Fit best = fit(problem, {});
-    CHECK(report(problem, best).estimates[0].stderr_ == Approx(1.0).epsilon(1e-12));
+    CHECK(report(problem, best).estimates[0].standard_error == Approx(1.0).epsilon(1e-12));
     problem.sigma_known = false;
     const Report r = report(problem, best);
-    CHECK(std::isinf(r.estimates[0].stderr_));
+    CHECK(std::isinf(r.estimates[0].standard_error));
     CHECK(r.flat.empty());
     CHECK(says(r, "errors unknown: as many parameters as data points"));
     CHECK_FALSE(any_nan(best, r));

@@ -82,6 +82,18 @@ TEST_CASE("the model is the exact field times its strengths plus the offset") {
     }
 }
 
+TEST_CASE("one strength alone is its own term and nothing else, in value and derivatives") {
+    const rodwake::elastic::Field field({1.3, 12.0});
+    const auto f = field.at(-5.0, 4.0, {.displacement = true, .dipole = true});
+    const std::vector<double> values = {0.7, 1.3, 12.0};
+    for (const bool dipole : {false, true}) {
+        const auto list = parameters({dipole ? "f2d_over_mu" : "f_over_mu", "eta", "xi"}, values);
+        const auto found = predict({}, line(Component::Ux, Axis::x, 4.0), std::vector{-5.0}, list, values);
+        CHECK(found.value[0] == Approx(0.7 * (dipole ? f.dipole.x : f.displacement.x)).epsilon(1e-14));
+        CHECK(found.by_parameter.allFinite());
+    }
+}
+
 TEST_CASE("alpha stands for f_over_mu/xi") {
     const std::vector<double> places = {-5.0, 3.0};
     const Profile here = line(Component::Ux, Axis::x, 1.0);
@@ -161,6 +173,28 @@ TEST_CASE("points that share data are weighed less") {
     CHECK(quarter.independent == Approx(0.25));
     data.independent = 0.0;
     CHECK_THROWS_WITH(wake_problem({}, {data}, list), Contains("independent = 0"));
+}
+
+TEST_CASE("chi2 of a prediction is that of the residuals the fit has") {
+    Profile data = line(Component::Ux, Axis::x, 1.0);
+    data.place = {-3.0, -1.0, 2.0, 4.0};
+    data.value = {0.2, 0.5, 0.4, 0.1};
+    data.independent = 0.5;
+    const std::vector<double> values = {1.0, 2.0, 30.0};
+    const auto list = parameters(monopole, values);
+    for (const bool known : {false, true}) {
+        if (known)
+            data.sigma = {0.1, 0.2, 0.1, 0.3};
+        const Problem problem = wake_problem({}, {data}, list);
+        Eigen::VectorXd r(4);
+        problem.evaluate(values, r, nullptr);
+        std::vector<double> model = predict({}, data, data.place, list, values).value;
+        CHECK(chi2_of(data, model) == Approx(r.squaredNorm()).epsilon(1e-12));
+        model[1] = std::nan("");
+        CHECK(chi2_of(data, model) == Approx(r.squaredNorm() - r[1] * r[1]).epsilon(1e-12));
+        CHECK(residual_scale(data, 3) == Approx((known ? 0.3 : 1.0) * std::sqrt(2.0)).epsilon(1e-15));
+        CHECK_THROWS_AS(chi2_of(data, std::span(model).first(3)), rodwake::InputError);
+    }
 }
 
 TEST_CASE("places at the singularity have no prediction") {

@@ -82,7 +82,11 @@ TEST_CASE("random starts within a factor of 10 reach one optimum") {
     const WakeModel model{78.0, 0.0, 0.0};
     rodwake::RandomStream noise(11);
     const Problem problem = wake_problem(model, two_profiles(model, 0.02, &noise), elastic_parameters(truth));
-    const Fit found = fit(problem, {.starts = 100, .spread = 10.0, .threads = 2});
+    Method hundred;
+    hundred.starts = 100;
+    hundred.spread = 10.0;
+    hundred.threads = 2;
+    const Fit found = fit(problem, hundred);
     const Report said = report(problem, found);
     WARN("starts at the best optimum, of 100: " << said.same_optimum);
     CHECK(found.starts.size() == 100);
@@ -101,6 +105,6 @@ TEST_CASE("U_x far behind the rod alone does not fix the medium, and the report 
     const Problem problem = wake_problem({}, {tail}, list);
     const Report said = report(problem, fit(problem, {}));
     REQUIRE_FALSE(said.flat.empty());
-    REQUIRE_FALSE(said.remarks.empty());
+    REQUIRE_FALSE(said.diagnostics.empty());
     CHECK_THAT(said.flat.front().text, Catch::Matchers::Contains("xi"));
 }

@@ -46,7 +46,7 @@ inline double nearest(double u, double v, double box) {
     return std::min(std::abs(u - v), box - std::abs(u - v));
 }
 
-inline double into_box(double u, double box) {
+inline double folded(double u, double box) {
     const double rest = std::fmod(u, box);
     return rest < 0.0 ? rest + box : rest;
 }
@@ -77,8 +77,8 @@ inline double clearance(const State& state, const GranularProblem& problem) {
     auto balls = balls_of(state, problem);
     const double floor = floor_height(problem), lid = floor + problem.plates.gap, box = problem.box;
     for (Ball& ball : balls) {
-        ball.x = into_box(ball.x, box);
-        ball.y = into_box(ball.y, box);
+        ball.x = folded(ball.x, box);
+        ball.y = folded(ball.y, box);
     }
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < balls.size(); ++i) {

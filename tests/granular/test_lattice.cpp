@@ -2,7 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 
-#include "granular/lattice.hpp"
+#include "granular/first_places.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -16,106 +16,17 @@ namespace {
 
 const double a = GranularProblem{}.bead_radius;
 
-struct Points {
-    std::vector<double> x, y;
-    double box;
-};
-
-/// A perfect triangular lattice cannot close in a square; the triangles here are equilateral in a strip of
-/// it.
-Points triangle_patch(double spacing, double turn) {
-    Points p;
-    p.box = 100.0 * spacing;
-    for (int i = -6; i <= 6; ++i)
-        for (int j = -6; j <= 6; ++j) {
-            const double u = spacing * (i + 0.5 * j), v = spacing * std::sqrt(0.75) * j;
-            p.x.push_back(u * std::cos(turn) - v * std::sin(turn));
-            p.y.push_back(u * std::sin(turn) + v * std::cos(turn));
-        }
-    return p;
-}
-
-Points random_points(std::size_t count, double box, std::uint64_t seed) {
-    RandomStream random(seed);
-    Points p{{}, {}, box};
-    for (std::size_t i = 0; i < count; ++i) {
-        p.x.push_back(random.uniform(-2.0 * box, 2.0 * box));
-        p.y.push_back(random.uniform(-2.0 * box, 2.0 * box));
-    }
-    return p;
-}
-
-std::vector<std::complex<double>> plain_psi6(const Points& p, double cutoff) {
-    std::vector<std::complex<double>> psi(p.x.size());
-    for (std::size_t i = 0; i < p.x.size(); ++i) {
-        int near = 0;
-        for (std::size_t j = 0; j < p.x.size(); ++j) {
-            const double dx = std::remainder(p.x[j] - p.x[i], p.box),
-                         dy = std::remainder(p.y[j] - p.y[i], p.box);
-            if (i == j || std::hypot(dx, dy) >= cutoff)
-                continue;
-            psi[i] += std::polar(1.0, 6.0 * std::atan2(dy, dx));
-            ++near;
-        }
-        if (near > 0)
-            psi[i] /= near;
-    }
-    return psi;
-}
-
-std::complex<double> mean(const std::vector<std::complex<double>>& psi) {
-    std::complex<double> sum = 0.0;
-    for (const auto& p : psi)
-        sum += p;
-    return sum / static_cast<double>(psi.size());
-}
-
 } // namespace
 
-TEST_CASE("psi_6 is 1 inside a perfect crystal, whatever its direction") {
-    for (const double turn : {0.0, 0.3, 1.0}) {
-        const Points p = triangle_patch(1.0, turn);
-        const auto psi = local_psi6(p.x, p.y, p.box, 1.4);
-        for (const std::size_t middle : {84u, 70u}) { // all six neighbours are there
-            CHECK(std::abs(std::abs(psi[middle]) - 1.0) < 1e-14);
-            CHECK(std::abs(psi[middle] - std::polar(1.0, 6.0 * turn)) <
-                  1e-13); // 6 x rounding of places up to 10
-        }
-        CHECK(std::abs(global_psi6(p.x, p.y, p.box, 1.4) - 1.0) <
-              1e-14); // edges miss neighbours, not directions
+TEST_CASE("the cut-off lies between the shells of the lattice of this density") {
+    for (const double phi_b : {0.3, 0.7, 0.9}) {
+        GranularProblem problem; // spacing d of N = L^2/(sqrt(3)/2 d^2) sites that cover phi_b
+        const double d = std::sqrt(2.0 * M_PI / std::sqrt(3.0) / phi_b) * problem.bead_radius;
+        const double cutoff = neighbour_cutoff(problem.bead_radius, phi_b);
+        CHECK(cutoff == Approx(1.4 * d).epsilon(1e-5)); // 0.9069 is pi/sqrt(12) to 3e-6
+        CHECK(cutoff > 1.2 * d);
+        CHECK(cutoff < 1.6 * d); // the second shell is at 1.73 d
     }
-}
-
-TEST_CASE("psi_6 equals the sum over all pairs") {
-    for (const double box : {4.0, 10.0, 40.0}) {
-        const Points p = random_points(200, box, 51);
-        const auto psi = local_psi6(p.x, p.y, box, 1.5), wanted = plain_psi6(p, 1.5);
-        double worst = 0.0;
-        for (std::size_t i = 0; i < psi.size(); ++i)
-            worst = std::max(worst, std::abs(psi[i] - wanted[i]));
-        CHECK(worst < 1e-12); // 6 x rounding of places of 80 over bonds of 0.01 and more
-        CHECK(global_psi6(p.x, p.y, box, 1.5) == Approx(std::abs(mean(wanted))).margin(1e-12));
-    }
-    const Points p = random_points(50, 10.0, 51);
-    CHECK(std::abs(mean(plain_psi6(p, 1.5)) - mean(plain_psi6(p, 1.6))) > 1e-6); // the check can fail
-}
-
-TEST_CASE("places at random have psi_6 of about 1/sqrt(N)") {
-    const std::size_t count = 2000;
-    double squares = 0.0;
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        const Points p = random_points(count, 60.0, 100 + seed);
-        squares += std::pow(global_psi6(p.x, p.y, 60.0, 2.0), 2) / 20.0;
-    }
-    const double rms = std::sqrt(squares) * std::sqrt(static_cast<double>(count));
-    CHECK(rms > 0.5); // neighbours share bonds, so not exactly 1; 20 draws scatter by 16 %
-    CHECK(rms < 2.0);
-}
-
-TEST_CASE("psi_6 of nothing is 0") {
-    CHECK(global_psi6({}, {}, 1.0, 0.1) == 0.0);
-    CHECK(global_psi6({0.5}, {0.5}, 1.0, 0.1) == 0.0);
-    CHECK(local_psi6({0.5, 0.5}, {0.5, 0.5}, 1.0, 0.1)[0] == 0.0); // on the same spot: no direction
 }
 
 TEST_CASE("temperatures are variances about the motion of all") {

@@ -109,7 +109,7 @@ Outcome collide(const Scene& s, const std::vector<Pair>& pairs) {
     Bodies b = make_bodies(s.problem, s.state);
     PairContacts contacts(s.problem.contacts, box);
     Outcome o;
-    o.tallies.pushed.resize(2, Vector3::Zero());
+    o.tallies.impulse_on_beads.resize(2, Vector3::Zero());
     const Vector3 point = (row(b.position, pairs[0].first) + row(b.position, pairs[0].second)) / 2.0;
     o.before = motion(b, point);
     contacts.resolve(b, pairs, o.tallies);
@@ -172,12 +172,12 @@ TEST_CASE("what a rod gave to the beads is told") {
         const Pair pair = bring_together(scene, Kind::bead_rod, random);
         Bodies b = make_bodies(scene.problem, scene.state);
         Tallies tallies;
-        tallies.pushed.resize(2, Vector3::Zero());
+        tallies.impulse_on_beads.resize(2, Vector3::Zero());
         const Vector3 before = row(b.velocity, 0);
         PairContacts(scene.problem.contacts, box).resolve(b, std::vector{pair}, tallies);
-        REQUIRE((b.bead_mass * (row(b.velocity, 0) - before) - tallies.pushed[0]).norm() <=
+        REQUIRE((b.bead_mass * (row(b.velocity, 0) - before) - tallies.impulse_on_beads[0]).norm() <=
                 1e-14 * b.bead_mass * 0.3);
-        REQUIRE(tallies.pushed[1] == Vector3::Zero());
+        REQUIRE(tallies.impulse_on_beads[1] == Vector3::Zero());
     }
 }
 

@@ -56,6 +56,18 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN(),
 
 } // namespace
 
+TEST_CASE("times become whole steps, and a bead weighs what a sphere does") {
+    CHECK(granular::whole_steps(1.0, 2e-5) == 50000);
+    CHECK(granular::whole_steps(2.99e-5, 2e-5) == 1);
+    CHECK(granular::whole_steps(3.01e-5, 2e-5) == 2);
+    CHECK(granular::whole_steps(1e-9, 2e-5) == 0);
+    CHECK(granular::whole_steps(1e-9, 2e-5, 1) == 1);
+    granular::GranularProblem problem;
+    problem.bead_radius = 1e-3;
+    problem.bead_density = 3000.0;
+    CHECK(granular::bead_mass(problem) == Approx(1.2566370614359172e-5).epsilon(1e-14));
+}
+
 TEST_CASE("sound problems pass") {
     CHECK(refusal(bed()) == "");
     CHECK(refusal(with_rods({rod_at(0, 0)})) == ""); // a rod alone

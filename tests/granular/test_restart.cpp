@@ -49,8 +49,8 @@ TEST_CASE("a restart takes beads where and as they were, and drops the surplus a
     for (std::size_t i = 0; i < problem.beads; ++i) {
         const auto from = static_cast<std::size_t>(state.beads.wx[i]);
         // The lattice is open, so nobody is moved; wrapping rounds at the size of a few boxes.
-        REQUIRE(nearest(state.beads.x[i], into_box(stored.beads.x[from], problem.box), problem.box) < 1e-16);
-        REQUIRE(nearest(state.beads.y[i], into_box(stored.beads.y[from], problem.box), problem.box) < 1e-16);
+        REQUIRE(nearest(state.beads.x[i], folded(stored.beads.x[from], problem.box), problem.box) < 1e-16);
+        REQUIRE(nearest(state.beads.y[i], folded(stored.beads.y[from], problem.box), problem.box) < 1e-16);
         REQUIRE(std::abs(state.beads.z[i] - middle) < 0.01 * 0.2e-3 + 1e-12);
         REQUIRE(state.beads.vx[i] == stored.beads.vx[from]);
         REQUIRE(state.beads.vz[i] == stored.beads.vz[from]);
@@ -74,9 +74,9 @@ TEST_CASE("a restart makes room for rods: the most covered beads go first") {
         double deepest = -1.0;
         for (const Ball& ball : balls_of(rods, only_rods)) {
             const double x =
-                nearest(into_box(ball.x, problem.box), into_box(stored.beads.x[i], problem.box), problem.box);
+                nearest(folded(ball.x, problem.box), folded(stored.beads.x[i], problem.box), problem.box);
             const double y =
-                nearest(into_box(ball.y, problem.box), into_box(stored.beads.y[i], problem.box), problem.box);
+                nearest(folded(ball.y, problem.box), folded(stored.beads.y[i], problem.box), problem.box);
             deepest = std::max(deepest, ball.radius + a - std::hypot(x, y));
         }
         depth.push_back(deepest);

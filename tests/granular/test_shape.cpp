@@ -130,7 +130,7 @@ TEST_CASE("closed forms agree with slices for every kind of rod") {
         const Clump rod = granular::make_clump(shape);
         CHECK(error_of(rod, shape) < 1e-12); // slices are exact up to the rounding of 20 000 terms
         const double shadow = static_cast<double>(sum_of_slices(rod).area);
-        CHECK(rod.shadow() ==
+        CHECK(rod.projected_area() ==
               Approx(shadow).epsilon(1e-6)); // slices: the square root at the ends, (1/20 000)^1.5
     }
 }
@@ -157,7 +157,7 @@ TEST_CASE("one sphere is a solid sphere") {
         CHECK(ball.mass == Approx(mass).epsilon(1e-14)); // rounding
         CHECK(ball.axial_inertia == Approx(0.4 * mass * r * r).epsilon(1e-14));
         CHECK(ball.transverse_inertia == Approx(0.4 * mass * r * r).epsilon(1e-14));
-        CHECK(ball.shadow() == Approx(M_PI * r * r).epsilon(1e-14));
+        CHECK(ball.projected_area() == Approx(M_PI * r * r).epsilon(1e-14));
         CHECK(ball.reach() == Approx(r).epsilon(1e-14));
     }
 }

@@ -5,6 +5,23 @@
 
 using namespace starts;
 
+TEST_CASE("a bed settles slower the denser it is, and fastest from a lattice") {
+    using granular::settling_time;
+    using granular::Start;
+    CHECK(settling_time(Start::lattice, 0.8) == 0.5);
+    for (const auto& [phi_b, time] : {std::pair{0.0, 1.0},
+                                      {0.60, 1.0},
+                                      {0.65, 1.5},
+                                      {0.70, 2.0},
+                                      {0.71, 5.0},
+                                      {0.72, 8.0},
+                                      {0.76, 10.0},
+                                      {0.78, 17.0},
+                                      {0.80, 24.0},
+                                      {0.9, 24.0}})
+        CHECK(settling_time(Start::random, phi_b) == Approx(time).epsilon(1e-13)); // rounding of phi_b
+}
+
 TEST_CASE("a lattice start overlaps nowhere, from thin to nearly closest packing, at any angle") {
     for (const double phi : {0.05, 0.3, 0.7, 0.8, 0.88})
         for (const double orientation : {0.0, 0.5 * M_PI, 0.3}) {

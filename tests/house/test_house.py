@@ -3,6 +3,7 @@
 import os
 import re
 import subprocess
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -11,31 +12,40 @@ import rodwake
 SOURCE = rodwake.SOURCE
 
 # Which parts a part may include. What is not listed is an error, so a new part has to be placed here.
-ALLOWED = {
-    "core": {"core"},
-    "integrate": {"integrate", "core"},
-    "elastic": {"elastic", "core"},
-    "rods": {"rods", "elastic", "integrate", "core"},
-    "granular": {"granular", "core"},
-    "measure": {"measure", "granular", "elastic", "core"},
-    "fitting": {"fitting", "measure", "rods", "elastic", "integrate", "core"},
-    "scene": {"scene", "elastic", "core"},
-    "store": {"store", "core"},
-    "cli": {"cli", "scene", "store", "fitting", "measure", "granular", "rods", "elastic", "integrate", "core"},
-}
+ALLOWED = {"core": {"core"}}
+ALLOWED["integrate"] = {"integrate", "core"}
+ALLOWED["elastic"] = {"elastic", "core"}
+ALLOWED["rods"] = {"rods", "elastic", "integrate", "core"}
+ALLOWED["granular"] = {"granular", "core"}
+ALLOWED["measure"] = {"measure", "granular", "elastic", "core"}
+ALLOWED["fitting"] = {"fitting", "measure", "rods", "elastic", "integrate", "core"}
+ALLOWED["scene"] = {"scene", "granular"} | ALLOWED["fitting"]
+ALLOWED["scan"] = {"scan", "core"}
+ALLOWED["assembly"] = {"assembly", "scan"} | ALLOWED["scene"]
+ALLOWED["store"] = {"store", "core"}
+ALLOWED["stages"] = {"stages", "store"} | ALLOWED["assembly"]
+ALLOWED["cli"] = {"cli"} | ALLOWED["stages"]
 # Libraries that stay in one part, or a few.
 ONLY_IN = {
     "integrate": re.compile(r"^(sundials|cvodes|cvode|arkode|idas|ida|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)\b"),
     "store": re.compile(r"^(hdf5|H5|hdf5_hl)"),
     "scene": re.compile(r"^toml\+\+"),
     "fitting": re.compile(r"^(nlopt|unsupported/Eigen)"),
-    "cli": re.compile(r"^(CLI|spdlog)/"),
+    "cli": re.compile(r"^(CLI/|spdlog/sinks/stdout)"),  # the terminal
+    "stages|cli": re.compile(r"^spdlog/"),
     "core": re.compile(r"^Random123/"),
     "store|granular": re.compile(r"^xxhash\.h"),
+    "scan": re.compile(r"^(sqlite3\.h|mpi\.h)"),
     "granular|measure": re.compile(r"^hwy/"),
 }
+NO_FILES = {"assembly": re.compile(r"^(fstream|iostream|ostream|cstdio)$")}  # what a part does without
+# A measure is known to its own part and to one file of assembly.
+OF_A_MEASURE = re.compile(r"^rodwake/measure/(displacement|flow|microrheology|order|pairs)\.hpp$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
-MACHINE_PATH = re.compile(r"/(?:work|root|tmp/bash\w*|home/\w+)(?:/|\b)")
+# A folder of somebody's machine: homes, and where clusters and containers keep work. Not /usr, /etc or /dev, which all have.
+MACHINE_PATH = re.compile(r"(?:(?<=file://)|(?<![\w.~})/*-]))(?:"
+                          r"/root\b|/(?:home|Users|work|workdir|workspaces?|scratch|projects?|builds|mnt|media|nfs|srv)/\w|/(?:var/)?tmp/\w"
+                          r"|[A-Za-z]:[\\/]+Users\b)")
 
 
 def part_of(path):
@@ -46,6 +56,19 @@ def part_of(path):
     return parts[2] if parts[0] == "include" else parts[1]
 
 
+def part_included(path, name):
+    """The part that an include names, as far as one can tell without the compiler; "" for a library or a neighbour."""
+    if name.startswith("rodwake/"):  # from anywhere
+        return name.split("/")[1]
+    steps = [step for step in os.path.normpath(path.parent / name).split(os.sep) if step != ".."]
+    if steps[0] == "fitting" or (steps[0] in ("src", "models") and len(steps) > 2):  # by a way through the tree
+        part = part_of(Path(*steps))
+        if part in ALLOWED and part != part_of(path):
+            return part
+    first = next((step for step in name.split("/")[:-1] if step not in (".", "..", "src", "models")), "")
+    return first if first in ALLOWED else ""  # "rods/x.hpp": tests put src and models on the path
+
+
 def wrong_includes(path, text):
     """What this file of a part includes that it may not, in words."""
     part = part_of(path)
@@ -53,13 +76,16 @@ def wrong_includes(path, text):
         return [f"{path}: part {part} has no place in the order of the parts"]
     wrong = []
     for name in INCLUDE.findall(text):
-        # "rodwake/rods/x.hpp" from anywhere, "rods/x.hpp" because tests put src and models on the path.
-        of_part = re.match(r"(?:rodwake/|\.\./)?(\w+)/", name)
-        if of_part and (of_part[1] in ALLOWED or name.startswith("rodwake/")) and of_part[1] not in ALLOWED[part]:
+        of_part = part_included(path, name)
+        if of_part and of_part not in ALLOWED[part]:
             wrong.append(f"{path}: {part} must not include {name}")
         for owner, library in ONLY_IN.items():
             if library.match(name) and part not in owner.split("|"):
                 wrong.append(f"{path}: only {owner} may include {name}")
+        if part in NO_FILES and NO_FILES[part].match(name):
+            wrong.append(f"{path}: {part} opens no files, and so must not include {name}")
+        if OF_A_MEASURE.match(name) and part != "measure" and path != Path(f"src/assembly/measures/{Path(name).stem}.cpp"):
+            wrong.append(f"{path}: only the measure's own file may include {name}")
     return wrong
 
 
@@ -68,22 +94,50 @@ def wrong_links(part, text):
     return [name for name in re.findall(r"rodwake::(\w+)", text) if name not in ALLOWED[part]]
 
 
-def tracked():
+def tracked(root=SOURCE):
     """Files under version control, and new ones that are not ignored."""
-    listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "--cached", "--others", "--exclude-standard"],
+    listed = subprocess.run(["git", "-C", root, "ls-files", "--cached", "--others", "--exclude-standard"],
                             capture_output=True, text=True, check=True).stdout.splitlines()
-    return [Path(name) for name in listed if (SOURCE / name).is_file()]
+    return [Path(name) for name in listed if (root / name).is_file()]
 
 
-def text_of(path):
-    return (SOURCE / path).read_text(encoding="utf-8", errors="replace")
+def text_of(path, root=SOURCE):
+    return (root / path).read_text(encoding="utf-8", errors="replace")
+
+
+def part_files(root=SOURCE):
+    """Sources of the parts, and the list of targets that each part links."""
+    inside = [p for p in tracked(root) if p.parts[0] in ("include", "src", "models", "fitting")]
+    return ([p for p in inside if p.suffix in (".hpp", ".cpp", ".inc", ".in")],
+            [p for p in inside if p.name == "CMakeLists.txt" and len(p.parts) == (2 if p.parts[0] == "fitting" else 3)])
+
+
+def wrong_in_tree(root=SOURCE):
+    sources, lists = part_files(root)
+    return ([wrong for path in sources for wrong in wrong_includes(path, text_of(path, root))]
+            + [f"{path}: {part_of(path)} must not link {name}" for path in lists for name in wrong_links(part_of(path), text_of(path, root))])
 
 
 class OrderTest(unittest.TestCase):
-    def test_no_include_goes_back(self):
-        sources = [p for p in tracked() if p.suffix in (".hpp", ".cpp", ".inc", ".in") and p.parts[0] in ("include", "src", "models", "fitting")]
-        self.assertEqual({part_of(p) for p in sources}, set(ALLOWED))
-        self.assertEqual([wrong for p in sources for wrong in wrong_includes(p, text_of(p))], [])
+    def test_nothing_goes_back(self):
+        for files in part_files():
+            self.assertEqual({part_of(path) for path in files}, set(ALLOWED))
+        self.assertEqual(wrong_in_tree(), [])
+
+    def test_what_is_planted_in_a_tree_is_found(self):
+        with tempfile.TemporaryDirectory(prefix="rodwake-house-") as folder:
+            root = Path(folder)
+            subprocess.run(["git", "init", "-q", root], check=True)
+            for part, place in (("fitting", "fitting"), ("rods", "models/rods"), ("store", "src/store"), ("core", "include/rodwake/core")):
+                (root / place).mkdir(parents=True)
+                (root / place / "planted.hpp").write_text('#include "rodwake/cli/log.hpp"\n')
+                (root / place / "good.hpp").write_text(f'#include "rodwake/{part}/planted.hpp"\n')
+                (root / place / "CMakeLists.txt").write_text(f"rodwake_part({part} PRIVATE rodwake::core rodwake::cli)\n")
+            found = {line.replace("must not include rodwake/cli/log.hpp", "include").replace("must not link cli", "link") for line in wrong_in_tree(root)}
+            self.assertEqual(found, {"fitting/planted.hpp: fitting include", "fitting/CMakeLists.txt: fitting link",
+                                     "models/rods/planted.hpp: rods include", "models/rods/CMakeLists.txt: rods link",
+                                     "src/store/planted.hpp: store include", "src/store/CMakeLists.txt: store link",
+                                     "include/rodwake/core/planted.hpp: core include"})
 
     def test_the_check_sees_what_is_wrong(self):
         for path, line in [("include/rodwake/elastic/a.hpp", '#include "rodwake/rods/model.hpp"'),
@@ -92,6 +146,19 @@ class OrderTest(unittest.TestCase):
                            ("src/store/a.cpp", '#include "rodwake/scene/scene.hpp"'),
                            ("src/scene/a.cpp", '#include "rodwake/store/csv.hpp"'),
                            ("src/scene/a.cpp", '#include "../cli/log.hpp"'),
+                           ("src/scene/a.cpp", '#include "../stages/session.hpp"'),
+                           ("src/assembly/a.cpp", '#include "rodwake/stages/run.hpp"'),
+                           ("src/stages/a.cpp", '#include "rodwake/cli/log.hpp"'),
+                           ("src/stages/a.cpp", "#include <spdlog/sinks/stdout_color_sinks.h>"),
+                           ("src/assembly/a.cpp", "#include <spdlog/logger.h>"),
+                           ("src/store/a.cpp", '#include "rodwake/assembly/rods.hpp"'),
+                           ("fitting/a.cpp", '#include "rodwake/scene/scene.hpp"'),
+                           ("fitting/a.cpp", '#include "../src/store/hash.hpp"'),
+                           ("fitting/a.cpp", '#include "scene/reader.hpp"'),
+                           ("include/rodwake/fitting/a.hpp", '#include "rodwake/assembly/fit.hpp"'),
+                           ("models/rods/a.cpp", '#include "../../fitting/loss.hpp"'),
+                           ("models/rods/a.cpp", '#include "rodwake/fitting/loss.hpp"'),
+                           ("src/measure/a.cpp", '#include "../../models/rods/couplings.hpp"'),
                            ("src/integrate/a.cpp", '#include "rods/interaction.hpp"'),
                            ("src/core/a.cpp", '#include "rodwake/new/a.hpp"'),
                            ("models/rods/a.cpp", "#include <cvodes/cvodes.h>"),
@@ -99,22 +166,34 @@ class OrderTest(unittest.TestCase):
                            ("src/cli/a.cpp", "#include <hdf5.h>"),
                            ("src/cli/a.cpp", "#include <xxhash.h>"),
                            ("src/core/a.cpp", "#include <hwy/highway.h>"),
+                           ("src/assembly/a.cpp", "#include <fstream>"),
+                           ("src/stages/a.cpp", '#include "rodwake/measure/flow.hpp"'),
+                           ("src/assembly/measures/order.cpp", '#include "rodwake/measure/flow.hpp"'),
                            ("src/new/a.cpp", "")]:
             self.assertEqual(len(wrong_includes(Path(path), line)), 1, line)
         for path, line in [("models/rods/a.cpp", '#include "rodwake/integrate/ode.hpp"'),
                            ("src/integrate/a.cpp", "#include <arkode/arkode_erkstep.h>"),
                            ("src/store/a.cpp", "#include <xxhash.h>"),
+                           ("fitting/a.cpp", '#include "rodwake/rods/simulate.hpp"\n#include "loss.hpp"\n#include <nlopt.hpp>'),
+                           ("src/measure/a.cpp", '#include "../../models/granular/shape.hpp"'),
+                           ("src/stages/a.cpp", '#include <spdlog/logger.h>\n#include "rodwake/store/csv.hpp"\n#include "rodwake/assembly/rods.hpp"'),
+                           ("src/scene/a.cpp", '#include "rodwake/granular/problem.hpp"\n#include "rodwake/fitting/method.hpp"'),
                            ("models/granular/a.cpp", "#include <xxhash.h>"),
+                           ("src/stages/a.cpp", '#include <fstream>\n#include "rodwake/measure/measures.hpp"'),
+                           ("src/assembly/measures/flow.cpp", '#include <filesystem>\n#include "rodwake/measure/flow.hpp"'),
+                           ("include/rodwake/measure/pairs.hpp", '#include "rodwake/measure/order.hpp"'),
                            ("models/granular/a.cpp", "#include <hwy/highway.h>"),
                            ("src/store/a.cpp", "#include <hdf5.h>\n// #include nothing\n#include <vector>"),
                            ("src/cli/a.cpp", '#include "rodwake/rods/simulate.hpp"')]:
             self.assertEqual(wrong_includes(Path(path), line), [], line)
 
-    def test_no_part_links_back(self):
-        for folder in ("src", "models"):
-            for lists in (SOURCE / folder).glob("*/CMakeLists.txt"):
-                self.assertEqual(wrong_links(lists.parent.name, lists.read_text()), [], lists)
+    def test_wrong_links_are_seen(self):
         self.assertEqual(wrong_links("elastic", "PUBLIC rodwake::core PRIVATE rodwake::rods"), ["rods"])
+        self.assertEqual(wrong_links("fitting", "PUBLIC rodwake::elastic rodwake::scene PRIVATE rodwake::store"), ["scene", "store"])
+
+    def test_the_order_has_no_cycle(self):
+        for part, allowed in ALLOWED.items():
+            self.assertEqual([other for other in allowed - {part} if part in ALLOWED[other]], [], part)
 
     def test_public_headers_show_no_library_that_is_private(self):
         """SUNDIALS, HDF5, JSON, fmt and the rest are how, not what: only Eigen is part of the interface."""
@@ -132,9 +211,11 @@ class TreeTest(unittest.TestCase):
         self.assertEqual(found, [])
 
     def test_machine_paths_are_seen(self):
-        for text in ("/work/main", "see /root/x", "/tmp/bash_jobs", "/home/someone/x"):
+        for text in ("/work/main", "see /root/x", "/tmp/build_jobs", "/home/someone/x", '"/Users/me/rodwake"', "=/scratch/me", "(/workspace/x)",
+                     "/var/tmp/y", "/mnt/disk", "file:///home/me", r"C:\Users\me", "/builds/group/project"):
             self.assertRegex(text, MACHINE_PATH)
-        for text in ("/tools/x", "framework/main", "https://example.org/working", "~/x"):
+        for text in ("/tools/x", "framework/main", "https://example.org/work/x", "~/work/x", "${sourceDir}/build/x", "results/work/x", "a/home/b",
+                     "/usr/bin/python3", "/dev/full", "/particles/trajectory", "time/work", "/*/work/*"):
             self.assertNotRegex(text, MACHINE_PATH)
 
     def test_long_files_and_tabs(self):
@@ -153,6 +234,12 @@ class TestsTest(unittest.TestCase):
         for program in programs:
             listed = subprocess.run([program, "--list-test-names-only"], capture_output=True, text=True).stdout.split("\n")
             self.assertGreater(len([name for name in listed if name]), 0, program)
+
+    def test_sources_with_tests_are_named_alike(self):
+        """test_*.cpp has tests, and nothing else has; helpers are named for what they give."""
+        for path in tracked():
+            if path.parts[0] == "tests" and path.suffix == ".cpp":
+                self.assertEqual(path.name.startswith("test_"), "TEST_CASE(" in text_of(path), path)
 
     def test_every_test_script_has_tests(self):
         scripts = [p for p in tracked() if p.name.startswith("test_") and p.suffix == ".py"]

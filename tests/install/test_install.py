@@ -29,17 +29,25 @@ class InstallTest(unittest.TestCase):
     def setUp(self):
         self.assertEqual(self.installed.returncode, 0, self.installed.stderr)
 
-    def build(self, name, *, source=None, prefix=None):
+    def build(self, name, *options, source=None, prefix=None, **how):
         """Configures and builds a copy of an example, far from the source tree; the last process."""
         copy, build = self.folder / name, self.folder / f"build-{name}"
         shutil.copytree(source or EXAMPLES / name, copy)
-        done = run(CMAKE, "-S", copy, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix or self.prefix}")
+        done = run(CMAKE, "-S", copy, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix or self.prefix}", *options, **how)
         return done if done.returncode else run(CMAKE, "--build", build)
 
-    def output_of(self, name):
+    def find(self, name, call, *options, then="", **how):
+        """Configures a project in C++ of nothing but this call of find_package, and some lines more."""
+        source = self.folder / f"source-{name}"
+        source.mkdir()
+        (source / "CMakeLists.txt").write_text(f"cmake_minimum_required(VERSION 3.25)\nproject({name} LANGUAGES CXX)\n"
+                                               f"find_package({call})\n{then}\n")
+        return self.build(name, *options, source=source, **how)
+
+    def output_of(self, name, *arguments):
         done = self.build(name)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        done = run(self.folder / f"build-{name}" / name)
+        done = run(self.folder / f"build-{name}" / name, *arguments)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 
@@ -70,14 +78,52 @@ class InstallTest(unittest.TestCase):
         self.assertIn("converged", text)
         self.assertLess(abs(self.number_after("pull of b", text)), 2.0)  # the ripple is smaller than the errors it stands for
 
+    def test_example_own_scene(self):
+        scene = rodwake.SOURCE / "scenes/pair.toml"
+        self.assertEqual(self.output_of("own_scene", scene, "coupling.kappa", "0.5"), "contact at t = 40.5953 f/(mu v0)\n")
+        for arguments, pattern in ((("coupling.kapa", "1"), "kapa.*kappa"), (("coupling.kappa", "nan"), "kappa = nan")):
+            done = run(self.folder / "build-own_scene" / "own_scene", scene, *arguments)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertRegex(done.stderr, pattern)
+
     def test_a_version_that_is_not_there_is_refused(self):
-        source = self.folder / "future"
-        source.mkdir()
-        (source / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(future LANGUAGES CXX)\n"
-                                               "find_package(rodwake 99 REQUIRED)\n")
-        done = self.build("future-copy", source=source)
+        done = self.find("future", "rodwake 99 REQUIRED")
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("99", done.stderr)
+
+    def test_every_part_is_a_component(self):
+        """The parts are the folders of public headers; the package lists them, and each can be asked for."""
+        parts = sorted(path.name for path in (rodwake.SOURCE / "include/rodwake").iterdir() if path.is_dir())
+        self.assertIn("measure", parts)
+        each = "".join(f"find_package(rodwake REQUIRED COMPONENTS {part})\nget_target_property(x rodwake::{part} TYPE)\n" for part in parts)
+        done = self.find("parts", "rodwake REQUIRED",
+                         then=each + "list(SORT rodwake_PARTS)\nfile(WRITE parts.txt \"${rodwake_PARTS}\")")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.folder / "parts/parts.txt").read_text().split(";"), parts)
+
+    def test_a_part_that_is_not_there_is_refused(self):
+        done = self.find("nonsense", "rodwake REQUIRED COMPONENTS rods nonsense")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, r"no\s+part\s+nonsense;\s+there\s+are\s+core,")
+        done = self.find("optional", "rodwake REQUIRED COMPONENTS rods OPTIONAL_COMPONENTS nonsense",
+                         then="if(rodwake_nonsense_FOUND OR NOT rodwake_rods_FOUND)\n  message(FATAL_ERROR found)\nendif()")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_a_part_asks_for_no_library_of_another(self):
+        others = ("HDF5", "HDF5C", "NLopt", "tomlplusplus", "nlohmann_json", "Boost", "hwy", "CLI11", "spdlog")
+        absent = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=TRUE" for name in others]
+        done = self.build("rods_alone", *absent, source=EXAMPLES / "pair")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        for part, library in (("store", "HDF5C"), ("fitting", "NLopt"), ("scene", "tomlplusplus")):  # what is switched off is off
+            done = self.find(f"without_{library}", f"rodwake REQUIRED COMPONENTS {part}", *absent)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn(library, done.stderr)
+
+    def test_a_project_needs_no_C_compiler(self):
+        done = self.find("no_c", "rodwake REQUIRED", env={**os.environ, "CC": "/no/such/compiler"},
+                         then="get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)\nif(C IN_LIST languages)\n"
+                              "  message(FATAL_ERROR \"C was switched on\")\nendif()")
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_without_the_install_tree_nothing_builds(self):
         done = self.build("own_ode_alone", source=EXAMPLES / "own_ode", prefix=self.folder / "nowhere")

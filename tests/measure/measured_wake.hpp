@@ -1,5 +1,5 @@
 #pragma once
-// A synthetic wake taken through a record.
+// A synthetic wake taken through a accumulator.
 
 #include "rodwake/measure/displacement.hpp"
 
@@ -8,24 +8,25 @@
 
 namespace measure_test {
 
-/// Twelve blocks, spacing 1, unless the keys say otherwise (0: not said).
-inline rodwake::measure::DisplacementRecord record_of(const SyntheticWake& wake,
-                                                      rodwake::measure::DisplacementKeys keys,
-                                                      std::size_t frames, double interval = 0.1) {
-    if (keys.spacing == 0.0)
-        keys.spacing = 1.0;
-    if (keys.block == 5.0)
-        keys.block = static_cast<double>(frames) * interval / 12.0;
-    rodwake::measure::DisplacementRecord record(wake.layout(), keys);
+/// Twelve blocks, spacing 1, unless the options say otherwise (0: not said).
+inline rodwake::measure::DisplacementAccumulator accumulator_of(const SyntheticWake& wake,
+                                                                rodwake::measure::DisplacementOptions options,
+                                                                std::size_t frames, double interval = 0.1) {
+    if (options.spacing == 0.0)
+        options.spacing = 1.0;
+    if (options.block == 5.0)
+        options.block = static_cast<double>(frames) * interval / 12.0;
+    rodwake::measure::DisplacementAccumulator accumulator(wake.layout(), options);
     for (std::size_t k = 0; k < frames; ++k)
-        record.add(wake.frame(k));
-    return record;
+        accumulator.add(wake.frame(k));
+    return accumulator;
 }
 
 inline rodwake::measure::DisplacementField measured(const SyntheticWake& wake,
-                                                    const rodwake::measure::DisplacementKeys& keys,
+                                                    const rodwake::measure::DisplacementOptions& options,
                                                     std::size_t frames, double interval = 0.1) {
-    const rodwake::measure::DisplacementRecord runs[] = {record_of(wake, keys, frames, interval)};
+    const rodwake::measure::DisplacementAccumulator runs[] = {
+        accumulator_of(wake, options, frames, interval)};
     return rodwake::measure::reduce(runs);
 }
 

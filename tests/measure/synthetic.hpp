@@ -1,9 +1,9 @@
 #pragma once
-// Beds made of known motion, for tests of records.
+// Beds made of known motion, for tests of accumulators.
 
 #include "rodwake/core/rng.hpp"
 #include "rodwake/measure/frame.hpp"
-#include "rodwake/measure/packing.hpp"
+#include "rodwake/measure/state_io.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -40,27 +40,27 @@ inline Frame frame_of(const Layout& layout, double time, std::vector<double> x, 
         frame.x.push_back(wrapped(x[i], layout.box));
         frame.y.push_back(wrapped(y[i], layout.box));
     }
-    frame.free_x = std::move(x);
-    frame.free_y = std::move(y);
+    frame.unwrapped_x = std::move(x);
+    frame.unwrapped_y = std::move(y);
     frame.vx.assign(frame.x.size(), 0.0);
     frame.vy = frame.vx;
     frame.rods = std::move(rods);
     return frame;
 }
 
-template<class Record>
-std::vector<double> packed(const Record& record) {
-    Packer out;
-    record.pack(out);
+template<class Accumulator>
+std::vector<double> saved(const Accumulator& accumulator) {
+    StateWriter out;
+    accumulator.save(out);
     return out.take();
 }
 
-/// What `record` packs, put into `empty`.
-template<class Record>
-Record through_packing(const Record& record, Record empty) {
-    const std::vector<double> row = packed(record);
-    Unpacker in(row, "test");
-    empty.unpack(in);
+/// What `accumulator` packs, put into `empty`.
+template<class Accumulator>
+Accumulator through_packing(const Accumulator& accumulator, Accumulator empty) {
+    const std::vector<double> row = saved(accumulator);
+    StateReader in(row, "test");
+    empty.load(in);
     in.finish();
     return empty;
 }

@@ -2,7 +2,7 @@
 
 #include "rodwake/core/rng.hpp"
 
-#include "granular/lattice.hpp"
+#include "granular/first_places.hpp"
 
 #include <cmath>
 
@@ -74,10 +74,10 @@ Frame SyntheticWake::frame(std::size_t number) const {
         const double y = site.y() + setup_.drift_y * frame.time + s * slip;
         const Vector u = truth(c * (x - rod.x) + s * (y - rod.y), -s * (x - rod.x) + c * (y - rod.y));
         const Vector n = gaussian(random, setup_.noise);
-        frame.free_x.push_back(x + c * u.x - s * u.y + n.x);
-        frame.free_y.push_back(y + s * u.x + c * u.y + n.y);
-        frame.x.push_back(inside(frame.free_x.back(), setup_.box));
-        frame.y.push_back(inside(frame.free_y.back(), setup_.box));
+        frame.unwrapped_x.push_back(x + c * u.x - s * u.y + n.x);
+        frame.unwrapped_y.push_back(y + s * u.x + c * u.y + n.y);
+        frame.x.push_back(inside(frame.unwrapped_x.back(), setup_.box));
+        frame.y.push_back(inside(frame.unwrapped_y.back(), setup_.box));
     }
     frame.vx.assign(sites_.size(), 0.0);
     frame.vy.assign(sites_.size(), 0.0);

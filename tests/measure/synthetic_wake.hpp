@@ -14,7 +14,7 @@ namespace measure_test {
 struct WakeSetup {
     double box = 78.0;
     long beads = 1549;          ///< at least; as many as a lattice of about this angle has
-    double lattice_angle = 0.0; ///< of close-packed rows, rad
+    double lattice_angle = 0.0; ///< of close-saved rows, rad
     double heading = 0.0;       ///< whole multiple of pi/2
     rodwake::elastic::Medium medium{1.3, 16.0};
     double strength = 2.2; ///< f/mu

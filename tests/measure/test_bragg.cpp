@@ -6,7 +6,7 @@
 #include "rodwake/core/rng.hpp"
 #include "rodwake/measure/bragg.hpp"
 
-#include "granular/lattice.hpp"
+#include "granular/first_places.hpp"
 
 #include <cmath>
 
@@ -60,7 +60,16 @@ TEST_CASE("peaks of a perfect lattice have strength 1 and lie at its angle", "[b
                   fit.strain + 1e-12);
             CHECK(peaks.row_angle() >= 0.0);
             CHECK(peaks.row_angle() < M_PI / 3.0);
+            // of a triangular lattice with the box's area for its points, however strained: exact but for
+            // rounding
+            const double points = static_cast<double>(places.x.size());
+            CHECK(peaks.lattice_spacing() ==
+                  Approx(78.0 * std::sqrt(2.0 / (std::sqrt(3.0) * points))).epsilon(1e-12));
         }
+}
+
+TEST_CASE("without peaks there is no lattice spacing", "[bragg]") {
+    CHECK(BraggPeaks{}.lattice_spacing() == 0.0);
 }
 
 TEST_CASE("noise lowers peaks by the Debye-Waller factor; a liquid has none", "[bragg]") {

@@ -43,9 +43,9 @@ WakeSetup noisy() {
     return setup;
 }
 
-std::vector<double> packed(const DisplacementRecord& record) {
-    Packer out;
-    record.pack(out);
+std::vector<double> saved(const DisplacementAccumulator& accumulator) {
+    StateWriter out;
+    accumulator.save(out);
     return out.take();
 }
 
@@ -110,10 +110,10 @@ TEST_CASE("a rod that keeps its place between the rows makes no difference", "[d
 
 TEST_CASE("mirror images halve the variance and keep the signs", "[displacement]") {
     const SyntheticWake wake(noisy());
-    DisplacementKeys keys;
-    const auto single = compare(measured(wake, keys, 200), truth_of(wake), 3.5);
-    keys.mirror = true;
-    const auto field = measured(wake, keys, 200);
+    DisplacementOptions options;
+    const auto single = compare(measured(wake, options, 200), truth_of(wake), 3.5);
+    options.mirror = true;
+    const auto field = measured(wake, options, 200);
     const auto both = compare(field, truth_of(wake), 3.5);
     CHECK(both.rms == Approx(single.rms / std::sqrt(2.0)).epsilon(0.1)); // 1500 independent cells: 2 %
     CHECK(both.chi2_y < 1.6);
@@ -124,10 +124,10 @@ TEST_CASE("mirror images halve the variance and keep the signs", "[displacement]
 TEST_CASE("reference far: the far field's mean is 0 and the field differs by a constant", "[displacement]") {
     WakeSetup setup;
     const SyntheticWake wake(setup);
-    DisplacementKeys keys;
-    const auto box = measured(wake, keys, 100);
-    keys.reference = Reference::far;
-    const auto far = measured(wake, keys, 100);
+    DisplacementOptions options;
+    const auto box = measured(wake, options, 100);
+    options.reference = Reference::far;
+    const auto far = measured(wake, options, 100);
     double sum = 0.0, count = 0.0;
     for (std::size_t j = 0; j < far.grid.bins(); ++j)
         if (std::hypot(far.grid.middle(j % far.grid.n), far.grid.middle(j / far.grid.n)) > 0.3 * 78.0) {
@@ -141,29 +141,29 @@ TEST_CASE("reference far: the far field's mean is 0 and the field differs by a c
     CHECK(std::abs(far.Ux[a] - box.Ux[a]) > 0.01);
 }
 
-TEST_CASE("a record goes on to the bit after it was packed", "[displacement]") {
+TEST_CASE("a accumulator goes on to the bit after it was saved", "[displacement]") {
     const SyntheticWake wake(noisy());
     for (const auto method :
          {DisplacementMethod::phase, DisplacementMethod::lagrangian, DisplacementMethod::density}) {
-        DisplacementKeys keys;
-        keys.method = method;
-        keys.spacing = 2.0;
-        DisplacementRecord whole(wake.layout(), keys), first(wake.layout(), keys);
+        DisplacementOptions options;
+        options.method = method;
+        options.spacing = 2.0;
+        DisplacementAccumulator whole(wake.layout(), options), first(wake.layout(), options);
         for (std::size_t k = 0; k < 80; ++k) {
             whole.add(wake.frame(k));
             if (k < 37)
                 first.add(wake.frame(k));
         }
-        const auto row = packed(first);
-        DisplacementRecord rest(wake.layout(), keys);
-        Unpacker in(row, "test");
-        rest.unpack(in);
+        const auto row = saved(first);
+        DisplacementAccumulator rest(wake.layout(), options);
+        StateReader in(row, "test");
+        rest.load(in);
         in.finish();
         for (std::size_t k = 37; k < 80; ++k)
             rest.add(wake.frame(k));
-        CHECK(packed(rest) == packed(whole));
-        CHECK(packed(first) != packed(whole));
-        const DisplacementRecord a[] = {whole}, b[] = {rest};
+        CHECK(saved(rest) == saved(whole));
+        CHECK(saved(first) != saved(whole));
+        const DisplacementAccumulator a[] = {whole}, b[] = {rest};
         CHECK(reduce(a).Ux == reduce(b).Ux);
     }
 }
@@ -176,7 +176,7 @@ TEST_CASE("runs of different lattices and headings are put together", "[displace
     setup.beads = static_cast<long>(along.layout().beads);
     const SyntheticWake across(setup);
     REQUIRE(across.layout() == along.layout());
-    const DisplacementRecord runs[] = {record_of(along, {}, 200), record_of(across, {}, 200)};
+    const DisplacementAccumulator runs[] = {accumulator_of(along, {}, 200), accumulator_of(across, {}, 200)};
     const auto both = compare(reduce(runs), truth_of(along), 3.5);
     const auto one = compare(reduce(std::span(runs).first(1)), truth_of(along), 3.5);
     CHECK(both.rms == Approx(one.rms / std::sqrt(2.0)).epsilon(0.15)); // 1500 independent cells: 2 %
@@ -201,7 +201,7 @@ TEST_CASE("profiles are rows and columns of the grid", "[displacement]") {
 
 TEST_CASE("short or useless input gives numbers or an error, never NaN", "[displacement]") {
     const SyntheticWake wake(noisy());
-    const DisplacementRecord one[] = {record_of(wake, {}, 1)};
+    const DisplacementAccumulator one[] = {accumulator_of(wake, {}, 1)};
     const auto field = reduce(one);
     for (const auto* values :
          {&field.Ux, &field.Uy, &field.sigma_x, &field.sigma_y, &field.count, &field.coherence})
@@ -210,35 +210,35 @@ TEST_CASE("short or useless input gives numbers or an error, never NaN", "[displ
     CHECK(*std::ranges::min_element(field.sigma_x) >
           0.01); // one block: nothing is known but the field's scatter
 
-    DisplacementKeys late;
+    DisplacementOptions late;
     late.from = 1e9;
-    const DisplacementRecord none[] = {record_of(wake, late, 3)};
+    const DisplacementAccumulator none[] = {accumulator_of(wake, late, 3)};
     CHECK_THROWS_AS(reduce(none), InputError);
-    const DisplacementRecord mixed[] = {one[0], none[0]};
+    const DisplacementAccumulator mixed[] = {one[0], none[0]};
     CHECK_THROWS_AS(reduce(mixed), InputError);
-    CHECK_THROWS_AS(reduce(std::span<const DisplacementRecord>{}), InputError);
+    CHECK_THROWS_AS(reduce(std::span<const DisplacementAccumulator>{}), InputError);
 }
 
-TEST_CASE("keys outside their domain are refused", "[displacement]") {
+TEST_CASE("options outside their domain are refused", "[displacement]") {
     const SyntheticWake wake{WakeSetup{}};
     const auto refuse = [&](auto change) {
-        DisplacementKeys keys;
-        keys.spacing = 1.0;
-        change(keys);
-        CHECK_THROWS_AS(DisplacementRecord(wake.layout(), keys), InputError);
+        DisplacementOptions options;
+        options.spacing = 1.0;
+        change(options);
+        CHECK_THROWS_AS(DisplacementAccumulator(wake.layout(), options), InputError);
     };
-    refuse([](auto& keys) { keys.spacing = 0.0; });
-    refuse([](auto& keys) { keys.spacing = 50.0; });
-    refuse([](auto& keys) { keys.rod = 1; });
-    refuse([](auto& keys) { keys.far_from = 70.0; });
-    refuse([](auto& keys) { keys.far_from = -1.0; });
-    refuse([](auto& keys) { keys.block = 0.0; });
-    refuse([](auto& keys) { keys.from = std::nan(""); });
+    refuse([](auto& options) { options.spacing = 0.0; });
+    refuse([](auto& options) { options.spacing = 50.0; });
+    refuse([](auto& options) { options.rod = 1; });
+    refuse([](auto& options) { options.far_from = 70.0; });
+    refuse([](auto& options) { options.far_from = -1.0; });
+    refuse([](auto& options) { options.block = 0.0; });
+    refuse([](auto& options) { options.from = std::nan(""); });
     auto few = wake.layout();
     few.beads = 49;
-    DisplacementKeys keys;
-    keys.spacing = 1.0;
-    CHECK_THROWS_AS(DisplacementRecord(few, keys), InputError);
+    DisplacementOptions options;
+    options.spacing = 1.0;
+    CHECK_THROWS_AS(DisplacementAccumulator(few, options), InputError);
 }
 
 TEST_CASE("a liquid has no phases", "[displacement]") {
@@ -247,6 +247,6 @@ TEST_CASE("a liquid has no phases", "[displacement]") {
         setup.noise = 5.0;
         return setup;
     }());
-    const DisplacementRecord liquid[] = {record_of(wake, {}, 5)};
+    const DisplacementAccumulator liquid[] = {accumulator_of(wake, {}, 5)};
     CHECK_THROWS_AS(reduce(liquid), RunError);
 }

@@ -53,9 +53,9 @@ WakeSetup quick_passes() {
 }
 
 DisplacementField measured_by(DisplacementMethod method, const WakeSetup& setup, std::size_t frames) {
-    DisplacementKeys keys;
-    keys.method = method;
-    return measured(SyntheticWake(setup), keys, frames);
+    DisplacementOptions options;
+    options.method = method;
+    return measured(SyntheticWake(setup), options, frames);
 }
 
 double mean_coherence(const DisplacementField& field) {

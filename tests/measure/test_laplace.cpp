@@ -16,7 +16,7 @@ namespace {
 
 using Row = std::vector<double>;
 
-/// Values at times 1..16, then 8 more an octave, as the multi-tau record has them.
+/// Values at times 1..16, then 8 more an octave, as the multi-tau accumulator has them.
 struct Samples {
     Row t, f;
     Samples(const std::function<double(double)>& function, double step, int octaves) {

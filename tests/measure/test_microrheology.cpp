@@ -59,31 +59,31 @@ struct Bed {
     }
 };
 
-MicrorheologyRecord bound_run(std::uint64_t seed, std::size_t frames, double tau, double spread,
-                              double drift = 0.0) {
+MicrorheologyAccumulator bound_run(std::uint64_t seed, std::size_t frames, double tau, double spread,
+                                   double drift = 0.0) {
     Bed bed(400, seed);
     bed.drift = drift;
     bed.settle(spread);
-    MicrorheologyRecord record(bed.layout, {});
+    MicrorheologyAccumulator accumulator(bed.layout, {});
     for (std::size_t k = 0; k < frames; ++k) {
         Frame frame = bed.frame(0.1 * static_cast<double>(k));
         for (Row* v : {&frame.vx, &frame.vy})
             for (double& one : *v)
                 one = 3e-3 * bed.normal() + 0.5; // a common velocity is no temperature
-        record.add(frame);
+        accumulator.add(frame);
         bed.step_bound(spread, std::exp(-0.1 / tau));
     }
-    return record;
+    return accumulator;
 }
 
-MicrorheologyRecord free_run(std::uint64_t seed, std::size_t beads, std::size_t frames, double length) {
+MicrorheologyAccumulator free_run(std::uint64_t seed, std::size_t beads, std::size_t frames, double length) {
     Bed bed(beads, seed);
-    MicrorheologyRecord record(bed.layout, {});
+    MicrorheologyAccumulator accumulator(bed.layout, {});
     for (std::size_t k = 0; k < frames; ++k) {
-        record.add(bed.frame(0.1 * static_cast<double>(k)));
+        accumulator.add(bed.frame(0.1 * static_cast<double>(k)));
         bed.step_free(length);
     }
-    return record;
+    return accumulator;
 }
 
 /// Mean square of displacements over `lag` frames from every `stride`-th frame on, first `stride` - 1.
@@ -94,12 +94,12 @@ double brute_force(const std::vector<Frame>& frames, std::size_t lag, std::size_
         const std::size_t n = before.x.size();
         double mean_x = 0.0, mean_y = 0.0;
         for (std::size_t i = 0; i < n; ++i) {
-            mean_x += (after.free_x[i] - before.free_x[i]) / static_cast<double>(n);
-            mean_y += (after.free_y[i] - before.free_y[i]) / static_cast<double>(n);
+            mean_x += (after.unwrapped_x[i] - before.unwrapped_x[i]) / static_cast<double>(n);
+            mean_y += (after.unwrapped_y[i] - before.unwrapped_y[i]) / static_cast<double>(n);
         }
         for (std::size_t i = 0; i < n; ++i) {
-            sum += std::pow(after.free_x[i] - before.free_x[i] - mean_x, 2) +
-                   std::pow(after.free_y[i] - before.free_y[i] - mean_y, 2);
+            sum += std::pow(after.unwrapped_x[i] - before.unwrapped_x[i] - mean_x, 2) +
+                   std::pow(after.unwrapped_y[i] - before.unwrapped_y[i] - mean_y, 2);
             count += 1.0;
         }
     }
@@ -119,19 +119,20 @@ std::vector<Frame> drifting_frames(std::size_t count) {
     return frames;
 }
 
-MicrorheologyRecord record_of(const std::vector<Frame>& frames, const MicrorheologyKeys& keys = {}) {
-    MicrorheologyRecord record(layout(frames[0].x.size()), keys);
+MicrorheologyAccumulator accumulator_of(const std::vector<Frame>& frames,
+                                        const MicrorheologyOptions& options = {}) {
+    MicrorheologyAccumulator accumulator(layout(frames[0].x.size()), options);
     for (const Frame& frame : frames)
-        record.add(frame);
-    return record;
+        accumulator.add(frame);
+    return accumulator;
 }
 
 } // namespace
 
 TEST_CASE("multi-tau mean-square displacements are the direct ones", "[microrheology]") {
     const std::vector<Frame> frames = drifting_frames(150);
-    const MicrorheologyRecord record = record_of(frames);
-    const MicrorheologyResult result = reduce({&record, 1});
+    const MicrorheologyAccumulator accumulator = accumulator_of(frames);
+    const MicrorheologyResult result = reduce({&accumulator, 1});
     std::size_t stride = 1;
     REQUIRE(result.lag.size() == 40);
     for (std::size_t i = 0; i < result.lag.size(); ++i) {
@@ -150,16 +151,16 @@ TEST_CASE("multi-tau mean-square displacements are the direct ones", "[microrheo
 TEST_CASE("the direct mean-square displacement would show other origins or a drift left in",
           "[microrheology]") {
     const std::vector<Frame> frames = drifting_frames(150);
-    const MicrorheologyRecord record = record_of(frames);
-    const double msd = reduce({&record, 1}).msd[2];
+    const MicrorheologyAccumulator accumulator = accumulator_of(frames);
+    const double msd = reduce({&accumulator, 1}).msd[2];
     CHECK(std::abs(brute_force(frames, 3, 2) / msd - 1.0) > 1e-6);
     const double drifted = std::pow(0.3 * 2.0 * a, 2) * 5.0; // (1 + 2^2) (v t)^2
     CHECK(drifted > 0.1 * msd);
 }
 
 TEST_CASE("drift of the whole bed leaves no trace", "[microrheology]") {
-    const MicrorheologyRecord still = bound_run(3, 60, 0.5, 0.2 * a);
-    const MicrorheologyRecord moving = bound_run(3, 60, 0.5, 0.2 * a, 3.0 * a);
+    const MicrorheologyAccumulator still = bound_run(3, 60, 0.5, 0.2 * a);
+    const MicrorheologyAccumulator moving = bound_run(3, 60, 0.5, 0.2 * a, 3.0 * a);
     const MicrorheologyResult one = reduce({&still, 1}), other = reduce({&moving, 1});
     for (std::size_t i = 0; i < one.lag.size(); ++i) // places of 1e-2 m against displacements of 1e-4 m
         CHECK(other.msd[i] == Approx(one.msd[i]).epsilon(1e-11));
@@ -169,7 +170,7 @@ TEST_CASE("bound beads give the stiffness they were given", "[microrheology]") {
     // Delta = 4 spread^2 (1 - exp(-t/tau)): 1/(s Delta~) = (1 + s tau)/(4 spread^2)
     const double spread = 0.25 * a, tau = 0.8, truth = 1.0 / (4.0 * spread * spread);
     for (const std::size_t count : {2, 6}) { // errors over groups of beads, over runs
-        std::vector<MicrorheologyRecord> runs;
+        std::vector<MicrorheologyAccumulator> runs;
         for (std::uint64_t seed = 0; seed < count; ++seed)
             runs.push_back(bound_run(20 + 10 * count + seed, 1000, tau, spread));
         const MicrorheologyResult result = reduce(runs);
@@ -177,7 +178,7 @@ TEST_CASE("bound beads give the stiffness they were given", "[microrheology]") {
         CHECK(result.stiffness_zero.value == Approx(truth).epsilon(0.02));
         CHECK(std::abs(result.stiffness_zero.value - truth) < 3.0 * result.stiffness_zero.error);
         CHECK(result.stiffness_zero.error < 0.02 * truth);
-        CHECK(result.stiffness_zero.samples == (count == 2 ? 32 : 6));
+        CHECK(result.stiffness_zero.count == (count == 2 ? 32 : 6));
         CHECK_FALSE(result.window_narrowed);
         for (std::size_t i = 0; i < result.s.size(); ++i) {
             // chords lie below the curve: by 1 % at s tau = 1, more where the first lag, 0.12 tau, is felt
@@ -197,7 +198,7 @@ TEST_CASE("free beads give no stiffness, and the error says how well that is kno
         double pulls = 0.0, squares = 0.0;
         const int sets = 16;
         for (int set = 0; set < sets; ++set) {
-            std::vector<MicrorheologyRecord> runs;
+            std::vector<MicrorheologyAccumulator> runs;
             for (std::size_t run = 0; run < count; ++run)
                 runs.push_back(free_run(1000 * count + 10 * set + run, 64, 200, 0.2 * a));
             const MicrorheologyResult result = reduce(runs);
@@ -218,7 +219,7 @@ TEST_CASE("the bend of a curve that saturates is seen, a straight one has none",
     // Hopping beads: bound ones whose places of rest diffuse, Delta = A (1 - e^(-t/tau)) + 4 D t, so that
     // 1/(s Delta~) = s/(4 D + A s) falls to 0 below s = 4 D/A, here within the window.
     Bed bed(300, 77);
-    MicrorheologyRecord record(bed.layout, {});
+    MicrorheologyAccumulator accumulator(bed.layout, {});
     Bed rest(300, 78);
     bed.settle(0.2 * a);
     for (std::size_t k = 0; k < 400; ++k) {
@@ -226,86 +227,86 @@ TEST_CASE("the bend of a curve that saturates is seen, a straight one has none",
             rest.x0[i] = bed.x0[i] + bed.x[i];
             rest.y0[i] = bed.y0[i] + bed.y[i];
         }
-        record.add(rest.frame(0.1 * static_cast<double>(k)));
+        accumulator.add(rest.frame(0.1 * static_cast<double>(k)));
         bed.step_bound(0.2 * a, 0.3);
         rest.step_free(0.04 * a);
     }
-    const MicrorheologyResult result = reduce({&record, 1});
+    const MicrorheologyResult result = reduce({&accumulator, 1});
     CAPTURE(result.stiffness_zero.value * a * a, result.scatter * a * a, result.bend * a * a);
     CHECK(result.bend > 3.0 * result.scatter);
     CHECK(result.stiffness_zero.value > 0.0);
     CHECK(result.stiffness_zero.value < 2.0 * result.stiffness_zero.error); // 0 is not ruled out
 }
 
-TEST_CASE("a record stored midway goes on to the bit", "[microrheology]") {
+TEST_CASE("a accumulator stored midway goes on to the bit", "[microrheology]") {
     const std::vector<Frame> frames = drifting_frames(90);
-    MicrorheologyRecord straight(layout(50), {}), broken(layout(50), {});
+    MicrorheologyAccumulator straight(layout(50), {}), broken(layout(50), {});
     for (std::size_t k = 0; k < frames.size(); ++k) {
         straight.add(frames[k]);
         if (k < 2 || k == 37 || k == 64)
-            broken = through_packing(broken, MicrorheologyRecord(layout(50), {}));
+            broken = through_packing(broken, MicrorheologyAccumulator(layout(50), {}));
         broken.add(frames[k]);
     }
-    CHECK(packed(broken) == packed(straight));
+    CHECK(saved(broken) == saved(straight));
     CHECK(broken.temperature() == straight.temperature());
     CHECK(broken.temperature() > 0.0);
     CHECK(reduce({&broken, 1}).stiffness == reduce({&straight, 1}).stiffness);
     CHECK(reduce({&broken, 1}).stiffness_zero.error == reduce({&straight, 1}).stiffness_zero.error);
 }
 
-TEST_CASE("what was not packed by such a record is refused", "[microrheology]") {
-    const MicrorheologyRecord record = record_of(drifting_frames(40));
-    const Row row = packed(record);
-    MicrorheologyRecord other(layout(51), {});
-    Unpacker in(row, "test");
-    CHECK_THROWS_AS(other.unpack(in), RunError);
+TEST_CASE("what was not saved by such a accumulator is refused", "[microrheology]") {
+    const MicrorheologyAccumulator accumulator = accumulator_of(drifting_frames(40));
+    const Row row = saved(accumulator);
+    MicrorheologyAccumulator other(layout(51), {});
+    StateReader in(row, "test");
+    CHECK_THROWS_AS(other.load(in), RunError);
     Row twice = row; // frames, last time, interval, temperature, number of beads, first bead
     twice[5] = twice[6];
-    MicrorheologyRecord same(layout(50), {});
-    Unpacker again(twice, "test");
-    CHECK_THROWS_AS(same.unpack(again), RunError);
-    Unpacker cut(std::span<const double>(row).first(row.size() - 1), "test");
-    CHECK_THROWS_AS(same.unpack(cut), RunError);
+    MicrorheologyAccumulator same(layout(50), {});
+    StateReader again(twice, "test");
+    CHECK_THROWS_AS(same.load(again), RunError);
+    StateReader cut(std::span<const double>(row).first(row.size() - 1), "test");
+    CHECK_THROWS_AS(same.load(cut), RunError);
 }
 
 TEST_CASE("uneven frames are named", "[microrheology]") {
     std::vector<Frame> frames = drifting_frames(40);
     frames[20].time += 1e-3;
     try {
-        record_of(frames);
+        accumulator_of(frames);
         FAIL("uneven frames were taken");
     } catch (const RunError& error) {
         CHECK_THAT(error.what(), Catch::Contains("1.9 s") && Catch::Contains("2.001 s"));
     }
     frames = drifting_frames(5);
     frames[3].time = frames[2].time;
-    CHECK_THROWS_AS(record_of(frames), RunError);
+    CHECK_THROWS_AS(accumulator_of(frames), RunError);
     frames = drifting_frames(5);
     frames[2].x[0] = frames[2].x[1] = layout(50).box;
-    CHECK_THROWS_AS(record_of(frames), RunError);
+    CHECK_THROWS_AS(accumulator_of(frames), RunError);
     frames = drifting_frames(5);
     frames[2].vx.pop_back();
-    CHECK_THROWS_AS(record_of(frames), RunError);
+    CHECK_THROWS_AS(accumulator_of(frames), RunError);
 }
 
 TEST_CASE("the longest lag is kept to", "[microrheology]") {
     const std::vector<Frame> frames = drifting_frames(100);
     for (const double longest : {1.6, 2.0, 3.3}) {
-        const MicrorheologyRecord record = record_of(frames, {longest, {}, {}});
-        const MicrorheologyResult result = reduce({&record, 1});
+        const MicrorheologyAccumulator accumulator = accumulator_of(frames, {longest, {}, {}});
+        const MicrorheologyResult result = reduce({&accumulator, 1});
         CHECK(result.lag.back() <= longest + 1e-9);
         CHECK(result.lag.back() > longest - 0.2);
     }
-    CHECK_THROWS_AS(record_of(frames, {0.05, {}, {}}), InputError);
-    const MicrorheologyRecord few = record_of(frames, {0.4, {}, {}});
+    CHECK_THROWS_AS(accumulator_of(frames, {0.05, {}, {}}), InputError);
+    const MicrorheologyAccumulator few = accumulator_of(frames, {0.4, {}, {}});
     CHECK_THROWS_AS(reduce({&few, 1}), InputError); // a window below half a frame's rate has no room
 }
 
 TEST_CASE("the window for s -> 0 is the wanted one as far as the lags allow", "[microrheology]") {
     const std::vector<Frame> frames = drifting_frames(200);
     const auto window = [&](std::optional<double> low, std::optional<double> high) {
-        const MicrorheologyRecord record = record_of(frames, {0.0, low, high});
-        return reduce({&record, 1});
+        const MicrorheologyAccumulator accumulator = accumulator_of(frames, {0.0, low, high});
+        return reduce({&accumulator, 1});
     };
     const MicrorheologyResult wanted = window(0.5, 1.5);
     CHECK(wanted.s_low == 0.5);
@@ -324,36 +325,53 @@ TEST_CASE("the window for s -> 0 is the wanted one as far as the lags allow", "[
 }
 
 TEST_CASE("microrheology refuses runs it cannot use", "[microrheology]") {
-    CHECK_THROWS_AS(reduce(std::span<const MicrorheologyRecord>()), InputError);
-    CHECK_THROWS_AS(MicrorheologyRecord(layout(15), {}), InputError);
-    CHECK_THROWS_AS(MicrorheologyRecord(layout(50), {-1.0, {}, {}}), InputError);
+    CHECK_THROWS_AS(reduce(std::span<const MicrorheologyAccumulator>()), InputError);
+    CHECK_THROWS_AS(MicrorheologyAccumulator(layout(15), {}), InputError);
+    CHECK_THROWS_AS(MicrorheologyAccumulator(layout(50), {-1.0, {}, {}}), InputError);
     const std::vector<Frame> frames = drifting_frames(40);
-    const MicrorheologyRecord empty(layout(50), {}),
-        shorter = record_of({frames.begin(), frames.begin() + 31});
+    const MicrorheologyAccumulator empty(layout(50), {}),
+        shorter = accumulator_of({frames.begin(), frames.begin() + 31});
     CHECK(empty.temperature() == 0.0);
     CHECK_THROWS_AS(reduce({&empty, 1}), InputError);
     CHECK_THROWS_AS(reduce({&shorter, 1}), InputError);
-    const std::vector<MicrorheologyRecord> keys = {record_of(frames), record_of(frames, {3.0, {}, {}})};
-    CHECK_THROWS_AS(reduce(keys), InputError);
+    const std::vector<MicrorheologyAccumulator> options = {accumulator_of(frames),
+                                                           accumulator_of(frames, {3.0, {}, {}})};
+    CHECK_THROWS_AS(reduce(options), InputError);
     std::vector<Frame> slow = frames, frozen = frames;
     for (Frame& frame : slow)
         frame.time *= 2.0;
-    const std::vector<MicrorheologyRecord> intervals = {record_of(frames), record_of(slow)};
+    const std::vector<MicrorheologyAccumulator> intervals = {accumulator_of(frames), accumulator_of(slow)};
     CHECK_THROWS_AS(reduce(intervals), InputError);
     for (std::size_t k = 1; k < frozen.size(); ++k) {
         frozen[k] = frozen[0];
         frozen[k].time = frames[k].time;
     }
-    const MicrorheologyRecord still = record_of(frozen);
+    const MicrorheologyAccumulator still = accumulator_of(frozen);
     CHECK_THROWS_AS(reduce({&still, 1}), InputError);
 }
 
 TEST_CASE("the smallest run there is gives finite numbers", "[microrheology]") {
-    const MicrorheologyRecord record = record_of(drifting_frames(32));
-    const MicrorheologyResult result = reduce({&record, 1});
+    const MicrorheologyAccumulator accumulator = accumulator_of(drifting_frames(32));
+    const MicrorheologyResult result = reduce({&accumulator, 1});
     for (const Row* row : {&result.msd, &result.msd_error, &result.stiffness, &result.stiffness_error})
         for (const double value : *row)
             CHECK(std::isfinite(value));
     CHECK(std::isfinite(result.stiffness_zero.value));
     CHECK(result.stiffness_zero.error > 0.0);
+}
+
+TEST_CASE("another temperature scales the spring and its error, and leaves the stiffness",
+          "[microrheology]") {
+    MicrorheologyResult result;
+    result.temperature = 2e-4;
+    result.stiffness_zero = {3.0, 0.5, 8};
+    result.spring = {6.0, 1.0, 8};
+    result.use_temperature(1e-4);
+    CHECK(result.temperature == 1e-4);
+    CHECK(result.spring.value == Approx(3.0).epsilon(1e-15)); // round-off
+    CHECK(result.spring.error == Approx(0.5).epsilon(1e-15));
+    CHECK(result.stiffness_zero.value == 3.0);
+    result.spring.error = rodwake::unknown_error;
+    result.use_temperature(3e-4);
+    CHECK_FALSE(result.spring.known());
 }

@@ -2,8 +2,8 @@
 
 #include "measure/delaunay.hpp"
 #include "measure/psi6.hpp"
+#include "order_beds.hpp"
 #include "rodwake/core/error.hpp"
-#include "structure_beds.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -13,7 +13,7 @@
 
 using namespace rodwake;
 using namespace rodwake::measure;
-using namespace structure_beds;
+using namespace order_beds;
 
 namespace {
 

@@ -3,6 +3,7 @@
 #include "catch2/catch.hpp"
 #include "measure/synthetic.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/measure/rod_grid.hpp"
 
 #include <cmath>
@@ -65,8 +66,8 @@ TEST_CASE("what a rod sees comes back to where it is", "[rod_grid]") {
         const Seen seen = seen_from(rod, x, y, box);
         const double c = std::cos(rod.heading), s = std::sin(rod.heading);
         // places of 1e-1 m: round-off 1e-16
-        CHECK(nearest(rod.x + c * seen.x - s * seen.y - x, box) == Approx(0.0).margin(1e-15));
-        CHECK(nearest(rod.y + s * seen.x + c * seen.y - y, box) == Approx(0.0).margin(1e-15));
+        CHECK(nearest_image(rod.x + c * seen.x - s * seen.y - x, box) == Approx(0.0).margin(1e-15));
+        CHECK(nearest_image(rod.y + s * seen.x + c * seen.y - y, box) == Approx(0.0).margin(1e-15));
         CHECK(std::hypot(seen.x, seen.y) <= box / std::sqrt(2.0) * (1.0 + 1e-12));
     }
     const Seen ahead = seen_from({1.0 * a, 2.0 * a, std::numbers::pi / 2.0}, 1.0 * a, 5.0 * a, box);
@@ -93,7 +94,7 @@ TEST_CASE("layouts and frames that do not fit are refused", "[frame]") {
     const Frame frame = synthetic::frame_of(good, 0.0, {a, -a, 90.0 * a}, {0.0, 0.0, a}, {{a, a, 0.1}});
     CHECK_NOTHROW(check_frame(good, frame));
     for (std::vector<double> Frame::*row :
-         {&Frame::x, &Frame::y, &Frame::free_x, &Frame::free_y, &Frame::vx, &Frame::vy}) {
+         {&Frame::x, &Frame::y, &Frame::unwrapped_x, &Frame::unwrapped_y, &Frame::vx, &Frame::vy}) {
         Frame bad = frame;
         (bad.*row).pop_back();
         CHECK_THROWS_AS(check_frame(good, bad), RunError);
@@ -117,9 +118,9 @@ TEST_CASE("layouts and frames that do not fit are refused", "[frame]") {
 }
 
 TEST_CASE("differences are taken to the nearest image", "[frame]") {
-    CHECK(nearest(0.6, 1.0) == Approx(-0.4).epsilon(1e-15));
-    CHECK(nearest(-7.4, 1.0) == Approx(-0.4).epsilon(1e-14));
-    CHECK(std::abs(nearest(0.5, 1.0)) == 0.5);
+    CHECK(nearest_image(0.6, 1.0) == Approx(-0.4).epsilon(1e-15));
+    CHECK(nearest_image(-7.4, 1.0) == Approx(-0.4).epsilon(1e-14));
+    CHECK(std::abs(nearest_image(0.5, 1.0)) == 0.5);
 }
 
 TEST_CASE("synthetic frames are whole", "[frame]") {

@@ -35,7 +35,7 @@ TEST_CASE("the mean of blocks of equal weight has the error s/sqrt(n)", "[statis
     const Estimate mean = mean_of_blocks(values);
     CHECK(mean.value == 3.0);
     CHECK(mean.error == Approx(std::sqrt(10.0 / 12.0)).epsilon(1e-15)); // round-off
-    CHECK(mean.samples == 4);
+    CHECK(mean.count == 4);
     const Estimate weighted = mean_of_blocks(values, Row{7.0, 7.0, 7.0, 7.0});
     CHECK(weighted.value == Approx(mean.value).epsilon(1e-15));
     CHECK(weighted.error == Approx(mean.error).epsilon(1e-15));
@@ -47,17 +47,17 @@ TEST_CASE("unequal weights follow the formula, and blocks without weight do not 
     CHECK(mean.value == Approx(3.0).epsilon(1e-15));
     // sum w^2 (v - m)^2 = 4 + 4, over 9, times 2/1
     CHECK(mean.error == Approx(std::sqrt(16.0 / 9.0)).epsilon(1e-15));
-    CHECK(mean.samples == 2);
+    CHECK(mean.count == 2);
 }
 
 TEST_CASE("an error that is not known is said to be unknown", "[statistics]") {
     const Estimate one = mean_of_blocks(Row{2.5});
     CHECK(one.value == 2.5);
     CHECK_FALSE(one.known());
-    CHECK(one.samples == 1);
+    CHECK(one.count == 1);
     for (const Estimate& none : {mean_of_blocks(Row{}), mean_of_blocks(Row{3.0, 4.0}, Row{0.0, 0.0})}) {
         CHECK(none.value == 0.0);
-        CHECK(none.samples == 0);
+        CHECK(none.count == 0);
         CHECK_FALSE(none.known());
     }
     CHECK(mean_of_blocks(Row{2.0, 2.0}).error == 0.0);

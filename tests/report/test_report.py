@@ -11,7 +11,7 @@ import rodwake
 from beds import BED
 from rodwake import SOURCE, ProgramTest
 
-sys.path.insert(0, str(SOURCE / "plots"))
+sys.path[:0] = [str(SOURCE / "plots"), str(SOURCE / "tests" / "plots")]
 from made_up_fit import write_fit  # noqa: E402
 from rodwake_plots import words  # noqa: E402
 
@@ -59,6 +59,11 @@ values = { f_over_mu = 4.0 }
 NARROW = 400  # pixels: a phone
 
 
+def names(value):
+    """The names in a JSON object and in the objects inside it."""
+    return {key: names(inner) for key, inner in value.items()} if isinstance(value, dict) else None
+
+
 class ReportCase(ProgramTest):
     def page_of(self, run):
         return (self.folder / run / "report.html").read_text(encoding="utf-8")
@@ -91,6 +96,16 @@ class RealRunsTest(ReportCase):
         figures = len(list((self.folder / "out/figures").glob("*.png")))
         self.assertGreaterEqual(figures, 4)
         self.assert_good(self.page_of("out"), figures, "Granular bed", "Provenance")
+
+    def test_measured_bed(self):
+        """The file behind the plots' made-up results: the program writes these names and no others."""
+        data = SOURCE / "tests/plots/data"
+        self.expect(0, "run", data / "measure.toml", "-o", "out", "--quiet")
+        made, kept = (json.loads((folder / "measure.json").read_text()) for folder in (self.folder / "out", data))
+        self.assertEqual(names(made), names(kept), "write tests/plots/data/measure.json again, with the scene beside it")
+        page = re.sub("<[^>]*>", "", self.page_of("out"))
+        self.assertRegex(page, r"Lattice spacing\s*2\.[01]\d* a\s*of the beads")
+        self.assertRegex(page, r"Grid spacing\s*1 a\s*of the grid")
 
     def test_fit_of_the_program(self):
         """A profile and a pair of the theory itself, with a wave laid over the profile."""

@@ -42,7 +42,7 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 double contact_error(const ReferencePoint& point, const rods::RodResult& result) {
-    if (result.outcome.ending != rods::Ending::contact)
+    if (result.outcome.ending != Ending::contact)
         return std::numeric_limits<double>::infinity();
     return std::max(std::abs(result.outcome.time - point.time),
                     difference(result.solution.final_state, point.state));

@@ -89,6 +89,30 @@ name = "repelled"
 set = { "coupling.kappa" = -100.0 }
 )";
 
+/// The complete scene with a scan in place of the variants: the two do not go together.
+inline const std::string scanned = complete.substr(0, complete.find("[[variants]]")) + R"([scan]
+design = "adaptive"
+resolution = 256
+[[scan.axes]]
+key = "coupling.kappa"
+from = 0.1
+to = 100.0
+[[scan.refine]]
+observable = "min_separation"
+step = 0.5
+)";
+
+/// The same with the design that takes listed values and no [[scan.refine]].
+inline const std::string scanned_grid = [] {
+    std::string text = scanned.substr(0, scanned.find("[[scan.refine]]"));
+    return text.replace(text.find("adaptive"), 8, "grid");
+}();
+
+/// The scene in which the key may stand.
+inline const std::string& complete_for(const KeyInfo& info) {
+    return info.table.starts_with("scan") ? scanned : complete;
+}
+
 /// Smallest granular scene; lines are appended to [granular].
 inline std::string bed(const std::string& more = "") {
     return "schema = 1\n[granular]\nphi_b = 0.7\nbox = \"30 a\"\nduration = 1.0\n" + more;

@@ -74,13 +74,13 @@ TEST_CASE("figures") {
     says(two_rods("[[figures]]\nname = \"f\"\nkind = \"extensional_axis\"\n"),
          "a figure of kind extensional_axis needs [field] with x and y");
     says(with_figure("kind = \"polar_streamlines\"\n"), "needs gammas = ");
-    says(with_figure("kind = \"cut\"\ngammas = [[1, 0]]\n"), "gammas belong to kind polar_streamlines only");
+    says(with_figure("kind = \"cut\"\ngammas = [[1, 0]]\n"), "gammas belongs to kind polar_streamlines only");
     says(with_figure("kind = \"cut\"\ngammas = [[1, 0], [1]]\n"),
          "figures[0].gammas[1]: expected 2 numbers, found 1");
     says(with_figure("kind = \"trajectories\"\nsqrt_scaled = true\n"),
-         "sqrt_scaled belongs to kinds cut and profile only");
+         "sqrt_scaled belongs to kinds profile and cut only");
     says(with_figure("kind = \"trajectories\"\ncomponent = \"Uy\"\n"),
-         "component belongs to kinds cut and profile only");
+         "component belongs to kinds displacement_map, profile and cut only");
     says(with_figure("kind = \"trajectories\"\ncut = 3\n"), "cut belongs to kind cut only");
     says(with_figure("kind = \"cut\"\nx = [2, 1]\n"), "min = 2 must be below max = 1");
     says("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[[figures]]\nname = \"f\"\n"
@@ -99,9 +99,23 @@ TEST_CASE("a tolerance of the table and no noise are accepted, dotted or as tabl
          "noise.rotational_diffusion = 0.01: must be 0: noise is not available in this version");
 }
 
+TEST_CASE("places that an override gives have no line") {
+    const auto message = [](const std::vector<std::string>& overrides) {
+        return error_text(two_rods(), overrides);
+    };
+    CHECK(message({"rods.1.position=[0.0, 0.0]"}) ==
+          "-s rods.1.position=[0.0, 0.0]: rods[0] (line 3) and rods[1] start at the same point");
+}
+
 TEST_CASE("names are unique") {
     says(with_figure("kind = \"cut\"\n[[figures]]\nname = \"f\"\nkind = \"cut\"\n"),
          "the name \"f\" is taken by figures[0] (line 18)");
+    // What the command line sets has no line.
+    CHECK(error_text(with_figure("kind = \"cut\"\n[[figures]]\nname = \"g\"\nkind = \"cut\"\n"),
+                     {"figures.0.name=g"})
+              .ends_with(": the name \"g\" is taken by figures[0]"));
+    CHECK(error_text(two_rods(""), {"rods.0.position=[1.0, 1.0]", "rods.1.position=[1.0, 1.0]"})
+              .ends_with("rods[0] and rods[1] start at the same point"));
     says(two_rods("[[variants]]\nname = \"v\"\nset = { \"rods_run.t_end\" = 3 }\n[[variants]]\nname = \"v\"\n"
                   "set = { \"rods_run.t_end\" = 4 }\n"),
          "the name \"v\" is taken by variants[0] (line 9)");

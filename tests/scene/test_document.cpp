@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
@@ -15,6 +16,40 @@ TEST_CASE("docs/scene.md is up to date") {
     INFO("regenerate with: rodwake info --scene-reference > docs/scene.md");
     const bool up_to_date = text.str() == rodwake::scene::scene_reference();
     CHECK(up_to_date);
+}
+
+TEST_CASE("the schema holds every key with what the reference says of it") {
+    const auto schema = nlohmann::json::parse(rodwake::scene::schema_json());
+    const auto infos = rodwake::scene::scene_keys();
+    REQUIRE(schema.at("keys").size() == infos.size());
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+        const auto& key = schema.at("keys")[i];
+        INFO(full_name(infos[i]));
+        CHECK(key.at("table") == infos[i].table);
+        CHECK(key.at("key") == infos[i].name);
+        CHECK(key.at("meaning") == infos[i].meaning);
+        CHECK(key.at("legal") == infos[i].legal);
+        CHECK(key.contains("default") != key.at("required").get<bool>());
+        CHECK(key.contains("unit") == !infos[i].unit.empty());
+    }
+}
+
+TEST_CASE("the schema tells unit, symbol and range of a key") {
+    const auto schema = nlohmann::json::parse(rodwake::scene::schema_json());
+    const auto find = [&](const std::string& table, const std::string& name) {
+        for (const auto& key : schema.at("keys"))
+            if (key.at("table") == table && key.at("key") == name)
+                return key;
+        return nlohmann::json();
+    };
+    const auto kappa = find("coupling", "kappa");
+    CHECK(kappa.at("symbol") == "\\kappa");
+    CHECK(kappa.at("unit") == nlohmann::json{{"reduced", "mu v0/f"}, {"si", "1/s"}});
+    CHECK(kappa.at("default") == "0.0");
+    CHECK(find("medium", "eta").at("range") == nlohmann::json{{"above", -1.0}, {"to", 1e12}});
+    CHECK(find("granular", "box").at("unit").at("reduced") == "m"); // SI whatever `units` says
+    CHECK(find("granular", "start").at("choices").size() == 3);
+    CHECK(find("figures[]", "fps").at("meaning") == "kind movie: stored frames shown a second");
 }
 
 TEST_CASE("the reference names every key once and every table") {

@@ -66,10 +66,10 @@ imposed_speed = "1 mm/s"
     CHECK(g.time_step == 2e-5);
     CHECK(g.equilibrate == 0.5);
     CHECK(g.duration == 10.0);
-    CHECK(g.plates == Plates{1.3e-3, 150.0, 5.0});
-    CHECK(g.contacts.particle_particle == Surface{0.06, 0.4});
-    CHECK(g.contacts.rod_wall == Surface{0.04, 0.2});
-    CHECK(g.contacts.bead_wall == Surface{0.3, 0.5});
+    CHECK(g.plates == rodwake::granular::Plates{1.3e-3, 150.0, 5.0});
+    CHECK(g.contacts.particle_particle == rodwake::granular::Surface{0.06, 0.4});
+    CHECK(g.contacts.rod_wall == rodwake::granular::Surface{0.04, 0.2});
+    CHECK(g.contacts.bead_wall == rodwake::granular::Surface{0.3, 0.5});
     CHECK(g.contacts.rod_rod == SurfaceChange{0.5, std::nullopt});
     CHECK_FALSE(g.contacts.bead_bead);
     REQUIRE(g.rods.size() == 1);
@@ -86,10 +86,10 @@ TEST_CASE("what is absent from a bed has the default of the contract") {
     expected.duration = 1.0;
     expected.rods.emplace_back().position = {10.0 * 0.4e-3, 0.004};
     CHECK(g == expected);
-    CHECK(g.contacts.particle_particle == Surface{0.05, 0.3});
-    CHECK(g.contacts.rod_wall == Surface{0.03, 0.1});
-    CHECK(g.contacts.bead_wall == Surface{0.2, 0.3});
-    CHECK(g.plates == Plates{1.2e-3, 200.0, 7.0});
+    CHECK(g.contacts.particle_particle == rodwake::granular::Surface{0.05, 0.3});
+    CHECK(g.contacts.rod_wall == rodwake::granular::Surface{0.03, 0.1});
+    CHECK(g.contacts.bead_wall == rodwake::granular::Surface{0.2, 0.3});
+    CHECK(g.plates == rodwake::granular::Plates{1.2e-3, 200.0, 7.0});
     CHECK(g.output.formats == std::vector<std::string>{"h5md"});
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("a restart has a file, and nothing else has one") {
 
 TEST_CASE("spheres and thickness of a rod follow its kind unless they are given") {
     const auto one = [](const std::string& more, const std::vector<std::string>& overrides = {}) {
-        return granular(rod + more, overrides).rods.at(0);
+        return granular(rod + more, overrides).rods.at(0).shape;
     };
     CHECK(one("").spheres == 12);
     CHECK(one("").thick_diameter == 1.1e-3);
@@ -162,7 +162,7 @@ TEST_CASE("spheres and thickness of a rod follow its kind unless they are given"
     CHECK(one("kind = \"apolar\"\nthick_diameter = \"1 mm\"\n").thick_diameter == 1e-3);
     CHECK(one("", {"granular.rods.0.kind=apolar"}).spheres == 13);
     const std::string resolved = to_toml(parse(bed(rod)));
-    CHECK(parse(resolved, {"granular.rods.0.kind=apolar"}).granular->rods[0].spheres == 13);
+    CHECK(parse(resolved, {"granular.rods.0.kind=apolar"}).granular->rods[0].shape.spheres == 13);
 }
 
 TEST_CASE("overrides reach into the bed") {
@@ -187,8 +187,9 @@ TEST_CASE("values of a bed that do not fit each other") {
          "frames = 0.0001 s gives 1e+07 of them in 1000 s; at most 1e+06", {"granular.duration=1000"});
     says(bed(), "table = 0.01 s gives 2e+07 of them", {"granular.duration=2e5"});
     says(bed("time_step = 1e-300\n"), "steps; at most 1e+12");
+    says(bed("time_step = 1.1e-3\n"), "must be > 0 and <= 0.001: above 1e-3 s");
     says(bed(rod + "segments = 5\n"), "x.toml:8:12: segments belong to taper = \"stepwise\" only");
-    CHECK(granular(rod + "taper = \"stepwise\"\nsegments = 5\n").rods[0].segments == 5);
+    CHECK(granular(rod + "taper = \"stepwise\"\nsegments = 5\n").rods[0].shape.segments == 5);
     says(bed("[[granular.rods]]\nheading = 0\n"),
          "granular.rods[0] needs the key position, for example position = "
          "[\"20 a\", \"46.5 a\"]");
@@ -213,7 +214,9 @@ TEST_CASE("figures of the bed need it, and what they draw") {
     says(drawn("side_view", "[granular.output]\nlast_period = false\n"), "last_period = true");
     says(drawn("movie") + "frame = 3\n", "x.toml:9:9: frame belongs to kind snapshot only");
     says(drawn("side_view") + "colour = \"orientation\"\n",
-         "x.toml:9:10: colour belongs to kinds snapshot and movie only");
+         "x.toml:9:10: colour belongs to kinds snapshot, movie and phase_diagram only");
+    says(drawn("movie") + "colour = \"red\"\n", "colour = \"red\": of kind movie it is order or orientation");
+    CHECK(parse(drawn("movie")).figures[0].colour == "order");
     says(drawn("snapshot") + "fps = 30\n", "x.toml:9:7: fps belongs to kind movie only");
     const auto film = parse(drawn("movie") + "colour = \"orientation\"\nfps = 30\n");
     CHECK(film.figures[0].colour == "orientation");
@@ -239,6 +242,6 @@ TEST_CASE("beds of all sorts survive writing") {
                          "granular.rods.0.segments=7", "granular.bead_radius=0.1234567 mm",
                          "scales.bead_radius=0.1234567 mm", "figures.2.frame=4"}));
     Scene changed = parse(bed(rod));
-    changed.granular->rods[0].density += 1.0;
+    changed.granular->rods[0].shape.density += 1.0;
     CHECK_FALSE(changed == parse(bed(rod)));
 }

@@ -122,7 +122,7 @@ TEST_CASE("a long list of problems is cut") {
 TEST_CASE("long values are shortened") {
     const auto message = error_text(two_rods(), {"rods_run.method=" + std::string(1000, 'x')});
     CHECK(message.find("rods_run.method: ") == std::string::npos);
-    CHECK(message.find(std::string(30, 'x') + "...") != std::string::npos);
+    CHECK(message.find(std::string(30, 'x').append("...")) != std::string::npos);
 }
 
 TEST_CASE("edit distance and the nearest name") {
@@ -132,7 +132,7 @@ TEST_CASE("edit distance and the nearest name") {
     CHECK(edit_distance("kapa", "kappa") == 1);
     CHECK(edit_distance("kpapa", "kappa") == 1); // neighbours swapped
     CHECK(edit_distance("kitten", "sitting") == 3);
-    const std::vector<std::string> known{"kappa", "gamma1", "gamma2"};
+    const std::vector<std::string_view> known{"kappa", "gamma1", "gamma2"};
     CHECK(nearest("KAPPA", known) == "kappa");
     CHECK(nearest("gama2", known) == "gamma2");
     CHECK(nearest("temperature", known) == "");

@@ -11,7 +11,7 @@ TEST_CASE("overrides replace values, entries of lists go by index") {
     CHECK(scene.coupling->kappa == 2.0);
     CHECK(scene.rods[1].position == std::vector{2.0, -2.5});
     CHECK(scene.rods[0].heading == 0.3);
-    CHECK(scene.rods_run->method == rodwake::scene::RodMethod::adams);
+    CHECK(scene.rods_run->method == rodwake::integrate::Method::adams);
     CHECK(scene.title == "two words");
     CHECK(scene.rods_run->t_end == 5.0);
     CHECK(scene.medium->eta == 3.0);
@@ -37,10 +37,9 @@ TEST_CASE("an override of one form drops the others of the file") {
 }
 
 TEST_CASE("errors of overrides name the override") {
-    CHECK(error_text(complete, {"coupling.kapa=1"}) ==
-          "-s coupling.kapa=1: [coupling] unknown key \"kapa\" (did you mean \"kappa\"?). Known keys: kappa, "
-          "gamma1, "
-          "gamma2, polar_basis");
+    CHECK(error_text(complete, {"coupling.kapa=1"})
+              .starts_with("-s coupling.kapa=1: [coupling] unknown key \"kapa\" (did you mean \"kappa\"?). "
+                           "Known keys: kappa, "));
     CHECK(error_text(complete, {"medium.eta=-2"})
               .starts_with("-s medium.eta=-2: medium.eta = -2: must be > -1"));
     CHECK(error_text(complete, {"rods.1.position.0=oops"})

@@ -102,6 +102,23 @@ TEST_CASE("figures are written with the keys of their kind only") {
           "# x: fit to the data\n# y: fit to the data\n");
 }
 
+TEST_CASE("keys of [medium] stay in it beside [medium.table]") {
+    const Scene scene = parse("schema = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[medium]\neta = 1\nxi = 1\n"
+                              "periodic = 78.0\n[medium.table]\ntolerance = 1e-6\n");
+    CHECK(parse(to_toml(scene)) == scene);
+}
+
+TEST_CASE("gammas of a figure have the scene's units, whatever the figure before shows") {
+    const std::string streams =
+                          "[[figures]]\nname = \"s\"\nkind = \"polar_streamlines\"\ngammas = [[1.0, 0.0]]\n",
+                      snapshot = "[[figures]]\nname = \"b\"\nkind = \"snapshot\"\n";
+    const std::string head = replaced(complete.substr(0, complete.find("[[figures]]")), "schema = 1\n",
+                                      "schema = 1\nunits = \"si\"\n");
+    const double first = parse(head + streams + snapshot).figures[0].gammas[0][0];
+    CHECK(first == 1.0 / 2.8e-3); // m/s over v0
+    CHECK(parse(head + snapshot + streams).figures[1].gammas[0][0] == first);
+}
+
 TEST_CASE("numbers are written as TOML floats and read back exactly") {
     using rodwake::scene::number_text;
     CHECK(number_text(5.0) == "5.0");

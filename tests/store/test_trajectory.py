@@ -1,4 +1,4 @@
-"""The sample trajectories of tests/store/trajectory_test.cpp as other programs read them: h5py, MDAnalysis, ASE."""
+"""The sample trajectories of tests/store/test_trajectory.cpp as other programs read them: h5py, MDAnalysis, ASE."""
 
 import importlib.util
 import math

@@ -1,4 +1,4 @@
-"""The sample grids of tests/store/vti_test.cpp as another program reads them: XML, base64 and numpy, no code of ours."""
+"""The sample grids of tests/store/test_vti.cpp as another program reads them: XML, base64 and numpy, no code of ours."""
 
 import base64
 import os
@@ -66,7 +66,7 @@ def expected(nx, ny, components):
     return i + 100.0 * j + 0.25 * c
 
 
-# The same literals as in vti_test.cpp.
+# The same literals as in test_vti.cpp.
 BITS = [0.1, -0.0, 5e-324, np.finfo(float).max, -np.finfo(float).max, 1 / 3, 1e22, -7.0, np.finfo(float).tiny,
         np.finfo(float).eps, 5e-324, 0.0]
 

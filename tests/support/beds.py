@@ -5,14 +5,12 @@ import math
 import os
 import random
 import re
-import signal
-import subprocess
 import time
 from pathlib import Path
 
 import h5py
 import numpy
-from rodwake import PROGRAM, ProgramTest, wait_until
+from rodwake import ProgramTest, wait_until
 
 # 49 beads and a rod.
 BED = """schema = 1
@@ -28,7 +26,7 @@ table = "0.005 s"
 position = ["8 a", "8 a"]
 """
 
-FINAL = {"scene.toml", "provenance.json", "log.txt", "result.h5", "summary.json", "table.csv", "tracks.csv", "trajectory.h5md",
+FINAL = {"scene.toml", "provenance.json", "log.txt", "manifest.json", "result.h5", "summary.json", "table.csv", "tracks.csv", "trajectory.h5md",
          "last_period.h5md", "final.rwc"}
 
 
@@ -119,22 +117,6 @@ class BedTest(ProgramTest):
     def wait_for(self, process, *names):
         there = wait_until(lambda: all((self.folder / name).exists() for name in names) or process.poll() is not None, 30)
         self.assertTrue(there and process.poll() is None, f"{names}: not there, or the run ended too early")
-
-    def interrupt(self, number, seconds, *arguments):
-        """Signals the program after this time; whether it still ran. One that ended before must have ended well."""
-        with subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.PIPE, text=True) as process:
-            try:
-                time.sleep(seconds)
-                process.send_signal(number)
-                _, err = process.communicate(timeout=30)
-            finally:
-                process.kill()
-        expected = (0, -signal.SIGKILL if number == signal.SIGKILL else 128 + number)
-        if process.returncode == -number != expected[1]:
-            return True  # before the program had its handlers in place
-        self.assertIn(process.returncode, expected, err)
-        return process.returncode != 0
 
 
 class InterruptionTest(BedTest):

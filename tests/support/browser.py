@@ -66,14 +66,17 @@ def picture(page, path, width=1200, height=1000, timeout=60):
 
 
 def run(action, folder, page, width, height, timeout):
+    return subprocess.run([*command(folder, width, height), action, page.as_uri()], capture_output=True, text=True, timeout=timeout)
+
+
+def command(folder, width, height):
     """No sandbox: it needs privileges that a container does not have; the page is our own. No name resolves: nothing is fetched."""
     program = shutil.which("chromium")
     if program is None:
         raise AssertionError("chromium is not installed: tools/packages.txt names what the tests need")
-    return subprocess.run([program, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
-                           "--disable-extensions", "--disable-background-networking", "--disable-component-update", "--hide-scrollbars",
-                           "--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={folder}/profile", f"--window-size={width},{height}",
-                           action, page.as_uri()], capture_output=True, text=True, timeout=timeout)
+    return [program, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+            "--disable-extensions", "--disable-background-networking", "--disable-component-update", "--hide-scrollbars",
+            "--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={folder}/profile", f"--window-size={width},{height}"]
 
 
 class References(HTMLParser):

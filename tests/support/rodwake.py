@@ -122,6 +122,22 @@ class ProgramTest(unittest.TestCase):
             self.fail(f"still running {seconds} s after {signal.Signals(number).name}")
         return process.returncode, out, err
 
+    def interrupt(self, number, seconds, *arguments):
+        """Signals the program after this time; whether it still ran. One that ended before must have ended well."""
+        with subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE, text=True) as process:
+            try:
+                time.sleep(seconds)
+                process.send_signal(number)
+                _, err = process.communicate(timeout=30)
+            finally:
+                process.kill()
+        expected = (0, -signal.SIGKILL if number == signal.SIGKILL else 128 + number)
+        if process.returncode == -number != expected[1]:
+            return True  # before the program had its handlers in place
+        self.assertIn(process.returncode, expected, err)
+        return process.returncode != 0
+
 
 def main():
     unittest.main(argv=[__file__], verbosity=1)

@@ -21,4 +21,7 @@ public:
     using std::runtime_error::runtime_error;
 };
 
+/// What an exception says to the user: its text, or words where the library that threw it has none.
+std::string describe(const std::exception& error);
+
 } // namespace rodwake

@@ -14,28 +14,24 @@
 // the reference table (r/xi in [1e-8, 200]); 1e-12 for r/xi in [1e-12, 1e8] and eta in [1e-6, 1e6] wherever
 // the value exceeds 1e-290 (docs/validation.md: worst of 30000 points 1.3e-13). Smaller values underflow to
 // 0, never to NaN. Close to a point or curve on which a whole vector nearly vanishes the bound is relative to
-// its largest part. The slopes and -1 < eta < 0 keep the same bound. Domain: finite x, y with 1e-100 < r/xi <
-// 1e300; any other point, the rod itself and NaN among them, throws InputError. Within 1e-90 xi of the rod
-// slopes may overflow.
+// its largest part. The gradients and -1 < eta < 0 keep the same bound. Domain: finite x, y with 1e-100 <
+// r/xi < 1e300; any other point, the rod itself and NaN among them, throws InputError. Within 1e-90 xi of the
+// rod gradients may overflow.
 
 #include "rodwake/elastic/medium.hpp"
+#include "rodwake/elastic/tensor.hpp"
+
+#include <limits>
 
 namespace rodwake::elastic {
 
-struct Vector {
-    double x = 0.0, y = 0.0;
-};
-struct SymmetricTensor {
-    double xx = 0.0, xy = 0.0, yy = 0.0;
-};
-
-/// Which quantities to compute; the rest is left at zero and costs nothing.
-struct Wanted {
+/// Which quantities to compute; the rest is NaN and costs nothing.
+struct FieldRequest {
     bool displacement = false;
     bool strain = false;
-    bool polar = false;  ///< lap U and grad div U, the two vectors a polar rod can follow
-    bool dipole = false; ///< field of a y force dipole
-    bool slopes = false; ///< also d/dx and d/dy of strain and polar, as far as those are wanted
+    bool polar = false;     ///< lap U and grad div U, the two vectors a polar rod can follow
+    bool dipole = false;    ///< field of a y force dipole
+    bool gradients = false; ///< also d/dx and d/dy of strain and polar, as far as those are asked for
 };
 
 /// One point. Units: displacement f/mu; strain f/mu per length; polar f/mu per length^2; dipole f2 d/mu per
@@ -51,6 +47,14 @@ struct FieldValues {
     Vector gradient_of_trace_x, gradient_of_trace_y;
 };
 
+/// What a request for nothing gives: every number is NaN.
+constexpr FieldValues unrequested() {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    constexpr Vector v{nan, nan};
+    constexpr SymmetricTensor t{nan, nan, nan};
+    return {v, t, v, v, v, t, t, v, v, v, v};
+}
+
 /// The field of a medium, its constants worked out once. Cheap to copy; calls are independent and
 /// thread-safe.
 class Field {
@@ -60,9 +64,12 @@ public:
 
     /// The field at (x, y) in the rod's frame: rod at the origin, heading along +x. Lengths in the unit of
     /// medium.xi. Throws InputError outside the domain above.
-    FieldValues at(double x, double y, Wanted wanted) const;
+    FieldValues at(double x, double y, FieldRequest request) const;
 
     const Medium& medium() const { return medium_; }
+
+private:
+    friend struct FieldInternals; ///< models/elastic/geometry.hpp
 
     struct Constants {
         double nu;                          ///< 1/(1 + eta) = c_L/c_T
@@ -72,9 +79,7 @@ public:
         double c_shear;                     ///< c_T = 1/(2 xi), 1/length
         double two_xi;
     };
-    const Constants& constants() const { return constants_; }
 
-private:
     Medium medium_;
     Constants constants_;
 };

@@ -15,13 +15,13 @@
 
 namespace rodwake::elastic {
 
-/// Of each, the parts that were wanted: displacement, strain, laplacian, gradient_of_trace, dipole. Unit:
-/// that of the part, for by_xi per length.
+/// Of each, the parts that were asked for: displacement, strain, laplacian, gradient_of_trace, dipole; the
+/// rest is NaN. Unit: that of the part, for by_xi per length.
 struct MediumDerivatives {
     FieldValues by_eta, by_xi;
 };
 
-/// At a point as for Field::at. Slopes are not available: InputError.
-MediumDerivatives medium_derivatives(const Field& field, double x, double y, Wanted wanted);
+/// At a point as for Field::at. Gradients are not available: InputError.
+MediumDerivatives medium_derivatives(const Field& field, double x, double y, FieldRequest request);
 
 } // namespace rodwake::elastic

@@ -31,22 +31,21 @@ public:
     PeriodicField(const Medium& medium, double box, double heading = 0.0);
 
     /// The field at (x, y) in the rod's frame (rod at the origin, heading along +x), components in that
-    /// frame. displacement, strain, polar and dipole as wanted; slopes are not available: InputError.
-    FieldValues at(double x, double y, Wanted wanted) const;
+    /// frame. displacement, strain, polar and dipole as asked for; gradients are not available: InputError.
+    FieldValues at(double x, double y, FieldRequest request) const;
 
     /// What the images alone make at the rod's own place: a rod in a box is in its own images' wakes.
-    FieldValues at_own_place(Wanted wanted) const;
+    FieldValues at_own_place(FieldRequest request) const;
 
-    /// d/d eta and d/d xi at fixed place and box, of what is wanted (not slopes).
-    MediumDerivatives medium_derivatives(double x, double y, Wanted wanted) const;
+    /// d/d eta and d/d xi at fixed place and box, of what is asked for (not gradients).
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const;
 
     const Medium& medium() const;
     double box() const;
     double heading() const;
 
-    struct Impl;
-
 private:
+    struct Impl;
     std::shared_ptr<const Impl> impl_; ///< shared: copies are cheap, calls independent and thread-safe
 };
 

@@ -16,14 +16,12 @@ struct Source {
     double x = 0.0, y = 0.0, heading = 0.0;
 };
 
-/// Field of one source at (x, y), in lab components. Throws InputError at the source. Slopes are not turned:
-/// ask for them in the rod's frame (Field::at).
-FieldValues lab_field(const Field& field, const Source& source, double x, double y, Wanted wanted);
+/// Field of one source at (x, y), in lab components. Throws InputError at the source. Gradients are not
+/// turned and so NaN: ask for them in the rod's frame (Field::at).
+FieldValues lab_field(const Field& field, const Source& source, double x, double y, FieldRequest request);
 
 /// Sum of lab_field over the sources, in their order.
-FieldValues superpose(const Field& field, std::span<const Source> sources, double x, double y, Wanted wanted);
-
-Vector turned(const Vector& v, double cosine, double sine);
-SymmetricTensor turned(const SymmetricTensor& t, double cosine, double sine);
+FieldValues superpose(const Field& field, std::span<const Source> sources, double x, double y,
+                      FieldRequest request);
 
 } // namespace rodwake::elastic

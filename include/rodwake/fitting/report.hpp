@@ -6,8 +6,10 @@
 // `rank_tolerance` of the largest make a flat direction: the error of every parameter in it is infinite
 // (said), not a large number. A parameter held by a bound has no error.
 
+#include "rodwake/core/estimate.hpp"
 #include "rodwake/fitting/fit.hpp"
 
+#include <map>
 #include <optional>
 
 namespace rodwake::fitting {
@@ -15,8 +17,8 @@ namespace rodwake::fitting {
 struct Estimate {
     std::string name;
     double value = 0.0;
-    double stderr_ = 0.0; ///< standard error of the value; infinite: not fixed by the data, or not
-                          ///< known (Report::error_factor infinite); 0: fixed
+    double standard_error = 0.0; ///< standard error of the value; infinite: not fixed by the data, or not
+                                 ///< known (Report::error_factor infinite); 0: fixed
     double low = 0.0,
            high = 0.0; ///< 95 % interval from the curvature; log parameters: symmetric in the logarithm
     bool free = true, at_lower = false, at_upper = false;
@@ -45,8 +47,9 @@ struct Report {
                                ///< robust losses: Huber's factor from the scatter of the residuals);
                                ///< infinite: no error is known (dof <= 0, or no finite residuals)
     long rank = 0;             ///< of J
-    std::vector<FlatDirection> flat;  ///< exactly flat and nearly flat ones (singular value below 1e-3)
-    std::vector<std::string> remarks; ///< bounds, flatness, poor chi2, other minima nearly as good, in words
+    std::vector<FlatDirection> flat; ///< exactly flat and nearly flat ones (singular value below 1e-3)
+    std::vector<std::string>
+        diagnostics; ///< bounds, flatness, poor chi2, other minima nearly as good, in words
     std::size_t same_optimum =
         0; ///< starts that ended within 1e-4 (relative, plus 1e-8) of the best objective
 };
@@ -62,7 +65,20 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
 /// direction.
 Eigen::VectorXd propagated(const Report& report, const Eigen::MatrixXd& gradients);
 
-/// Report as a page of text: table of estimates, correlations, chi2, starts, remarks.
+/// Whether the estimate, or the one it is tied to, is held by a bound.
+bool at_bound(const Report& report, const Estimate& estimate);
+/// Whether it has a standard error, if an infinite or unknown one: neither fixed nor held by a bound.
+bool has_error(const Report& report, const Estimate& estimate);
+
+/// Value of a parameter, if the fit has it.
+std::optional<double> fitted_value(const Report& report, const std::string& name);
+
+/// A function of the parameters, its derivatives by name, and the error that follows: infinite if it changes
+/// along a flat direction; unknown if no error is known (Report::error_factor), if it follows from fixed
+/// values alone or from one that is held by a bound.
+rodwake::Estimate derived(const Report& report, double value, const std::map<std::string, double>& gradient);
+
+/// Report as a page of text: table of estimates, correlations, chi2, starts, diagnostics.
 std::string to_text(const Problem& problem, const Fit& fit, const Report& report);
 
 /// Profile likelihood: the smallest chi2 over the other free parameters as one is moved.

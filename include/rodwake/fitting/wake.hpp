@@ -48,6 +48,13 @@ struct WakeModel {
 /// The part of the profile that is fitted: |place| >= core.
 Profile outside_core(const Profile& profile, double core);
 
+/// What residual i of the profile is divided by: sigma, enlarged where neighbours share data; 1 enlarged
+/// where sigma is unknown.
+double residual_scale(const Profile& profile, std::size_t i);
+
+/// Sum of squared residuals of a prediction; places where it is not finite do not count.
+double chi2_of(const Profile& profile, std::span<const double> model);
+
 /// Names the model knows, in canonical order.
 std::vector<std::string> wake_parameter_names();
 
@@ -70,13 +77,13 @@ Prediction predict(const WakeModel& model, const Profile& line, std::span<const 
 /// By what the data exceed a prediction: value = scale * model, by weighted least squares on points outside
 /// the core. `model_root`: G with covariance of the model = G G^T, a row a point; the covariance itself would
 /// be points x points.
-struct Excess {
+struct ScaleFactor {
     double scale = 1.0,
-           stderr_ = 0.0; ///< includes the errors of the fitted parameters if model_root is given
-    double chi2 = 0.0;    ///< of the prediction itself (scale = 1)
+           standard_error = 0.0; ///< includes the errors of the fitted parameters if model_root is given
+    double chi2 = 0.0;           ///< of the prediction itself (scale = 1)
     std::size_t points = 0;
 };
-Excess excess(const Profile& data, std::span<const double> model,
-              const Eigen::MatrixXd* model_root = nullptr);
+ScaleFactor scale_factor(const Profile& data, std::span<const double> model,
+                         const Eigen::MatrixXd* model_root = nullptr);
 
 } // namespace rodwake::fitting

@@ -13,17 +13,11 @@
 // (W. J. Stronge, Impact Mechanics, 2000, chs. 3-5; docs/granular.md.) Energy never grows for 0 <= e <= 1.
 // Units: any consistent ones; nothing here depends on scale.
 
+#include "rodwake/granular/surfaces.hpp"
+
 #include <Eigen/Core>
 
 namespace rodwake::granular {
-
-/// Coulomb friction and energetic restitution of a pair of kinds.
-struct Surface {
-    double friction = 0.0;    ///< mu >= 0
-    double restitution = 0.0; ///< e, 0 <= e <= 1
-
-    bool operator==(const Surface&) const = default;
-};
 
 struct Impact {
     Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< P on body 1 (body 2 gets -P)

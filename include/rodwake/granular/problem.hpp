@@ -1,11 +1,10 @@
 #pragma once
 // What a granular run models: beads and rods between two horizontal plates that vibrate in phase, periodic in
 // x and y. SI units throughout. z points up, against gravity.
-//
-//   floor z = A cos(2 pi f t), lid z = A cos(2 pi f t) + w, Gamma = A (2 pi f)^2/g
 
 #include "rodwake/granular/impact.hpp"
 #include "rodwake/granular/shape.hpp"
+#include "rodwake/granular/surfaces.hpp"
 
 #include <Eigen/Core>
 
@@ -14,25 +13,6 @@
 #include <vector>
 
 namespace rodwake::granular {
-
-/// Coefficients of each pair of kinds. A plate never meets a plate.
-struct ContactTable {
-    Surface bead_bead{0.05, 0.3}, bead_rod{0.05, 0.3}, rod_rod{0.05, 0.3};
-    Surface bead_plate{0.2, 0.3}, rod_plate{0.03, 0.1};
-
-    bool operator==(const ContactTable&) const = default;
-};
-
-struct Plates {
-    double gap = 1.2e-3;      ///< w, m
-    double frequency = 200.0; ///< f, Hz
-    double gamma = 7.0;       ///< Gamma; 0: static plates
-
-    /// A, m.
-    double amplitude(double gravity) const;
-
-    bool operator==(const Plates&) const = default;
-};
 
 struct RodSpec {
     RodShape shape;
@@ -71,6 +51,12 @@ struct GranularProblem {
 
 /// Area fraction N pi a^2/L^2 of the beads alone.
 double bead_area_fraction(const GranularProblem& problem);
+
+/// kg.
+double bead_mass(const GranularProblem& problem);
+
+/// round(time / step), not below `least`.
+std::int64_t whole_steps(double time, double step, std::int64_t least = 0);
 
 /// Throws InputError for what cannot be modelled: values outside their domain, a gap that a bead or rod does
 /// not fit into, more beads than fit into the box beside the rods, rods that overlap.

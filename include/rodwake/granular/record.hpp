@@ -23,19 +23,20 @@ struct TableRow {
 /// Where a rod is in a row of tracks.csv. SI, angles in rad; heading without jumps.
 struct TrackPoint {
     double x, y, z, heading, pitch;
-    double speed;  ///< along its heading, mean since the row before, m/s
-    double pushed; ///< momentum given to the beads along its heading since t = 0, N s
+    double speed;            ///< along its heading, mean since the row before, m/s
+    double impulse_on_beads; ///< momentum given to the beads along its heading since t = 0, N s
 
     static std::array<const char*, 7> names();
 };
 
 /// How far a rod came, forward along its own heading, since t = 0.
 struct RodProgress {
-    double x0, y0, heading0; ///< at t = 0
-    double x, y, heading;    ///< at the last sample; heading without jumps
-    double travelled;        ///< integral of velocity along the heading, m
-    double pushed_at[2];     ///< in-plane Tallies::pushed at the last sample
-    double pushed;        ///< momentum given to the beads along the heading of each moment since t = 0, N s
+    double x0, y0, heading0;       ///< at t = 0
+    double x, y, heading;          ///< at the last sample; heading without jumps
+    double travelled;              ///< integral of velocity along the heading, m
+    double impulse_on_beads_at[2]; ///< in-plane Tallies::impulse_on_beads at the last sample
+    double
+        impulse_on_beads; ///< momentum given to the beads along the heading of each moment since t = 0, N s
     double row_travelled; ///< at the last row
 };
 
@@ -44,7 +45,7 @@ struct SampleSums {
     std::int64_t count;
 };
 
-/// Two rods: the change of their separation across their mean first heading, outwards positive.
+/// Two rods: the change of their separation across their mean first heading (PairCourse), outwards positive.
 struct PairProgress {
     double change;          ///< at the last sample, m
     double half_box_time;   ///< when they had come half a box on average; negative: not yet

@@ -37,10 +37,12 @@ struct Clump {
     double axial_inertia = 0.0;      ///< about the axis, kg m^2
     double transverse_inertia = 0.0; ///< about any line through the centre of mass across the axis, kg m^2
 
+    /// Share of the mass that a sphere stands for where a rod is stored as its spheres, kg.
+    double sphere_mass() const { return mass / static_cast<double>(radius.size()); }
     /// Distance of the furthest surface point from the centre of mass, m.
     double reach() const;
-    /// Area of the shadow it throws lying flat, m^2.
-    double shadow() const;
+    /// Area it covers in plan view when it lies flat, m^2.
+    double projected_area() const;
 };
 
 /// Mass properties in closed form (piecewise polynomials). Throws InputError for a shape that is none: not

@@ -24,9 +24,9 @@ namespace rodwake::granular {
 struct Tallies {
     double floor_impulse = 0.0, lid_impulse = 0.0; ///< upward momentum the plates gave, N s (lid: negative)
     std::int64_t bead_bead = 0, bead_plate = 0, bead_rod = 0, rod_plate = 0, rod_rod = 0; ///< impulses given
-    std::int64_t overlaps = 0;           ///< pairs found overlapping, summed over steps
-    double max_overlap = 0.0;            ///< of a pair or a rod and a plate, in radii of the smaller sphere
-    std::vector<Eigen::Vector3d> pushed; ///< momentum each rod gave to the beads, N s
+    std::int64_t overlaps = 0; ///< pairs found overlapping, summed over steps
+    double max_overlap = 0.0;  ///< of a pair or a rod and a plate, in radii of the smaller sphere
+    std::vector<Eigen::Vector3d> impulse_on_beads; ///< momentum each rod gave to the beads, N s
 };
 
 /// Why a run cannot go on.
@@ -68,7 +68,7 @@ public:
     const RodBody& rod(std::size_t i) const;
     Temperatures temperatures() const;
     Energy energy() const;
-    /// Of the beads (observe.hpp).
+    /// |mean of psi_6| of the beads, neighbours nearer in the plane than the cut-off (core/bond_order.hpp).
     double psi6(double cutoff) const;
     SimulationCost cost() const;
 

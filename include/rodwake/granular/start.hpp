@@ -1,6 +1,6 @@
 #pragma once
 // Where a run begins: beads on a relaxed triangular lattice, in a random packing or where an earlier run left
-// them; rods carved into any of these.
+// them; rods put into any of these, the beads in their way cleared.
 
 #include "rodwake/granular/problem.hpp"
 #include "rodwake/granular/state.hpp"
@@ -19,6 +19,11 @@ struct LatticeFit {
 
 /// The least strained lattice with at least `sites` sites, rows at about `orientation` (mod 60 degrees).
 LatticeFit fit_lattice(double box, long sites, double orientation);
+
+/// How long a bed takes to settle before it is worth measuring, s: 0.5 s from a lattice. A random start needs
+/// time to order: at phi_b = 0.70 a fluid settles in 2 s, from the transition on (0.72) crystals grow, 8 s,
+/// ever slower the denser the bed, 24 s from 0.80 on; between the measured densities it is interpolated.
+double settling_time(Start start, double phi_b);
 
 /// State at step 0. Deterministic in (problem, run): beads and velocities from the stream (seed, run).
 /// Nothing overlaps: beads with beads, rods or plates. Rods lie flat within 1 % of their free height of mid

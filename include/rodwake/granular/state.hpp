@@ -1,10 +1,13 @@
 #pragma once
 // The state of a granular run: everything that the next step depends on, and nothing else.
 
+#include "rodwake/granular/shape.hpp"
+
 #include <Eigen/Geometry>
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace rodwake::granular {
@@ -29,7 +32,7 @@ struct RodBody {
 
     /// Unit vector from the thick to the thin end.
     Eigen::Vector3d axis() const { return orientation * Eigen::Vector3d::UnitX(); }
-    /// Angle of the axis' shadow on the floor from +x, rad, in (-pi, pi].
+    /// Angle of the axis' projection on the floor from +x, rad, in (-pi, pi].
     double heading() const;
 };
 
@@ -38,6 +41,11 @@ struct State {
     Beads beads;
     std::vector<RodBody> rods;
 };
+
+/// Centres of all spheres, beads first and then rod by rod, x, y, z each; one clump a rod. m.
+std::vector<double> sphere_positions(const State& state, std::span<const Clump> clumps);
+/// Their velocities, m/s: the spin of a rod across its axis moves its spheres, that about it does not.
+std::vector<double> sphere_velocities(const State& state, std::span<const Clump> clumps);
 
 /// 64-bit XXH3 of every bit of the state.
 std::uint64_t state_hash(const State& state);

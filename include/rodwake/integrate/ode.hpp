@@ -2,6 +2,8 @@
 // Initial-value problems y' = f(t, y): problem, method and result are three types.
 // This part is the only code that includes SUNDIALS; nothing of SUNDIALS appears in its headers.
 
+#include "rodwake/integrate/method.hpp"
+
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
@@ -58,13 +60,6 @@ struct OdeProblem {
     std::function<double(double t, State y)> step_limit = nullptr;
 };
 
-enum class Method {
-    bdf,   ///< CVODES, backward differentiation, order 1 to 5, dense Newton; for stiff problems
-    adams, ///< CVODES, Adams-Moulton, order 1 to 12, fixed-point iteration; fewest right-hand sides when not
-           ///< stiff
-    erk    ///< ARKODE, explicit Runge-Kutta: Dormand-Prince 5(4) for rtol > 1e-6, from there down Verner 6(5)
-};
-
 /// State at the end of an accepted internal step.
 struct Step {
     double time_before, time;
@@ -105,7 +100,7 @@ struct OdeOptions {
     std::function<void(const Segment&)> on_segment;
 };
 
-enum class Outcome { reached_end, stopped_at_event, interrupted, failed };
+enum class Termination { reached_end, stopped_at_event, interrupted, failed };
 
 /// How a solve ended. For `failed`, everything a user needs to act on it.
 struct Status {
@@ -113,7 +108,7 @@ struct Status {
         std::string name;
         double weighted_error; ///< estimated local error over the tolerance; above 1 means not met
     };
-    Outcome outcome = Outcome::reached_end;
+    Termination termination = Termination::reached_end;
     double reached = 0.0, wanted = 0.0; ///< time
     double step = 0.0;                  ///< last step size
     int order = 0;                      ///< last order
@@ -122,7 +117,7 @@ struct Status {
     std::string cause;            ///< likely cause
     std::string advice;           ///< a key to try
 
-    bool ok() const { return outcome != Outcome::failed; }
+    bool ok() const { return termination != Termination::failed; }
     /// All of it in words, in one line.
     std::string message() const;
 };

@@ -24,8 +24,10 @@ struct BraggPeaks {
     bool operator==(const BraggPeaks&) const = default;
     /// Of the strongest peak over the mean of the ring.
     double contrast() const;
-    /// Angle of the close-packed rows from +x, rad, in [0, pi/3).
+    /// Angle of the close-saved rows from +x, rad, in [0, pi/3).
     double row_angle() const;
+    /// Of the triangular lattice whose cell has the area of that of the peaks, m; 0 without peaks.
+    double lattice_spacing() const;
 };
 
 /// The triple with G_1 = G_0 + G_2 of the largest product of strengths among wave vectors within 12 % of the

@@ -26,9 +26,10 @@
 // the lattice must allow for it. Each bin's own sigma is right. Domain: gradients of U below 1.
 
 #include "rodwake/measure/bragg.hpp"
+#include "rodwake/measure/estimators.hpp"
 #include "rodwake/measure/frame.hpp"
-#include "rodwake/measure/packing.hpp"
 #include "rodwake/measure/rod_grid.hpp"
+#include "rodwake/measure/state_io.hpp"
 #include "rodwake/measure/statistics.hpp"
 
 #include <memory>
@@ -38,11 +39,9 @@
 
 namespace rodwake::measure {
 
-enum class DisplacementMethod { phase, lagrangian, density };
-enum class Reference { box, far };
 const char* to_string(DisplacementMethod method);
 
-struct DisplacementKeys {
+struct DisplacementOptions {
     DisplacementMethod method = DisplacementMethod::phase;
     Reference reference = Reference::box;
     std::size_t rod = 0;   ///< in whose frame
@@ -52,31 +51,31 @@ struct DisplacementKeys {
     double from = 0.0;     ///< s; frames before this time are passed over (the wake must build up)
     bool mirror = false;   ///< average with the mirror image y -> -y: U_x even, U_y odd
 
-    bool operator==(const DisplacementKeys&) const = default;
+    bool operator==(const DisplacementOptions&) const = default;
 };
 
 /// Sums over the frames of one run; what an estimator needs and no more.
-class DisplacementRecord {
+class DisplacementAccumulator {
 public:
-    /// Throws InputError for keys outside their domain, no such rod, or fewer than 50 beads.
-    DisplacementRecord(const Layout& layout, const DisplacementKeys& keys);
-    ~DisplacementRecord();
-    DisplacementRecord(const DisplacementRecord& other);
-    DisplacementRecord& operator=(const DisplacementRecord& other);
-    DisplacementRecord(DisplacementRecord&&) noexcept;
-    DisplacementRecord& operator=(DisplacementRecord&&) noexcept;
+    /// Throws InputError for options outside their domain, no such rod, or fewer than 50 beads.
+    DisplacementAccumulator(const Layout& layout, const DisplacementOptions& options);
+    ~DisplacementAccumulator();
+    DisplacementAccumulator(const DisplacementAccumulator& other);
+    DisplacementAccumulator& operator=(const DisplacementAccumulator& other);
+    DisplacementAccumulator(DisplacementAccumulator&&) noexcept;
+    DisplacementAccumulator& operator=(DisplacementAccumulator&&) noexcept;
 
     void add(const Frame& frame);
-    void pack(Packer& out) const;
-    void unpack(Unpacker& in);
+    void save(StateWriter& out) const;
+    void load(StateReader& in);
 
     const Layout& layout() const;
-    const DisplacementKeys& keys() const;
-
-    struct Impl;
-    const Impl& impl() const { return *impl_; }
+    const DisplacementOptions& options() const;
 
 private:
+    struct Impl;
+    friend struct DisplacementSums; ///< what the reductions see of it
+
     std::unique_ptr<Impl> impl_;
 };
 
@@ -99,9 +98,10 @@ struct DisplacementField {
     double mean_speed = 0.0;        ///< of the rod along its heading, m/s
 };
 
-/// All runs together. Throws InputError without frames or with records of different keys; RunError if there
-/// is no crystal to speak of (phase, density: largest Bragg peak below 20 times that of a liquid's ring).
-DisplacementField reduce(std::span<const DisplacementRecord> runs);
+/// All runs together. Throws InputError without frames or with accumulators of different options; RunError if
+/// there is no crystal to speak of (phase, density: largest Bragg peak below 20 times that of a liquid's
+/// ring).
+DisplacementField reduce(std::span<const DisplacementAccumulator> runs);
 
 /// Values along a line parallel to an axis of the rod's frame; bins without data are left out.
 struct Profile {

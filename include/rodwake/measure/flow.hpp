@@ -7,17 +7,16 @@
 // periods averages the bead's rattling away, which is far faster than the flow. The rod's frame turns, but
 // what is shown is the velocity relative to the box: beads at rest have velocity 0, not -v0.
 
-#include "rodwake/measure/even_times.hpp"
 #include "rodwake/measure/frame.hpp"
-#include "rodwake/measure/packing.hpp"
 #include "rodwake/measure/rod_grid.hpp"
+#include "rodwake/measure/state_io.hpp"
 #include "rodwake/measure/statistics.hpp"
 
 #include <vector>
 
 namespace rodwake::measure {
 
-struct FlowKeys {
+struct FlowOptions {
     std::size_t rod = 0;
     double spacing = 0.0; ///< wanted spacing of the grid, m; e.g. 2 a
     double lag = 0.0;     ///< s; a whole number of frames (rounded), at least one
@@ -27,7 +26,7 @@ struct FlowKeys {
     /// m; marked beads are followed until the rod has travelled this far, e.g. 20 a; 0: to the last frame.
     double marked_travel = 0.0;
 
-    bool operator==(const FlowKeys&) const = default;
+    bool operator==(const FlowOptions&) const = default;
 };
 
 /// A bead marked in the first frame, in the box's frame, unwrapped, drift of all beads removed. m.
@@ -36,20 +35,20 @@ struct MarkedBead {
     double x0 = 0.0, y0 = 0.0, x1 = 0.0, y1 = 0.0; ///< first and last frame that was followed
 };
 
-class FlowRecord {
+class FlowAccumulator {
 public:
-    FlowRecord(const Layout& layout, const FlowKeys& keys);
+    FlowAccumulator(const Layout& layout, const FlowOptions& options);
 
     void add(const Frame& frame);
-    void pack(Packer& out) const;
-    void unpack(Unpacker& in);
+    void save(StateWriter& out) const;
+    void load(StateReader& in);
 
     struct Block {
         std::vector<double> vx, vy, ux, uy; ///< [bins] sums of the velocity and of its unit vector
         std::vector<double> count;
     };
     const Layout& layout() const { return layout_; }
-    const FlowKeys& keys() const { return keys_; }
+    const FlowOptions& options() const { return options_; }
     const RodGrid& grid() const { return grid_; }
     const std::vector<Block>& blocks() const { return blocks_; }
     std::vector<MarkedBead> marked() const;
@@ -71,7 +70,7 @@ private:
     Block& block_at(double time);
 
     Layout layout_;
-    FlowKeys keys_;
+    FlowOptions options_;
     RodGrid grid_;
     EvenTimes times_;
     std::vector<Past> past_; ///< oldest first; as many as the lag needs
@@ -85,7 +84,7 @@ private:
 
 struct FlowField {
     RodGrid grid;
-    /// m/s; 0 with count 0 where no bead came. Standard errors from blocks of time of all runs; below 0:
+    /// m/s; 0 with count 0 where no bead came. Standard errors from blocks of time of all runs; NaN:
     /// unknown, since beads came in one block only.
     std::vector<double> vx, vy, sigma_x, sigma_y;
     std::vector<double> unit_x, unit_y; ///< mean unit vector, |.| <= 1; 1: all beads move the same way
@@ -99,7 +98,7 @@ struct FlowField {
     std::size_t blocks = 0, frames = 0;
 };
 
-/// Throws InputError without a pair of frames a lag apart, or with records of different keys.
-FlowField reduce(std::span<const FlowRecord> runs);
+/// Throws InputError without a pair of frames a lag apart, or with accumulators of different options.
+FlowField reduce(std::span<const FlowAccumulator> runs);
 
 } // namespace rodwake::measure

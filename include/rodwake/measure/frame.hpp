@@ -1,7 +1,9 @@
 #pragma once
 // One instant of a bed as the measures see it: beads and rods in the plane. The same numbers to the bit
 // whether they come from a running simulation or from a stored trajectory: a coordinate is the place in the
-// periodic box and the number of the box, and what is unwrapped is made from the two.
+// periodic box and the image index, and what is unwrapped is made from the two.
+
+#include "rodwake/measure/state_io.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -31,18 +33,28 @@ struct RodPlace {
 };
 
 struct Frame {
-    double time = 0.0;                  ///< s, from the end of the equilibration
-    std::vector<double> x, y;           ///< [beads], m, in [0, L)
-    std::vector<double> free_x, free_y; ///< [beads], m, unwrapped: x + L * number of the box
-    std::vector<double> vx, vy;         ///< [beads], m/s
-    std::vector<RodPlace> rods;         ///< [rods]
+    double time = 0.0;                            ///< s, from the end of the equilibration
+    std::vector<double> x, y;                     ///< [beads], m, in [0, L)
+    std::vector<double> unwrapped_x, unwrapped_y; ///< [beads], m, unwrapped: x + L * image index
+    std::vector<double> vx, vy;                   ///< [beads], m/s
+    std::vector<RodPlace> rods;                   ///< [rods]
 };
 
 /// Throws RunError for a frame that does not belong to the layout: counts, values that are not finite, places
 /// outside the box.
 void check_frame(const Layout& layout, const Frame& frame);
 
-/// A difference of coordinates taken to the nearest periodic image, in [-L/2, L/2].
-double nearest(double difference, double box);
+// Times of frames that must be evenly spaced.
+
+struct EvenTimes {
+    std::size_t frames = 0;
+    double last = 0.0, interval = 0.0; ///< s; interval 0 before the second frame
+
+    /// Counts the next frame in. Throws RunError ("measure: <what>: ...", with the times) if times do not
+    /// grow or their steps differ by more than a millionth, which is far above the round-off of times.
+    void next(double time, const char* what);
+    void save(StateWriter& out) const;
+    void load(StateReader& in);
+};
 
 } // namespace rodwake::measure

@@ -1,61 +1,107 @@
 #pragma once
-// What is measured of one run, frame by frame: the records that are wanted, and nothing else. Fed with the
-// same frames, while a run goes on or from its stored trajectory, it holds the same bits.
+// What is measured of one run, frame by frame: the accumulators that are wanted, and nothing else. Fed with
+// the same frames, while a run goes on or from its stored trajectory, it holds the same bits.
 
-#include "rodwake/measure/displacement.hpp"
-#include "rodwake/measure/flow.hpp"
-#include "rodwake/measure/microrheology.hpp"
-#include "rodwake/measure/structure.hpp"
+#include "rodwake/measure/frame.hpp"
+#include "rodwake/measure/state_io.hpp"
 
-#include <optional>
+#include <any>
+#include <concepts>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace rodwake::measure {
 
-struct MeasureKeys {
-    std::optional<StructureKeys> structure;
-    std::optional<MicrorheologyKeys> microrheology;
-    std::optional<FlowKeys> flow;
-    std::optional<DisplacementKeys> displacement;
-    double from = 0.0;               ///< s; earlier frames are passed over
-    std::size_t structure_every = 1; ///< frames, counted from the first that is measured
+/// Sums over frames that can be written and read back.
+template<class T>
+concept FrameSums = std::copyable<T> &&
+    requires(T sums, const T& same, const Frame& frame, StateWriter& out, StateReader& in) {
+    sums.add(frame);
+    same.save(out);
+    sums.load(in);
+};
 
-    bool operator==(const MeasureKeys&) const = default;
-    /// Whether any frame is needed at all.
-    bool any() const { return structure || microrheology || flow || displacement; }
+/// One of them, whichever.
+class Accumulator {
+public:
+    template<class T>
+    requires(!std::same_as<T, Accumulator> && FrameSums<T>) explicit Accumulator(T sums)
+        : sums_(std::move(sums)), calls_(&calls_of<T>) {}
+
+    void add(const Frame& frame) { calls_->add(sums_, frame); }
+    void save(StateWriter& out) const { calls_->save(sums_, out); }
+    void load(StateReader& in) { calls_->load(sums_, in); }
+
+    /// The sums themselves. Throws std::bad_any_cast if they are of another type.
+    template<FrameSums T>
+    T& as() {
+        return std::any_cast<T&>(sums_);
+    }
+
+private:
+    struct Calls {
+        void (*add)(std::any&, const Frame&);
+        void (*save)(const std::any&, StateWriter&);
+        void (*load)(std::any&, StateReader&);
+    };
+    template<class T>
+    static constexpr Calls calls_of = {
+        [](std::any& sums, const Frame& frame) { std::any_cast<T&>(sums).add(frame); },
+        [](const std::any& sums, StateWriter& out) { std::any_cast<const T&>(sums).save(out); },
+        [](std::any& sums, StateReader& in) { std::any_cast<T&>(sums).load(in); }};
+
+    std::any sums_;
+    const Calls* calls_;
 };
 
 class Measures {
 public:
-    /// Throws InputError for a layout or keys that cannot be measured.
-    Measures(const Layout& layout, const MeasureKeys& keys);
+    /// Frames before the time `from` (s) are passed over. Throws InputError for a layout that is none.
+    Measures(const Layout& layout, double from);
+
+    /// To be measured in every `every`-th frame, counted from the first that is measured. States are written
+    /// in the order of these calls.
+    void include(std::string name, Accumulator sums, std::size_t every = 1);
+    /// Whether any frame is needed at all.
+    bool any() const { return !parts_.empty(); }
 
     /// Throws RunError for a frame that does not fit the layout (check_frame).
     void add(const Frame& frame);
     /// Frames that were measured.
     std::size_t frames() const { return frames_; }
+    double from() const { return from_; }
+    const Layout& layout() const { return layout_; }
 
-    std::vector<double> pack() const;
-    /// Throws RunError for numbers of another layout or other keys.
-    void unpack(std::span<const double> values, const std::string& what);
+    std::vector<double> save() const;
+    /// Throws RunError for numbers of another layout or other measures.
+    void load(std::span<const double> values, const std::string& what);
 
-    const std::optional<StructureRecord>& structure() const { return structure_; }
-    const std::optional<MicrorheologyRecord>& microrheology() const { return microrheology_; }
-    const std::optional<FlowRecord>& flow() const { return flow_; }
-    const std::optional<DisplacementRecord>& displacement() const { return displacement_; }
-    /// To move the records out.
-    std::optional<StructureRecord>& structure() { return structure_; }
-    std::optional<MicrorheologyRecord>& microrheology() { return microrheology_; }
-    std::optional<FlowRecord>& flow() { return flow_; }
-    std::optional<DisplacementRecord>& displacement() { return displacement_; }
+    /// What was included under this name, null if nothing was.
+    Accumulator* find(std::string_view name);
 
 private:
+    struct Part {
+        std::string name;
+        std::size_t every;
+        Accumulator sums;
+    };
+
     Layout layout_;
-    MeasureKeys keys_;
+    double from_;
     std::size_t frames_ = 0;
-    std::optional<StructureRecord> structure_;
-    std::optional<MicrorheologyRecord> microrheology_;
-    std::optional<FlowRecord> flow_;
-    std::optional<DisplacementRecord> displacement_;
+    std::vector<Part> parts_;
 };
+
+/// The sums of all runs under one name, taken out of them.
+template<FrameSums T>
+std::vector<T> take(std::span<Measures> runs, std::string_view name) {
+    std::vector<T> sums;
+    for (Measures& run : runs)
+        if (Accumulator* found = run.find(name))
+            sums.push_back(std::move(found->as<T>()));
+    return sums;
+}
 
 } // namespace rodwake::measure

@@ -10,9 +10,8 @@
 // Multi-tau: lags 1..16 frames, then 8 more an octave; each octave uses every second frame of the one before
 // (no averaging: that would bias Delta). Frames must be evenly spaced.
 
-#include "rodwake/measure/even_times.hpp"
 #include "rodwake/measure/frame.hpp"
-#include "rodwake/measure/packing.hpp"
+#include "rodwake/measure/state_io.hpp"
 #include "rodwake/measure/statistics.hpp"
 
 #include <optional>
@@ -20,7 +19,7 @@
 
 namespace rodwake::measure {
 
-struct MicrorheologyKeys {
+struct MicrorheologyOptions {
     double longest_lag = 0.0; ///< s; 0: as long as the run allows
     /// Range of s for the extrapolation s -> 0, 1/s; absent: 2/t_max to 8/t_max with t_max the longest lag
     /// that has at least a quarter of the run's time origins. Why: lower, more than e^-2 of the transform is
@@ -28,19 +27,19 @@ struct MicrorheologyKeys {
     /// left. A liquid gives s/(4 D), a line through 0, a bound bead a plateau.
     std::optional<double> s_low, s_high;
 
-    bool operator==(const MicrorheologyKeys&) const = default;
+    bool operator==(const MicrorheologyOptions&) const = default;
 };
 
-class MicrorheologyRecord {
+class MicrorheologyAccumulator {
 public:
-    MicrorheologyRecord(const Layout& layout, const MicrorheologyKeys& keys);
+    MicrorheologyAccumulator(const Layout& layout, const MicrorheologyOptions& options);
 
     void add(const Frame& frame);
-    void pack(Packer& out) const;
-    void unpack(Unpacker& in);
+    void save(StateWriter& out) const;
+    void load(StateReader& in);
 
     const Layout& layout() const { return layout_; }
-    const MicrorheologyKeys& keys() const { return keys_; }
+    const MicrorheologyOptions& options() const { return options_; }
     std::size_t frames() const { return times_.frames; }
     double interval() const { return times_.interval; } ///< s; 0 before the second frame
     double temperature() const;                         ///< T_xy, m^2/s^2, mean over the frames
@@ -65,7 +64,7 @@ private:
     void push(std::size_t level, const std::vector<double>& x, const std::vector<double>& y);
 
     Layout layout_;
-    MicrorheologyKeys keys_;
+    MicrorheologyOptions options_;
     EvenTimes times_;
     double temperature_sum_ = 0.0;
     std::vector<double> first_x_, first_y_; ///< unwrapped places in the first frame, beads by group
@@ -89,11 +88,15 @@ struct MicrorheologyResult {
     double temperature = 0.0;     ///< T_xy, m^2/s^2
     bool window_narrowed = false; ///< too few lags for the wanted window: the one used is given
     std::size_t frames = 0;
+
+    /// Takes the spring from another temperature, T_xy in m^2/s^2, known better than from the frames: those
+    /// may all lie at one phase of the plates, a run's own mean is over all phases.
+    void use_temperature(double T);
 };
 
 /// Errors: jackknife of the whole fit over runs if there are at least 4, else over groups of beads
 /// (neighbouring groups move together a little, which this leaves out). Throws InputError for fewer than 32
-/// frames, or records of different keys or intervals.
-MicrorheologyResult reduce(std::span<const MicrorheologyRecord> runs);
+/// frames, or accumulators of different options or intervals.
+MicrorheologyResult reduce(std::span<const MicrorheologyAccumulator> runs);
 
 } // namespace rodwake::measure

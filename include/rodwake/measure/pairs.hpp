@@ -2,11 +2,11 @@
 // Two rods of a granular run: how their separation changed, who turned, how it ended. From tracks
 // (tracks.csv), not from frames.
 
+#include "rodwake/core/encounter.hpp"
 #include "rodwake/measure/statistics.hpp"
 
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace rodwake::measure {
@@ -17,19 +17,13 @@ struct PairTrack {
     std::vector<double> x[2], y[2], heading[2];
 };
 
-struct PairKeys {
+struct PairOptions {
     double box = 0.0;              ///< L, m
     double contact_distance = 0.0; ///< between centres of mass, m; e.g. one rod length
-    /// rad; headings closer than this for the last quarter of the track, and at its end one rod behind the
-    /// other, by at least as much as they are beside each other: pursuit. (Parallel rods side by side are no
-    /// pursuit.)
-    double lock_angle = 0.5;
+    EndingCriteria ending = noisy_track;
 
-    bool operator==(const PairKeys&) const = default;
+    bool operator==(const PairOptions&) const = default;
 };
-
-enum class PairOutcome { contact, pursuit, escape };
-const char* to_string(PairOutcome outcome);
 
 /// One run.
 struct PairRun {
@@ -41,24 +35,24 @@ struct PairRun {
     int leader = 0;      ///< who was ahead along the mean first heading when the pair had turned most
     /// (|turn of the rear| - |turn of the front|)/(sum of both), in [-1, 1]; 0 if neither turned.
     double non_reciprocity = 0.0;
-    double min_separation = 0.0; ///< nearest images, m
-    PairOutcome outcome = PairOutcome::escape;
-    double outcome_time = 0.0;  ///< s; first contact, begin of the lock, or end of the track
+    double min_separation = 0.0;       ///< nearest images, m
+    Ending ending = Ending::undecided; ///< core/encounter.hpp
+    double ending_time = 0.0;   ///< s; first contact, begin of the lock of a pursuit, or end of the track
     bool perpendicular = false; ///< first headings more than 60 and less than 120 degrees apart
 };
 
 /// Rods that head opposite ways have no common ahead: changes 0, half a box never, leader 0, non-reciprocity
 /// 0, d0 the distance. First places count as those of the nearest images. Throws InputError for a track of
-/// fewer than 2 rows, lengths that differ, values that are not finite, times that do not grow, or keys that
-/// are not positive.
-PairRun follow_pair(const PairTrack& track, const PairKeys& keys);
+/// fewer than 2 rows, lengths that differ, values that are not finite, times that do not grow, or options
+/// that are not positive.
+PairRun follow_pair(const PairTrack& track, const PairOptions& options);
 
 struct PairResult {
     std::vector<PairRun> runs;
     Estimate half_box_change;  ///< over the runs that came half a box
     std::size_t not_there = 0; ///< runs that did not
     Estimate non_reciprocity, turn_rear, turn_front;
-    std::size_t contact = 0, pursuit = 0, escape = 0;
+    std::size_t contact = 0, pursuit = 0, escape = 0, undecided = 0;
 };
 
 /// Throws InputError without runs.

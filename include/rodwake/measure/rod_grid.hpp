@@ -24,7 +24,8 @@ struct RodGrid {
     std::size_t bins() const { return n * n; }
     /// Middle of column or row k, -L/2 + k spacing (k = n/2: 0).
     double middle(std::size_t k) const {
-        return (static_cast<double>(k) - static_cast<double>(n / 2)) * spacing;
+        const std::size_t middle_bin = n / 2;
+        return (static_cast<double>(k) - static_cast<double>(middle_bin)) * spacing;
     }
     /// Bin [row y][column x] of a place in the rod's frame; what lies beyond +L/2 - spacing/2 belongs to the
     /// periodic image at -L/2. Nothing outside [-L/2 - spacing/2, L/2 + spacing/2].

@@ -1,23 +1,16 @@
 #pragma once
 // Means with standard errors, and straight lines through points with errors.
 
-#include <cstddef>
+#include "rodwake/core/estimate.hpp"
+
 #include <span>
 
 namespace rodwake::measure {
 
-/// A number with its standard error. `samples` independent values stand behind it; with fewer than 2 the
-/// error is unknown, which is said by error < 0.
-struct Estimate {
-    double value = 0.0, error = -1.0;
-    std::size_t samples = 0;
-
-    bool known() const { return error >= 0.0; }
-};
-
 /// Weighted mean of block values w_b, v_b; the error allows for unequal weights:
 ///   error^2 = sum w_b^2 (v_b - mean)^2 / (sum w_b)^2 * n/(n - 1),   n blocks of positive weight.
-/// Equal weights: the usual s/sqrt(n). Empty weights: all equal. Without any weight: 0 samples, value 0.
+/// Equal weights: the usual s/sqrt(n). Empty weights: all equal. Without any weight: count 0, value 0. The
+/// error from fewer than 2 blocks is unknown.
 Estimate mean_of_blocks(std::span<const double> values, std::span<const double> weights = {});
 
 /// Correlation of successive values, sum (v_b - m)(v_b+1 - m) / sum (v_b - m)^2, in [-1, 1]; 0 for fewer than

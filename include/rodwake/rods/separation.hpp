@@ -31,9 +31,6 @@ struct Offset {
 };
 Offset offset(integrate::State y, std::size_t a, std::size_t b, Box box = {});
 
-/// Rate of change of the distance of two rods, (R_a - R_b).(n_a - n_b)/r; between -2 and 2.
-double separation_rate(integrate::State y, std::size_t a, std::size_t b, Box box = {});
-
 /// Longest step in which no pair can meet and part unseen: the smallest of r/(3 max(|n_a - n_b|, 1/2)). At
 /// most a third of the separation is closed in it, two thirds if the limit is one step old; rods that walk
 /// abreast close in only by turning, which error control sees.

@@ -11,9 +11,10 @@ namespace rodwake::rods {
 /// The smallest separation of all pairs at any time, and each pair's range over the last part of the run.
 /// A plain value: it can be saved and taken up again.
 struct SeparationRecord {
-    Separation smallest;           ///< infinite for a single rod
-    double late_from = 0.0;        ///< time at which the last part begins
-    std::vector<PairHistory> late; ///< of pair (a, b), a < b, at a N + b; empty for a single rod
+    Separation smallest;        ///< infinite for a single rod
+    double smallest_time = 0.0; ///< when that was
+    double late_from = 0.0;     ///< time at which the last part begins
+    std::vector<LatePart> late; ///< of pair (a, b), a < b, at a N + b; empty for a single rod
 };
 
 SeparationRecord start_record(integrate::State y, double late_from, Box box = {});

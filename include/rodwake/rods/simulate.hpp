@@ -46,8 +46,9 @@ struct RodOutcome {
     double time = 0.0; ///< of contact, else the time reached
     Separation pair;   ///< the pair it is about: in contact, in pursuit, else the closest at any time
     double min_separation = 0.0; ///< smallest separation of any pair at any time; infinite for a single rod
-    std::vector<double> turn;    ///< theta(end) - theta(0) of each rod, rad
-    std::string reason;          ///< in words, with the numbers
+    double min_separation_time = 0.0; ///< when
+    std::vector<double> turn;         ///< theta(end) - theta(0) of each rod, rad
+    std::string reason;               ///< in words, with the numbers
 };
 
 struct RodResult {
@@ -62,5 +63,16 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options);
 /// The initial-value problem by itself, for those who want to integrate it their own way. Steps are limited
 /// by encounter_step, so that no encounter is stepped over however quiet the field before it.
 integrate::OdeProblem to_ode(const RodProblem& problem);
+
+// Which integrator suits a problem, for method = "auto".
+
+/// Rods are not stiff until a heading relaxes much faster than a rod walks past its neighbour. With k the
+/// largest |d theta_a'/d theta_b| at the start and r the smallest separation, k r (v0 = 1) is that ratio:
+/// above 30 BDF, below explicit Runge-Kutta. Measured at both ends in docs/validation.md (side by side, 5
+/// apart: 0.5 at kappa = 100, 46 at kappa = 1e4).
+integrate::Method suitable_method(const RodProblem& problem);
+
+/// k r of the above; 0 for rods that do not interact.
+double stiffness(const RodProblem& problem);
 
 } // namespace rodwake::rods

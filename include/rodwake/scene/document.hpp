@@ -1,6 +1,8 @@
 #pragma once
 // What a scene may contain, from the same field lists that read and write it.
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +16,14 @@ struct KeyInfo {
     std::string default_value; ///< TOML, "required", or what its absence means
     std::string legal;         ///< "> -1 and <= 1e+12"
     std::string meaning;
-    std::string example; ///< TOML value that is legal
+    std::string example;                   ///< TOML value that is legal
+    std::string symbol{};                  ///< TeX without dollars; empty: none
+    std::string unit_reduced{}, unit_si{}; ///< of a plain number, by the scene's `units`
+    bool is_required = false;
+    std::vector<std::string> choices{};  ///< names that are legal; empty: not among names
+    std::vector<std::string> planned{};  ///< names that are legal in later versions
+    std::optional<double> low{}, high{}; ///< of numbers, in the unit of `legal`
+    bool is_low_legal = true;
 };
 
 /// Every key, in the order of the reference.
@@ -22,5 +31,15 @@ std::vector<KeyInfo> scene_keys();
 
 /// docs/scene.md: Markdown with a table for each scene table.
 std::string scene_reference();
+
+/// A list of the schema; each entry is JSON.
+struct SchemaList {
+    std::string name;
+    std::vector<std::string> entries;
+};
+
+/// The same as JSON, for programs: {"schema", "tables": [{"table", "meaning"}], "keys": [...], "figures":
+/// [...], "fit_parameters": [...]} and what else is known of (assembly/schema.hpp).
+std::string schema_json(std::span<const SchemaList> more = {});
 
 } // namespace rodwake::scene

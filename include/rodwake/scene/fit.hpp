@@ -3,15 +3,17 @@
 // `units` says; a string with a unit is in bead radii then (what `rodwake measure` writes). Whether a file is
 // there and what it holds is not known here.
 
+#include "rodwake/fitting/method.hpp"
+
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rodwake::scene {
 
-enum class FitMethod { bobyqa, nelder_mead, slsqp, lbfgs, mma, mlsl, crs, isres, direct_l };
-enum class FitLoss { squares, huber, cauchy };
 enum class FitRole { fit, predict };
 
 /// [low, high] of a parameter.
@@ -74,15 +76,7 @@ struct Fit {
     double heading = 0.0; ///< rad
     double core = 0.0;
     std::optional<double> independent_spacing;
-    FitMethod method = FitMethod::slsqp;
-    FitLoss loss = FitLoss::squares;
-    double loss_width = 1.5; ///< in sigma
-    bool polish = true;
-    long starts = 1;
-    double spread = 10.0;
-    long seed = 1;
-    double tolerance = 1e-10;
-    long max_evaluations = 2000;
+    fitting::SearchOptions search;
     std::vector<std::string> likelihood;
     std::string length_unit = "a";
     std::vector<FitProfile> profiles;
@@ -93,7 +87,7 @@ struct Fit {
 };
 
 /// Names a parameter may have.
-const std::vector<std::string>& fit_parameter_names();
+std::span<const std::string_view> fit_parameter_names();
 /// Where a parameter starts without an entry in fit.start: xi at 10 for profiles, at 1 for tracks alone.
 double fit_default_start(const Fit& fit, const std::string& parameter);
 /// Bounds of a parameter: those given, else [1e-6, 1e6] for eta, xi and alpha, nothing for others.

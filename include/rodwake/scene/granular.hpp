@@ -4,6 +4,9 @@
 // The granular bed has its own scale: everything here is SI, whatever `units` says, and "a" in a string means
 // granular.bead_radius. [scales] is not needed. What is absent and follows from other keys stays absent here.
 
+#include "rodwake/granular/shape.hpp"
+#include "rodwake/granular/surfaces.hpp"
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,24 +14,6 @@
 namespace rodwake::scene {
 
 enum class GranularStart { lattice, random, restart };
-enum class RodKind { motile, apolar };
-enum class RodTaper { linear, stepwise };
-
-/// [granular.plates]: floor z = A cos(2 pi f t), lid the same + gap, gamma = A (2 pi f)^2 / gravity.
-struct Plates {
-    double gap = 1.2e-3;      ///< m
-    double frequency = 200.0; ///< Hz
-    double gamma = 7.0;       ///< 0: static
-
-    bool operator==(const Plates&) const = default;
-};
-
-/// { friction, restitution } of a kind of contact.
-struct Surface {
-    double friction = 0.0, restitution = 0.0;
-
-    bool operator==(const Surface&) const = default;
-};
 
 /// Of a pair of particles that differs from particle_particle; a key that is absent does not differ.
 struct SurfaceChange {
@@ -39,7 +24,7 @@ struct SurfaceChange {
 
 /// [granular.contacts]. Walls are the plates.
 struct Contacts {
-    Surface particle_particle{0.05, 0.3}, rod_wall{0.03, 0.1}, bead_wall{0.2, 0.3};
+    granular::Surface particle_particle{0.05, 0.3}, rod_wall{0.03, 0.1}, bead_wall{0.2, 0.3};
     std::optional<SurfaceChange> bead_bead, bead_rod, rod_rod;
 
     bool operator==(const Contacts&) const = default;
@@ -58,17 +43,10 @@ struct GranularOutput {
 
 /// [[granular.rods]]
 struct GranularRod {
-    RodKind kind = RodKind::motile;
+    granular::RodShape shape; ///< spheres and thick_diameter of an apolar rod: 13 and 0.95e-3 if not given
     std::vector<double> position;        ///< x, y of the centre of mass, m
     double heading = 0.0;                ///< of the thin end, rad, counter-clockwise from +x
     std::optional<double> imposed_speed; ///< m/s along the heading, held; 0: pinned; absent: free
-    long spheres = 12;                   ///< 13 for an apolar rod if not given
-    RodTaper taper = RodTaper::linear;
-    long segments = 4; ///< of a stepwise taper
-    double length = 4.5e-3;
-    double thick_diameter = 1.1e-3; ///< m; apolar: of the middle, 0.95e-3 if not given
-    double thin_diameter = 0.8e-3;  ///< m
-    double density = 8500.0;        ///< kg/m^3
 
     bool operator==(const GranularRod&) const = default;
 };
@@ -95,7 +73,7 @@ struct Granular {
     long seed = 1, runs = 1;
     double overlap_limit = 0.1;         ///< fraction of the radius
     std::optional<double> order_cutoff; ///< m; absent: 1.4 lattice spacings
-    Plates plates;
+    granular::Plates plates;
     Contacts contacts;
     GranularOutput output;
     std::vector<GranularRod> rods;

@@ -2,24 +2,22 @@
 // The [measure] table of a scene, after units are resolved and every value is checked: what is measured of
 // the granular run. SI, with the bed's own `a`. What is absent is not measured.
 
+#include "rodwake/measure/estimators.hpp"
+
 #include <optional>
 #include <string>
 
 namespace rodwake::scene {
 
-enum class DisplacementMethod { none, phase, lagrangian, density };
-enum class DisplacementReference { box, far };
-enum class NeighbourRule { cutoff, delaunay };
-
 struct Measure {
     bool order = false, microrheology = false, flow = false, pairs = false, force = false;
-    DisplacementMethod displacement = DisplacementMethod::none;
+    std::optional<measure::DisplacementMethod> displacement;
     std::optional<double> interval; ///< between the frames that are measured, s; absent: of the stored frames
     double from = 0.0;              ///< earlier frames are not measured, s
     double block = 5.0;             ///< s; one independent value for the errors
     long rod = 0;                   ///< whose frame
     std::optional<double> order_interval; ///< s; absent: at least 0.5 s
-    NeighbourRule order_neighbours = NeighbourRule::cutoff;
+    measure::Neighbours order_neighbours = measure::Neighbours::cutoff;
     std::optional<double> order_cutoff;  ///< m; absent: first minimum of g(r)
     std::optional<double> s_low, s_high; ///< of the extrapolation of the stiffness, 1/s
     double flow_lag = 0.1;               ///< s
@@ -27,7 +25,7 @@ struct Measure {
     std::optional<double> marked_within; ///< m; absent: 6 a
     std::optional<double> marked_travel; ///< m; absent: to the end
     std::optional<double> spacing;       ///< of the displacement's grid, m; absent: 1 a
-    DisplacementReference reference = DisplacementReference::box;
+    measure::Reference reference = measure::Reference::box;
     std::optional<double> far_from; ///< m; absent: 0.3 L
     bool mirror = false;
     std::optional<double> profile_offset;   ///< y of the profile of U_y along x, m; absent: 4 a

@@ -7,9 +7,11 @@
 // door (reading: scene/read.hpp; writing results: Scales below). The granular tables are SI
 // (scene/granular.hpp).
 
+#include "rodwake/integrate/method.hpp"
 #include "rodwake/scene/fit.hpp"
 #include "rodwake/scene/granular.hpp"
 #include "rodwake/scene/measure.hpp"
+#include "rodwake/scene/scan.hpp"
 
 #include <optional>
 #include <string>
@@ -19,18 +21,19 @@ namespace rodwake::scene {
 
 enum class UnitSystem { reduced, si };
 
+inline constexpr double default_bead_radius = 0.4e-3; // m
+
 /// What one reduced unit is worth. [scales] is needed for units = "si" and for any value with a unit.
 struct Scales {
-    double f_over_mu = 0.0;      ///< m, the unit of length
-    double v0 = 0.0;             ///< m/s, self-propulsion speed; the unit of time is f_over_mu / v0
-    double bead_radius = 0.4e-3; ///< m, what "a" means in "2.2 a"
+    double f_over_mu = 0.0; ///< m, the unit of length
+    double v0 = 0.0;        ///< m/s, self-propulsion speed; the unit of time is f_over_mu / v0
+    double bead_radius = default_bead_radius; ///< m, what "a" means in "2.2 a"
 
     bool operator==(const Scales&) const = default;
 };
 
 enum class FieldBackend { exact };
 enum class PolarBasis { laplacian, divergence };
-enum class RodMethod { bdf, adams, erk, automatic };
 
 /// [medium.table]: for backends that interpolate the field. The exact one has no use for it.
 struct FieldTable {
@@ -77,12 +80,12 @@ struct Rod {
 
 /// [rods_run]
 struct RodsRun {
-    double t_end = 0.0;                     ///< > 0 (resolved)
-    bool t_end_from_outputs = false;        ///< t_end was not given: it is the last output time
-    std::vector<double> output_times;       ///< increasing, within (0, t_end]; ends with t_end (resolved)
-    std::optional<double> contact_distance; ///< stop there; absent: no stop
-    RodMethod method = RodMethod::automatic;
-    double rtol = 1e-8, atol = 1e-10; ///< atol: rtol / 100 if not given
+    double t_end = 0.0;                      ///< > 0 (resolved)
+    bool t_end_from_outputs = false;         ///< t_end was not given: it is the last output time
+    std::vector<double> output_times;        ///< increasing, within (0, t_end]; ends with t_end (resolved)
+    std::optional<double> contact_distance;  ///< stop there; absent: no stop
+    std::optional<integrate::Method> method; ///< absent: the one that suits the problem
+    double rtol = 1e-8, atol = 1e-10;        ///< atol: rtol / 100 if not given
     long max_steps = 1'000'000;
 
     bool operator==(const RodsRun&) const = default;
@@ -109,28 +112,28 @@ struct Field {
 
 /// [[figures]]: what `rodwake plot` draws from the results.
 struct Figure {
-    std::string name; ///< file name without ending
-    std::string kind; ///< extensional_axis | polar_streamlines | cut | trajectories, of the granular bed:
-                      ///< snapshot | rod_tracks | side_view | movie | granular_table, or of what was measured
-                      ///< in it: pair_correlation | bond_order | msd | series | flow | dragged | profile |
-                      ///< displacement_map | pair_tracks, or of the fit: fit | fit_starts | fit_likelihood |
-                      ///< fit_correlation | fit_trajectories
-    std::string title;                       ///< empty: made from the data
-    long cut = 0;                            ///< kind cut: index into field.cuts
-    std::string component = "Ux";            ///< kinds cut, profile: Ux | Uy
+    std::string name;      ///< file name without ending
+    std::string kind;      ///< one of those that `rodwake info --schema` lists
+    std::string title;     ///< empty: made from the data
+    long cut = 0;          ///< kind cut: index into field.cuts
+    std::string component; ///< kinds cut, profile: Ux | Uy, displacement_map: also U, the size; set when read
     bool sqrt_scaled = false;                ///< kinds cut, profile: draw |s|^(1/2) U instead of U
     std::string along = "x";                 ///< kind profile: x | y
     std::string quantity = "psi6";           ///< kind series: what is drawn ...
     std::string against = "phi_b";           ///< ... against what
     std::vector<std::vector<double>> gammas; ///< kind polar_streamlines: a panel for each [gamma1, gamma2]
     long frame = -1;                         ///< kind snapshot: which stored frame, from 0; -1: the last
-    std::string colour = "order";            ///< kinds snapshot, movie: order | orientation
-    long fps = 20;                           ///< kind movie: frames a second
-    std::vector<long> profiles;              ///< kind fit: indices into fit.profiles; empty: all
-    bool residuals = true;                   ///< kind fit: residuals under each panel
-    std::string parameter;                   ///< kind fit_likelihood; empty: the first of fit.likelihood
-    std::vector<double> x,
-        y; ///< window [min, max]; empty: fit to the data. Granular kinds: m; fit kinds: as profiles
+    std::string colour; ///< kinds snapshot, movie: order | orientation; phase_diagram: outcome or a column
+    long fps = 20;      ///< kind movie: frames a second
+    std::vector<long> profiles; ///< kind fit: indices into fit.profiles; empty: all
+    bool residuals = true;      ///< kind fit: residuals under each panel
+    std::string parameter;      ///< kind fit_likelihood; empty: the first of fit.likelihood
+    bool cells = false;         ///< kind phase_diagram: outline the cells of the refinement
+    bool boundary = true;       ///< kind phase_diagram: draw boundary.csv where it is there
+    std::vector<double> slices; ///< kind phase_diagram: values of the third axis, a panel each
+    std::string column;         ///< kind scan_curve: of scan.csv; empty: made from the data
+    /// Window [min, max]; empty: fit to the data. Granular kinds: m; fit kinds: as profiles; scans: as axes
+    std::vector<double> x, y;
 
     bool operator==(const Figure&) const = default;
 };
@@ -159,6 +162,7 @@ struct Scene {
     std::optional<Granular> granular;
     std::optional<Measure> measure;
     std::optional<Fit> fit;
+    std::optional<Scan> scan;
     std::vector<Figure> figures;
     std::vector<Variant> variants;
 

@@ -21,9 +21,9 @@ struct Table {
 };
 
 /// Reads the required columns and those of the optional ones that are there; others may hold anything and
-/// are passed over. Throws InputError with file:line:column for anything that is not a finite number, a
-/// wrong number of fields, a missing required column, an empty or unreadable file. Empty fields are NaN in
-/// optional columns.
+/// are passed over; "-" is standard input. Throws InputError with file:line:column for anything that is not a
+/// finite number, a wrong number of fields, a missing required column, an empty or unreadable file. Empty
+/// fields are NaN in optional columns.
 Table read_csv(const std::filesystem::path& path, std::span<const std::string> required,
                std::span<const std::string> optional = {});
 

@@ -32,6 +32,10 @@ public:
     void attribute(const std::string& group, const std::string& name, std::int64_t value);
     void attribute(const std::string& group, const std::string& name, const std::string& value);
 
+    /// Takes a group with everything in it over from another file; nothing if that has none such. Throws
+    /// RunError.
+    void copy_group(const std::filesystem::path& from, const std::string& group);
+
     /// Closes and renames the file into place. Throws RunError.
     void commit();
 

@@ -1,0 +1,28 @@
+# Headers that most sources read, parsed once. Sources and headers still include what
+# they use: headers are compiled alone (target headers_alone, test "compile"), and clang-tidy reads sources without these.
+option(RODWAKE_PCH "Precompile the headers of libraries" ON)
+
+# rodwake_precompile(<name> [PIC] LINK <libraries> HEADERS <header>...): makes the target <name>; rodwake_reuse(<target> <name>) takes it up.
+function(rodwake_precompile name)
+    cmake_parse_arguments(SET "PIC" "" "LINK;HEADERS" ${ARGN})
+    if(NOT RODWAKE_PCH)
+        return()
+    endif()
+    set(source ${CMAKE_BINARY_DIR}/precompiled/${name}.cpp) # a target needs a source
+    file(CONFIGURE OUTPUT ${source} CONTENT "")
+    add_library(${name} OBJECT EXCLUDE_FROM_ALL ${source})
+    target_link_libraries(${name} PRIVATE ${SET_LINK})
+    target_compile_options(${name} PRIVATE ${RODWAKE_FLAGS})
+    if(SET_PIC) # as all the sources that use it
+        set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    endif()
+    list(TRANSFORM SET_HEADERS PREPEND "<")
+    list(TRANSFORM SET_HEADERS APPEND ">")
+    target_precompile_headers(${name} PRIVATE ${SET_HEADERS})
+endfunction()
+
+function(rodwake_reuse target name)
+    if(RODWAKE_PCH)
+        target_precompile_headers(${target} REUSE_FROM ${name})
+    endif()
+endfunction()

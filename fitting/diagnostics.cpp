@@ -1,0 +1,265 @@
+// What a report says in sentences: directions the data do not fix, and what else a reader should know.
+
+#include "diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::fitting {
+
+namespace {
+
+/// Relative change of a value along a direction, or the change itself if the value is 0.
+struct Move {
+    std::string name;
+    double amount = 0.0;
+    bool relative = true;
+};
+
+std::vector<Move> moves(const Problem& problem, const Fit& fit, const FlatDirection& flat) {
+    std::vector<Move> all;
+    for (std::size_t i = 0; i < flat.change.size(); ++i) {
+        const Parameter& p = problem.parameters[i];
+        const double value = fit.values[i];
+        const bool log = p.transform == Transform::log;
+        if (p.free() && flat.change[i] != 0.0)
+            all.push_back({p.name, log || value == 0.0 ? flat.change[i] : flat.change[i] / std::abs(value),
+                           log || value != 0.0});
+    }
+    return all;
+}
+
+std::string amount(const Move& move, double unit) {
+    return move.relative ? fmt::format("{:.2g} %", std::abs(move.amount) * unit)
+                         : fmt::format("{:.2g}", 0.01 * std::abs(move.amount) * unit);
+}
+
+std::string names(const std::vector<Move>& all) {
+    std::string text;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        text += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i].name;
+    return text;
+}
+
+/// "raising eta by 1 % and lowering xi by 0.8 %"
+std::string deeds(const std::vector<Move>& all) {
+    double largest = 0.0;
+    for (const Move& move : all)
+        largest = std::max(largest, std::abs(move.amount));
+    const double unit = (all.front().amount < 0.0 ? -1.0 : 1.0) / largest;
+    std::string text;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        text += fmt::format("{}{} {} by {}", i == 0 ? "" : " and ",
+                            all[i].amount * unit > 0.0 ? "raising" : "lowering", all[i].name,
+                            amount(all[i], std::abs(unit)));
+    return text;
+}
+
+std::string sentence(const std::vector<Move>& all, bool exactly) {
+    const char* fix = exactly ? "do not fix" : "hardly fix";
+    const char* little = exactly
+                             ? "changes the residuals hardly or not at all"
+                             : "changes the residuals by less than a thousandth of what either does alone";
+    if (all.size() == 1)
+        return fmt::format("the data {} {}: {}", fix, all.front().name,
+                           exactly ? "the residuals do not depend on it here"
+                                   : "the residuals hardly depend on it");
+    return fmt::format("the data {} {} separately: {} {}", fix, names(all), deeds(all), little);
+}
+
+/// Of all parameters, those that take part by less than a thousandth left out, largest = 1.
+std::vector<double> change_of(const Problem& problem, const Fit& fit, const SearchSpace& space,
+                              const Eigen::VectorXd& direction, const Eigen::VectorXd& part) {
+    std::vector<double> change(problem.parameters.size());
+    double largest = 0.0;
+    for (Eigen::Index k = 0; k < space.size(); ++k) {
+        const std::size_t i = space.free()[k];
+        if (std::abs(part[k]) > 1e-3)
+            change[i] = direction[k] * space.slope(k, space.logarithmic(k) ? 1.0 : fit.values[i]);
+        largest = std::max(largest, std::abs(change[i]));
+    }
+    for (double& c : change)
+        c = c == 0.0 ? 0.0 : c / largest;
+    for (std::size_t i = 0; i < change.size(); ++i)
+        if (const Parameter& p = problem.parameters[i]; !p.tied_to.empty()) {
+            const auto to = std::ranges::find(problem.parameters, p.tied_to, &Parameter::name);
+            const double by = to->transform == Transform::log ? 1.0 : p.tie_factor;
+            change[i] = by * change[static_cast<std::size_t>(to - problem.parameters.begin())];
+        }
+    return change;
+}
+
+} // namespace
+
+std::vector<FlatDirection> flat_directions(const Problem& problem, const Fit& fit, const SearchSpace& space,
+                                           const Curvature& c) {
+    std::vector<FlatDirection> all;
+    for (Eigen::Index i = c.singular_values.size() - 1; i >= 0 && c.singular_values[i] < 1e-3; --i) {
+        FlatDirection flat;
+        flat.singular_value = c.singular_values[i];
+        flat.change = change_of(problem, fit, space, c.directions.col(i), c.scaled.col(i));
+        flat.text = sentence(moves(problem, fit, flat), i >= c.rank);
+        all.push_back(std::move(flat));
+    }
+    return all;
+}
+
+namespace {
+
+using Diagnostics = std::vector<std::string>;
+constexpr double poor_chi2 = 0.01; // probability
+
+void add_ending(Diagnostics& diagnostics, const Fit& fit) {
+    if (fit.termination == Termination::failed)
+        diagnostics.push_back(fmt::format("the fit failed: {}", fit.reason));
+    else if (fit.termination == Termination::interrupted)
+        diagnostics.push_back("the fit was interrupted: these are the best values so far");
+    else if (fit.termination == Termination::budget)
+        diagnostics.push_back(fmt::format("not converged ({}): allow more evaluations", fit.reason));
+}
+
+/// Along a flat direction the gradient is worth any number of its huge errors; that it is flat says more.
+void add_distance(Diagnostics& diagnostics, const Fit& fit, const Report& report, bool exact) {
+    const bool finished =
+        fit.termination == Termination::converged || fit.termination == Termination::roundoff;
+    if (!finished || exact || fit.distance <= 0.05 || (!report.flat.empty() && fit.distance <= 0.5))
+        return;
+    if (fit.distance <= 0.5)
+        diagnostics.push_back(
+            fmt::format("not quite at a stationary point: by the gradient the values may be off "
+                        "by {:.2g} standard errors; the errors themselves hold ({})",
+                        fit.distance, fit.reason));
+    else
+        diagnostics.push_back(
+            fmt::format("not at a stationary point: the gradient is worth {:.2g} standard errors; errors "
+                        "are not to be trusted ({})",
+                        fit.distance, fit.reason));
+}
+
+void add_bounds(Diagnostics& diagnostics, const Problem& problem, const Report& report) {
+    for (std::size_t i = 0; i < report.estimates.size(); ++i) {
+        const Estimate& e = report.estimates[i];
+        if (e.at_lower || e.at_upper)
+            diagnostics.push_back(
+                fmt::format("{} is on its {} bound {:.6g}: it has no error, and the errors of the others "
+                            "hold for it fixed there",
+                            e.name, e.at_lower ? "lower" : "upper",
+                            e.at_lower ? problem.parameters[i].lower : problem.parameters[i].upper));
+    }
+}
+
+void add_errors(Diagnostics& diagnostics, const Problem& problem, const Fit& fit, const Report& report) {
+    if (fit.loss != Loss::squares && std::isfinite(report.error_factor))
+        diagnostics.push_back(
+            fmt::format("robust loss ({}, width {:g}): errors from the scatter of the residuals, {:.3g} "
+                        "times those of plain least squares",
+                        fit.loss == Loss::huber ? "huber" : "cauchy", fit.loss_width, report.error_factor));
+    else if (!problem.sigma_known && std::isfinite(report.error_factor))
+        diagnostics.push_back(fmt::format(
+            "no sigmas were given: errors from the scatter of the residuals about the fit, {:.3g}",
+            report.error_factor));
+    if (report.dof <= 0 && std::isinf(report.error_factor) && std::isfinite(report.chi2))
+        diagnostics.push_back(
+            "errors unknown: as many parameters as data points leave no scatter to take them "
+            "from; give sigmas, or more data");
+}
+
+void add_chi2(Diagnostics& diagnostics, const Problem& problem, const Report& report) {
+    if (!problem.sigma_known || report.dof <= 0 || !std::isfinite(report.chi2))
+        return;
+    const double reduced = report.chi2 / static_cast<double>(report.dof);
+    if (report.probability < poor_chi2)
+        diagnostics.push_back(fmt::format(
+            "poor chi2: {:.4g} for {} degrees of freedom (probability {}); the model is "
+            "not exact or the sigmas are too small; if it is the sigmas, errors grow by {:.3g}",
+            report.chi2, report.dof, describe_probability(report.probability), std::sqrt(reduced)));
+    else if (report.probability > 0.999)
+        diagnostics.push_back(
+            fmt::format("chi2 {:.4g} is small for {} degrees of freedom: the sigmas are too large, or "
+                        "neighbouring data share their noise",
+                        report.chi2, report.dof));
+}
+
+/// Ends more than one standard error, or a hundredth, away in some parameter that has an error.
+bool elsewhere(const Report& report, const Fit& fit, const StartResult& end) {
+    for (std::size_t k = 0; k < report.free.size(); ++k) {
+        const double error = report.estimates[report.free[k]].standard_error,
+                     value = fit.values[report.free[k]];
+        if (std::isfinite(error) && std::abs(end.end[k] - value) > std::max(error, 0.01 * std::abs(value)))
+            return true;
+    }
+    return false;
+}
+
+std::string place(const Report& report, const StartResult& end) {
+    std::string text;
+    for (std::size_t k = 0; k < report.free.size(); ++k)
+        text += fmt::format("{}{} = {:.4g}", k == 0 ? "" : ", ", report.estimates[report.free[k]].name,
+                            end.end[k]);
+    return text;
+}
+
+void add_others(Diagnostics& diagnostics, const Fit& fit, const Report& report, double rise) {
+    std::vector<StartResult> others;
+    for (const StartResult& s : fit.starts)
+        if (s.objective - fit.objective < 4.0 * rise && elsewhere(report, fit, s))
+            others.push_back(s);
+    if (others.empty())
+        return;
+    const StartResult& best = *std::ranges::min_element(others, {}, &StartResult::objective);
+    diagnostics.push_back(
+        fmt::format("{} of {} starts ended elsewhere and nearly as well; the best of them at {} with an "
+                    "objective only {:.3g} above the best",
+                    others.size(), fit.starts.size(), place(report, best), best.objective - fit.objective));
+}
+
+void add_failed(Diagnostics& diagnostics, const Fit& fit) {
+    const auto failed =
+        std::ranges::count_if(fit.starts, [](const StartResult& s) { return !std::isfinite(s.objective); });
+    if (failed > 0 && fit.termination != Termination::failed)
+        diagnostics.push_back(
+            fmt::format("{} of {} starts found no place with finite residuals", failed, fit.starts.size()));
+}
+
+/// Few starts at the best optimum: perhaps none is at the best there is.
+void add_starts(Diagnostics& diagnostics, const Problem& problem, const Fit& fit, const Report& report) {
+    if (!std::isfinite(fit.objective))
+        return;
+    const std::size_t n = fit.starts.size();
+    if (n >= 5 && 2 * report.same_optimum < n)
+        diagnostics.push_back(
+            fmt::format("only {} of {} starts reached the best optimum: more starts may find a better one",
+                        report.same_optimum, n));
+    const bool poor = problem.sigma_known && report.dof > 0 && report.probability < poor_chi2;
+    const bool bound =
+        std::ranges::any_of(report.estimates, [](const Estimate& e) { return e.at_lower || e.at_upper; });
+    if (n == 1 && (poor || bound))
+        diagnostics.push_back("a single start may have ended in a minimum that is not the deepest: try "
+                              "fit.starts = 20");
+}
+
+} // namespace
+
+std::string describe_probability(double probability) {
+    return probability < 1e-300 ? "< 1e-300" : fmt::format("{:.3g}", probability);
+}
+
+std::vector<std::string> diagnostics_of(const Problem& problem, const Fit& fit, const Report& report,
+                                        double rise, bool exact) {
+    Diagnostics diagnostics;
+    add_ending(diagnostics, fit);
+    for (const FlatDirection& flat : report.flat)
+        diagnostics.push_back(flat.text);
+    add_distance(diagnostics, fit, report, exact);
+    add_bounds(diagnostics, problem, report);
+    add_chi2(diagnostics, problem, report);
+    add_errors(diagnostics, problem, fit, report);
+    add_others(diagnostics, fit, report, rise);
+    add_failed(diagnostics, fit);
+    add_starts(diagnostics, problem, fit, report);
+    return diagnostics;
+}
+
+} // namespace rodwake::fitting

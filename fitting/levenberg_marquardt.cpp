@@ -1,0 +1,232 @@
+#include "search.hpp"
+
+#include "curvature.hpp"
+
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::fitting {
+
+namespace {
+
+/// Of the columns in `movable`: QR of the augmented system, which unlike the normal equations does not square
+/// the condition number.
+Eigen::VectorXd solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
+                      const std::vector<Eigen::Index>& movable, const Eigen::VectorXd& weights,
+                      double lambda) {
+    const Eigen::Index m = a.rows(), n = static_cast<Eigen::Index>(movable.size());
+    Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(m + n, n);
+    augmented.topRows(m) = a(Eigen::all, movable);
+    for (Eigen::Index k = 0; k < n; ++k)
+        augmented(m + k, k) = std::sqrt(lambda) * weights[movable[k]];
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(m + n);
+    right.head(m) = -b;
+    return augmented.householderQr().solve(right);
+}
+
+std::vector<Eigen::Index> not_held(const std::vector<bool>& held) {
+    std::vector<Eigen::Index> movable;
+    for (std::size_t k = 0; k < held.size(); ++k)
+        if (!held[k])
+            movable.push_back(static_cast<Eigen::Index>(k));
+    return movable;
+}
+
+/// Puts coordinates that left the box on its side and holds them there; true if there were any.
+bool clip(const SearchSpace& space, const Eigen::VectorXd& u, Eigen::VectorXd& step,
+          std::vector<bool>& held) {
+    bool any = false;
+    for (Eigen::Index k = 0; k < u.size(); ++k) {
+        const double to = u[k] + step[k];
+        if (held[k] || (to >= space.lower()[k] && to <= space.upper()[k]))
+            continue;
+        step[k] = (to < space.lower()[k] ? space.lower()[k] : space.upper()[k]) - u[k];
+        held[k] = any = true;
+    }
+    return any;
+}
+
+} // namespace
+
+DampedStep damped_step(const Weighted& model, const SearchSpace& space, const Eigen::VectorXd& u,
+                       const Eigen::VectorXd& weights, double lambda) {
+    // Only the n x n triangle is needed from here on.
+    const Eigen::Index n = u.size(), rows = std::min(n, model.a.rows());
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(model.a);
+    const Eigen::MatrixXd a = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+    const Eigen::VectorXd b = Eigen::VectorXd(qr.householderQ().transpose() * model.b).head(rows);
+    const Eigen::VectorXd gradient = a.transpose() * b;
+    std::vector<bool> held = held_by_bounds(space, u, gradient);
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+    do {
+        const auto movable = not_held(held);
+        if (movable.empty())
+            break;
+        Eigen::VectorXd fixed_part = step;
+        fixed_part(movable).setZero();
+        step = fixed_part;
+        step(movable) = solve(a, b + a * fixed_part, movable, weights, lambda);
+    } while (clip(space, u, step, held));
+    return {step, -(2.0 * gradient.dot(step) + (a * step).squaredNorm())};
+}
+
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr long patience = 20;
+constexpr double tight = 1e-6; // standard errors, far below anything that matters
+
+/// Steps measured by the columns' lengths; Nielsen's rule for the damping.
+class Damping {
+public:
+    void rescale(const Eigen::MatrixXd& a) { scale = a.colwise().stableNorm().transpose(); }
+    Eigen::VectorXd weights() const {
+        return scale.unaryExpr([](double s) { return s > 0.0 ? s : 1.0; });
+    }
+    void better(double gain) {
+        const double root = 2.0 * gain - 1.0;
+        lambda = std::max(1e-20, lambda * std::clamp(1.0 - root * root * root, 1.0 / 10.0, 2.0));
+        growth = 2.0;
+    }
+    void worse() {
+        lambda *= growth;
+        growth *= 2.0;
+    }
+
+    Eigen::VectorXd scale;
+    double lambda = 1e-3, growth = 2.0;
+};
+
+struct Run {
+    Evaluator& evaluator;
+    Point here;
+    Weighted model{};
+    Damping damping{};
+    long iterations = 0;
+
+    void linearise() {
+        model = evaluator.weighted(here);
+        damping.rescale(model.a);
+    }
+};
+
+bool tiny(const Eigen::VectorXd& step, const Eigen::VectorXd& u) {
+    return (step.array().abs() <= eps * u.array().abs()).all();
+}
+
+bool inside(const SearchSpace& space, const Eigen::VectorXd& u) {
+    return (u.array() > space.lower().array()).all() && (u.array() < space.upper().array()).all();
+}
+
+/// Geodesic acceleration (Transtrum and Sethna, arXiv:1201.5885): half the second-order correction of the
+/// step, from the residuals' second derivative along it. In long curved valleys it is worth its evaluation
+/// many times over, so it is tried once the search has proved to be long. Zero where it is not to be trusted.
+Eigen::VectorXd acceleration(Run& run, const Eigen::VectorXd& step) {
+    constexpr double h = 0.1;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(step.size()), &u = run.here.u;
+    const SearchSpace& space = run.evaluator.space();
+    if (run.iterations <= patience || !inside(space, u) || !inside(space, u + step))
+        return none;
+    const Point ahead = run.evaluator(u + h * step, false);
+    if (!ahead.finite())
+        return none;
+    const Eigen::VectorXd bend = 2.0 / h * ((ahead.r - run.here.r) / h - run.here.jacobian * step);
+    const Eigen::VectorXd weights = run.damping.weights();
+    const Eigen::VectorXd half =
+        0.5 * damped_step({run.model.a, bend.cwiseProduct(run.model.roots), run.model.roots}, space, u,
+                          weights, run.damping.lambda)
+                  .step;
+    return half.cwiseProduct(weights).norm() <= 0.375 * step.cwiseProduct(weights).norm() ? half : none;
+}
+
+/// Tries steps from `here`, ever shorter, until one is better. False: there is none.
+bool advance(Run& run, long max_iterations) {
+    while (run.iterations < max_iterations) {
+        ++run.iterations;
+        const DampedStep step = damped_step(run.model, run.evaluator.space(), run.here.u,
+                                            run.damping.weights(), run.damping.lambda);
+        const Eigen::VectorXd to =
+            run.evaluator.space().clamp(run.here.u + step.step + acceleration(run, step.step));
+        if (!(step.predicted > 0.0) || tiny(to - run.here.u, run.here.u))
+            return false;
+        const bool measurable = step.predicted > 4.0 * eps * run.here.objective;
+        Point there = run.evaluator(to, true);
+        if (run.evaluator.stopped())
+            return false;
+        if (there.objective < run.here.objective) {
+            run.damping.better((run.here.objective - there.objective) / step.predicted);
+            run.here = std::move(there);
+            return true;
+        }
+        if (!measurable)
+            return false;
+        run.damping.worse();
+    }
+    return false;
+}
+
+/// The objective cannot tell the last steps apart; they are taken, hardly damped, as long as each leaves less
+/// than 0.8 of the improvement the linear model still promises and the objective is as good but for rounding.
+void refine(Run& run) {
+    const double worst = run.here.objective * (1.0 + 4.0 * eps);
+    const SearchSpace& space = run.evaluator.space();
+    const auto next = [&](const Run& at) {
+        return damped_step(at.model, space, at.here.u, run.damping.weights(), 1e-15);
+    };
+    DampedStep step = next(run);
+    for (int i = 0; i < 50 && step.predicted > 0.0; ++i) {
+        Run there{run.evaluator, run.evaluator(space.clamp(run.here.u + step.step), true)};
+        if (!(there.here.objective <= worst))
+            return;
+        there.model = run.evaluator.weighted(there.here);
+        const DampedStep after = next(there);
+        if (!(after.predicted < 0.8 * step.predicted))
+            return;
+        run.here = std::move(there.here);
+        run.model = std::move(there.model);
+        step = after;
+    }
+}
+
+SearchResult verdict(const Run& run, long max_iterations) {
+    SearchResult end{run.here.u, run.here.objective, Termination::roundoff, {}};
+    const Stationarity s = stationarity(run.evaluator, run.here);
+    if (run.evaluator.best() < run.here.objective * (1.0 - 8.0 * eps)) { // a probe, just before a stop
+        end.u = run.evaluator.best_u();
+        end.objective = run.evaluator.best();
+    }
+    if (run.iterations >= max_iterations)
+        end.termination = Termination::budget;
+    else if (run.evaluator.stopped())
+        end.termination = Termination::interrupted;
+    else if (s.distance <= tight || s.newton <= tiny_change)
+        end.termination = Termination::converged;
+    const char* words = end.termination == Termination::converged     ? "stationary"
+                        : end.termination == Termination::interrupted ? "interrupted"
+                        : end.termination == Termination::budget
+                            ? "out of iterations"
+                            : "no smaller value to be found in double precision";
+    end.reason = fmt::format("polish: {} after {} steps", words, run.iterations);
+    return end;
+}
+
+} // namespace
+
+SearchResult levenberg_marquardt(Evaluator& evaluator, const Eigen::VectorXd& start, long max_iterations) {
+    Run run{evaluator, evaluator(start, true)};
+    if (!run.here.finite())
+        return {start, run.here.objective,
+                evaluator.stopped() ? Termination::interrupted : Termination::failed,
+                "polish: " + (evaluator.stopped() ? std::string("interrupted") : evaluator.trouble())};
+    do
+        run.linearise();
+    while (start.size() > 0 && run.here.objective > 0.0 && advance(run, max_iterations));
+    if (start.size() > 0 && run.here.objective > 0.0 && !evaluator.stopped())
+        refine(run);
+    return verdict(run, max_iterations);
+}
+
+} // namespace rodwake::fitting

@@ -1,0 +1,76 @@
+#pragma once
+// From [fit] and measured data to a problem of the fitting part and how it is solved. Reading the files is
+// not done here (rodwake/stages/fit_inputs.hpp does).
+
+#include "rodwake/fitting/method.hpp"
+#include "rodwake/fitting/trajectory.hpp"
+#include "rodwake/fitting/wake.hpp"
+#include "rodwake/scene/scene.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rodwake::assembly {
+
+/// What one of [[fit.profiles]] names.
+struct FitProfileData {
+    std::string name;
+    std::filesystem::path file; ///< for messages
+    fitting::Profile data;
+    std::size_t left_out = 0; ///< points of unknown sigma beside others of known
+};
+
+/// What one of [[fit.trajectories]] names.
+struct FitTrackData {
+    std::string name;
+    std::filesystem::path file; ///< for messages
+    std::size_t rods = 0;
+    double length = 1.0, time = 1.0; ///< what a reduced unit is in the file's numbers
+    bool sigma_known = false;
+    bool unwrapped = false; ///< headings that jumped by turns were brought near those of the row before
+    fitting::Trajectory data;
+};
+
+/// The data of a fit, in the order of the scene's tables. Absent: a stage of the run makes the file first.
+struct FitInputs {
+    std::vector<std::optional<FitProfileData>> profiles;
+    std::vector<std::optional<FitTrackData>> tracks;
+
+    bool complete() const;
+};
+
+struct FitPlan {
+    scene::Fit keys;
+    std::vector<FitProfileData> profiles; ///< as fit.profiles
+    std::vector<FitTrackData> tracks;     ///< as fit.trajectories
+    fitting::WakeModel wake;
+    fitting::TrajectoryModel track_model;
+    fitting::Problem problem;
+    fitting::Method method; ///< without threads and the calls that report and stop
+};
+
+/// Of inputs that are complete. Throws InputError for data that cannot be fitted, and where the residuals at
+/// the start are not finite.
+FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs);
+
+/// The parameters of the plan that one of the models knows, and where they stand among all.
+struct FitPart {
+    std::vector<fitting::Parameter> parameters;
+    std::vector<std::size_t> index;
+
+    std::vector<double> values(std::span<const double> all) const;
+};
+FitPart wake_part(const fitting::Problem& problem);
+FitPart track_part(const fitting::Problem& problem);
+
+/// The values of a comparison: those named, alpha or xi as the fit has it, the others as fitted.
+std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare& compare,
+                                    std::span<const double> fitted);
+
+/// "a", "a^2", "1", ... of a parameter.
+std::string fit_unit(const scene::Fit& keys, const std::string& parameter);
+
+} // namespace rodwake::assembly

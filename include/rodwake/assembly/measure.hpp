@@ -1,0 +1,27 @@
+#pragma once
+// From the [measure] table of a scene to what is measured of each run, and when. SI.
+
+#include "rodwake/granular/problem.hpp"
+#include "rodwake/measure/measures.hpp"
+#include "rodwake/scene/scene.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace rodwake::assembly {
+
+struct MeasurePlan {
+    measure::Measures sums; ///< of no frames yet: what each run starts with
+    double interval = 0.0;  ///< between measured frames, s
+    std::int64_t every = 1; ///< the same in steps
+    std::string key_text;   ///< of what the sums depend on; sums of another text are of no use
+};
+
+/// Nothing without [measure], or if no frame is needed for what it names. Throws InputError.
+std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem);
+
+/// Steps from one measured frame to the next.
+std::int64_t steps_between_frames(const scene::Scene& scene);
+
+} // namespace rodwake::assembly

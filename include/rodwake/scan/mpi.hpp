@@ -1,0 +1,44 @@
+#pragma once
+// A scan on the ranks of an MPI job: `mpiexec -n N rodwake scan SCENE`. Rank 0 owns the run folder, places
+// the points and evaluates some itself; the others evaluate what it hands them. One thread a rank computes,
+// so give as many ranks as there are cores. A rank that dies takes the job with it (MPI's way); the ledger
+// keeps what was committed, and the same command goes on.
+
+#include "rodwake/scan/execute.hpp"
+
+#include <memory>
+
+namespace rodwake::scan {
+
+/// Whether mpiexec, srun or the like made this process one of several ranks, by what they put into its
+/// environment.
+bool started_as_rank();
+
+class MpiJob {
+public:
+    /// The job of which this process is a rank; null if it is alone. MPI is touched only in a job. Throws
+    /// InputError in a job if this build has no MPI.
+    static std::unique_ptr<MpiJob> join();
+
+    MpiJob(const MpiJob&) = delete;
+    MpiJob& operator=(const MpiJob&) = delete;
+    /// Rank 0 sends the others home first.
+    ~MpiJob();
+
+    int rank() const { return rank_; }
+    int ranks() const { return ranks_; }
+
+    /// Of rank 0. The job must outlive it.
+    Execute executor(Evaluate evaluate, std::function<bool()> stop);
+    /// Of the others: evaluates chunks until rank 0 has no more.
+    void serve(const Evaluate& evaluate);
+
+private:
+    MpiJob();
+    struct Workers;
+
+    int rank_ = 0, ranks_ = 1;
+    std::unique_ptr<Workers> workers_; ///< of rank 0
+};
+
+} // namespace rodwake::scan

@@ -1,0 +1,60 @@
+#pragma once
+// The [scan] table: which keys of the scene vary, over what, and where points are placed.
+
+#include "rodwake/scene/value.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::scene {
+
+enum class ScanDesign { grid, list, lhs, sobol, adaptive };
+enum class ScanSpacing { linear, log };
+
+inline constexpr long default_scan_count = 64;
+inline constexpr std::size_t max_scan_axes = 6;
+
+/// [[scan.axes]]: one key, or several that go together. Values stand as a scene file has those keys, in their
+/// units.
+struct ScanAxis {
+    std::string key;               ///< empty: `keys`
+    std::vector<std::string> keys; ///< tied: key k gets factor[k] times the axis
+    std::vector<double> factor;    ///< empty: all 1
+    std::optional<Value> from, to;
+    ScanSpacing spacing = ScanSpacing::linear;
+    long count = default_scan_count; ///< grid: points; adaptive: cells at the start
+    std::vector<Value> values;       ///< instead of from, to and count
+
+    /// What the axis is called in results.
+    const std::string& name() const { return key.empty() ? keys.front() : key; }
+
+    bool operator==(const ScanAxis&) const = default;
+};
+
+/// [[scan.refine]]: what else than the outcome makes a cell be divided.
+struct ScanRefine {
+    std::string observable;
+    double step = 0.0; ///< largest change over a cell
+
+    bool operator==(const ScanRefine&) const = default;
+};
+
+struct Scan {
+    ScanDesign design = ScanDesign::grid;
+    long resolution = 1024; ///< adaptive: cells a side at the finest
+    long samples = 1000;    ///< lhs, sobol
+    std::string file;       ///< list: CSV, header = keys, a row a point
+    long seed = 1;          ///< lhs and the audit
+    long audit = 1000;      ///< adaptive: points tried at random in cells that were not divided
+    std::optional<double> boundary_tolerance; ///< of the axis; absent: boundaries are not bisected
+    std::optional<double> time_limit;         ///< seconds a point
+    long trajectories = 256;                  ///< stored sample of trajectories
+    long max_points = 20'000'000;             ///< more are refused
+    std::vector<ScanAxis> axes;
+    std::vector<ScanRefine> refine;
+
+    bool operator==(const Scan&) const = default;
+};
+
+} // namespace rodwake::scene

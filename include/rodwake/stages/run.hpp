@@ -1,0 +1,63 @@
+#pragma once
+// A run of a scene: planned, then executed stage by stage into a folder. What `rodwake run`, `dem`,
+// `measure`, `fit`, `field` and `rods` do, without a command line:
+//
+//   const scene::Scene scene = scene::read_scene("pair.toml");
+//   stages::run(stages::plan_run(scene, assembly::stages_of(scene), "results/pair", {}), "results/pair", {});
+
+#include "rodwake/assembly/plan.hpp"
+#include "rodwake/scan/mpi.hpp"
+#include "rodwake/stages/run_context.hpp"
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rodwake::stages {
+
+/// Files to fit that a run of the scene itself makes: they must be there, are left out since the run makes
+/// them anew, or are read where they are there.
+enum class OwnFiles { required, left_out, if_there };
+
+/// The data that [fit] names, from files in the run directory, beside the scene or where the program runs;
+/// the first that exists counts. Throws InputError naming file:line for what is missing or wrong.
+assembly::FitInputs read_fit_inputs(const scene::Scene& scene, const std::filesystem::path& run_directory,
+                                    OwnFiles own);
+
+/// The plan of these stages in that folder, with the context's seed. Throws InputError for what cannot be
+/// modelled and for files that are missing or wrong; nothing is written. Whether the folder can be used,
+/// run() says.
+assembly::Plan plan_run(scene::Scene scene, std::span<const assembly::Stage> stages,
+                        const std::filesystem::path& folder, const RunContext& context);
+
+/// The plan of all stages the scene names, to be described: of the data of a fit those count that are there.
+/// Throws InputError as plan_run does.
+assembly::Plan plan_check(scene::Scene scene, const std::filesystem::path& folder, const RunContext& context);
+
+/// What the stages of a plan will cost, a line each, from about half a second of each on this machine.
+std::string expected_cost(const assembly::Plan& plan);
+
+/// Executes a plan. What was computed is kept however it ends; the same call goes on from there. Throws
+/// InputError if the folder cannot be used (another scene's run, a finished one without `force`), RunError if
+/// results cannot be written.
+StageEnd run(const assembly::Plan& plan, const std::filesystem::path& folder, const RunContext& context);
+
+/// On a rank of an MPI job but the first: evaluates points of the plan's scan for it.
+void serve_scan(const assembly::Plan& plan, const RunContext& context, scan::MpiJob& job);
+
+/// A file of a run folder, with its folder, and what it is.
+struct FileEntry {
+    std::string name, what;
+};
+/// The files in a run folder that rodwake made, in the order of their names.
+std::vector<FileEntry> files_of_run(const std::filesystem::path& folder);
+
+/// Brings manifest.json of a run folder up to date: every file in it, what it is, and its columns with units.
+void write_manifest(const std::filesystem::path& folder);
+
+/// What a checkpoint of a granular run (*.rwc) holds, in a few lines and the scene's text. Throws InputError
+/// for a damaged one.
+std::string describe_checkpoint(const std::filesystem::path& file);
+
+} // namespace rodwake::stages

@@ -1,0 +1,131 @@
+"""The numbers of a scan's points: what each is called, for which points it means something, and its colours."""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import Normalize
+
+from . import ranges, style, words
+from .errors import PlotError
+from .scan_run import OUTCOMES
+
+WIDE = 30  # positive numbers that span more than this factor are coloured by their logarithm
+BALANCED = colormaps["RdBu_r"]
+
+
+class Quantity(NamedTuple):
+    symbol: str      # mathtext without dollars; empty: told in words alone
+    name: str        # in words
+    unit: str        # length, time, rad, other words, or none
+    signed: bool     # whether zero is a mark to see: colours diverge from it
+    of: tuple = ()   # outcomes for which it means something; empty: all
+    largest: float = 0.0  # of signed ones, where it is known
+
+
+KNOWN = {
+    "time": Quantity("t", "time to contact", "time", False, ("contact",)),
+    "min_separation": Quantity("", "smallest separation", "length", False),
+    "min_separation_time": Quantity("", "time of the smallest separation", "time", False),
+    "final_separation": Quantity("", "final separation", "length", False),
+    "final_angle": Quantity("", "final angle between the headings", "rad", True),
+    "non_reciprocity": Quantity("", "turning asymmetry", "", True, largest=1.0),
+    "steps": Quantity("", "steps", "", False),
+    "rhs_evaluations": Quantity("", "evaluations of the right-hand side", "", False),
+    "retries": Quantity("", "retries", "", False),
+    "delta_y": Quantity(r"\Delta y", "change of separation", "a", True),
+    "psi6": Quantity(r"\psi_6", "bond order", "", False),
+    "T_xy": Quantity("T_{xy}", "horizontal temperature", "m²/s²", False),
+    "T_z": Quantity("T_z", "vertical temperature", "m²/s²", False),
+    "runs": Quantity("", "runs", "", False),
+} | {name: Quantity("", f"share of runs that end in {name}" if name != "undecided" else "share of runs left undecided", "", False)
+     for name in OUTCOMES}
+MEANING = {
+    "time": "pursuit is decided at the end of the run and has no time of its own",
+    "non_reciprocity": "1: the rear rod alone turns, −1: the front rod alone, 0: both alike",
+    "delta_y": "below zero the rods come together",
+}
+
+
+def quantity(name):
+    turn = re.fullmatch(r"turn(\d+)", name)
+    if turn:
+        return Quantity(rf"\Delta\theta_{{{turn[1]}}}", f"turn of rod {turn[1]}", "rad", True)
+    return KNOWN.get(name, Quantity("", name.replace("_", " "), "", False))
+
+
+def names(scan):
+    """Columns of numbers that are no axis and no error of another column."""
+    axes = {axis.key for axis in scan.axes}
+    return [name for name, values in scan.columns.items()
+            if not isinstance(values, list) and name not in axes and not (name.endswith("_error") and name[:-6] in scan.columns)]
+
+
+def values(scan, name):
+    """The column, nan where it means nothing."""
+    found = np.array(scan.numbers(name), dtype=float)
+    found[scan.failed | ~np.isfinite(found)] = np.nan
+    found[~means(scan, name)] = np.nan
+    return found
+
+
+def means(scan, name):
+    """For which points the column means something."""
+    of = quantity(name).of or OUTCOMES
+    return np.isin(scan.outcome, [OUTCOMES.index(one) for one in of])
+
+
+def unit(run, name, extent):
+    """(factor, unit as mathtext with dollars): of lengths and times those of the run."""
+    told = quantity(name)
+    if told.unit in ("length", "time"):
+        made = run.units.length("L", extent) if told.unit == "length" else run.units.time("L", extent)
+        return made.factor, made.label.split("$ ", 1)[1].strip("()") if run.units.si else rf"${REDUCED[told.unit]}$"
+    return 1.0, {"": "", "a": "$a$", "m²/s²": r"$\mathrm{m^2/s^2}$"}.get(told.unit, told.unit)
+
+
+REDUCED = {"length": r"f/\mu", "time": r"f/\mu v_0"}
+
+
+def unit_html(run, name):
+    told = quantity(name).unit
+    return {"length": run.units.length_html(), "time": run.units.time_html(), "a": "<i>a</i>"}.get(told, words.escape(told))
+
+
+def label(run, name, extent):
+    """(factor, text) for an axis or a colour bar."""
+    told = quantity(name)
+    factor, units = unit(run, name, extent)
+    text = f"{told.name} ${told.symbol}$" if told.symbol else told.name
+    return factor, f"{text} ({units})" if units else text
+
+
+def scaling(name, shown):
+    """(norm, extend, colour map) for these numbers, nan left out."""
+    shown = shown[np.isfinite(shown)]
+    if shown.size == 0:
+        raise PlotError(f"column {name} holds no numbers{told_of(name)}: nothing to draw")
+    told, low, high = quantity(name), float(shown.min()), float(shown.max())
+    if told.signed:
+        reach = told.largest or ranges.nice(np.percentile(np.abs(shown), 99.5) or 1.0, up=True)
+        return Normalize(-reach, reach), extend(shown, -reach, reach), BALANCED
+    if low > 0 and high > WIDE * low:
+        return *ranges.log_norm(shown), style.FIELD_MAP
+    if low == high:
+        return Normalize(low - 0.5, high + 0.5), "neither", style.FIELD_MAP
+    ends = np.percentile(shown, (0.5, 99.5)) if shown.size > 100 else (low, high)
+    if ends[0] == ends[1]:
+        ends = low, high
+    return Normalize(*ends), extend(shown, *ends), style.FIELD_MAP
+
+
+def told_of(name):
+    of = quantity(name).of
+    return f" of points that end in {' or '.join(of)}" if of else ""
+
+
+def extend(shown, low, high):
+    room = 1e-9 * (high - low)
+    return {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[
+        bool((shown < low - room).any()), bool((shown > high + room).any())]

@@ -1,0 +1,147 @@
+// The controls around the diagram: choices, slices, legend.
+
+const html = text => Object.assign(document.createElement("span"), { innerHTML: text });
+
+const option = (value, text) => {
+  const made = document.createElement("option");
+  made.value = value;
+  made.textContent = text;
+  return made;
+};
+
+function fillChoices(view, changed) {
+  const scales = Object.values(scaleOf);
+  for (const [id, chosen] of [["across", view.across.name], ["up", view.up.name]]) {
+    element(id).append(...scales.map(scale => option(scale.name, scale.text)));
+    element(id).value = chosen;
+  }
+  element("colour").append(option("outcome", "outcome"), ...scan.columns.filter(column => column.norm)
+    .map(column => option(column.name, column.label)));
+  for (const id of ["across", "up", "colour"])
+    element(id).addEventListener("change", () => changed(id, element(id).value));
+}
+
+/** For each axis that is neither across nor up, a choice of its values. */
+function fillSlices(view, changed) {
+  const holder = element("slices");
+  holder.replaceChildren();
+  scan.axes.forEach((axis, index) => {
+    const scale = scaleOf[axis.key];
+    if (index === view.across.axis || index === view.up.axis) return;
+    const label = document.createElement("label"), select = document.createElement("select");
+    label.innerHTML = `<span>${scale.html}</span>`;
+    select.setAttribute("aria-label", "Slice of " + axis.key);
+    select.append(option("", "all"), ...sliceValues(scale).map(even => option(even, read(scale, even))));
+    select.value = view.slices[index] ?? "";
+    select.addEventListener("change", () => changed(index, select.value === "" ? null : +select.value));
+    label.append(select);
+    holder.append(label);
+  });
+}
+
+const MOST_SLICES = 60;
+
+/** Values of an axis; of very many so many, evenly over it. */
+function sliceValues(scale) {
+  if (scale.words) return scale.words.map((_, index) => index);
+  const { places } = gridOf(scale);
+  if (places.length <= MOST_SLICES) return places;
+  const step = (scale.high - scale.low) / MOST_SLICES;
+  return Array.from({ length: MOST_SLICES }, (_, index) => scale.low + (index + 0.5) * step);
+}
+
+/** Where a scan of many axes is cut at first: planes of grids and refinements in their middle, others not at all. */
+function firstSlices(view) {
+  const cut = view.across.axis >= 0 && view.up.axis >= 0 && ["grid", "adaptive"].includes(scan.design);
+  return scan.axes.map((axis, index) => {
+    if (!cut || index === view.across.axis || index === view.up.axis) return null;
+    const values = sliceValues(scaleOf[axis.key]);
+    return values[Math.floor(values.length / 2)];
+  });
+}
+
+/** Points of a slice: those at its value, where points share values; else those nearer to it than to its neighbours. */
+function passesSlices(view) {
+  const cuts = scan.axes.map((axis, index) => ({ scale: scaleOf[axis.key], at: view.slices[index] ?? null }))
+    .filter(({ at }) => at !== null);
+  const tests = cuts.map(({ scale, at }) => {
+    const values = sliceValues(scale), shared = scale.words || gridOf(scale).places.length <= MOST_SLICES;
+    const half = shared ? 1e-9 * (scale.high - scale.low || 1) : (values[1] - values[0]) / 2;
+    return point => Math.abs(scale.even[point] - at) <= half;
+  });
+  return point => tests.every(test => test(point));
+}
+
+/** Outcomes with their numbers, which hide and show them; of numbers a ramp. */
+function fillLegend(view, toggled) {
+  const holder = element("legend"), counts = new Uint32Array(256);
+  for (const point of view.all) ++counts[scan.outcome[point]];
+  const family = document.createElement("span");
+  family.className = "family";
+  family.append("capture");
+  holder.replaceChildren();
+  scan.outcomes.forEach((one, code) => {
+    if (!counts[code]) return;
+    const button = legendButton(one, code, counts[code], view.hidden.has(code), toggled);
+    if (!isCapture(code)) return holder.append(button);
+    family.append(button);
+    if (!family.parentElement) holder.append(family);
+  });
+  const failed = view.all.reduce((sum, point) => sum + scan.failed[point], 0);
+  if (failed) holder.append(html(`<b class="cross">×</b> failed ${grouped(failed)}`));
+  if (paint.number) holder.append(ramp(scan.column[view.colour]));
+}
+
+function legendButton(one, code, count, hidden, toggled) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.setAttribute("aria-pressed", String(!hidden));
+  const asItself = !paint.number || (code === PURSUIT && !means(scan.column[view.colour], code));
+  const swatch = !asItself ? "" : `<i class="swatch" style="background:${one.colour}"></i>`;
+  button.innerHTML = `${swatch}${one.name} ${grouped(count)}`;
+  button.addEventListener("click", () => toggled(code));
+  return button;
+}
+
+/** Whether points other than those of pursuit and failed ones have no number. */
+function lacksNumbers(column) {
+  const lacks = point => Number.isNaN(paint.number.places[point]) && scan.outcome[point] !== PURSUIT;
+  return view.all.some(point => !scan.failed[point] && lacks(point));
+}
+
+function ramp(column) {
+  const made = document.createElement("span"), bytes = scan.maps[column.map], stops = [];
+  for (let index = 0; index < 256; index += 15)
+    stops.push(`rgb(${bytes.subarray(3 * index, 3 * index + 3).join(" ")})`);
+  made.id = "ramp";
+  const none = ` <span class="note"><i class="swatch" style="background:${nothing()}"></i>`
+    + `${column.of ? "not captured" : "no value"}</span>`;
+  made.innerHTML = `<span>${shown(column.norm[0], 3)}</span>`
+    + `<i class="scale" style="background:linear-gradient(90deg,${stops})"></i>`
+    + `<span>${shown(column.norm[1], 3)} ${column.unit}${lacksNumbers(column) ? none : ""}</span>`;
+  return made;
+}
+
+/** `x = 3 f/mu` */
+function valueHtml(scale, point) {
+  const value = read(scale, scale.even[point]);
+  return `<span class="eq">${scale.html} = ${value}${scale.unit ? " " + scale.unit : ""}</span>`;
+}
+
+/** Parameters and results of a point as a table; `all`: every column. */
+function pointTable(point, all) {
+  const rows = scan.axes.map(axis => {
+    const scale = scaleOf[axis.key];
+    return `<tr class="of-axis"><td>${scale.html}</td><td>${read(scale, scale.even[point])} ${scale.unit}</td></tr>`;
+  });
+  for (const column of scan.columns) {
+    if (column.words || !column.label || (!all && !BRIEF.has(column.name))) continue;
+    const value = column.data[point];
+    const name = means(column, scan.outcome[point]) ? column.html : "time reached";
+    const told = `${shown(value, all ? 7 : 4)} ${column.unit}`;
+    if (Number.isFinite(value)) rows.push(`<tr><td>${name}</td><td>${told}</td></tr>`);
+  }
+  return `<table>${rows.join("")}</table>`;
+}
+
+const BRIEF = new Set(["time", "min_separation", "final_separation", "non_reciprocity", "delta_y", "psi6"]);

@@ -1,0 +1,164 @@
+"""What is said of a scan: fixed parameters, numbers of points, how far the picture can be trusted."""
+
+from . import fit_words, schema, scan_columns, scan_slices, words
+from .scan_run import OUTCOMES
+from .scan_scene import ALIKE
+
+TOLD = {"medium": ("eta", "xi"), "coupling": ("kappa", "gamma1", "gamma2"), "granular": ("phi_b",)}
+MOST_RODS = 4
+DESIGNS = {"grid": "a grid", "list": "a list of points", "lhs": "a Latin hypercube", "sobol": "a Sobol sequence",
+           "adaptive": "adaptive refinement"}
+
+
+def scanned(scan):
+    """Keys that the axes set, and those that say the same."""
+    keys = {key for axis in scan.axes for key in axis.keys}
+    for table, alike in ALIKE:
+        if any(f"{table}.{name}" in keys for name in alike):
+            keys |= {f"{table}.{name}" for name in alike}
+    return keys
+
+
+def fixed(run):
+    """(symbol as TeX, value, unit) of the couplings and the medium, where no axis sets them."""
+    taken = scanned(run.scan)
+    system = "si" if run.units.si else "reduced"
+    for table, names in TOLD.items():
+        for name in names:
+            value = run.scene.get(table, {}).get(name)
+            if words.is_number(value) and f"{table}.{name}" not in taken:
+                told = schema.KEYS[table, name]
+                yield told["symbol"], float(value), told.get("unit", {}).get(system, "")
+
+
+def fixed_title(run):
+    """For the head of a figure; reduced units go without saying."""
+    unit = (lambda one: r"\ " + fit_words.unit_math(one).strip("$") if one else "") if run.units.si else lambda one: ""
+    return ",  ".join(f"${symbol} = {words.math_number(value)}{unit(one)}$" for symbol, value, one in fixed(run))
+
+
+def fixed_html(run):
+    parts = [words.equation(words.tex_html(symbol), value, fit_words.unit_html(unit)) for symbol, value, unit in fixed(run)]
+    parts += [f"{axis.equals_html(value)} of those scanned" for axis, value in scan_slices.fixed(run.scan)]
+    return f" Fixed: {', '.join(parts)}." if parts else ""
+
+
+def starts_html(run):
+    """Where the rods start, the axes by their symbols."""
+    rods = run.scene.get("rods") or []
+    if not 0 < len(rods) <= MOST_RODS:
+        return ""
+    symbol = {key: (axis, factor) for axis in run.scan.axes for key, factor in zip(axis.keys, axis.factors)}
+    told = []
+    for index, rod in enumerate(rods):
+        place = [start(symbol, f"rods.{index}.position.{side}", value) for side, value in enumerate(rod.get("position", ()))]
+        heading = start(symbol, f"rods.{index}.heading", rod.get("heading", 0.0))
+        told.append(f"rod {index} from ({', '.join(place)}), heading {heading}")
+    return f" Starts: {'; '.join(told)}."
+
+
+def start(symbols, key, value):
+    if key not in symbols:
+        return words.number(value, 4)
+    axis, factor = symbols[key]
+    return axis.name_html if factor == 1.0 else f"{'−' if factor == -1.0 else words.number(factor) + ' '}{axis.name_html}"
+
+
+def ties_html(scan):
+    """Keys that an axis sets together."""
+    told = []
+    for axis in scan.axes:
+        if len(axis.keys) > 1:
+            told.append(f"{axis.name_html} sets " + ", ".join(
+                f"<code>{words.escape(key)}</code>" + ("" if factor == 1.0 else f" (times {words.number(float(factor))})")
+                for key, factor in zip(axis.keys, axis.factors)))
+    return f" {'; '.join(told)}." if told else ""
+
+
+def count(number):
+    """12 345, so that it does not break."""
+    return f"{number:,}".replace(",", "\u2009")
+
+
+def axes_html(scan):
+    return " and ".join(filter(None, [", ".join(axis.name_html for axis in scan.axes[:-1]), scan.axes[-1].name_html]))
+
+
+def outcomes_html(scan):
+    """`contact 120, escape 30`, those that occur."""
+    counts = ((name, int((scan.outcome == index).sum())) for index, name in enumerate(OUTCOMES))
+    return ", ".join(f"{name} {count(number)}" for name, number in counts if number)
+
+
+def failures_html(scan):
+    """How many points failed, and why."""
+    failed = int(scan.failed.sum())
+    if not failed:
+        return ""
+    causes = scan.told.get("causes") or {}
+    why = "; ".join(f"{words.escape(cause)} ({count(number)})" for cause, number in causes.items() if words.is_number(number))
+    return f" {count(failed)} point{'s' if failed > 1 else ''} failed" + (f": {why}." if why else ".")
+
+
+def left_html(scan):
+    left = scan.told.get("left")
+    return f" {count(left)} points are not evaluated yet." if words.is_number(left) and left else ""
+
+
+def missed_html(scan):
+    """How often the colour is wrong where nobody looked, as far as the scan has checked."""
+    rate, high, audited = (scan.told.get(key) for key in ("missed_rate", "missed_rate_high", "audited"))
+    if not (words.is_number(rate) and words.is_number(audited) and audited):
+        return ""
+    bound = f"; with 95 % confidence below {percent(high)}" if words.is_number(high) else ""
+    missed = scan.told.get("missed")
+    tried = f"{count(missed)} of {count(audited)}" if words.is_number(missed) else count(audited)
+    return f" Missed rate: {percent(rate)} of the area outside the boundary ({tried} random places{bound})."
+
+
+def percent(share):
+    return f"{words.number(float(100 * share), 2)} %"
+
+
+def design_html(scan):
+    """How the points were chosen."""
+    text = DESIGNS.get(scan.design, words.escape(scan.design))
+    resolution = scan.told.get("resolution")
+    return text + (f" to {count(resolution)} cells a side" if scan.design == "adaptive" and words.is_number(resolution) else "")
+
+
+def what(run, spec):
+    """What the colours show."""
+    if spec.colour == "outcome":
+        return "Outcome; capture is contact or pursuit"
+    told, unit = scan_columns.quantity(spec.colour), scan_columns.unit_html(run, spec.colour)
+    meaning = scan_columns.MEANING.get(spec.colour)
+    return words.escape(told.name[0].upper() + told.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
+
+
+def caption(run, spec):
+    scan = run.scan
+    text = f"{what(run, spec)}, over {axes_html(scan)}: {count(len(scan.failed))} points by {design_html(scan)}"
+    text += f", {outcomes_html(scan)}." if (scan.outcome >= 0).any() else "."
+    trust = failures_html(scan) + left_html(scan) + missed_html(scan)
+    return text + shown_html(run, spec) + trust + fixed_html(run) + starts_html(run) + ties_html(scan)
+
+
+def shown_html(run, spec):
+    """What the lines are, and what stands in the panels."""
+    scan, text = run.scan, ""
+    if spec.kind == "phase_diagram" and spec.boundary and len(scan.axes) == 2 and scan.boundary:
+        tolerance = (scan.told.get("boundary") or {}).get("tolerance")
+        near = f", good to {words.number(float(tolerance))} of an axis" if words.is_number(tolerance) else ""
+        text += f" Lines: boundaries traced by bisection{near}."
+    if spec.kind == "phase_diagram" and spec.cells and scan.has_cells and len(scan.axes) > 1:
+        text += " Thin lines: cells of the refinement."
+    if spec.kind == "phase_diagram" and len(scan.axes) > 2:
+        parts = scan_slices.slices(scan, spec.slices)
+        text += f" Panel{'s' if len(parts) > 1 else ''}: {', '.join(part.html for part in parts)}."
+        if scan.design not in ("grid", "adaptive") and not scan.axes[2].is_choice:
+            share = scan_slices.thickness(scan, [part.at for part in parts]) / scan.axes[2].span
+            text += f" Each shows the points within {percent(share / 2)} of that axis."
+    return text
+
+

@@ -1,0 +1,102 @@
+#include "describe_parts.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::assembly {
+
+namespace {
+
+void add_medium_lines(const scene::Scene& scene, Lines& lines) {
+    if (!scene.medium)
+        return;
+    const scene::Medium& m = *scene.medium;
+    lines.push_back({true, m.fitted ? std::string("medium: eta and xi from the fit")
+                                    : fmt::format("medium: eta = {:g}, xi = {:g}", m.eta, m.xi)});
+    lines.push_back({m.periodic.has_value(),
+                     m.periodic ? fmt::format("periodic box of {:g} for rods and field", *m.periodic)
+                                : "periodic images of rods: no medium.periodic, infinite plane"});
+}
+
+void add_field_lines(const scene::Scene& scene, Lines& lines) {
+    if (!scene.field) {
+        lines.push_back({false, "field maps: no [field] table"});
+        return;
+    }
+    const long points = scene.field->x.empty() ? 0 : scene.field->nx * scene.field->ny;
+    lines.push_back(
+        {true, fmt::format("field of one rod: {} grid points, {} cuts", points, scene.field->cuts.size())});
+}
+
+void add_rod_lines(const Plan& plan, Lines& lines) {
+    if (plan.rods.empty()) {
+        lines.push_back({false, "rod dynamics: no [[rods]] and [rods_run]"});
+        return;
+    }
+    const rods::RodProblem& problem = plan.rods.front().problem;
+    const rods::Couplings& c = problem.couplings;
+    const bool interacting = problem.medium && c.any() && problem.rods.size() > 1;
+    lines.push_back({true, fmt::format("{} rods to t = {:g}, {} variants", problem.rods.size(), problem.t_end,
+                                       plan.rods.size() - 1)});
+    if (!interacting)
+        lines.push_back({false, problem.rods.size() < 2
+                                    ? "interaction: a single rod feels no other; no field is evaluated"
+                                : problem.medium ? "interaction: no coupling, so no field is evaluated"
+                                                 : "interaction: no [medium]; rods walk straight"});
+    lines.push_back({interacting && c.apolar(),
+                     c.apolar() ? "alignment with the strain axis (kappa)"
+                                : "alignment with the strain axis: kappa is 0, strain is not evaluated"});
+    lines.push_back({interacting && c.polar(),
+                     c.polar()
+                         ? "polar turning (gamma1, gamma2)"
+                         : "polar turning: gamma1 and gamma2 are 0, strain gradients are not evaluated"});
+    lines.push_back({problem.contact_distance.has_value(),
+                     problem.contact_distance
+                         ? fmt::format("contact stops the run at {:g}", *problem.contact_distance)
+                         : "contact: no rods_run.contact_distance"});
+}
+
+void add_scan_lines(const Plan& plan, Lines& lines) {
+    if (!plan.scan) {
+        lines.push_back({false, "scan: no [scan] table"});
+        return;
+    }
+    const scan::Design& design = plan.scan->design;
+    std::string axes;
+    for (const scan::Axis& axis : design.axes)
+        axes +=
+            fmt::format("{}{} from {:g} to {:g}", axes.empty() ? "" : ", ", axis.name, axis.from, axis.to);
+    lines.push_back({true, design.kind == scan::Kind::adaptive
+                               ? fmt::format("scan: {}, refined to {} cells a side where the outcome changes",
+                                             axes, design.resolution)
+                               : fmt::format("scan: {}, {} points ({})", axes, scan::size(design),
+                                             scan::to_string(design.kind))});
+    if (design.boundary_tolerance > 0.0)
+        lines.push_back({true, fmt::format("boundaries between outcomes to {:g} of the axis",
+                                           design.boundary_tolerance)});
+}
+
+/// What the scene names and this version leaves out.
+void add_unused_lines(const scene::Scene& scene, Lines& lines) {
+    if (scene.medium && scene.medium->table)
+        lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
+    if (scene.noise)
+        lines.push_back({false, "noise: rotational_diffusion is 0"});
+    else if (scene.rods_run)
+        lines.push_back({false, "noise: no [noise] table"});
+}
+
+} // namespace
+
+std::vector<PlanLine> describe(const Plan& plan) {
+    Lines lines;
+    add_medium_lines(plan.scene, lines);
+    add_field_lines(plan.scene, lines);
+    add_rod_lines(plan, lines);
+    add_scan_lines(plan, lines);
+    add_unused_lines(plan.scene, lines);
+    describe_granular(plan, lines);
+    describe_fit(plan, lines);
+    return lines;
+}
+
+} // namespace rodwake::assembly

@@ -1,0 +1,220 @@
+#include "rodwake/assembly/fit.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::assembly {
+
+namespace {
+
+using fitting::Problem;
+
+fitting::Parameter parameter(const scene::Fit& keys, const std::string& name) {
+    fitting::Parameter p;
+    p.name = name;
+    const auto start = keys.start.find(name);
+    p.start = start == keys.start.end() ? scene::fit_default_start(keys, name) : start->second;
+    if (const auto bounds = scene::fit_bounds(keys, name); bounds && scene::fit_is_free(keys, name)) {
+        p.lower = bounds->low;
+        p.upper = bounds->high;
+    }
+    if (scene::fit_is_free(keys, name) && scene::fit_in_log(keys, name))
+        p.transform = fitting::Transform::log;
+    if (const auto fixed = keys.fixed.find(name); fixed != keys.fixed.end()) {
+        p.fixed = true;
+        p.start = fixed->second;
+    }
+    if (const auto tie = keys.tied.find(name); tie != keys.tied.end()) {
+        p.tied_to = tie->second.to;
+        p.tie_factor = tie->second.factor;
+    }
+    return p;
+}
+
+/// Of those the model knows.
+std::vector<fitting::Parameter> parameters(const scene::Fit& keys, const std::vector<std::string>& known) {
+    std::vector<fitting::Parameter> out;
+    for (const std::string& name : scene::fit_used(keys))
+        if (std::ranges::find(known, name) != known.end())
+            out.push_back(parameter(keys, name));
+    return out;
+}
+
+bool is_fitted(const scene::FitProfile& profile) { return profile.role == scene::FitRole::fit; }
+
+Problem profile_problem(const FitPlan& plan) {
+    std::vector<fitting::Profile> fitted;
+    for (std::size_t i = 0; i < plan.profiles.size(); ++i)
+        if (is_fitted(plan.keys.profiles[i]))
+            fitted.push_back(plan.profiles[i].data);
+    return fitting::wake_problem(plan.wake, fitted, parameters(plan.keys, fitting::wake_parameter_names()));
+}
+
+Problem track_problem(const FitPlan& plan) {
+    std::vector<fitting::Trajectory> tracks;
+    for (const FitTrackData& track : plan.tracks)
+        tracks.push_back(track.data);
+    Problem problem = fitting::trajectory_problem(
+        plan.track_model, tracks, parameters(plan.keys, fitting::trajectory_parameter_names()));
+    const auto known = std::ranges::count_if(plan.tracks, &FitTrackData::sigma_known);
+    if (known != 0 && known != static_cast<long>(plan.tracks.size()))
+        throw InputError(
+            "some of [[fit.trajectories]] have sigma_position and sigma_heading and some have none: "
+            "their weights cannot be compared; give all of them some, or none");
+    problem.sigma_known = known != 0;
+    return problem;
+}
+
+Problem problem_of(const FitPlan& plan) {
+    const bool profiles = std::ranges::any_of(plan.keys.profiles, is_fitted), tracks = !plan.tracks.empty();
+    if (!tracks)
+        return profile_problem(plan);
+    if (!profiles)
+        return track_problem(plan);
+    const Problem a = profile_problem(plan), b = track_problem(plan);
+    if (a.sigma_known != b.sigma_known)
+        throw InputError(
+            "profiles and trajectories need standard errors both, or neither: sigma in the files, "
+            "sigma_position and sigma_heading in [[fit.trajectories]]");
+    return fitting::joined({a, b});
+}
+
+/// "f_over_mu = 1, eta = 1": what is not fixed.
+std::string start_text(const Problem& problem, std::span<const double> values) {
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!problem.parameters[i].fixed)
+            text +=
+                fmt::format("{}{} = {:g}", text.empty() ? "" : ", ", problem.parameters[i].name, values[i]);
+    return text;
+}
+
+/// Of a residual that is not finite, or so large that its square is not.
+std::optional<std::string> trouble_with(const Problem& problem, const Eigen::VectorXd& r) {
+    Eigen::Index at = 0;
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+        if (!std::isfinite(r[i])) {
+            at = i;
+            break;
+        }
+        at = std::abs(r[i]) > std::abs(r[at]) ? i : at;
+    }
+    if (std::isfinite(r.squaredNorm()))
+        return std::nullopt;
+    return fmt::format(
+        "{}: the residual (model - value)/sigma is {:.3g}, which is beyond what can be squared and summed",
+        problem.residual_name(static_cast<std::size_t>(at)), r[at]);
+}
+
+std::optional<std::string> trouble_at(const Problem& problem, std::span<const double> values) {
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.residuals));
+    try {
+        problem.evaluate(values, r, nullptr);
+    } catch (const InputError& error) {
+        return fmt::format("the model cannot be computed: {}", error.what());
+    } catch (const RunError& error) {
+        return fmt::format("the model cannot be computed: {}", error.what());
+    }
+    return trouble_with(problem, r);
+}
+
+/// A search from where nothing can be computed would only end with the same, later.
+void require_start(const Problem& problem) {
+    std::vector<double> free;
+    for (const std::size_t i : fitting::free_parameters(problem))
+        free.push_back(problem.parameters[i].start);
+    const std::vector<double> values = fitting::all_values(problem, free);
+    if (const auto trouble = trouble_at(problem, values))
+        throw InputError(
+            fmt::format("{} (at the start of the fit: {}); change fit.start, or the data if they are wrong",
+                        *trouble, start_text(problem, values)));
+}
+
+FitPart part(const Problem& problem, const std::vector<std::string>& known, bool headings) {
+    FitPart out;
+    for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+        const std::string& name = problem.parameters[i].name;
+        if (std::ranges::find(known, name) == known.end() && !(headings && name.starts_with("heading.")))
+            continue;
+        out.parameters.push_back(problem.parameters[i]);
+        out.index.push_back(i);
+    }
+    return out;
+}
+
+} // namespace
+
+bool FitInputs::complete() const {
+    const auto there = [](const auto& one) { return one.has_value(); };
+    return std::ranges::all_of(profiles, there) && std::ranges::all_of(tracks, there);
+}
+
+FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
+    FitPlan plan;
+    plan.keys = keys;
+    for (auto& profile : inputs.profiles)
+        plan.profiles.push_back(std::move(profile.value()));
+    for (auto& track : inputs.tracks)
+        plan.tracks.push_back(std::move(track.value()));
+    plan.wake = {keys.box, keys.heading, keys.core};
+    plan.track_model.ode.rtol = 1e-10;
+    plan.track_model.ode.atol = 1e-12;
+    plan.problem = problem_of(plan);
+    require_start(plan.problem);
+    plan.method = {keys.search};
+    return plan;
+}
+
+std::vector<double> FitPart::values(std::span<const double> all) const {
+    std::vector<double> out;
+    for (const std::size_t i : index)
+        out.push_back(all[i]);
+    return out;
+}
+
+FitPart wake_part(const Problem& problem) { return part(problem, fitting::wake_parameter_names(), false); }
+
+FitPart track_part(const Problem& problem) {
+    return part(problem, fitting::trajectory_parameter_names(), true);
+}
+
+std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare& compare,
+                                    std::span<const double> fitted) {
+    std::vector<double> out(fitted.begin(), fitted.end());
+    const auto& all = plan.problem.parameters;
+    const auto slot = [&](const char* name) -> double* {
+        const auto at = std::ranges::find(all, name, &fitting::Parameter::name);
+        return at == all.end() ? nullptr : &out[static_cast<std::size_t>(at - all.begin())];
+    };
+    for (const auto& [name, value] : compare.values)
+        if (double* at = slot(name.c_str()))
+            *at = value;
+    const double* strength = slot("f_over_mu");
+    const auto given = [&](const char* name) {
+        return compare.values.contains(name) ? &compare.values.at(name) : nullptr;
+    };
+    if (const double* alpha = given("alpha"); alpha && slot("xi") && strength)
+        *slot("xi") = *strength / *alpha;
+    if (const double* xi = given("xi"); xi && slot("alpha") && strength)
+        *slot("alpha") = *strength / *xi;
+    return out;
+}
+
+std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
+    if (parameter.starts_with("heading."))
+        return "rad";
+    if (parameter == "kappa")
+        return "v0 mu/f";
+    if (parameter == "gamma1" || parameter == "gamma2")
+        return "v0";
+    if (parameter == "eta" || parameter == "alpha")
+        return "1";
+    const std::string length = keys.profiles.empty() ? "f/mu" : keys.length_unit;
+    return parameter == "f2d_over_mu" ? length + "^2" : length;
+}
+
+} // namespace rodwake::assembly

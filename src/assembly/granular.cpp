@@ -1,0 +1,135 @@
+#include "rodwake/assembly/granular.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/granular/observe.hpp"
+#include "rodwake/granular/start.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::assembly {
+
+namespace {
+
+granular::Surface surface(const granular::Surface& common,
+                          const std::optional<scene::SurfaceChange>& change) {
+    if (!change)
+        return common;
+    return {change->friction.value_or(common.friction), change->restitution.value_or(common.restitution)};
+}
+
+granular::ContactTable contact_table(const scene::Contacts& c) {
+    const granular::Surface& common = c.particle_particle;
+    return {surface(common, c.bead_bead), surface(common, c.bead_rod), surface(common, c.rod_rod),
+            c.bead_wall, c.rod_wall};
+}
+
+granular::RodSpec rod_spec(const scene::GranularRod& rod) {
+    return {rod.shape, {rod.position[0], rod.position[1]}, rod.heading, rod.imposed_speed};
+}
+
+/// Area of the shadow of a rod; what is no rod is named as validate() would.
+double shadow(const granular::RodShape& shape, std::size_t index) {
+    try {
+        return granular::make_clump(shape).projected_area();
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("rod {}: {}", index, error.what()));
+    }
+}
+
+/// N of N pi a^2 = phi_b L^2, from which the shadows of the rods are taken off if they count.
+std::size_t bead_count(const scene::Granular& bed, const std::vector<granular::RodSpec>& rods) {
+    if (bed.beads)
+        return static_cast<std::size_t>(*bed.beads);
+    const double wanted = *bed.phi_b * bed.box * bed.box;
+    double shadows = 0.0;
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        shadows += bed.count_rod_area ? shadow(rods[i].shape, i) : 0.0;
+    if (shadows > wanted)
+        throw InputError(fmt::format(
+            "phi_b = {} with count_rod_area leaves no room for beads: the rods alone cover {:.4f} "
+            "of the box; raise phi_b or the box, or set count_rod_area = false",
+            *bed.phi_b, shadows / (bed.box * bed.box)));
+    const double count =
+        std::round((wanted - shadows) / (std::numbers::pi * bed.bead_radius * bed.bead_radius));
+    constexpr double most = 1e7; // as for the key beads
+    if (count > most)
+        throw InputError(fmt::format("phi_b = {} in a box of {} m is {:.3g} beads; at most {:g}", *bed.phi_b,
+                                     bed.box, count, most));
+    return static_cast<std::size_t>(count);
+}
+
+granular::Start start_of(const scene::Granular& bed) {
+    return bed.start == scene::GranularStart::random ? granular::Start::random : granular::Start::lattice;
+}
+
+granular::GranularProblem translate(const scene::Granular& bed) {
+    granular::GranularProblem problem;
+    for (const scene::GranularRod& rod : bed.rods)
+        problem.rods.push_back(rod_spec(rod));
+    problem.beads = bead_count(bed, problem.rods);
+    problem.bead_radius = bed.bead_radius;
+    problem.bead_density = bed.bead_density;
+    problem.gravity = bed.gravity;
+    problem.box = bed.box;
+    problem.plates = bed.plates;
+    problem.contacts = contact_table(bed.contacts);
+    problem.start = start_of(bed);
+    problem.orientation = bed.orientation;
+    problem.start_speed = bed.start_speed;
+    problem.time_step = bed.time_step;
+    const double phi_b = bed.phi_b.value_or(granular::bead_area_fraction(problem));
+    problem.equilibration_steps = granular::whole_steps(equilibration_time(bed, phi_b), bed.time_step);
+    problem.steps = granular::whole_steps(bed.duration, bed.time_step, 1);
+    problem.seed = static_cast<std::uint64_t>(bed.seed);
+    problem.overlap_limit = bed.overlap_limit;
+    return problem;
+}
+
+} // namespace
+
+granular::GranularProblem granular_problem(const scene::Scene& scene) {
+    if (!scene.granular)
+        throw InputError(scene.path + ": no [granular] table, so there is no bed to simulate");
+    try {
+        granular::GranularProblem problem = translate(*scene.granular);
+        granular::validate(problem);
+        return problem;
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: [granular] {}", scene.path, error.what()));
+    }
+}
+
+double equilibration_time(const scene::Granular& bed, double phi_b) {
+    if (bed.equilibrate)
+        return *bed.equilibrate;
+    if (bed.start == scene::GranularStart::restart)
+        return 0.0;
+    return granular::settling_time(start_of(bed), phi_b);
+}
+
+std::optional<double> order_cutoff(const scene::Granular& bed, double phi_b) {
+    if (bed.order_cutoff || !(phi_b > 0.0))
+        return bed.order_cutoff;
+    return granular::neighbour_cutoff(bed.bead_radius, phi_b);
+}
+
+double frame_interval(const scene::Granular& bed) { return bed.output.frames.value_or(bed.duration / 100.0); }
+
+double table_interval(const scene::Granular& bed) { return bed.output.table.value_or(0.01); }
+
+GranularSchedule granular_schedule(const scene::Granular& bed, const granular::GranularProblem& problem) {
+    const auto wants = [&](const char* format) { return std::ranges::count(bed.output.formats, format) > 0; };
+    return {order_cutoff(bed, granular::bead_area_fraction(problem)).value_or(0.0),
+            granular::whole_steps(table_interval(bed), bed.time_step, 1),
+            granular::whole_steps(frame_interval(bed), bed.time_step, 1),
+            bed.stop_at_travel.value_or(0.0),
+            wants("h5md"),
+            wants("xyz"),
+            bed.output.last_period};
+}
+
+} // namespace rodwake::assembly

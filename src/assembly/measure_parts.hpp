@@ -1,0 +1,31 @@
+#pragma once
+// What the measures' source files share.
+
+#include "rodwake/assembly/measure_kind.hpp"
+
+#include <string>
+#include <vector>
+
+namespace rodwake::assembly {
+
+/// The options of a measure, made from the table and the bead radius, as sums that start.
+template<class Sums, class Options>
+void include_sums(MeasurePlan& plan, const char* name, const Options& options, std::size_t every = 1) {
+    plan.sums.include(name, measure::Accumulator(Sums(plan.sums.layout(), options)), every);
+}
+
+Value count_value(std::size_t count);
+
+/// "value +- error"
+std::string text(const Estimate& e);
+
+/// A number of each run's summary.json.
+std::vector<double> of_summaries(const MeasuredCase& data, const std::string& name, const std::string& what);
+
+Column scaled(const Column& values, double scale);
+/// Two components as VTK wants vectors.
+Column vectors(const Column& x, const Column& y, double scale);
+/// Columns of these rows.
+std::vector<Column> transposed(const std::vector<std::vector<double>>& rows, std::size_t columns);
+
+} // namespace rodwake::assembly

@@ -1,0 +1,102 @@
+#include "rodwake/assembly/plan.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace rodwake::assembly {
+
+namespace {
+
+std::vector<BedPlan> plan_beds(const scene::Scene& scene) {
+    std::vector<BedPlan> beds;
+    for (Case& one : bed_cases(scene)) {
+        BedPlan bed{std::move(one), {}, {}, {}};
+        bed.problem = granular_problem(bed.of.scene);
+        bed.schedule = granular_schedule(*bed.of.scene.granular, bed.problem);
+        bed.measures = measure_plan(bed.of.scene, bed.problem);
+        beds.push_back(std::move(bed));
+    }
+    return beds;
+}
+
+} // namespace
+
+const char* to_string(Stage stage) {
+    switch (stage) {
+    case Stage::granular:
+        return "granular";
+    case Stage::measure:
+        return "measure";
+    case Stage::fit:
+        return "fit";
+    case Stage::field:
+        return "field";
+    case Stage::scan:
+        return "scan";
+    case Stage::rods:
+        break;
+    }
+    return "rods";
+}
+
+std::vector<Stage> stages_of(const scene::Scene& scene) {
+    const bool foreign = scene.measure && !scene.measure->trajectory.empty();
+    std::vector<Stage> stages;
+    if (scene.granular && !foreign)
+        stages.push_back(Stage::granular);
+    if (scene.measure)
+        stages.push_back(Stage::measure);
+    if (scene.fit)
+        stages.push_back(Stage::fit);
+    if (scene.field)
+        stages.push_back(Stage::field);
+    if (scene.rods_run)
+        stages.push_back(Stage::rods);
+    if (scene.scan)
+        stages.push_back(Stage::scan);
+    return stages;
+}
+
+bool Plan::has(Stage stage) const { return std::ranges::find(stages, stage) != stages.end(); }
+
+std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
+    std::vector<RodsPlan> plans;
+    for (Case& one : cases_of(scene)) {
+        RodsPlan plan{std::move(one), {}, {}};
+        plan.problem = rod_problem(plan.of.scene);
+        plan.options = rod_options(*plan.of.scene.rods_run, plan.problem);
+        plans.push_back(std::move(plan));
+    }
+    return plans;
+}
+
+Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInputs inputs) {
+    Plan plan{scene, {stages.begin(), stages.end()}, {}, {}, std::move(inputs.fit), {}, {}};
+    if (plan.has(Stage::granular) || plan.has(Stage::measure))
+        plan.beds = plan_beds(scene);
+    if (plan.has(Stage::rods))
+        plan.rods = plan_rods(scene);
+    if (plan.fit && plan.fit->complete())
+        plan.fit_plan = fit_plan(*scene.fit, *plan.fit);
+    if (plan.has(Stage::scan))
+        plan.scan = plan_scan(scene, inputs.list);
+    return plan;
+}
+
+void apply_seed(scene::Scene& scene, std::uint64_t seed) {
+    constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<long>::max());
+    if ((scene.granular || scene.fit || scene.scan) && seed > largest)
+        throw InputError(fmt::format("--seed {}: must be from 0 to {}", seed, largest));
+    if (scene.granular)
+        scene.granular->seed = static_cast<long>(seed);
+    if (scene.fit)
+        scene.fit->search.seed = seed;
+    if (scene.scan)
+        scene.scan->seed = static_cast<long>(seed);
+}
+
+} // namespace rodwake::assembly

@@ -1,0 +1,47 @@
+#include "rodwake/assembly/rods.hpp"
+
+#include "rodwake/rods/simulate.hpp"
+
+namespace rodwake::assembly {
+
+rods::Couplings couplings_of(const scene::Scene& scene) {
+    if (!scene.coupling)
+        return {};
+    const scene::Coupling& c = *scene.coupling;
+    return c.polar_basis == scene::PolarBasis::divergence
+               ? rods::from_divergence_basis(c.kappa, c.gamma1, c.gamma2)
+               : rods::Couplings{c.kappa, c.gamma1, c.gamma2};
+}
+
+rods::RodProblem rod_problem(const scene::Scene& scene) {
+    rods::RodProblem problem;
+    if (scene.medium) {
+        problem.medium = elastic::Medium{scene.medium->eta, scene.medium->xi};
+        problem.box = scene.medium->periodic;
+    }
+    problem.couplings = couplings_of(scene);
+    for (const scene::Rod& rod : scene.rods)
+        problem.rods.push_back({rod.position[0], rod.position[1], rod.heading});
+    problem.t_end = scene.rods_run->t_end;
+    problem.output_times = scene.rods_run->output_times;
+    problem.output_times.insert(problem.output_times.begin(), 0.0);
+    problem.contact_distance = scene.rods_run->contact_distance;
+    return problem;
+}
+
+rods::RodOptions rod_options(const scene::RodsRun& run, const rods::RodProblem& problem) {
+    rods::RodOptions options;
+    options.ode.method = run.method ? *run.method : rods::suitable_method(problem);
+    options.ode.rtol = run.rtol;
+    options.ode.atol = run.atol;
+    options.ode.max_steps = run.max_steps;
+    return options;
+}
+
+OutputUnits output_units(const scene::Scene& scene) {
+    if (scene.units == scene::UnitSystem::reduced || !scene.scales)
+        return {};
+    return {scene.scales->f_over_mu, scene.scales->f_over_mu / scene.scales->v0, "si", "m", "s"};
+}
+
+} // namespace rodwake::assembly

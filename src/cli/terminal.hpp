@@ -1,0 +1,14 @@
+#pragma once
+// What a run shows and hears: messages and progress on standard error, a JSON-lines log on demand, signals.
+
+#include "options.hpp"
+#include "rodwake/stages/run_context.hpp"
+
+namespace rodwake::cli {
+
+/// The context of a command: its threads, --force and command line; messages and progress go to standard
+/// error as --quiet and -v want them, and to --log-json; Ctrl-C and SIGTERM stop, SIGUSR1 asks for a
+/// checkpoint. Throws RunError if the JSON log cannot be opened.
+stages::RunContext context_of(const Options& options);
+
+} // namespace rodwake::cli

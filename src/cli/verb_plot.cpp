@@ -1,0 +1,93 @@
+// rodwake plot, and the figures at the end of rodwake run: the plotting program, run on a folder of results.
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/stages/run.hpp"
+#include "rodwake/stages/run_folder.hpp"
+#include "signals.hpp"
+#include "verbs.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <spawn.h>
+#include <thread>
+#include <vector>
+
+extern char** environ;
+
+namespace rodwake::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// plots/ of the installation beside the program, else of the source tree it was built from.
+fs::path plotting_program() {
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    const fs::path installed =
+        program.parent_path().parent_path() / "share" / "rodwake" / "plots" / "rodwake_plot.py";
+    if (!error && fs::exists(installed, error))
+        return installed;
+    return fs::path(RODWAKE_SOURCE_PLOTS) / "rodwake_plot.py";
+}
+
+/// Passes a signal that asks us to stop on to the child; Ctrl-C reaches it anyway, SIGTERM does not.
+int wait_for(pid_t child) {
+    int status = 0;
+    while (::waitpid(child, &status, WNOHANG) == 0) {
+        if (stop_signal())
+            ::kill(child, SIGTERM);
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return status;
+}
+
+int run(const std::vector<std::string>& command) {
+    std::vector<char*> arguments;
+    for (const std::string& word : command)
+        arguments.push_back(
+            const_cast<char*>(word.c_str())); // posix_spawn takes char* and does not write through it
+    arguments.push_back(nullptr);
+    pid_t child = 0;
+    if (::posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
+        throw RunError(command[0] + ": cannot be run; figures need python3 with matplotlib and h5py "
+                                    "(tools/quickstart --deps-only installs them)");
+    const int status = wait_for(child);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+} // namespace
+
+void make_figures(const fs::path& run_directory, bool pdf, bool quiet) {
+    std::vector<std::string> command = {RODWAKE_PYTHON, plotting_program().string(), run_directory.string()};
+    if (pdf)
+        command.emplace_back("--pdf");
+    if (quiet)
+        command.emplace_back("--quiet");
+    if (run(command) != 0 && !stop_signal())
+        throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "
+                                   "{0}, and rodwake plot {0} tries again",
+                                   run_directory.string()));
+    stages::write_manifest(run_directory);
+}
+
+int verb_plot(const Options& options) {
+    fs::path folder = options.target;
+    if (folder.filename() == "result.h5")
+        folder = folder.has_parent_path() ? folder.parent_path() : ".";
+    if (!fs::is_directory(folder))
+        throw InputError(options.target + ": not a run directory; rodwake run SCENE makes one");
+    if (stages::run_status(folder).empty())
+        throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
+    if (options.dry_run)
+        return 0; // there is something to draw; that is all there is to say
+    make_figures(folder, options.pdf, options.quiet);
+    return stop_signal() ? signal_exit_code(stop_signal()) : 0;
+}
+
+} // namespace rodwake::cli

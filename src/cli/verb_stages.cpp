@@ -1,0 +1,127 @@
+// rodwake field, rods, dem, measure, fit, run: read the scene, plan, execute, and say how it ended.
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/scan/mpi.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/stages/run.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+#include "verbs.hpp"
+
+#include <algorithm>
+
+namespace rodwake::cli {
+
+namespace {
+
+using assembly::Stage;
+
+/// The stage a verb stands for, and what its scene must have.
+struct StageVerb {
+    Verb verb;
+    Stage stage;
+    const char* lacks;
+};
+
+constexpr StageVerb stage_verbs[] = {
+    {Verb::dem, Stage::granular, "no [granular] table, so there is no bed to simulate"},
+    {Verb::measure, Stage::measure, "no [measure] table, so there is nothing to measure"},
+    {Verb::fit, Stage::fit, "no [fit] table, so there is nothing to fit"},
+    {Verb::field, Stage::field,
+     "no [field] table, so there is no field to compute; rodwake rods or run may do"},
+    {Verb::scan, Stage::scan, "no [scan] table, so there is nothing to scan"},
+    {Verb::rods, Stage::rods, "no [rods_run] table, so there are no rods to integrate"},
+};
+
+bool has_table(const scene::Scene& scene, Stage stage) {
+    switch (stage) {
+    case Stage::granular:
+        return scene.granular.has_value();
+    case Stage::measure:
+        return scene.measure.has_value();
+    case Stage::fit:
+        return scene.fit.has_value();
+    case Stage::field:
+        return scene.field.has_value();
+    case Stage::scan:
+        return scene.scan.has_value();
+    case Stage::rods:
+        break;
+    }
+    return scene.rods_run.has_value();
+}
+
+std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene) {
+    const auto of = std::ranges::find(stage_verbs, verb, &StageVerb::verb);
+    if (of == std::end(stage_verbs))
+        return assembly::stages_of(scene);
+    if (!has_table(scene, of->stage))
+        throw InputError(scene.path + ": " + of->lacks);
+    if (scene.medium && scene.medium->fitted && (verb == Verb::field || verb == Verb::rods))
+        throw InputError(
+            scene.path +
+            ": medium.fitted = true takes eta and xi from [fit]: rodwake run fits first; or give eta and "
+            "xi in [medium]");
+    return {of->stage};
+}
+
+int finish(const Options& options, stages::StageEnd end) {
+    const std::string folder = output_folder(options).string();
+    if (end == stages::StageEnd::interrupted)
+        return signal_exit_code(stop_signal());
+    if (end == stages::StageEnd::failed)
+        return 1;
+    if (options.verb == Verb::run)
+        make_figures(folder, false, options.quiet);
+    if (stop_signal())
+        return signal_exit_code(stop_signal());
+    return end == stages::StageEnd::incomplete ? 3 : 0;
+}
+
+} // namespace
+
+namespace {
+
+/// The MPI job, for a scan. Other verbs would do the same work on every rank.
+std::unique_ptr<scan::MpiJob> job_of(const Options& options) {
+    if (!scan::started_as_rank())
+        return nullptr;
+    if (options.verb != Verb::scan)
+        throw InputError("only rodwake scan works under mpiexec: the other verbs would do the same work on "
+                         "every rank");
+    return scan::MpiJob::join();
+}
+
+/// Ranks that serve say nothing.
+stages::RunContext context_of(const Options& options, scan::MpiJob* job) {
+    stages::RunContext context = context_of(options);
+    if (!job)
+        return context;
+    if (job->rank() > 0) {
+        context.log = nullptr;
+        context.progress = nullptr;
+    }
+    context.scan.executor = [job](scan::Evaluate evaluate, std::function<bool()> stop) {
+        return job->executor(std::move(evaluate), std::move(stop));
+    };
+    return context;
+}
+
+} // namespace
+
+int verb_stages(const Options& options) {
+    const scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    const std::vector<Stage> stages = stages_of(options.verb, scene);
+    if (options.dry_run)
+        return verb_check(options);
+    const auto job = job_of(options);
+    const stages::RunContext context = context_of(options, job.get());
+    const assembly::Plan plan = stages::plan_run(scene, stages, output_folder(options), context);
+    if (job && job->rank() > 0) {
+        stages::serve_scan(plan, context, *job);
+        return stop_signal() ? signal_exit_code(stop_signal()) : 0;
+    }
+    return finish(options, stages::run(plan, output_folder(options), context));
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,44 @@
+#include "rodwake/core/cell_list.hpp"
+
+#include "rodwake/core/periodic.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake {
+
+namespace {
+
+/// Fewer than 3 would be their own neighbours, and many more than places would only cost memory.
+std::size_t cells_across(std::size_t count, double box, double reach) {
+    const double most = 2.0 * std::sqrt(static_cast<double>(count)) + 3.0;
+    const double fit = std::min(std::floor(box / reach), most);
+    return fit >= 3.0 ? static_cast<std::size_t>(fit) : 1;
+}
+
+} // namespace
+
+CellList::CellList(std::span<const double> x, std::span<const double> y, double box, double reach)
+    : box_(box), across_(cells_across(x.size(), box, reach)), start_(across_ * across_ + 1, 0),
+      member_(x.size()), x_(x.size()), y_(x.size()) {
+    std::vector<std::uint32_t> cell(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        cell[i] = static_cast<std::uint32_t>(column(x[i]) + across_ * column(y[i]));
+        ++start_[cell[i] + 1];
+    }
+    for (std::size_t c = 1; c < start_.size(); ++c)
+        start_[c] += start_[c - 1];
+    std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const std::uint32_t at = next[cell[i]]++;
+        member_[at] = static_cast<std::uint32_t>(i);
+        x_[at] = x[i];
+        y_[at] = y[i];
+    }
+}
+
+std::size_t CellList::column(double coordinate) const {
+    return std::min(across_ - 1, static_cast<std::size_t>(into_box(coordinate, box_) / width()));
+}
+
+} // namespace rodwake

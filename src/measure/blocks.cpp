@@ -1,0 +1,132 @@
+#include "blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::measure {
+
+namespace {
+
+constexpr double most_turn = 0.1; // rad
+
+}
+
+double BlockSums::heading() const { return std::atan2(sine, cosine); }
+
+BlockSums& Blocks::at(double time, double heading) {
+    const double number = std::floor(time / length_);
+    const auto fits = [&](const BlockSums& block) {
+        return std::abs(std::remainder(heading - block.first_heading, 2.0 * M_PI)) <= most_turn;
+    };
+    auto found = blocks_.rbegin();
+    while (found != blocks_.rend() && found->number == number && !fits(*found))
+        ++found;
+    const bool begins = found == blocks_.rend() || found->number != number;
+    if (begins)
+        blocks_.push_back({number, heading, 0.0, 0.0, 0.0, std::vector<double>(bins_ * channels_, 0.0)});
+    BlockSums& block = begins ? blocks_.back() : *found;
+    block.cosine += std::cos(heading);
+    block.sine += std::sin(heading);
+    block.frames += 1.0;
+    return block;
+}
+
+void Blocks::save(StateWriter& out) const {
+    out.put(blocks_.size());
+    for (const BlockSums& block : blocks_) {
+        for (const double value : {block.number, block.first_heading, block.cosine, block.sine, block.frames})
+            out.put(value);
+        out.put(std::span<const double>(block.sums));
+    }
+}
+
+void Blocks::load(StateReader& in) {
+    blocks_.clear();
+    for (std::size_t left = in.count(); left > 0; --left) {
+        BlockSums block;
+        for (double* value : {&block.number, &block.first_heading, &block.cosine, &block.sine, &block.frames})
+            *value = in.get();
+        block.sums = in.array(bins_ * channels_);
+        blocks_.push_back(std::move(block));
+    }
+}
+
+namespace {
+
+constexpr double borrowed_blocks = 4.0;
+
+double variance(double squares, double blocks) {
+    return blocks > 1.0 ? squares * blocks / (blocks - 1.0) : 0.0;
+}
+
+double mixed(double squares, double blocks, double typical) {
+    const double free = std::max(blocks - 1.0, 0.0);
+    return std::sqrt((free * variance(squares, blocks) + borrowed_blocks * typical) /
+                     (free + borrowed_blocks));
+}
+
+} // namespace
+
+Follows follows_of(const BlockSums* before, const BlockSums& now) {
+    if (!before)
+        return Follows::nothing;
+    return before->number == now.number ? Follows::same_block : Follows::block;
+}
+
+void BlockScatter::add(std::size_t bin, std::span<const Vector2> pulls, const std::vector<bool>& present,
+                       std::span<const Follows> follows) {
+    Vector2 last;
+    bool had = false; // data in the block before
+    for (std::size_t first = 0, end = 0; first < pulls.size(); first = end) {
+        Vector2 pull;
+        bool has = false;
+        for (end = first; end < pulls.size() && (end == first || follows[end] == Follows::same_block);
+             ++end) {
+            pull.x += pulls[end].x;
+            pull.y += pulls[end].y;
+            has = has || present[end];
+        }
+        if (has)
+            count(bin, pull, had && follows[first] == Follows::block ? &last : nullptr);
+        last = pull;
+        had = has;
+    }
+}
+
+void BlockScatter::count(std::size_t bin, const Vector2& pull, const Vector2* last) {
+    const double xx = pull.x * pull.x, yy = pull.y * pull.y;
+    squares_[bin].x += xx;
+    squares_[bin].y += yy;
+    blocks_[bin] += 1.0;
+    if (!last)
+        return;
+    products_ += pull.x * last->x + pull.y * last->y;
+    product_squares_ += 0.5 * (xx + yy + last->x * last->x + last->y * last->y);
+}
+
+/// s^2: mean of error^2 times count over the bins.
+Vector2 BlockScatter::typical(const BinSamples& samples) const {
+    Vector2 sum;
+    double weight = 0.0;
+    for (std::size_t j = 0; j < squares_.size(); ++j) {
+        const double free = std::max(blocks_[j] - 1.0, 0.0);
+        sum.x += free * variance(squares_[j].x, blocks_[j]) * samples.count[j];
+        sum.y += free * variance(squares_[j].y, blocks_[j]) * samples.count[j];
+        weight += free;
+    }
+    return weight > 0.0 ? Vector2{sum.x / weight, sum.y / weight} : Vector2{};
+}
+
+void BlockScatter::finish(BinSamples& samples) const {
+    samples.block_correlation = product_squares_ > 0.0 ? products_ / product_squares_ : 0.0;
+    const double factor = correlation_factor(samples.block_correlation);
+    const Vector2 s2 = typical(samples);
+    for (std::size_t j = 0; j < squares_.size(); ++j) {
+        samples.blocks[j] = blocks_[j];
+        if (samples.count[j] > 0.0)
+            samples.sigma[j] = {factor * mixed(squares_[j].x, blocks_[j], s2.x / samples.count[j]),
+                                factor * mixed(squares_[j].y, blocks_[j], s2.y / samples.count[j])};
+    }
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,83 @@
+#pragma once
+// Sums in the bins of a RodGrid, one set a block of time. A new block begins when time/length passes a whole
+// number or the rod is turned by more than 0.1 rad from where it was at the beginning of each block of that
+// time: one that rattles about a heading does not make a block each time.
+
+#include "estimators.hpp"
+
+#include "rodwake/measure/state_io.hpp"
+
+#include <span>
+#include <vector>
+
+namespace rodwake::measure {
+
+struct BlockSums {
+    double number = 0.0;             ///< floor(time/length)
+    double first_heading = 0.0;      ///< rad
+    double cosine = 0.0, sine = 0.0; ///< sums of those of the heading
+    double frames = 0.0;
+    std::vector<double> sums; ///< [bin][channel]
+
+    /// Mean heading, rad.
+    double heading() const;
+};
+
+class Blocks {
+public:
+    Blocks(std::size_t bins, std::size_t channels, double length)
+        : bins_(bins), channels_(channels), length_(length) {}
+
+    /// The block this frame belongs to, with the frame counted in.
+    BlockSums& at(double time, double heading);
+
+    std::span<const BlockSums> all() const { return blocks_; }
+    std::size_t channels() const { return channels_; }
+    void save(StateWriter& out) const;
+    void load(StateReader& in);
+
+private:
+    std::size_t bins_, channels_;
+    double length_;
+    std::vector<BlockSums> blocks_;
+};
+
+// Standard errors of bins from what each block pulls a bin's value by.
+//
+//   error^2 = n/(n - 1) sum_b pull_b^2,   pull_b = w_b (v_b - mean)/sum w                  (as
+//   mean_of_blocks)
+//
+// With few blocks such an error is itself uncertain by 1/sqrt(2 (n - 1)), and the ratio of a deviation to it
+// has long tails. So it is mixed with what the whole field suggests for a bin of so many beads, s^2/count,
+// as if that came from four more blocks. Correlation of successive blocks, of all bins together, then makes
+// all errors larger by correlation_factor.
+
+/// How a part of the data stands to the one before it. Parts of one block that differ in the rod's heading
+/// count as one value.
+enum class Follows { nothing, block, same_block };
+
+/// `before`: the part before it in the same run, if there is one.
+Follows follows_of(const BlockSums* before, const BlockSums& now);
+
+class BlockScatter {
+public:
+    /// Pulls of the parts of one bin in order of time and runs. Parts without data have pull 0 and are not
+    /// present.
+    void add(std::size_t bin, std::span<const Vector2> pulls, const std::vector<bool>& present,
+             std::span<const Follows> follows);
+
+    /// Writes sigma, blocks and block_correlation. Count must be there.
+    void finish(BinSamples& samples) const;
+
+    explicit BlockScatter(std::size_t bins) : squares_(bins), blocks_(bins) {}
+
+private:
+    void count(std::size_t bin, const Vector2& pull, const Vector2* last);
+    Vector2 typical(const BinSamples& samples) const;
+
+    std::vector<Vector2> squares_; ///< sums of pull^2
+    std::vector<double> blocks_;
+    double products_ = 0.0, product_squares_ = 0.0;
+};
+
+} // namespace rodwake::measure

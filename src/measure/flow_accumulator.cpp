@@ -1,0 +1,196 @@
+#include "rod_view.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/measure/flow.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::measure {
+
+namespace {
+
+using Row = std::vector<double>;
+
+void want(bool legal, const char* what, double value, const char* range) {
+    if (!legal)
+        throw InputError(fmt::format("measure: flow, {} {:g}: must be {}", what, value, range));
+}
+
+void check(const Layout& layout, const FlowOptions& options) {
+    validate(layout);
+    if (options.rod >= layout.rods)
+        throw InputError(
+            fmt::format("measure: flow around rod {}: there are {} rods", options.rod + 1, layout.rods));
+    want(std::isfinite(options.lag) && options.lag >= 0.0, "lag (s)", options.lag, "finite and not negative");
+    want(std::isfinite(options.block) && options.block > 0.0 && options.block >= options.lag, "block (s)",
+         options.block, "finite, positive and at least the lag");
+    want(options.marked_within >= 0.0 && options.marked_within <= layout.box / 2.0, "marked_within (m)",
+         options.marked_within, "from 0 to half the box");
+    want(std::isfinite(options.marked_travel) && options.marked_travel >= 0.0, "marked_travel (m)",
+         options.marked_travel, "finite and not negative");
+}
+
+/// Mean of the differences of two rows of coordinates.
+double mean_step(const Row& before, const Row& now) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < now.size(); ++i)
+        sum += now[i] - before[i];
+    return sum / static_cast<double>(now.size());
+}
+
+RodPlace halfway(const RodPlace& before, const RodPlace& now) {
+    return {(before.x + now.x) / 2.0, (before.y + now.y) / 2.0,
+            before.heading + std::remainder(now.heading - before.heading, 2.0 * std::numbers::pi) / 2.0};
+}
+
+} // namespace
+
+FlowAccumulator::FlowAccumulator(const Layout& layout, const FlowOptions& options)
+    : layout_(layout), options_(options) {
+    check(layout, options);
+    grid_ = RodGrid(layout.box, options.spacing);
+}
+
+void FlowAccumulator::start(const Past& now) {
+    first_heading_ = now.rod.heading;
+    const RodView view(now.rod, layout_.box);
+    const double within2 = options_.marked_within * options_.marked_within;
+    for (std::size_t i = 0; i < layout_.beads; ++i)
+        if (view.distance2(into_box(now.x[i], layout_.box), into_box(now.y[i], layout_.box)) < within2) {
+            marked_.push_back(i);
+            first_x_.push_back(now.x[i]);
+            first_y_.push_back(now.y[i]);
+        }
+    last_x_ = first_x_;
+    last_y_ = first_y_;
+}
+
+void FlowAccumulator::follow_marked(const Past& now) {
+    if (options_.marked_travel > 0.0 && travel_ >= options_.marked_travel)
+        return;
+    const Past& before = past_.back();
+    const double step_x = mean_step(before.x, now.x), step_y = mean_step(before.y, now.y);
+    drift_x_ += step_x;
+    drift_y_ += step_y;
+    travel_ += (now.rod.x - before.rod.x - step_x) * std::cos(before.rod.heading) +
+               (now.rod.y - before.rod.y - step_y) * std::sin(before.rod.heading);
+    for (std::size_t k = 0; k < marked_.size(); ++k) {
+        last_x_[k] = now.x[marked_[k]] - drift_x_;
+        last_y_[k] = now.y[marked_[k]] - drift_y_;
+    }
+}
+
+void FlowAccumulator::add(const Frame& frame) {
+    check_frame(layout_, frame);
+    times_.next(frame.time, "flow");
+    Past now{frame.time, frame.unwrapped_x, frame.unwrapped_y, frame.rods[options_.rod]};
+    if (times_.frames == 1)
+        start(now);
+    else {
+        follow_marked(now);
+        const auto wanted =
+            static_cast<std::size_t>(std::max(1.0, std::round(options_.lag / times_.interval)));
+        if (past_.size() >= wanted) {
+            take(past_.front(), now);
+            past_.erase(past_.begin());
+        }
+    }
+    past_.push_back(std::move(now));
+}
+
+FlowAccumulator::Block& FlowAccumulator::block_at(double time) {
+    const double number = std::floor(time / options_.block);
+    if (blocks_.empty() || number != block_number_) {
+        const Row zero(grid_.bins(), 0.0);
+        blocks_.push_back({zero, zero, zero, zero, zero});
+        block_number_ = number;
+    }
+    return blocks_.back();
+}
+
+void FlowAccumulator::take(const Past& before, const Past& now) {
+    const double lag = now.time - before.time;
+    const double step_x = mean_step(before.x, now.x), step_y = mean_step(before.y, now.y);
+    const RodView view(halfway(before.rod, now.rod), layout_.box);
+    Block& block = block_at((before.time + now.time) / 2.0);
+    for (std::size_t i = 0; i < layout_.beads; ++i) {
+        const Seen place = view.at(into_box((before.x[i] + now.x[i]) / 2.0, layout_.box),
+                                   into_box((before.y[i] + now.y[i]) / 2.0, layout_.box));
+        const auto bin = grid_.bin(place.x, place.y);
+        if (!bin)
+            continue;
+        const Seen v =
+            view.turned((now.x[i] - before.x[i] - step_x) / lag, (now.y[i] - before.y[i] - step_y) / lag);
+        const double speed = std::sqrt(v.x * v.x + v.y * v.y);
+        block.vx[*bin] += v.x;
+        block.vy[*bin] += v.y;
+        block.ux[*bin] += speed > 0.0 ? v.x / speed : 0.0;
+        block.uy[*bin] += speed > 0.0 ? v.y / speed : 0.0;
+        block.count[*bin] += 1.0;
+    }
+}
+
+std::vector<MarkedBead> FlowAccumulator::marked() const {
+    std::vector<MarkedBead> beads;
+    for (std::size_t k = 0; k < marked_.size(); ++k)
+        beads.push_back({marked_[k], first_x_[k], first_y_[k], last_x_[k], last_y_[k]});
+    return beads;
+}
+
+void FlowAccumulator::save(StateWriter& out) const {
+    times_.save(out);
+    for (const double value : {block_number_, first_heading_, travel_, drift_x_, drift_y_})
+        out.put(value);
+    out.put(Row(marked_.begin(), marked_.end()));
+    for (const Row* row : {&first_x_, &first_y_, &last_x_, &last_y_})
+        out.put(*row);
+    out.put(past_.size());
+    for (const Past& past : past_) {
+        for (const double value : {past.time, past.rod.x, past.rod.y, past.rod.heading})
+            out.put(value);
+        out.put(past.x);
+        out.put(past.y);
+    }
+    out.put(blocks_.size());
+    for (const Block& block : blocks_)
+        for (const Row* row : {&block.vx, &block.vy, &block.ux, &block.uy, &block.count})
+            out.put(*row);
+}
+
+void FlowAccumulator::load(StateReader& in) {
+    times_.load(in);
+    for (double* value : {&block_number_, &first_heading_, &travel_, &drift_x_, &drift_y_})
+        *value = in.get();
+    marked_.clear();
+    for (const double bead : in.array()) {
+        if (!(bead >= 0.0 && bead < static_cast<double>(layout_.beads)))
+            throw RunError(fmt::format("measure: flow: marked bead {} of {}", bead, layout_.beads));
+        marked_.push_back(static_cast<std::size_t>(bead));
+    }
+    for (Row* row : {&first_x_, &first_y_, &last_x_, &last_y_})
+        *row = in.array(marked_.size());
+    past_.clear();
+    for (std::size_t left = in.count(); left > 0; --left) {
+        Past past;
+        for (double* value : {&past.time, &past.rod.x, &past.rod.y, &past.rod.heading})
+            *value = in.get();
+        past.x = in.array(layout_.beads);
+        past.y = in.array(layout_.beads);
+        past_.push_back(std::move(past));
+    }
+    if (past_.empty() && times_.frames > 0)
+        throw RunError("measure: flow: the last frames are missing");
+    blocks_.clear();
+    for (std::size_t left = in.count(); left > 0; --left) {
+        Block block;
+        for (Row* row : {&block.vx, &block.vy, &block.ux, &block.uy, &block.count})
+            *row = in.array(grid_.bins());
+        blocks_.push_back(std::move(block));
+    }
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,215 @@
+#include "blocks.hpp"
+#include "cell_window.hpp"
+#include "displacement_impl.hpp"
+#include "estimators.hpp"
+
+#include <array>
+#include <numeric>
+
+namespace rodwake::measure {
+
+namespace {
+
+constexpr double zone_begin = 0.3, zone_end = 0.45, first_zone_begin = 0.15; // of the box, ahead of the rod
+
+double mean(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+} // namespace
+
+LagrangianAccumulator::LagrangianAccumulator(const Layout& layout, const DisplacementOptions& options)
+    : layout_(layout), options_(options), grid_(layout.box, options.spacing),
+      blocks_(grid_.bins(), channels, options.block) {}
+
+void LagrangianAccumulator::add(const Frame& frame) {
+    const RodPlace& place = frame.rods[options_.rod];
+    const RodView rod(place, layout_.box);
+    if (samples_.empty())
+        start(frame, rod);
+    drift_x_ = mean(frame.unwrapped_x) - first_x_;
+    drift_y_ = mean(frame.unwrapped_y) - first_y_;
+    double* sums = blocks_.at(frame.time, place.heading).sums.data();
+    for (std::size_t i = 0; i < layout_.beads; ++i) {
+        note_zone(i, frame, rod.at(frame.x[i], frame.y[i]));
+        if (samples_[i] > 0.0)
+            count(i, frame, rod, sums);
+    }
+}
+
+void LagrangianAccumulator::start(const Frame& frame, const RodView& rod) {
+    first_x_ = mean(frame.unwrapped_x);
+    first_y_ = mean(frame.unwrapped_y);
+    samples_.assign(layout_.beads, 0.0);
+    in_zone_.assign(layout_.beads, 0.0);
+    place_x_ = frame.unwrapped_x;
+    place_y_ = frame.unwrapped_y;
+    for (std::size_t i = 0; i < layout_.beads; ++i) {
+        const double ahead = rod.at(frame.x[i], frame.y[i]).x / layout_.box;
+        samples_[i] = ahead > first_zone_begin && ahead < zone_end ? 1.0 : 0.0;
+    }
+}
+
+void LagrangianAccumulator::note_zone(std::size_t bead, const Frame& frame, const Seen& now) {
+    const double ahead = now.x / layout_.box;
+    if (!(ahead > zone_begin && ahead < zone_end)) {
+        in_zone_[bead] = 0.0;
+        return;
+    }
+    if (in_zone_[bead] == 0.0)
+        place_x_[bead] = place_y_[bead] = samples_[bead] = 0.0;
+    in_zone_[bead] = 1.0;
+    place_x_[bead] += frame.unwrapped_x[bead] - drift_x_;
+    place_y_[bead] += frame.unwrapped_y[bead] - drift_y_;
+    samples_[bead] += 1.0;
+}
+
+void LagrangianAccumulator::count(std::size_t bead, const Frame& frame, const RodView& rod, double* sums) {
+    const double dx = frame.unwrapped_x[bead] - drift_x_ - place_x_[bead] / samples_[bead];
+    const double dy = frame.unwrapped_y[bead] - drift_y_ - place_y_[bead] / samples_[bead];
+    const auto inside = [&](double place) { return into_box(place, layout_.box); };
+    const Seen before = rod.at(inside(frame.x[bead] - dx), inside(frame.y[bead] - dy));
+    const auto bin = grid_.bin(before.x, before.y);
+    if (!bin)
+        return;
+    const Seen moved = rod.turned(dx, dy);
+    double* sum = sums + *bin * channels;
+    sum[along] += moved.x;
+    sum[across] += moved.y;
+    sum[beads] += 1.0;
+    sum[place_x] += nearest_image_once(before.x - grid_.middle(*bin % grid_.n), layout_.box);
+    sum[place_y] += nearest_image_once(before.y - grid_.middle(*bin / grid_.n), layout_.box);
+}
+
+void LagrangianAccumulator::save(StateWriter& out) const {
+    for (const auto* values : {&place_x_, &place_y_, &samples_, &in_zone_})
+        out.put(std::span<const double>(*values));
+    for (const double value : {first_x_, first_y_, drift_x_, drift_y_})
+        out.put(value);
+    blocks_.save(out);
+}
+
+void LagrangianAccumulator::load(StateReader& in) {
+    place_x_ = in.array();
+    const std::size_t beads_known = place_x_.size(); // none before the first frame
+    for (auto* values : {&place_y_, &samples_, &in_zone_})
+        *values = in.array(beads_known);
+    for (double* value : {&first_x_, &first_y_, &drift_x_, &drift_y_})
+        *value = in.get();
+    blocks_.load(in);
+}
+
+namespace {
+
+using Accumulator = LagrangianAccumulator;
+using Sums = std::array<double, Accumulator::channels>;
+
+struct Sources {
+    std::vector<const BlockSums*> blocks;
+    std::vector<Follows> follows;
+};
+
+Sources sources_of(std::span<const DisplacementAccumulator> runs) {
+    Sources sources;
+    for (const DisplacementAccumulator& run : runs)
+        for (const BlockSums* before = nullptr;
+             const BlockSums& block : std::get<Accumulator>(DisplacementSums::of(run).sums).blocks()) {
+            sources.follows.push_back(follows_of(before, block));
+            sources.blocks.push_back(&block);
+            before = &block;
+        }
+    return sources;
+}
+
+/// Sums of a block over some bins, the displacements of each bin taken back by what U differs there.
+Sums sums_of(const BlockSums& block, const std::vector<CellPart>& parts) {
+    Sums total{};
+    for (const CellPart& part : parts) {
+        const double* from = &block.sums[part.bin * Accumulator::channels];
+        for (std::size_t c = 0; c < Accumulator::channels; ++c)
+            total[c] += part.weight * from[c];
+        total[Accumulator::along] -= part.weight * from[Accumulator::beads] * part.difference.x;
+        total[Accumulator::across] -= part.weight * from[Accumulator::beads] * part.difference.y;
+    }
+    return total;
+}
+
+/// Value and place (from the bin's middle) of the mean; adds to the scatter.
+void put(const Sources& sources, std::size_t bin, const std::vector<CellPart>& parts, BinSamples& samples,
+         BlockScatter& scatter) {
+    std::vector<Sums> blocks;
+    Sums total{};
+    for (const BlockSums* block : sources.blocks) {
+        blocks.push_back(sums_of(*block, parts));
+        for (std::size_t c = 0; c < Accumulator::channels; ++c)
+            total[c] += blocks.back()[c];
+    }
+    const double beads = total[Accumulator::beads];
+    const Vector2 mean{total[Accumulator::along] / beads, total[Accumulator::across] / beads};
+    std::vector<Vector2> pulls;
+    std::vector<bool> present;
+    for (const Sums& block : blocks) {
+        pulls.push_back({(block[Accumulator::along] - block[Accumulator::beads] * mean.x) / beads,
+                         (block[Accumulator::across] - block[Accumulator::beads] * mean.y) / beads});
+        present.push_back(block[Accumulator::beads] > 0.0);
+    }
+    samples.value[bin] = mean;
+    samples.coherence[bin] = 1.0;
+    samples.place[bin].x += total[Accumulator::place_x] / beads;
+    samples.place[bin].y += total[Accumulator::place_y] / beads;
+    scatter.add(bin, pulls, present, sources.follows);
+}
+
+double beads_in(const Sources& sources, std::size_t bin) {
+    double beads = 0.0;
+    for (const BlockSums* block : sources.blocks)
+        beads += block->sums[bin * Accumulator::channels + Accumulator::beads];
+    return beads;
+}
+
+Vector2 middle(const RodGrid& grid, std::size_t bin) {
+    return {grid.middle(bin % grid.n), grid.middle(bin / grid.n)};
+}
+
+BinSamples of_bins(const Sources& sources, const RodGrid& grid) {
+    BinSamples samples(grid.bins());
+    BlockScatter scatter(grid.bins());
+    for (std::size_t j = 0; j < grid.bins(); ++j) {
+        samples.place[j] = middle(grid, j);
+        samples.count[j] = beads_in(sources, j);
+        if (samples.count[j] > 0.0)
+            put(sources, j, {{j, 1.0, {}}}, samples, scatter);
+    }
+    scatter.finish(samples);
+    return samples;
+}
+
+BinSamples of_cells(const Sources& sources, const CellWindow& window, const RodGrid& grid) {
+    BinSamples samples(grid.bins());
+    BlockScatter scatter(grid.bins());
+    for (std::size_t j = 0; j < grid.bins(); ++j) {
+        const CellMean mean = window.around(j);
+        samples.count[j] = mean.count;
+        if (!mean.parts.empty())
+            put(sources, j, mean.parts, samples, scatter);
+        samples.place[j] = {middle(grid, j).x + mean.place.x, middle(grid, j).y + mean.place.y};
+    }
+    scatter.finish(samples);
+    return samples;
+}
+
+} // namespace
+
+BinSamples lagrangian_samples(std::span<const DisplacementAccumulator> runs) {
+    const RodGrid grid(runs[0].layout().box, runs[0].options().spacing);
+    const double spacing = lattice_spacing(runs[0].layout());
+    const Sources sources = sources_of(runs);
+    const BinSamples single = of_bins(sources, grid);
+    const BinSamples plain = of_cells(sources, CellWindow(single, nullptr, grid, spacing), grid);
+    BinSamples samples = of_cells(sources, CellWindow(single, &plain, grid, spacing), grid);
+    for (std::size_t j = 0; j < grid.bins(); ++j) // differences across the cell were taken out
+        samples.place[j] = middle(grid, j);
+    return samples;
+}
+
+} // namespace rodwake::measure

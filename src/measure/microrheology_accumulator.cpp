@@ -1,0 +1,211 @@
+#include "rodwake/core/error.hpp"
+#include "rodwake/measure/microrheology.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace rodwake::measure {
+
+namespace {
+
+using Row = std::vector<double>;
+constexpr auto channels = MicrorheologyAccumulator::channels, groups = MicrorheologyAccumulator::groups;
+
+void check(const MicrorheologyOptions& options) {
+    if (!(std::isfinite(options.longest_lag) && options.longest_lag >= 0.0))
+        throw InputError(
+            fmt::format("measure: microrheology, longest lag {:g} s: must be finite and positive, or 0 "
+                        "for as long as the run allows",
+                        options.longest_lag));
+    for (const auto& s : {options.s_low, options.s_high})
+        if (s && !(std::isfinite(*s) && *s > 0.0))
+            throw InputError(
+                fmt::format("measure: microrheology, s = {:g} 1/s as an end of the range for s -> 0: "
+                            "must be finite and positive",
+                            *s));
+    if (options.s_low && options.s_high && *options.s_low >= *options.s_high)
+        throw InputError(fmt::format("measure: microrheology, range of s from {:g} to {:g} 1/s: must rise",
+                                     *options.s_low, *options.s_high));
+}
+
+std::size_t first_of(std::size_t group, std::size_t beads) { return group * beads / groups; }
+
+/// Displacements since the first frame without their mean, which is the drift of the whole bed.
+Row displacements(const Row& free, const Row& first, const std::vector<std::size_t>& order) {
+    Row moved(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        moved[i] = free[order[i]] - first[i];
+    const double mean = std::accumulate(moved.begin(), moved.end(), 0.0) / static_cast<double>(moved.size());
+    for (double& m : moved)
+        m -= mean;
+    return moved;
+}
+
+double variance(const Row& values) {
+    const double n = static_cast<double>(values.size());
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+    double sum = 0.0;
+    for (const double v : values)
+        sum += (v - mean) * (v - mean);
+    return sum / n;
+}
+
+void keep_last(std::vector<Row>& frames, const Row& frame) {
+    if (frames.size() == channels)
+        std::rotate(frames.begin(), frames.begin() + 1, frames.end());
+    else
+        frames.emplace_back();
+    frames.back() = frame;
+}
+
+std::vector<Row> unpack_frames(StateReader& in, std::size_t count, std::size_t beads) {
+    std::vector<Row> frames(count);
+    for (Row& frame : frames)
+        frame = in.array(beads);
+    return frames;
+}
+
+/// Every bead once; none before the first frame.
+std::vector<std::size_t> unpack_order(StateReader& in, std::size_t frames, std::size_t beads) {
+    const std::size_t count = in.count(), expected = frames > 0 ? beads : 0;
+    if (count != expected)
+        throw RunError(fmt::format("measure: microrheology: {} beads stored, expected {}", count, expected));
+    std::vector<std::size_t> order(count);
+    std::vector<bool> seen(beads, false);
+    for (std::size_t& bead : order) {
+        bead = in.count();
+        if (bead >= beads || seen[bead])
+            throw RunError(
+                fmt::format("measure: microrheology: bead {} in the stored order of {} beads", bead, beads));
+        seen[bead] = true;
+    }
+    return order;
+}
+
+} // namespace
+
+MicrorheologyAccumulator::MicrorheologyAccumulator(const Layout& layout, const MicrorheologyOptions& options)
+    : layout_(layout), options_(options) {
+    validate(layout);
+    check(options);
+    if (layout.beads < groups)
+        throw InputError(fmt::format("measure: microrheology of {} beads: needs at least {}, since their "
+                                     "mean displacement is taken off",
+                                     layout.beads, groups));
+    for (std::size_t g = 0; g < groups; ++g)
+        group_sizes_.push_back(
+            static_cast<double>(first_of(g + 1, layout.beads) - first_of(g, layout.beads)));
+}
+
+double MicrorheologyAccumulator::temperature() const {
+    return frames() > 0 ? temperature_sum_ / static_cast<double>(frames()) : 0.0;
+}
+
+void MicrorheologyAccumulator::start(const Frame& frame) {
+    order_.resize(layout_.beads);
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return frame.y[i]; });
+    for (const std::size_t i : order_) {
+        first_x_.push_back(frame.unwrapped_x[i]);
+        first_y_.push_back(frame.unwrapped_y[i]);
+    }
+}
+
+void MicrorheologyAccumulator::add(const Frame& frame) {
+    check_frame(layout_, frame);
+    times_.next(frame.time, "microrheology");
+    if (times_.frames == 1)
+        start(frame);
+    if (times_.frames == 2 && options_.longest_lag > 0.0 && !within_longest(1))
+        throw InputError(
+            fmt::format("measure: microrheology, longest lag {:g} s: is below the {:g} s between frames",
+                        options_.longest_lag, times_.interval));
+    temperature_sum_ += (variance(frame.vx) + variance(frame.vy)) / 2.0;
+    push(0, displacements(frame.unwrapped_x, first_x_, order_),
+         displacements(frame.unwrapped_y, first_y_, order_));
+}
+
+bool MicrorheologyAccumulator::within_longest(std::size_t lag) const {
+    return options_.longest_lag == 0.0 ||
+           static_cast<double>(lag) * times_.interval <=
+               options_.longest_lag * (1.0 + 1e-9); // 16 * 0.1 s is within 1.6 s
+}
+
+void MicrorheologyAccumulator::correlate(std::size_t number, const Row& x, const Row& y) {
+    Level& level = levels_[number];
+    const std::size_t stored = level.x.size();
+    for (std::size_t c = number == 0 ? 1 : channels / 2 + 1; c <= stored && within_longest(c << number);
+         ++c) {
+        const Row &past_x = level.x[stored - c], &past_y = level.y[stored - c];
+        for (std::size_t g = 0; g < groups; ++g) {
+            double sum = 0.0;
+            for (std::size_t i = first_of(g, x.size()), end = first_of(g + 1, x.size()); i < end; ++i) {
+                const double dx = x[i] - past_x[i], dy = y[i] - past_y[i];
+                sum += dx * dx + dy * dy;
+            }
+            level.sum[(c - 1) * groups + g] += sum;
+        }
+        level.origins[c - 1] += 1.0;
+    }
+}
+
+void MicrorheologyAccumulator::push(std::size_t number, const Row& x, const Row& y) {
+    if (number == levels_.size())
+        levels_.push_back({{}, {}, Row(channels * groups, 0.0), Row(channels, 0.0), 0.0});
+    correlate(number, x, y);
+    Level& level = levels_[number];
+    keep_last(level.x, x);
+    keep_last(level.y, y);
+    level.frames += 1.0;
+    const bool second = std::fmod(level.frames, 2.0) == 0.0;
+    if (second && within_longest((channels / 2 + 1) << (number + 1)))
+        push(number + 1, x, y);
+}
+
+void MicrorheologyAccumulator::save(StateWriter& out) const {
+    times_.save(out);
+    out.put(temperature_sum_);
+    out.put(order_.size());
+    for (const std::size_t bead : order_)
+        out.put(bead);
+    out.put(first_x_);
+    out.put(first_y_);
+    out.put(levels_.size());
+    for (const Level& level : levels_) {
+        out.put(level.frames);
+        out.put(level.sum);
+        out.put(level.origins);
+        out.put(level.x.size());
+        for (const auto* frames : {&level.x, &level.y})
+            for (const Row& frame : *frames)
+                out.put(frame);
+    }
+}
+
+void MicrorheologyAccumulator::load(StateReader& in) {
+    times_.load(in);
+    temperature_sum_ = in.get();
+    order_ = unpack_order(in, frames(), layout_.beads);
+    first_x_ = in.array(order_.size());
+    first_y_ = in.array(order_.size());
+    levels_.clear();
+    for (std::size_t left = in.count(); left > 0; --left) {
+        Level level;
+        level.frames = static_cast<double>(in.count());
+        level.sum = in.array(channels * groups);
+        level.origins = in.array(channels);
+        const std::size_t stored = in.count();
+        if (stored > channels)
+            throw RunError(
+                fmt::format("measure: microrheology: {} stored frames of an octave, at most {} are legal",
+                            stored, channels));
+        level.x = unpack_frames(in, stored, layout_.beads);
+        level.y = unpack_frames(in, stored, layout_.beads);
+        levels_.push_back(std::move(level));
+    }
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,232 @@
+#include "pair_counts.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/measure/order.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::measure {
+
+namespace {
+
+using Block = OrderAccumulator::Block;
+
+/// Bins [first, last) taken together.
+struct Group {
+    std::size_t first, last;
+};
+
+/// Groups of twice the wanted step, each overlapping half of the next; they begin near `from` and end with
+/// the last bin.
+std::vector<Group> groups(std::size_t bins, double bin, double from, double step) {
+    const double range = static_cast<double>(bins) - from / bin;
+    if (!(range >= 1.0))
+        return {};
+    const auto width = static_cast<std::size_t>(std::max(1.0, std::round(std::min(step / bin, range / 6.0))));
+    const auto count =
+        std::min(static_cast<std::size_t>(std::round(range / static_cast<double>(width))), bins / width);
+    std::vector<Group> all;
+    for (std::size_t k = bins - count * width; k < bins; k += width)
+        if (k + 2 * width <= bins)
+            all.push_back({k, k + 2 * width});
+    return all;
+}
+
+/// Weight of each bin of a group: sin^2, which passes nothing of a swing as long as half the group or shorter
+/// by a whole fraction, and little in between.
+std::vector<double> window(const Group& group) {
+    std::vector<double> weights;
+    const double step = M_PI / static_cast<double>(group.last - group.first);
+    for (std::size_t k = 0; k < group.last - group.first; ++k)
+        weights.push_back(std::pow(std::sin(step * (static_cast<double>(k) + 0.5)), 2));
+    return weights;
+}
+
+double over(const std::vector<double>& values, const Group& group, const std::vector<double>& weights) {
+    double sum = 0.0;
+    for (std::size_t k = group.first; k < group.last; ++k)
+        sum += weights[k - group.first] * values[k];
+    return sum;
+}
+
+struct Sums {
+    double pairs = 0.0, order = 0.0;
+
+    double mean() const { return pairs > 0.0 ? order / pairs : 0.0; }
+};
+
+/// Where the decay begins to be one: 8 a, where the shells and the 1/r^2 of phonons have faded; at most L/8.
+double decay_from(const Layout& layout) { return std::min(8.0 * layout.bead_radius, layout.box / 8.0); }
+
+/// g_B(r) from about there on in steps of two lattice rows (less in boxes too small for six such), in smooth
+/// windows of four, weighted by pairs: g_B swings with the rows, and whole swings cancel, which needs bins
+/// finer than those shown. Neighbouring points share pairs. With each block left out in turn. `bin`: of g(r),
+/// m.
+DecayPoints decay_points(const std::vector<Block>& blocks, const Layout& layout, double bin) {
+    const double row = std::sqrt(0.5 * std::sqrt(3.0) / static_cast<double>(layout.beads)) * layout.box;
+    DecayPoints points;
+    points.box = layout.box;
+    points.without.resize(blocks.size());
+    double correlation = 0.0;
+    const auto all = groups(blocks.front().pairs.size(), bin, decay_from(layout), 2.0 * row);
+    for (const Group& group : all) {
+        const std::vector<double> weight_of = window(group);
+        Sums sums;
+        double distance = 0.0;
+        std::vector<double> values, weights;
+        for (const Block& block : blocks) {
+            weights.push_back(over(block.pairs, group, weight_of));
+            values.push_back(weights.back() > 0.0 ? over(block.fine_order, group, weight_of) / weights.back()
+                                                  : 0.0);
+            sums.pairs += weights.back();
+            sums.order += over(block.fine_order, group, weight_of);
+            for (std::size_t k = group.first; k < group.last; ++k)
+                distance +=
+                    weight_of[k - group.first] * block.pairs[k] * (static_cast<double>(k) + 0.5) * bin;
+        }
+        for (std::size_t b = 0; b < blocks.size(); ++b)
+            points.without[b].push_back(
+                Sums{sums.pairs - weights[b], sums.order - over(blocks[b].fine_order, group, weight_of)}
+                    .mean());
+        const Estimate e = mean_of_blocks(values, weights);
+        points.r.push_back(sums.pairs > 0.0 ? distance / sums.pairs : 0.0);
+        points.g_B.push_back(e.value);
+        points.error.push_back(e.error);
+        correlation += successive_correlation(values) / static_cast<double>(all.size());
+    }
+    points.growth = correlation_factor(correlation);
+    for (double& error : points.error)
+        error = error > 0.0 ? error * points.growth : error;
+    return points;
+}
+
+using Block = OrderAccumulator::Block;
+
+std::vector<Block> all_blocks(std::span<const OrderAccumulator> runs) {
+    std::vector<Block> blocks;
+    for (const OrderAccumulator& run : runs) {
+        if (!(run.options() == runs.front().options() && run.layout() == runs.front().layout()))
+            throw InputError("measure: runs of different beds or options cannot be taken together");
+        const std::vector<Block> more = run.blocks();
+        blocks.insert(blocks.end(), more.begin(), more.end());
+    }
+    if (blocks.empty())
+        throw InputError("measure: no frames to measure order in: is the trajectory empty?");
+    return blocks;
+}
+
+/// A quantity in each block with its weight.
+struct Series {
+    std::vector<double> values, weights;
+};
+
+template<class Value, class Weight>
+Series series(const std::vector<Block>& blocks, Value value, Weight weight) {
+    Series s;
+    for (const Block& block : blocks)
+        if (const double w = weight(block); w > 0.0) {
+            s.values.push_back(value(block) / w);
+            s.weights.push_back(w);
+        }
+    return s;
+}
+
+constexpr auto frames_of = [](const Block& block) { return block.frames; };
+
+Estimate estimate(const Series& s, double growth) {
+    Estimate e = mean_of_blocks(s.values, s.weights);
+    if (e.known())
+        e.error *= growth;
+    return e;
+}
+
+Estimate over_blocks(const std::vector<Block>& blocks, double Block::*sum) {
+    const Series s = series(
+        blocks, [sum](const Block& block) { return block.*sum; }, frames_of);
+    return estimate(s, correlation_factor(successive_correlation(s.values)));
+}
+
+/// Blocks of all bins fluctuate together, and few of them tell little about one bin: one factor for all.
+double common_growth(const std::vector<Series>& bins) {
+    double sum = 0.0, count = 0.0;
+    for (const Series& s : bins) {
+        sum += successive_correlation(s.values);
+        count += 1.0;
+    }
+    return count > 0.0 ? correlation_factor(sum / count) : 1.0;
+}
+
+void reduce_g(const std::vector<Block>& blocks, const OrderAccumulator& run, OrderResult& result) {
+    const std::size_t bins = blocks.front().pairs.size(), beads = run.layout().beads;
+    const double box = run.layout().box, bin = run.options().bin, frames = static_cast<double>(result.frames);
+    const std::vector<double> of_one = pair_correlation(std::vector<double>(bins, 1.0), 1.0, beads, box, bin);
+    std::vector<Series> all;
+    for (std::size_t k = 0; k < bins; ++k)
+        all.push_back(series(
+            blocks, [&](const Block& b) { return b.pairs[k] * of_one[k]; }, frames_of));
+    const double growth = common_growth(all);
+    result.r = middles(bins, bin);
+    for (std::size_t k = 0; k < bins; ++k) {
+        const Estimate e = estimate(all[k], growth);
+        result.g.push_back(e.value);
+        // no pair in any frame: as much as one pair would make
+        result.g_error.push_back(e.value == 0.0 ? of_one[k] / frames : e.error);
+    }
+}
+
+void reduce_order(const std::vector<Block>& blocks, const OrderAccumulator& run, OrderResult& result) {
+    std::vector<Series> all;
+    for (std::size_t k = 0; k < blocks.front().order.size(); ++k) {
+        Series s = series(
+            blocks, [k](const Block& b) { return b.order[k]; },
+            [k](const Block& b) { return b.order_pairs[k]; });
+        if (s.values.empty())
+            continue;
+        double pairs = 0.0;
+        for (const double weight : s.weights)
+            pairs += weight;
+        result.order_r.push_back((static_cast<double>(k) + 0.5) * run.options().order_bin);
+        result.order_pairs.push_back(pairs);
+        all.push_back(std::move(s));
+    }
+    const double growth = common_growth(all);
+    for (const Series& s : all) {
+        const Estimate e = estimate(s, growth);
+        result.g_B.push_back(e.value);
+        result.g_B_error.push_back(e.error);
+    }
+}
+
+void reduce_cutoff(std::span<const OrderAccumulator> runs, OrderResult& result) {
+    double sum = 0.0, count = 0.0;
+    for (const OrderAccumulator& run : runs) {
+        const Cutoff cutoff = run.settled_cutoff();
+        result.cutoffs_by_spacing += cutoff.by_spacing;
+        sum += cutoff.value;
+        count += cutoff.value > 0.0;
+    }
+    result.cutoff = count > 0.0 ? sum / count : 0.0;
+}
+
+} // namespace
+
+OrderResult reduce(std::span<const OrderAccumulator> runs) {
+    const std::vector<Block> blocks = all_blocks(runs);
+    const OrderAccumulator& run = runs.front();
+    OrderResult result;
+    result.blocks = blocks.size();
+    for (const Block& block : blocks)
+        result.frames += static_cast<std::size_t>(block.frames);
+    result.psi6 = over_blocks(blocks, &Block::psi6);
+    result.local_psi6 = over_blocks(blocks, &Block::local);
+    result.neighbours = over_blocks(blocks, &Block::neighbours);
+    reduce_g(blocks, run, result);
+    reduce_order(blocks, run, result);
+    reduce_cutoff(runs, result);
+    result.g_minimum = first_minimum(result.r, result.g, run.layout().bead_radius);
+    result.decay = classify(decay_points(blocks, run.layout(), run.options().bin), 0.0);
+    return result;
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,207 @@
+#include "rodwake/scan/boundary.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+namespace rodwake::scan {
+
+namespace {
+
+using Place = Lattice::Place;
+using Pair = std::pair<std::int32_t, std::int32_t>;
+
+struct Edge {
+    Place low;
+    std::size_t axis;
+};
+
+std::int64_t number_of(const Lattice& lattice, const Edge& edge) {
+    return lattice.id(edge.low) * static_cast<std::int64_t>(lattice.axes()) +
+           static_cast<std::int64_t>(edge.axis);
+}
+
+Edge edge_of(const Lattice& lattice, std::int64_t number) {
+    const auto axes = static_cast<std::int64_t>(lattice.axes());
+    return {lattice.place(number / axes), static_cast<std::size_t>(number % axes)};
+}
+
+/// Edges of a cell, those of axis 0 first: for two axes bottom, top, left, right.
+std::vector<Edge> edges_of(const Lattice& lattice, const Leaf& cell) {
+    std::vector<Edge> edges;
+    for (std::size_t axis = 0; axis < lattice.axes(); ++axis)
+        for (std::size_t which = 0; which < std::size_t{1} << lattice.axes(); ++which) {
+            if (which >> axis & 1U)
+                continue;
+            Place low = cell.low;
+            for (std::size_t k = 0; k < lattice.axes(); ++k)
+                if (which >> k & 1U)
+                    low[k] += cell.side;
+            edges.push_back({low, axis});
+        }
+    return edges;
+}
+
+std::vector<Leaf> finest_mixed(const Refinement& refinement) {
+    const std::int64_t side = refinement.lattice().stride(refinement.lattice().levels());
+    std::vector<Leaf> cells = refinement.leaves();
+    std::erase_if(cells, [&](const Leaf& cell) { return cell.side != side || !cell.mixed; });
+    return cells;
+}
+
+Pair pair_of(const Crossing& crossing) { return std::minmax(crossing.outcome_low, crossing.outcome_high); }
+
+/// Which crossings are joined within a cell, as indices.
+using Links = std::map<std::size_t, std::vector<std::size_t>>;
+
+/// Two crossings between the same outcomes are joined; one alone may be joined in the next cell. Four (a
+/// saddle): lower with left and upper with right, which for the shortest curves is as good as the other way.
+void join(Links& links, const std::vector<std::size_t>& crossings) {
+    for (const std::size_t crossing : crossings)
+        links.try_emplace(crossing);
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+        links[crossings[i]].push_back(crossings[i + 1]);
+        links[crossings[i + 1]].push_back(crossings[i]);
+    }
+}
+
+/// The crossings of a cell between two outcomes, in an order in which neighbours can be joined.
+std::map<Pair, std::vector<std::size_t>> crossings_in(const Lattice& lattice, const Leaf& cell,
+                                                      std::span<const Crossing> crossings) {
+    std::map<Pair, std::vector<std::size_t>> found;
+    const std::vector<Edge> edges = edges_of(lattice, cell);
+    for (const std::size_t which : {0, 2, 1, 3}) {
+        const auto at =
+            std::ranges::lower_bound(crossings, number_of(lattice, edges[which]), {}, &Crossing::id);
+        if (at != crossings.end() && at->id == number_of(lattice, edges[which]))
+            found[pair_of(*at)].push_back(static_cast<std::size_t>(at - crossings.begin()));
+    }
+    return found;
+}
+
+BoundaryPoint point_of(const Lattice& lattice, const Crossing& crossing) {
+    const Edge edge = edge_of(lattice, crossing.id);
+    const double middle = 0.5 * (crossing.u_low + crossing.u_high);
+    return {lattice.point_on(edge.low, edge.axis, middle).at, 0.5 * (crossing.u_high - crossing.u_low)};
+}
+
+/// The points between two outcomes, as they come.
+std::vector<Curve> unordered(const Lattice& lattice, std::span<const Crossing> crossings) {
+    std::map<Pair, Curve> sets;
+    for (const Crossing& crossing : crossings)
+        if (const Pair pair = pair_of(crossing); pair.first >= 0) {
+            Curve& curve = sets.try_emplace(pair, Curve{pair.first, pair.second, {}}).first->second;
+            curve.points.push_back(point_of(lattice, crossing));
+        }
+    std::vector<Curve> curves;
+    curves.reserve(sets.size());
+    for (auto& [pair, curve] : sets)
+        curves.push_back(std::move(curve));
+    return curves;
+}
+
+/// Joins the crossings of two axes from cell to cell.
+class Tracer {
+public:
+    Tracer(const Refinement& refinement, std::span<const Crossing> crossings)
+        : lattice_(refinement.lattice()), crossings_(crossings) {
+        for (const Leaf& cell : finest_mixed(refinement))
+            for (const auto& [pair, inside] : crossings_in(lattice_, cell, crossings))
+                if (pair.first >= 0)
+                    join(links_[pair], inside);
+    }
+
+    std::vector<Curve> curves() {
+        std::vector<Curve> found;
+        for (auto& [pair, links] : links_) {
+            for (const auto& [start, others] : links) // open ones from their ends
+                if (others.size() == 1)
+                    trace(found, pair, links, start);
+            for (const auto& [start, others] : links)
+                trace(found, pair, links, start);
+        }
+        return found;
+    }
+
+private:
+    BoundaryPoint point(std::size_t which) const { return point_of(lattice_, crossings_[which]); }
+
+    void trace(std::vector<Curve>& found, Pair pair, const Links& links, std::size_t start) {
+        if (seen_.contains({pair, start}))
+            return;
+        Curve curve{pair.first, pair.second, {}};
+        const std::vector<std::size_t>* neighbours = nullptr;
+        for (std::optional<std::size_t> at = start; at; at = unseen(pair, *neighbours)) {
+            curve.points.push_back(point(*at));
+            seen_.insert({pair, *at});
+            neighbours = &links.at(*at);
+        }
+        if (curve.points.size() > 2 && std::ranges::count(*neighbours, start) > 0)
+            curve.points.push_back(point(start)); // closed
+        found.push_back(std::move(curve));
+    }
+
+    std::optional<std::size_t> unseen(Pair pair, const std::vector<std::size_t>& neighbours) const {
+        for (const std::size_t next : neighbours)
+            if (!seen_.contains({pair, next}))
+                return next;
+        return std::nullopt;
+    }
+
+    const Lattice& lattice_;
+    std::span<const Crossing> crossings_;
+    std::map<Pair, Links> links_;
+    std::set<std::pair<Pair, std::size_t>> seen_;
+};
+
+} // namespace
+
+std::vector<Crossing> crossed_edges(const Refinement& refinement) {
+    const Lattice& lattice = refinement.lattice();
+    std::map<std::int64_t, Crossing> found;
+    for (const Leaf& cell : finest_mixed(refinement))
+        for (const Edge& edge : edges_of(lattice, cell)) {
+            Place high = edge.low;
+            high[edge.axis] += cell.side;
+            const std::int32_t a = refinement.outcome(edge.low), b = refinement.outcome(high);
+            if (a != b && a >= 0 && b >= 0) {
+                const std::int64_t number = number_of(lattice, edge);
+                found[number] = {number, a, b, lattice.fraction(edge.axis, edge.low[edge.axis]),
+                                 lattice.fraction(edge.axis, high[edge.axis])};
+            }
+        }
+    std::vector<Crossing> edges;
+    edges.reserve(found.size());
+    for (const auto& [number, crossing] : found)
+        edges.push_back(crossing);
+    return edges;
+}
+
+Point middle(const Refinement& refinement, const Crossing& crossing) {
+    const Edge edge = edge_of(refinement.lattice(), crossing.id);
+    Point point =
+        refinement.lattice().point_on(edge.low, edge.axis, 0.5 * (crossing.u_low + crossing.u_high));
+    point.id = crossing.id;
+    return point;
+}
+
+void bisect(Crossing& crossing, const Result& at_middle) {
+    const double u = 0.5 * (crossing.u_low + crossing.u_high);
+    const std::int32_t outcome = at_middle.ok() ? at_middle.outcome : -1;
+    if (outcome == crossing.outcome_low) {
+        crossing.u_low = u;
+    } else {
+        crossing.u_high = u;
+        crossing.outcome_high = outcome;
+    }
+}
+
+std::vector<Curve> boundary_curves(const Refinement& refinement, std::span<const Crossing> crossings) {
+    if (refinement.lattice().axes() == 2)
+        return Tracer(refinement, crossings).curves();
+    return unordered(refinement.lattice(), crossings);
+}
+
+} // namespace rodwake::scan

@@ -1,0 +1,145 @@
+#include "dispenser.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scan/mpi.hpp"
+
+#include <mpi.h>
+
+#include <chrono>
+#include <future>
+#include <thread>
+
+namespace rodwake::scan {
+
+namespace {
+
+enum Tag : int { points_tag = 1, results_tag = 2, home_tag = 3 };
+
+/// MPI waits by spinning; ranks that share cores with computing ones must not.
+void wait_for_message(int from, MPI_Status& status) {
+    for (int there = 0; there == 0;) {
+        MPI_Iprobe(from, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status);
+        if (there == 0)
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+    }
+}
+
+template<class T>
+std::vector<T> receive(const MPI_Status& status) {
+    int bytes = 0;
+    MPI_Get_count(&status, MPI_BYTE, &bytes);
+    std::vector<T> items(static_cast<std::size_t>(bytes) / sizeof(T));
+    MPI_Recv(items.data(), bytes, MPI_BYTE, status.MPI_SOURCE, status.MPI_TAG, MPI_COMM_WORLD,
+             MPI_STATUS_IGNORE);
+    return items;
+}
+
+template<class T>
+void send(std::span<const T> items, int to, Tag tag) {
+    MPI_Send(items.data(), static_cast<int>(items.size_bytes()), MPI_BYTE, to, tag, MPI_COMM_WORLD);
+}
+
+} // namespace
+
+/// The other ranks as rank 0 sees them.
+struct MpiJob::Workers {
+    std::vector<int> idle;
+    int busy = 0;
+
+    /// Gives every idle rank a chunk, as long as there are any.
+    void hand_out(Dispenser& dispenser) {
+        while (!idle.empty()) {
+            const auto chunk = dispenser.next();
+            if (chunk.empty())
+                return;
+            send(chunk, idle.back(), points_tag);
+            idle.pop_back();
+            ++busy;
+        }
+    }
+
+    /// Results that have arrived; false: none.
+    bool collect(std::vector<Result>& results) {
+        MPI_Status status;
+        int there = 0;
+        MPI_Iprobe(MPI_ANY_SOURCE, results_tag, MPI_COMM_WORLD, &there, &status);
+        if (there == 0)
+            return false;
+        results = receive<Result>(status);
+        idle.push_back(status.MPI_SOURCE);
+        --busy;
+        return true;
+    }
+};
+
+std::unique_ptr<MpiJob> MpiJob::join() {
+    return started_as_rank() ? std::unique_ptr<MpiJob>(new MpiJob) : nullptr;
+}
+
+MpiJob::MpiJob() {
+    int provided = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks_);
+    workers_ = std::make_unique<Workers>();
+    for (int other = ranks_ - 1; rank_ == 0 && other > 0; --other)
+        workers_->idle.push_back(other);
+}
+
+MpiJob::~MpiJob() {
+    std::vector<Result> late;
+    while (workers_->busy > 0) // an exception on rank 0 left them at it
+        if (!workers_->collect(late))
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+    for (const int other : workers_->idle)
+        send(std::span<const Point>(), other, home_tag);
+    MPI_Finalize();
+}
+
+Execute MpiJob::executor(Evaluate evaluate, std::function<bool()> stop) {
+    return [this, evaluate = std::move(evaluate), stop = std::move(stop)](std::span<const Point> points,
+                                                                          const Take& take) {
+        Dispenser dispenser(points, take, static_cast<std::size_t>(ranks_), stop);
+        // this thread talks to the others, another one of this rank computes
+        std::future<void> own = std::async(std::launch::async, [&] {
+            try {
+                work(dispenser, evaluate);
+            } catch (...) {
+                dispenser.stop();
+                throw;
+            }
+        });
+        try {
+            std::vector<Result> results;
+            do {
+                workers_->hand_out(dispenser);
+                if (workers_->collect(results))
+                    dispenser.take(results);
+                else
+                    std::this_thread::sleep_for(std::chrono::microseconds(50));
+            } while (workers_->busy > 0 ||
+                     own.wait_for(std::chrono::seconds(0)) != std::future_status::ready);
+        } catch (...) {
+            dispenser.stop();
+            own.wait();
+            throw;
+        }
+        own.get();
+        return !dispenser.stopped();
+    };
+}
+
+void MpiJob::serve(const Evaluate& evaluate) {
+    std::vector<Result> results;
+    for (;;) {
+        MPI_Status status;
+        wait_for_message(0, status);
+        const std::vector<Point> points = receive<Point>(status);
+        if (status.MPI_TAG == home_tag)
+            return;
+        results.assign(points.size(), {});
+        evaluate(points, results);
+        send(std::span<const Result>(results), 0, results_tag);
+    }
+}
+
+} // namespace rodwake::scan

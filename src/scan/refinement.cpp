@@ -1,0 +1,193 @@
+#include "rodwake/scan/refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::scan {
+
+Refinement::Refinement(const Design& design)
+    : lattice_(design), drivers_(design.drivers), cells_(static_cast<std::size_t>(lattice_.levels()) + 1),
+      divided_(cells_.size()) {
+    const std::int64_t side = lattice_.stride(0);
+    const auto count = [&](std::size_t k) { return k < lattice_.axes() ? lattice_.steps(k) / side : 1; };
+    for (std::int64_t i = 0; i < count(0); ++i)
+        for (std::int64_t j = 0; j < count(1); ++j)
+            for (std::int64_t k = 0; k < count(2); ++k)
+                add({i * side, j * side, k * side}, 0);
+}
+
+void Refinement::learn(const Result& result) {
+    const auto row = static_cast<std::uint32_t>(drivers_.empty() ? 0 : rows_.size() / drivers_.size());
+    for (const Driver& driver : drivers_)
+        rows_.push_back(result.ok() ? result.values[driver.observable] : std::nan(""));
+    known_[result.point.id] = {result.ok() ? result.outcome : -1, row};
+}
+
+std::int32_t Refinement::outcome(const Place& place) const {
+    const auto found = known_.find(lattice_.id(place));
+    return found == known_.end() ? -1 : found->second.outcome;
+}
+
+std::vector<Point> Refinement::next() {
+    std::vector<Point> wanted;
+    while (!fresh_.empty()) {
+        Cells asked;
+        for (const auto& [low, level] : fresh_)
+            for (std::size_t c = 0; c < corners(); ++c) {
+                const Place place = corner(low, lattice_.stride(level), c);
+                const std::int64_t id = lattice_.id(place);
+                if (!known_.contains(id) && asked.insert(id).second)
+                    wanted.push_back(lattice_.point(place));
+            }
+        if (!wanted.empty())
+            break;
+        const auto seen = std::move(fresh_);
+        fresh_.clear();
+        for (const auto& [low, level] : seen)
+            if (is_mixed(low, lattice_.stride(level)))
+                follow(low, level);
+    }
+    std::ranges::sort(wanted, {}, &Point::id);
+    return wanted;
+}
+
+/// What a mixed cell asks of itself and its neighbours.
+void Refinement::follow(const Place& low, int level) {
+    const std::int64_t side = lattice_.stride(level);
+    if (level < lattice_.levels()) {
+        around(low, level, [&](const Place& cell) { divide(cell, level); });
+        return;
+    }
+    // At the finest the boundary goes on through the faces over which corners differ.
+    for (std::size_t k = 0; k < lattice_.axes(); ++k)
+        for (const std::size_t upper : {0, 1}) {
+            bool differs = false;
+            for (std::size_t c = 1; c < corners(); ++c) {
+                const std::size_t bit = std::size_t{1} << k;
+                const auto on_face = [&](std::size_t which) {
+                    return corner(low, side, upper ? which | bit : which & ~bit);
+                };
+                differs =
+                    differs || differ(known_.at(lattice_.id(on_face(c))), known_.at(lattice_.id(on_face(0))));
+            }
+            Place next = low;
+            next[k] += upper ? side : -side;
+            if (differs && holds(next, side))
+                ensure(next, level);
+        }
+}
+
+void Refinement::divide_at(const Place& place) {
+    for (int level = 0; level < lattice_.levels(); ++level)
+        divide(low_of(place, level), level);
+}
+
+Refinement::Place Refinement::corner(const Place& low, std::int64_t side, std::size_t which) const {
+    Place place = low;
+    for (std::size_t k = 0; k < lattice_.axes(); ++k)
+        if (which >> k & 1U)
+            place[k] += side;
+    return place;
+}
+
+bool Refinement::holds(const Place& low, std::int64_t side) const {
+    for (std::size_t k = 0; k < lattice_.axes(); ++k)
+        if (low[k] < 0 || low[k] + side > lattice_.steps(k))
+            return false;
+    return true;
+}
+
+/// Low corner of the cell of this level that holds a place; at the far end of an axis that of the last.
+Refinement::Place Refinement::low_of(const Place& place, int level) const {
+    const std::int64_t side = lattice_.stride(level);
+    Place low = place;
+    for (std::size_t k = 0; k < lattice_.axes(); ++k)
+        low[k] = std::min(place[k] / side * side, lattice_.steps(k) - side);
+    return low;
+}
+
+bool Refinement::differ(const Known& a, const Known& b) const {
+    if (a.outcome != b.outcome)
+        return true;
+    for (std::size_t d = 0; d < drivers_.size(); ++d)
+        if (std::abs(rows_[a.row * drivers_.size() + d] - rows_[b.row * drivers_.size() + d]) >
+            drivers_[d].step)
+            return true;
+    return false;
+}
+
+bool Refinement::is_mixed(const Place& low, std::int64_t side) const {
+    const Known& first = known_.at(lattice_.id(low));
+    for (std::size_t c = 1; c < corners(); ++c)
+        if (differ(first, known_.at(lattice_.id(corner(low, side, c)))))
+            return true;
+    return false;
+}
+
+void Refinement::add(const Place& low, int level) {
+    if (cells_[static_cast<std::size_t>(level)].insert(lattice_.id(low)).second)
+        fresh_.emplace_back(low, level);
+}
+
+/// Makes the cell by dividing what holds it.
+void Refinement::ensure(const Place& low, int level) {
+    if (level > 0 && !cells_[static_cast<std::size_t>(level)].contains(lattice_.id(low)))
+        divide(low_of(low, level - 1), level - 1);
+}
+
+void Refinement::divide(const Place& low, int level) {
+    ensure(low, level);
+    if (!divided_[static_cast<std::size_t>(level)].insert(lattice_.id(low)).second)
+        return;
+    around(low, level, [&](const Place& cell) { ensure(cell, level); }); // what touches is not coarser
+    for (std::size_t c = 0; c < corners(); ++c)
+        add(corner(low, lattice_.stride(level + 1), c), level + 1);
+}
+
+/// The cell and those that touch it.
+template<class Each>
+void Refinement::around(const Place& low, int level, Each each) {
+    const std::int64_t side = lattice_.stride(level);
+    const int dims = static_cast<int>(lattice_.axes());
+    int count = 1;
+    for (int k = 0; k < dims; ++k)
+        count *= 3;
+    for (int which = 0; which < count; ++which) {
+        Place cell = low;
+        for (int k = 0, rest = which; k < dims; ++k, rest /= 3)
+            cell[static_cast<std::size_t>(k)] += (rest % 3 - 1) * side;
+        if (holds(cell, side))
+            each(cell);
+    }
+}
+
+Leaf Refinement::leaf(const Place& low, int level) const {
+    const std::int64_t side = lattice_.stride(level);
+    Leaf leaf{low, side, outcome(low), false};
+    for (std::size_t c = 1; c < corners(); ++c)
+        leaf.mixed = leaf.mixed || outcome(corner(low, side, c)) != leaf.outcome;
+    return leaf;
+}
+
+Leaf Refinement::leaf_at(const Place& place) const {
+    int level = 0;
+    while (level < lattice_.levels() &&
+           divided_[static_cast<std::size_t>(level)].contains(lattice_.id(low_of(place, level))))
+        ++level;
+    return leaf(low_of(place, level), level);
+}
+
+std::vector<Leaf> Refinement::leaves() const {
+    std::vector<Leaf> found;
+    for (std::size_t level = 0; level < cells_.size(); ++level) {
+        const std::size_t first = found.size();
+        for (const std::int64_t id : cells_[level])
+            if (!divided_[level].contains(id))
+                found.push_back(leaf(lattice_.place(id), static_cast<int>(level)));
+        std::ranges::sort(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(), {},
+                          [&](const Leaf& one) { return lattice_.id(one.low); });
+    }
+    return found;
+}
+
+} // namespace rodwake::scan

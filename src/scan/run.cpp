@@ -1,0 +1,208 @@
+#include "rodwake/scan/run.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::scan {
+
+namespace {
+
+/// Points handed out at once: what bounds the memory of a scan of any size.
+constexpr std::size_t slab = 1 << 16;
+
+/// Evaluates points and commits their results chunk by chunk.
+class Evaluation {
+public:
+    using Learn = std::function<void(const Result&)>;
+
+    Evaluation(Ledger& ledger, const Execute& execute, const RunOptions& options)
+        : ledger_(ledger), execute_(execute), options_(options) {}
+
+    bool operator()(std::span<const Point> points, const Learn& learn = nullptr) {
+        return execute_(points, [&](std::span<const Result> results) {
+            ledger_.add(results);
+            if (learn)
+                std::ranges::for_each(results, learn);
+            done += static_cast<std::int64_t>(results.size());
+            tell();
+        });
+    }
+
+    /// The same where the ledger may hold some of the points.
+    bool complete(std::span<const Point> points, const Learn& learn, Summary& summary) {
+        std::vector<Point> unknown;
+        for (const Point& point : points)
+            if (const auto found = ledger_.find(point.id))
+                learn(*found), ++done;
+            else
+                unknown.push_back(point);
+        total = done + static_cast<std::int64_t>(unknown.size());
+        const bool finished = (*this)(unknown, learn);
+        summary.left = total - done;
+        return finished;
+    }
+
+    void tell() const {
+        if (options_.on_progress)
+            options_.on_progress(done, std::max(done, total));
+    }
+
+    std::int64_t done = 0, total = 0;
+
+private:
+    Ledger& ledger_;
+    const Execute& execute_;
+    const RunOptions& options_;
+};
+
+std::vector<bool> ids_in(const Ledger& ledger, std::int64_t size) {
+    std::vector<bool> there(static_cast<std::size_t>(size), false);
+    ledger.for_each_id([&](std::int64_t id) {
+        if (id >= 0 && id < size)
+            there[static_cast<std::size_t>(id)] = true;
+    });
+    return there;
+}
+
+void run_list(const Design& design, Ledger& ledger, Evaluation& evaluate, Part part, Summary& summary) {
+    const PointList points(design);
+    const std::vector<bool> there = ids_in(ledger, points.size());
+    std::vector<Point> next;
+    for (std::int64_t id = part.index; id < points.size(); id += part.of) {
+        ++evaluate.total;
+        evaluate.done += there[static_cast<std::size_t>(id)];
+    }
+    summary.complete = true;
+    const auto flush = [&] {
+        summary.complete = summary.complete && evaluate(next);
+        next.clear();
+    };
+    for (std::int64_t id = part.index; id < points.size() && summary.complete; id += part.of) {
+        if (!there[static_cast<std::size_t>(id)])
+            next.push_back(points[id]);
+        if (next.size() == slab)
+            flush();
+    }
+    if (summary.complete && !next.empty())
+        flush();
+    summary.left = evaluate.total - evaluate.done;
+}
+
+/// Asks for points until the refinement is complete; false: stopped. Only what was asked for is learnt, in
+/// rounds, so that a scan that is taken up asks for the same points again.
+bool refine(Refinement& refinement, Evaluation& evaluate, Summary& summary) {
+    for (auto points = refinement.next(); !points.empty(); points = refinement.next())
+        if (!evaluate.complete(
+                points, [&](const Result& result) { refinement.learn(result); }, summary))
+            return false;
+    return true;
+}
+
+/// One round: places that were tried are known afterwards, and those that were missed are refined.
+bool audit(Refinement& refinement, const Design& design, Evaluation& evaluate, Summary& summary) {
+    const std::vector<Point> points =
+        audit_points(refinement, design, static_cast<std::uint32_t>(summary.audit_rounds++));
+    std::vector<Result> results;
+    if (!evaluate.complete(
+            points, [&](const Result& result) { results.push_back(result); }, summary))
+        return false;
+    std::ranges::sort(results, {}, [](const Result& r) { return r.point.id; });
+    summary.audit = {static_cast<std::int64_t>(results.size()), 0};
+    std::vector<Lattice::Place> missed;
+    for (const Result& result : results) {
+        if (is_missed(refinement, result))
+            missed.push_back(refinement.lattice().place(result.point.id));
+        refinement.learn(result);
+    }
+    summary.audit.missed = static_cast<std::int64_t>(missed.size());
+    summary.found_by_audit += summary.audit.missed;
+    for (const Lattice::Place& place : missed)
+        refinement.divide_at(place);
+    return true;
+}
+
+/// Brackets of the ledger that belong to these edges replace those one edge long.
+void take_known(std::vector<Crossing>& edges, const Ledger& ledger) {
+    for (const Crossing& known : ledger.crossings()) {
+        const auto at = std::ranges::lower_bound(edges, known.id, {}, &Crossing::id);
+        const bool narrower =
+            at != edges.end() && at->id == known.id && known.u_low >= at->u_low && known.u_high <= at->u_high;
+        if (narrower)
+            *at = known;
+    }
+}
+
+bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, const Execute& execute,
+           Evaluation& evaluate, Summary& summary) {
+    std::vector<Crossing> edges = crossed_edges(refinement);
+    take_known(edges, ledger);
+    for (const Crossing& edge : edges) // halvings that are left
+        evaluate.total += static_cast<std::int64_t>(
+            std::ceil(std::log2(std::max((edge.u_high - edge.u_low) / design.boundary_tolerance, 1.0))));
+    const auto at = [&](std::int64_t id) { return std::ranges::lower_bound(edges, id, {}, &Crossing::id); };
+    for (bool going = true; going;) {
+        std::vector<Point> middles;
+        for (const Crossing& edge : edges)
+            if (edge.u_high - edge.u_low > design.boundary_tolerance)
+                middles.push_back(middle(refinement, edge));
+        going = !middles.empty();
+        const bool finished = execute(middles, [&](std::span<const Result> results) {
+            std::vector<Crossing> changed;
+            for (const Result& result : results) {
+                bisect(*at(result.point.id), result);
+                changed.push_back(*at(result.point.id));
+            }
+            ledger.add(changed);
+            evaluate.done += static_cast<std::int64_t>(results.size());
+            evaluate.tell();
+        });
+        if (!finished) {
+            summary.left = static_cast<std::int64_t>(middles.size());
+            return false;
+        }
+    }
+    summary.curves = boundary_curves(refinement, edges);
+    return true;
+}
+
+void run_adaptive(const Design& design, Ledger& ledger, const Execute& execute, Evaluation& evaluate,
+                  Summary& summary) {
+    Refinement refinement(design);
+    constexpr int most_rounds = 8;
+    bool going = refine(refinement, evaluate, summary);
+    while (going && design.audit > 0 && summary.audit_rounds < most_rounds) {
+        going = audit(refinement, design, evaluate, summary) && refine(refinement, evaluate, summary);
+        if (summary.audit.missed == 0)
+            break;
+    }
+    if (going && design.boundary_tolerance > 0.0)
+        going = trace(refinement, design, ledger, execute, evaluate, summary);
+    summary.complete = going;
+    if (going)
+        summary.leaves = refinement.leaves();
+}
+
+} // namespace
+
+void require_part(const Design& design, Part part) {
+    if (design.kind == Kind::adaptive && part.of > 1)
+        throw InputError("an adaptive scan cannot be computed in parts: where its points lie depends on all "
+                         "results; run it with mpiexec, or take design = \"grid\"");
+}
+
+Summary run(const Design& design, Ledger& ledger, const Execute& execute, const RunOptions& options) {
+    require_part(design, options.part);
+    Summary summary;
+    summary.requested = size(design);
+    Evaluation evaluate(ledger, execute, options);
+    if (design.kind != Kind::adaptive)
+        run_list(design, ledger, evaluate, options.part, summary);
+    else
+        run_adaptive(design, ledger, execute, evaluate, summary);
+    summary.evaluated = ledger.counts().points;
+    return summary;
+}
+
+} // namespace rodwake::scan

@@ -1,0 +1,116 @@
+#include "check_figures.hpp"
+
+#include "figure_kinds.hpp"
+#include "suggest.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+using Report = std::function<void(const std::string&, const std::string&)>;
+
+/// What the figure needs and the scene lacks; empty: nothing.
+std::string_view missing(const Figure& figure, const FigureKind& kind, const Scene& scene) {
+    for (const FigureNeed& need : kind.needs)
+        if (!need.is_met(scene, figure))
+            return need.text;
+    for (const auto& [quantity, need] : kind.quantities)
+        if (quantity == figure.quantity && !need.is_met(scene, figure))
+            return need.text;
+    return "";
+}
+
+/// Keys that only some kinds have and that are not at their defaults.
+std::vector<std::string> changed_keys(const Figure& f) {
+    const Figure unset;
+    const std::pair<const char*, bool> keys[] = {
+        {"cut", f.cut != unset.cut},
+        {"component", f.component != unset.component},
+        {"sqrt_scaled", f.sqrt_scaled != unset.sqrt_scaled},
+        {"along", f.along != unset.along},
+        {"quantity", f.quantity != unset.quantity},
+        {"against", f.against != unset.against},
+        {"gammas", f.gammas != unset.gammas},
+        {"frame", f.frame != unset.frame},
+        {"colour", f.colour != unset.colour},
+        {"fps", f.fps != unset.fps},
+        {"profiles", f.profiles != unset.profiles},
+        {"residuals", f.residuals != unset.residuals},
+        {"parameter", f.parameter != unset.parameter},
+        {"cells", f.cells != unset.cells},
+        {"boundary", f.boundary != unset.boundary},
+        {"slices", f.slices != unset.slices},
+        {"column", f.column != unset.column},
+    };
+    std::vector<std::string> changed;
+    for (const auto& [name, differs] : keys)
+        if (differs)
+            changed.emplace_back(name);
+    return changed;
+}
+
+/// "kind movie", "kinds snapshot and movie", "kinds a, b and c"
+std::string told(std::vector<std::string> kinds) {
+    const std::string last = kinds.back();
+    kinds.pop_back();
+    return kinds.empty() ? "kind " + last : fmt::format("kinds {} and {}", comma_list(kinds), last);
+}
+
+void options(const Figure& figure, const std::string& path, const Report& report) {
+    for (const std::string& key : changed_keys(figure))
+        if (!has_key(figure, key))
+            report(path + "." + key, fmt::format("{} belongs to {} only", key, told(kinds_with(key))));
+    if (figure.component == "U" && figure.kind != "displacement_map" && has_key(figure, "component"))
+        report(path + ".component", "the size U belongs to kind displacement_map only: Ux or Uy");
+    if (has_key(figure, "colour") && !shows(figure, FigureSubject::scan) && figure.colour != "order" &&
+        figure.colour != "orientation")
+        report(path + ".colour", fmt::format("{}.colour = \"{}\": of kind {} it is order or orientation",
+                                             path, figure.colour, figure.kind));
+    if (figure.kind == "profile" && figure.sqrt_scaled && figure.along == "y")
+        report(path + ".sqrt_scaled",
+               "sqrt_scaled belongs to profiles along x: behind the rod U falls as |x|^(-1/2)");
+}
+
+void window(const std::vector<double>& range, const std::string& path, const Report& report) {
+    if (range.size() == 2 && !(range[0] < range[1]))
+        report(path, fmt::format("{}: min = {} must be below max = {}", path, range[0], range[1]));
+}
+
+/// Indices and names that point into other tables, which are there.
+void references(const Figure& figure, const std::string& path, const Scene& scene, const Report& report) {
+    if (figure.kind == "cut" && static_cast<std::size_t>(figure.cut) >= scene.field->cuts.size())
+        report(path + ".cut", fmt::format("there is no cut {}: field.cuts has {} (numbered from 0)",
+                                          figure.cut, scene.field->cuts.size()));
+    for (std::size_t i = 0; figure.kind == "fit" && i < figure.profiles.size(); ++i)
+        if (static_cast<std::size_t>(figure.profiles[i]) >= scene.fit->profiles.size())
+            report(fmt::format("{}.profiles.{}", path, i),
+                   fmt::format("there is no profile {}: fit.profiles has {} (numbered from 0)",
+                               figure.profiles[i], scene.fit->profiles.size()));
+    if (figure.kind == "fit_likelihood" && !figure.parameter.empty() &&
+        !contains(scene.fit->likelihood, figure.parameter))
+        report(path + ".parameter", fmt::format("{} is not in fit.likelihood, which has {}", figure.parameter,
+                                                comma_list(scene.fit->likelihood)));
+}
+
+} // namespace
+
+void check_figures(const Scene& scene, const Report& report) {
+    for (std::size_t i = 0; i < scene.figures.size(); ++i) {
+        const Figure& figure = scene.figures[i];
+        const std::string path = fmt::format("figures.{}", i);
+        window(figure.x, path + ".x", report);
+        window(figure.y, path + ".y", report);
+        options(figure, path, report);
+        const FigureKind* kind = find_figure_kind(figure.kind);
+        if (!kind)
+            continue;
+        if (const auto what = missing(figure, *kind, scene); !what.empty())
+            report(path + ".kind", fmt::format("a figure of kind {} needs {}", figure.kind, what));
+        else
+            references(figure, path, scene, report);
+    }
+}
+
+} // namespace rodwake::scene

@@ -1,0 +1,147 @@
+#include "check_scan.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+
+namespace rodwake::scene {
+
+namespace {
+
+using Report = std::function<void(const std::string&, const std::string&)>;
+
+/// Keys that no point depends on.
+bool is_foreign(const std::string& key) {
+    for (const char* table :
+         {"scan.", "figures.", "variants.", "field.", "granular.", "measure.", "fit.", "title", "schema"})
+        if (key.starts_with(table))
+            return true;
+    return false;
+}
+
+std::vector<std::string> keys_of(const ScanAxis& axis) {
+    return axis.key.empty() ? axis.keys : std::vector{axis.key};
+}
+
+bool check_names(const ScanAxis& axis, const std::string& path, const Report& report) {
+    if (axis.key.empty() == axis.keys.empty()) {
+        report(path, fmt::format("{}: give key, or keys for several that vary together", path));
+        return false;
+    }
+    if (!axis.factor.empty() && axis.factor.size() != axis.keys.size()) {
+        report(path + ".factor", fmt::format("{}.factor has {} numbers for {} keys", path, axis.factor.size(),
+                                             axis.keys.size()));
+        return false;
+    }
+    for (const std::string& key : keys_of(axis))
+        if (is_foreign(key)) {
+            report(path, fmt::format("{}: {} is not what a scan can vary: points depend on [medium], "
+                                     "[coupling], [[rods]] and [rods_run]",
+                                     path, key));
+            return false;
+        }
+    return true;
+}
+
+/// A number as written; nothing for a string (it may carry a unit) or a flag.
+std::optional<double> number_of(const Value& value) {
+    if (const auto* real = std::get_if<double>(&value))
+        return *real;
+    if (const auto* whole = std::get_if<std::int64_t>(&value))
+        return static_cast<double>(*whole);
+    return std::nullopt;
+}
+
+void check_ends(const ScanAxis& axis, const std::string& path, const Report& report) {
+    const std::optional<double> from = number_of(*axis.from), to = number_of(*axis.to);
+    if (!from || !to) // with units: seen when they are resolved
+        return;
+    if (*from == *to)
+        report(path, fmt::format("{}: from and to are both {}: the axis is empty", path, *from));
+    if (axis.spacing == ScanSpacing::log && !(*from * *to > 0.0))
+        report(path + ".spacing",
+               fmt::format("{}: spacing \"log\" needs ends of one sign, found {} and {}", path, *from, *to));
+}
+
+void check_axis(const Scan& scan, const ScanAxis& axis, const std::string& path, const Report& report) {
+    if (!check_names(axis, path, report))
+        return;
+    const bool range = axis.from && axis.to, any = axis.from || axis.to;
+    if (axis.values.empty() != range || (any && !range))
+        report(path, fmt::format("{}: give from and to, or values", path));
+    else if (!axis.values.empty() && scan.design != ScanDesign::grid)
+        report(path + ".values", fmt::format("{}.values: only design = \"grid\" takes listed values", path));
+    else if (range && scan.design == ScanDesign::grid && axis.count == 1)
+        report(path + ".count", fmt::format("{}.count = 1 leaves out to: give values = [...]", path));
+    else if (range)
+        check_ends(axis, path, report);
+}
+
+/// Cells a side at the finest are those at the start, halved some times.
+void check_resolution(const Scan& scan, const ScanAxis& axis, const std::string& path, const Report& report) {
+    const bool halves = axis.count <= scan.resolution && scan.resolution % axis.count == 0 &&
+                        std::has_single_bit(static_cast<unsigned long>(scan.resolution / axis.count));
+    if (!halves)
+        report(path + ".count",
+               fmt::format("{}.count = {}: with design = \"adaptive\" cells are halved until there are "
+                           "scan.resolution = {} a side, which must be count times a power of two",
+                           path, axis.count, scan.resolution));
+    else if (axis.count != scan.axes.front().count)
+        report(
+            path + ".count",
+            fmt::format("{}.count = {}: with design = \"adaptive\" all axes have the same, and that of the "
+                        "first is {}",
+                        path, axis.count, scan.axes.front().count));
+}
+
+/// What another design would take.
+void check_design(const Scan& scan, const Report& report) {
+    const bool list = scan.design == ScanDesign::list, adaptive = scan.design == ScanDesign::adaptive;
+    if (list && scan.file.empty())
+        report("scan.file", "design = \"list\" needs scan.file, a CSV whose header names the keys");
+    if (!list && !scan.file.empty())
+        report("scan.file", "scan.file needs design = \"list\"");
+    if (list && !scan.axes.empty())
+        report("scan.axes", "with design = \"list\" the axes are the columns of scan.file");
+    if (!list && scan.axes.empty())
+        report("scan", "[scan] has no axes: give [[scan.axes]] with key, from and to");
+    if (adaptive && scan.axes.size() > 3)
+        report("scan.axes", "design = \"adaptive\" takes one, two or three axes");
+    if (!adaptive && scan.boundary_tolerance)
+        report("scan.boundary_tolerance",
+               "scan.boundary_tolerance needs design = \"adaptive\", which finds the boundaries");
+    if (!adaptive && !scan.refine.empty())
+        report("scan.refine", "[[scan.refine]] needs design = \"adaptive\"");
+}
+
+void check_subject(const Scene& scene, const Report& report) {
+    if (!scene.rods_run)
+        report("scan", "[scan] needs [[rods]] with [rods_run]; beds are not scanned in this version: take "
+                       "[[variants]] and granular.runs");
+    else if (scene.rods.size() < 2)
+        report("scan", "[scan] of rods needs two or more [[rods]]: a single rod has no outcome");
+    if (!scene.variants.empty())
+        report("scan", "[scan] and [[variants]] do not go together: make the variants an axis");
+    if (scene.medium && scene.medium->fitted)
+        report("scan", "[scan] needs a medium of its own: medium.fitted = true takes it from [fit]");
+}
+
+} // namespace
+
+void check_scan(const Scene& scene, const Report& report) {
+    if (!scene.scan)
+        return;
+    const Scan& scan = *scene.scan;
+    check_subject(scene, report);
+    check_design(scan, report);
+    if (scan.design == ScanDesign::list)
+        return;
+    for (std::size_t i = 0; i < scan.axes.size(); ++i) {
+        const std::string path = fmt::format("scan.axes[{}]", i);
+        check_axis(scan, scan.axes[i], path, report);
+        if (scan.design == ScanDesign::adaptive)
+            check_resolution(scan, scan.axes[i], path, report);
+    }
+}
+
+} // namespace rodwake::scene

@@ -1,0 +1,105 @@
+// Field lists of [scan].
+
+#include "fields.hpp"
+
+namespace rodwake::scene {
+
+void fields(Visitor& v, ScanAxis& axis) {
+    v(key("key")
+          .absent("keys")
+          .doc("the key of the scene that varies, entries of lists by number from 0")
+          .example("\"coupling.kappa\""),
+      axis.key);
+    v(key("keys")
+          .items(1, 16)
+          .written_if(!axis.keys.empty())
+          .doc("several keys that vary together, instead of key")
+          .example("[\"coupling.gamma1\", \"coupling.gamma2\"]"),
+      axis.keys);
+    v(key("factor")
+          .items(1, 16)
+          .absent("1 for each key")
+          .doc("with keys: what the value of the axis is multiplied by for each of them")
+          .example("[1.0, -1.0]"),
+      axis.factor);
+    v(key("from").absent("values").doc("one end, in the units of the key").example("0.1"), axis.from);
+    v(key("to").absent("values").doc("the other end, included").example("100.0"), axis.to);
+    v(key("spacing").doc("how points lie between the ends; log needs ends of one sign").example("\"log\""),
+      choice(axis.spacing, {{"linear", ScanSpacing::linear}, {"log", ScanSpacing::log}}));
+    v(key("count")
+          .within(1, 1e7)
+          .doc("grid: points, both ends included; adaptive: cells at the start")
+          .example("64"),
+      axis.count);
+    v(key("values")
+          .items(1, 1'000'000)
+          .absent("from, to and count")
+          .doc("the values themselves: numbers, quantities with units, or words")
+          .example("[0.1, 1.0, 10.0]"),
+      axis.values);
+}
+
+void fields(Visitor& v, ScanRefine& refine) {
+    v(key("observable")
+          .required()
+          .doc("column of scan.csv beside the outcome that drives refinement")
+          .example("\"min_separation\""),
+      refine.observable);
+    v(key("step").required().above(0.0).doc("cells over which it changes by more are divided").example("0.5"),
+      refine.step);
+}
+
+void fields(Visitor& v, Scan& scan) {
+    using enum ScanDesign;
+    v(key("design")
+          .doc("grid; list (of a file); lhs (Latin hypercube), sobol: samples; adaptive: refines where the "
+               "outcome changes")
+          .example("\"adaptive\""),
+      choice(scan.design,
+             {{"grid", grid}, {"list", list}, {"lhs", lhs}, {"sobol", sobol}, {"adaptive", adaptive}}));
+    v(key("resolution")
+          .within(2, 1 << 20)
+          .doc("adaptive: cells a side at the finest, count of each axis times a power of two")
+          .example("1024"),
+      scan.resolution);
+    v(key("samples").within(1, 1e8).doc("lhs, sobol: points").example("1000"), scan.samples);
+    v(key("file")
+          .absent("none")
+          .doc("list: CSV whose header names the keys, a row a point")
+          .example("\"points.csv\""),
+      scan.file);
+    v(key("seed").within(0, 1e12).doc("of lhs and of the audit").example("1"), scan.seed);
+    v(key("audit")
+          .within(0, 1e7)
+          .doc("adaptive: points tried at random in cells that were not divided, for the rate of what was "
+               "missed")
+          .example("1000"),
+      scan.audit);
+    v(key("boundary_tolerance")
+          .within(1e-12, 0.1)
+          .absent("boundaries are not bisected")
+          .doc("adaptive: boundaries between outcomes are bisected to this fraction of the axis and written "
+               "to boundary.csv")
+          .example("1e-8"),
+      scan.boundary_tolerance);
+    v(key("time_limit")
+          .above(0.0)
+          .absent("none")
+          .doc("seconds that one point may take; one that takes longer is marked time_limit")
+          .example("10.0"),
+      scan.time_limit);
+    v(key("trajectories")
+          .within(0, 100'000)
+          .doc("points spread over the scan whose trajectories are stored")
+          .example("256"),
+      scan.trajectories);
+    v(key("max_points")
+          .within(1, 1e10)
+          .doc("a scan of more points is refused before it starts")
+          .example("20000000"),
+      scan.max_points);
+    v.list(key("axes").items(0, max_scan_axes).doc("What varies."), scan.axes);
+    v.list(key("refine").items(0, 8).doc("What else than the outcome makes a cell be divided."), scan.refine);
+}
+
+} // namespace rodwake::scene

@@ -1,0 +1,80 @@
+#include "documented.hpp"
+#include "figure_kinds.hpp"
+#include "fit_parameters.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace rodwake::scene {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json key_json(const KeyInfo& key) {
+    Json out = {{"table", key.table}, {"key", key.name}, {"type", key.type}};
+    if (!key.unit.empty())
+        out["unit"] = {{"reduced", key.unit_reduced}, {"si", key.unit_si}};
+    if (!key.symbol.empty())
+        out["symbol"] = key.symbol;
+    out["meaning"] = key.meaning;
+    out["legal"] = key.legal;
+    if (key.low && key.high)
+        out["range"] = {{key.is_low_legal ? "from" : "above", *key.low}, {"to", *key.high}};
+    if (!key.choices.empty())
+        out["choices"] = key.choices;
+    out["required"] = key.is_required;
+    if (!key.is_required)
+        out["default"] = key.default_value;
+    out["example"] = key.example;
+    return out;
+}
+
+Json kind_json(const FigureKind& kind) {
+    Json out = {{"kind", kind.name}, {"meaning", kind.meaning}, {"subject", to_string(kind.subject)}};
+    out["needs"] = Json::array();
+    for (const FigureNeed& need : kind.needs)
+        out["needs"].push_back(need.text);
+    for (const auto& [name, need] : kind.quantities)
+        out["quantities"][name] = need.text;
+    out["files"] = kind.files;
+    out["keys"] = kind.keys;
+    return out;
+}
+
+/// `"name": [...]` with an entry a line, which shows in a diff what has changed.
+std::string list_text(const SchemaList& list) {
+    return fmt::format(",\n \"{}\": [\n  {}\n ]", list.name, fmt::join(list.entries, ",\n  "));
+}
+
+SchemaList list_of(const char* name, const Json& entries) {
+    SchemaList list{name, {}};
+    for (const Json& entry : entries)
+        list.entries.push_back(entry.dump());
+    return list;
+}
+
+} // namespace
+
+std::string schema_json(std::span<const SchemaList> more) {
+    Json tables = Json::array(), keys = Json::array(), figures = Json::array(), parameters = Json::array();
+    for (const TableInfo& table : documented()) {
+        if (!table.path.empty())
+            tables.push_back({{"table", table.path}, {"meaning", table.meaning}});
+        for (const KeyInfo& key : table.keys)
+            keys.push_back(key_json(key));
+    }
+    for (const FigureKind& kind : figure_kinds())
+        figures.push_back(kind_json(kind));
+    for (const FitParameter& one : fit_parameter_list())
+        parameters.push_back({{"name", one.name}, {"symbol", one.symbol}, {"meaning", one.meaning}});
+    std::vector<SchemaList> lists = {list_of("tables", tables), list_of("keys", keys),
+                                     list_of("figures", figures), list_of("fit_parameters", parameters)};
+    lists.insert(lists.end(), more.begin(), more.end());
+    std::string text = "{\n \"schema\": 1";
+    for (const SchemaList& list : lists)
+        text += list_text(list);
+    return text + "\n}\n";
+}
+
+} // namespace rodwake::scene

@@ -1,0 +1,167 @@
+// Setter: the way through tables and lists to the keys, and alternatives.
+
+#include "setter.hpp"
+
+#include "node.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+std::string SetterTarget::path_text(std::size_t count) const {
+    std::string text;
+    for (std::size_t i = 0; i < count; ++i)
+        text += path[i].index >= 0 ? fmt::format("[{}]", path[i].index)
+                                   : fmt::format("{}{}", text.empty() ? "" : ".", path[i].name);
+    return text;
+}
+
+Setter::Setter(std::span<SetterTarget> targets) : Setter(targets, {}) { found_ = targets; }
+
+Setter::Setter(std::span<const SetterTarget> targets, std::span<const Value> values) : values_(values) {
+    progress_.reserve(targets.size());
+    for (const SetterTarget& target : targets)
+        progress_.push_back({&target});
+    given_.reserve(32); // more than any table has
+    frames_.reserve(8);
+    frames_.push_back({});
+}
+
+std::optional<std::string> Setter::finish() {
+    leave();
+    return std::move(error_);
+}
+
+bool Setter::is_here(const Progress& p, std::string_view name) const {
+    const std::size_t depth = frames_.back().depth;
+    return !p.is_done && p.matched == depth && p.target->path[depth].name == name;
+}
+
+bool Setter::enter(std::size_t segments, const Key& key, long index) {
+    const std::size_t depth = frames_.back().depth;
+    const SetterTarget* through = nullptr;
+    for (Progress& p : progress_)
+        if (is_here(p, key.name) && (index < 0 || p.target->path[depth + 1].index == index)) {
+            p.matched += segments;
+            through = p.target;
+        }
+    if (through)
+        frames_.push_back({depth + segments, given_.size(), known_.size(), through});
+    return through;
+}
+
+bool Setter::enter_table(const Key& key, bool present) {
+    const bool is_wanted = here(key, [&](Progress& p) {
+        const std::size_t below = frames_.back().depth + 1;
+        if (present && p.target->path.size() > below)
+            return;
+        const std::string path = p.target->path_text(below);
+        p.is_done = true;
+        fail(present ? fmt::format("{} is a table: give a key in it", path)
+                     : fmt::format("the scene has no [{}]", path));
+    });
+    return is_wanted && enter(1, key, -1);
+}
+
+Entries Setter::enter_list(const Key& key, std::size_t count) {
+    Entries visited{count, count, 0};
+    here(key, [&](Progress& p) {
+        const std::size_t below = frames_.back().depth + 1;
+        const long index = below < p.target->path.size() ? p.target->path[below].index : -1;
+        if (index >= 0 && static_cast<std::size_t>(index) < count && p.target->path.size() > below + 1) {
+            visited.first = std::min(visited.first, static_cast<std::size_t>(index));
+            visited.last = std::max(visited.last, static_cast<std::size_t>(index) + 1);
+            return;
+        }
+        p.is_done = true;
+        fail(index < 0 || static_cast<std::size_t>(index) < count
+                 ? fmt::format("{} is a list: give an index from 0 and a key", p.target->path_text(below))
+                 : fmt::format("no entry {}: {} has {} (numbered from 0)", index, p.target->path_text(below),
+                               count));
+    });
+    return visited.first < visited.last ? visited : Entries{count, 0, 0};
+}
+
+bool Setter::enter_entry(const Key& key, std::size_t index) {
+    return enter(2, key, static_cast<long>(index));
+}
+
+void Setter::leave() {
+    const Frame frame = frames_.back();
+    for (Progress& p : progress_)
+        if (!p.is_done && p.matched == frame.depth)
+            not_found(p);
+    given_.resize(frame.first_given);
+    known_.resize(frame.first_known);
+    frames_.pop_back();
+}
+
+void Setter::not_found(Progress& p) {
+    const Frame& frame = frames_.back();
+    p.is_done = true;
+    const std::string& name = p.target->path[frame.depth].name;
+    const bool is_entry = frame.depth > 0 && p.target->path[frame.depth - 1].index >= 0;
+    const std::string path = p.target->path_text(is_entry ? frame.depth - 1 : frame.depth);
+    const char *open = is_entry ? "[[" : "[", *close = is_entry ? "]]" : "]";
+    if (is_compiling())
+        fail(unknown_key_text(path.empty() ? "" : open + path + close, name,
+                              std::span(known_).subspan(frame.first_known)));
+    else
+        fail(fmt::format("the scene has no key {}", p.target->key));
+}
+
+void Setter::use_units(const Units& units) {
+    if (is_compiling())
+        units_ = units;
+}
+
+bool Setter::wants(Forms forms) const {
+    const std::size_t depth = frames_.back().depth;
+    return is_compiling() || std::ranges::any_of(progress_, [&](const Progress& p) {
+               return !p.is_done && p.matched == depth && std::ranges::any_of(forms, [&](const Form& form) {
+                   return form.has(p.target->path[depth].name);
+               });
+           });
+}
+
+void Setter::note_given(const Key& key, bool is_present, bool is_overriding) {
+    if (is_overriding || (is_present && key.is_written))
+        given_.push_back({key.name, is_overriding});
+}
+
+int Setter::form_given(Forms forms) {
+    std::vector<GivenKey> given;
+    for (const GivenKey& key : std::span(given_).subspan(frames_.back().first_given))
+        if (std::ranges::any_of(forms, [&](const Form& form) { return form.has(key.name); }))
+            given.push_back(key);
+    const auto names = effective_names(given, forms);
+    const int form = matching_form(names, forms);
+    if (names.empty())
+        fail(fmt::format("{} needs one of {}", frame_path(), forms_text(forms)));
+    else if (form < 0)
+        fail(fmt::format("{} gives {}: give one of {}", frame_path(), fmt::join(names, " and "),
+                         forms_text(forms)));
+    return is_compiling() || error_ ? -1 : form;
+}
+
+std::string Setter::frame_path() const {
+    const Frame& frame = frames_.back();
+    return frame.through ? frame.through->path_text(frame.depth) : "";
+}
+
+void Setter::complain(std::string_view key, const std::string& message) {
+    fail(fmt::format("{}.{} {}", frame_path(), key, message));
+}
+
+void Setter::wrong(const Progress& p, const Value& value, const std::string& message) {
+    const Node node = std::visit([](const auto& v) { return Node{{}, v}; }, value);
+    fail(fmt::format("{} = {}: {}", p.target->path_text(), describe_value(node), message));
+}
+
+void Setter::fail(const std::string& message) {
+    if (!error_)
+        error_ = message;
+}
+
+} // namespace rodwake::scene

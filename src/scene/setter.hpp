@@ -1,0 +1,127 @@
+#pragma once
+// The visitor that finds keys of a typed scene and sets their values.
+
+#include "rodwake/scene/set.hpp"
+#include "visitor.hpp"
+
+namespace rodwake::scene {
+
+/// One key to be set, and what it was found to be.
+struct SetterTarget {
+    struct Segment {
+        std::string name;
+        long index = -1; ///< of an entry of a list; -1: a name
+    };
+
+    std::string key;
+    std::vector<Segment> path;
+    bool is_quantity = false; ///< a number, of this dimension in these units
+    Dimension dimension = Dimension::none;
+    Units units{};
+
+    /// The first `count` segments as in messages: "rods[1].position".
+    std::string path_text(std::size_t count) const;
+    std::string path_text() const { return path_text(path.size()); }
+};
+
+class Setter : public Visitor {
+public:
+    /// Looks the targets up and fills in what they are; sets nothing.
+    explicit Setter(std::span<SetterTarget> targets);
+    /// Sets the targets. Both must outlive the setter.
+    Setter(std::span<const SetterTarget> targets, std::span<const Value> values);
+
+    /// What went wrong first; call after the fields.
+    std::optional<std::string> finish();
+
+    void operator()(const Key& key, double& value) override;
+    void operator()(const Key& key, std::optional<double>& value) override;
+    void operator()(const Key& key, long& value) override;
+    void operator()(const Key& key, std::optional<long>& value) override;
+    void operator()(const Key& key, bool& value) override;
+    void operator()(const Key& key, std::string& value) override;
+    void operator()(const Key& key, std::vector<double>& value) override;
+    void operator()(const Key& key, std::vector<long>& value) override;
+    void operator()(const Key& key, std::vector<std::vector<double>>& value) override;
+    void operator()(const Key& key, std::optional<Value>& value) override;
+    void operator()(const Key& key, std::vector<Value>& value) override;
+    void operator()(const Key& key, std::vector<std::string>& value) override;
+    void operator()(const Key& key, const Choice& value) override;
+    void operator()(const Key& key, std::map<std::string, double>& value) override;
+    void operator()(const Key& key, std::map<std::string, Interval>& value) override;
+    void operator()(const Key& key, std::map<std::string, Tie>& value) override;
+    void settings(const Key& key, std::vector<std::string>& value) override;
+    bool wants(Forms forms) const override;
+    void use_units(const Units& units) override;
+    void complain(std::string_view key, const std::string& message) override;
+
+protected:
+    int form_given(Forms forms) override;
+    bool derives() const override { return !is_compiling() && !error_; }
+    bool enter_table(const Key& key, bool present) override;
+    Entries enter_list(const Key& key, std::size_t count) override;
+    bool enter_entry(const Key& key, std::size_t index) override;
+    void leave() override;
+
+private:
+    /// How far a target has been followed.
+    struct Progress {
+        const SetterTarget* target;
+        std::size_t matched = 0; ///< segments that lead into the present table
+        bool is_done = false;
+    };
+    /// The table being visited.
+    struct Frame {
+        std::size_t depth = 0; ///< segments that lead to it
+        std::size_t first_given = 0, first_known = 0;
+        const SetterTarget* through = nullptr; ///< some target in it
+    };
+
+    bool is_compiling() const { return !found_.empty(); }
+    bool is_here(const Progress& p, std::string_view name) const;
+    /// Calls each(progress) for the targets that are this key of the present table or below it.
+    template<class Each>
+    bool here(const Key& key, Each each) {
+        if (is_compiling())
+            known_.push_back(key.name);
+        bool any = false;
+        for (Progress& p : progress_)
+            if (is_here(p, key.name)) {
+                any = true;
+                each(p);
+            }
+        return any;
+    }
+    /// The new value of this key, `rest` segments below it; null if the target was only looked up, or is
+    /// wrong.
+    const Value* take(const Key& key, Progress& p, bool is_quantity, std::size_t rest = 0);
+    void learn(const Key& key, const Progress& p, bool is_quantity);
+    void note_given(const Key& key, bool is_present, bool is_overriding);
+    void refuse(const Key& key);
+
+    std::optional<double> number(const Key& key, const Progress& p, const Value& value);
+    std::optional<long> integer(const Key& key, const Progress& p, const Value& value);
+    const std::string* text(const Key& key, const Progress& p, const Value& value);
+    bool is_finite(const Progress& p, const Value& value);
+    bool is_choice(const Key& key, Names names, const Progress& p, const std::string& found);
+    template<class T>
+    T* entry(const Progress& p, std::vector<T>& list);
+    bool is_parameter(const Key& key, const Progress& p, const std::string& name);
+
+    bool enter(std::size_t segments, const Key& key, long index);
+    void not_found(Progress& p);
+    std::string frame_path() const;
+    void wrong(const Progress& p, const Value& value, const std::string& message);
+    void fail(const std::string& message);
+
+    std::span<SetterTarget> found_; ///< empty: values are set
+    std::span<const Value> values_;
+    std::vector<Progress> progress_;
+    std::vector<GivenKey> given_;
+    std::vector<std::string_view> known_;
+    std::vector<Frame> frames_;
+    Units units_;
+    std::optional<std::string> error_;
+};
+
+} // namespace rodwake::scene

@@ -1,0 +1,227 @@
+#include "catalogue.hpp"
+
+#include "series_columns.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <deque>
+
+namespace rodwake::stages {
+
+namespace {
+
+using assembly::Stage;
+using enum Lifetime;
+
+constexpr ColumnInfo rods_columns[] = {
+    {"t", "{time}", "time"},
+    {"x<k>", "{length}", "place of rod k, unwrapped"},
+    {"y<k>", "{length}", "place of rod k, unwrapped"},
+    {"theta<k>", "rad", "heading of rod k from +x, counter-clockwise, without jumps"}};
+
+constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
+                                      {"y", "{length}", "place along the cut"},
+                                      {"Ux", "{length}", "displacement along the rod's heading"},
+                                      {"Uy", "{length}", "displacement across the rod's heading"}};
+
+constexpr ColumnInfo table_columns[] = {
+    {"t", "s", "time; the rods are held before 0"},
+    {"energy", "J", "kinetic and potential energy of beads and rods"},
+    {"kinetic", "J", "kinetic energy of beads and rods"},
+    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean since the row before"},
+    {"T_z", "m^2/s^2", "var vz of the beads, mean since the row before"},
+    {"psi6", "1", "mean |psi6| of the beads"},
+    {"contacts", "1", "overlapping pairs a step, mean since the row before"},
+    {"floor_impulse", "N s", "upward momentum from the floor since the start"},
+    {"lid_impulse", "N s", "upward momentum from the lid since the start; negative"},
+    {"max_overlap", "a", "largest overlap since the start, of the smaller radius"}};
+
+constexpr ColumnInfo track_columns[] = {
+    {"t", "s", "time; the rods are held before 0"},
+    {"x<k>", "m", "centre of mass of rod k, unwrapped"},
+    {"y<k>", "m", "centre of mass of rod k, unwrapped"},
+    {"z<k>", "m", "height of the centre of mass of rod k"},
+    {"theta<k>", "rad", "heading of the thin end from +x, without jumps"},
+    {"pitch<k>", "rad", "angle of the axis to the horizontal"},
+    {"speed<k>", "m/s", "along the heading, thin end first positive, mean since the row before"},
+    {"pushed<k>", "N s", "momentum given to the beads along the heading since t = 0"}};
+
+constexpr ColumnInfo runs_columns[] = {
+    {"run", "1", "number of the run, from 1"},
+    {"simulated_time", "s", "time simulated from t = 0"},
+    {"cpu_seconds", "s", "processor time"},
+    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean from t = 0"},
+    {"T_z", "m^2/s^2", "var vz of the beads, mean from t = 0"},
+    {"psi6", "1", "mean |psi6| of the beads from t = 0"},
+    {"max_overlap", "a", "largest overlap, of the smaller radius"},
+    {"mean_speed<k>", "m/s", "of rod k along its heading, thin end first positive"},
+    {"net_turn<k>", "rad", "of rod k from t = 0 to the end"},
+    {"force<k>", "N", "of rod k on the beads along its heading, mean from t = 0"},
+    {"separation_change", "m", "of two rods across their mean first heading, outwards positive"},
+    {"half_box_time", "s", "when the rods had come half a box; empty: they have not"},
+    {"half_box_separation_change", "m", "separation change then"}};
+
+// Axes of a scan are columns too, under the names of their keys.
+constexpr ColumnInfo scan_columns[] = {
+    {"outcome", "1", "contact, pursuit, escape or undecided; empty: the point failed"},
+    {"time", "{time}", "of contact, else the time reached"},
+    {"status", "1", "ok, failed, time_limit, not_finite or exception"},
+    {"min_separation", "{length}", "smallest separation of two rods"},
+    {"min_separation_time", "{time}", "when that was"},
+    {"turn<k>", "rad", "of rod k from start to end"},
+    {"non_reciprocity", "1", "(|turn of the rear| - |turn of the front|)/(their sum)"},
+    {"final_separation", "{length}", "at the end"},
+    {"final_angle", "rad", "between the headings at the end"},
+    {"steps", "1", "of the solver"},
+    {"rhs_evaluations", "1", "of the right-hand side"},
+    {"retries", "1", "attempts before the last"}};
+constexpr ColumnInfo cells_columns[] = {{"outcome", "1", "of all corners of the cell; mixed: they differ"}};
+constexpr ColumnInfo boundary_columns[] = {
+    {"curve", "1", "number of the curve; its rows are in order along it"},
+    {"between", "1", "the two outcomes"},
+    {"error", "1", "half the bracket, as a fraction of the axis"}};
+
+// Of a fit lengths are in the unit of its data, which fit.json names.
+constexpr ColumnInfo fit_profile_columns[] = {
+    {"x", "{data}", "place along the line"},
+    {"value", "{data}", "measured displacement"},
+    {"sigma", "{data}", "standard error as used; 0: unknown"},
+    {"model", "{data}", "fitted displacement"},
+    {"band", "{data}", "standard error of the model; empty: not fixed by the data"},
+    {"residual", "1", "(value - model)/sigma"},
+    {"used", "1", "1: fitted; 0: within the core"}};
+constexpr ColumnInfo fit_curve_columns[] = {{"x", "{data}", "place along the line"},
+                                            {"model", "{data}", "fitted displacement"},
+                                            {"band", "{data}", "standard error of the model"},
+                                            {"compare_<k>", "{data}", "displacement of comparison k"}};
+constexpr ColumnInfo fit_track_columns[] = {{"t", "{data}", "time"},
+                                            {"x<k>", "{data}", "measured place of rod k"},
+                                            {"y<k>", "{data}", "measured place of rod k"},
+                                            {"theta<k>", "rad", "measured heading of rod k"},
+                                            {"model_x<k>", "{data}", "fitted place of rod k"},
+                                            {"model_y<k>", "{data}", "fitted place of rod k"},
+                                            {"model_theta<k>", "rad", "fitted heading of rod k"}};
+
+constexpr FileKind plain_kinds[] = {
+    {"scene.toml", {}, record, "the scene as resolved: every key with its value"},
+    {"provenance.json",
+     {},
+     record,
+     "who made the run, how each stage ended, the command that makes it again, elapsed seconds of the last "
+     "command"},
+    {"log.txt", {}, record, "messages of every command that worked on the run"},
+    {"manifest.json", {}, record, "this list"},
+    {"rodwake.lock", {}, record, "host and process that works on the run, or did last"},
+    {"result.h5", {}, result, "field and trajectories as datasets with units"},
+    {"report.html", {}, result, "figures and numbers of the run on one page"},
+
+    {"table.csv", Stage::granular, kept, "energy, temperatures, order, contacts against time", table_columns},
+    {"tracks.csv", Stage::granular, kept, "rods of the bed against time", track_columns},
+    {"runs.csv", Stage::granular, kept, "a row a run of the ensemble", runs_columns},
+    {"summary.json", Stage::granular, kept,
+     "means of the run, of an ensemble with their errors; SI; phi_b of the beads alone; seconds of an "
+     "ensemble "
+     "are sums over its runs"},
+    {"trajectory.h5md", Stage::granular, kept, "places and velocities of all spheres in every stored frame"},
+    {"trajectory.xyz", Stage::granular, kept, "the same as extended XYZ"},
+    {"last_period.h5md", Stage::granular, kept, "frames of the last period of the plates"},
+    {"final.rwc", Stage::granular, kept, "last state, for granular.restart_from"},
+    {"measure.rwc", Stage::granular, kept, "what was measured while the run went on"},
+    {"checkpoint.rwc", Stage::granular, progress, "state to go on from"},
+    {"checkpoint.rwc.previous", Stage::granular, progress, "the state before, in case that one is damaged"},
+    {"rows.log", Stage::granular, progress, "rows of the tables so far"},
+    {"frames.log", Stage::granular, progress, "frames so far"},
+    {"last_period.log", Stage::granular, progress, "frames of the last period so far"},
+
+    {"measure.json", Stage::measure, result,
+     "what was measured, with errors; lengths in a, speeds in a/s; phi_b as the scene asks for it, with the "
+     "rods if "
+     "they count"},
+    {"measure.h5", Stage::measure, result, "fields on grids in the rod's frame"},
+    {"series.json", Stage::measure, result, "fits over the rows of series.csv"},
+
+    {"fit.json", Stage::fit, result, "parameters with errors, and how good the fit is"},
+    {"fit.txt", Stage::fit, result, "the same to read"},
+    {"medium.json", Stage::fit, result, "the medium that the fit gives to field and rods"},
+    {"fit_profile_<k>.csv", Stage::fit, result, "a profile with its fit", fit_profile_columns},
+    {"fit_curve_<k>.csv", Stage::fit, result, "the model along a profile's line", fit_curve_columns},
+    {"fit_trajectory_<k>.csv", Stage::fit, result, "rods with their fit", fit_track_columns},
+    {"fit_starts.log", Stage::fit, progress, "starts that are done"},
+
+    {"field_cut_<k>.csv", Stage::field, result, "displacement along a line", cut_columns},
+
+    {"ledger.sqlite", Stage::scan, kept, "a row a point of the scan, as it goes on: table points"},
+    {"ledger.sqlite-wal", Stage::scan, kept, "the newest rows of the ledger while it is open"},
+    {"ledger.sqlite-shm", Stage::scan, kept, "for who reads the ledger while it is open"},
+    {"scan.csv", Stage::scan, result, "a row a point of the scan", scan_columns},
+    {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},
+    {"scan.json", Stage::scan, result, "axes, counts, causes of failures, rate of what was missed"},
+    {"scan.html", Stage::scan, result, "the scan to explore in a browser"},
+    {"cells.csv", Stage::scan, result, "cells of the refinement that were not divided", cells_columns},
+    {"boundary.csv", Stage::scan, result, "boundaries between outcomes as curves", boundary_columns},
+
+    {"rods.csv", Stage::rods, result, "rods against time", rods_columns},
+    {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did"},
+    {"checkpoint.json", Stage::rods, progress, "state to go on from"},
+};
+
+/// With a column of standard errors behind each that has one.
+std::vector<ColumnInfo> columns_of_series() {
+    static std::deque<std::string> names; // owns them
+    std::vector<ColumnInfo> columns;
+    for (const assembly::SeriesInfo& info : series_columns()) {
+        columns.push_back(info.column);
+        if (info.with_error)
+            columns.push_back({names.emplace_back(std::string(info.column.name) + "_error"), info.column.unit,
+                               "standard error"});
+    }
+    return columns;
+}
+
+std::vector<FileKind> all_kinds() {
+    static const std::vector<ColumnInfo> series = columns_of_series();
+    std::vector<FileKind> all(std::begin(plain_kinds), std::end(plain_kinds));
+    all.push_back(
+        {"series.csv", Stage::measure, result, "a row for the scene and one for each variant", series});
+    for (const assembly::MeasureKind& kind : assembly::measure_kinds())
+        for (const assembly::FileInfo& file : kind.files)
+            all.push_back({file.pattern, Stage::measure, result, file.what, file.columns});
+    return all;
+}
+
+} // namespace
+
+bool fits(std::string_view name, std::string_view pattern) {
+    const auto gap = pattern.find("<k>");
+    if (gap == std::string_view::npos)
+        return name == pattern;
+    if (!name.starts_with(pattern.substr(0, gap)))
+        return false;
+    const std::string_view rest = pattern.substr(gap + 3);
+    for (std::size_t end = gap + 1; end <= name.size(); ++end) {
+        if (!std::isalnum(static_cast<unsigned char>(name[end - 1])))
+            return false;
+        if (fits(name.substr(end), rest))
+            return true;
+    }
+    return false;
+}
+
+std::span<const FileKind> file_kinds() {
+    static const std::vector<FileKind> kinds = all_kinds();
+    return kinds;
+}
+
+const FileKind* kind_of(std::string_view name) {
+    const auto at =
+        std::ranges::find_if(file_kinds(), [&](const FileKind& k) { return fits(name, k.pattern); });
+    return at == file_kinds().end() ? nullptr : &*at;
+}
+
+const ColumnInfo* column_of(const FileKind& kind, std::string_view name) {
+    const auto at =
+        std::ranges::find_if(kind.columns, [&](const ColumnInfo& c) { return fits(name, c.name); });
+    return at == kind.columns.end() ? nullptr : &*at;
+}
+
+} // namespace rodwake::stages

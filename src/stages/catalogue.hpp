@@ -1,0 +1,45 @@
+#pragma once
+// Every file a run leaves in its folder: who makes it, what it is, and its columns. One list, from which
+// manifest.json is written and by which a run knows what of an earlier one to remove. Files of the measures
+// are told by these (assembly/measure_kind.hpp).
+
+#include "rodwake/assembly/measure_report.hpp"
+#include "rodwake/assembly/plan.hpp"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rodwake::stages {
+
+using assembly::ColumnInfo;
+
+enum class Lifetime {
+    result,   ///< removed when its stage is done again
+    progress, ///< what an interrupted stage goes on from
+    kept,     ///< results that an unfinished stage goes on from: the finished runs of an ensemble
+    record    ///< of the run itself, rewritten by it
+};
+
+struct FileKind {
+    std::string_view pattern;             ///< name in its folder; "<k>" stands for a number or a word
+    std::optional<assembly::Stage> stage; ///< absent: of the run as a whole
+    Lifetime lifetime = Lifetime::result;
+    std::string_view what;
+    std::span<const ColumnInfo> columns = {}; ///< of a CSV file
+};
+
+std::span<const FileKind> file_kinds();
+
+/// The kind of a file by its name without folders; nullptr for one that is not ours.
+const FileKind* kind_of(std::string_view name);
+
+/// The entry of a column by its name in a file; nullptr if the kind has none such.
+const ColumnInfo* column_of(const FileKind& kind, std::string_view name);
+
+/// Whether a name fits a pattern: "profile_Ux_x.csv" fits "profile_<k>_<k>.csv".
+bool fits(std::string_view name, std::string_view pattern);
+
+} // namespace rodwake::stages

@@ -1,0 +1,251 @@
+#include "fit_data.hpp"
+
+#include "catalogue.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/stages/run.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+namespace rodwake::stages {
+
+namespace {
+
+namespace fs = std::filesystem;
+using assembly::FitProfileData;
+using assembly::FitTrackData;
+
+constexpr std::size_t most_rods = 1000;
+
+std::string where(const fs::path& file, std::size_t line) {
+    return fmt::format("{}:{}", file.string(), line);
+}
+
+std::string name_or_stem(const std::string& name, const fs::path& file) {
+    return name.empty() ? file.stem().string() : name;
+}
+
+/// Nothing if no sigma is known.
+const std::vector<double>* known_sigmas(const store::Table& table) {
+    const auto* sigma = table.find("sigma");
+    const bool any = sigma && !std::ranges::all_of(*sigma, [](double s) { return std::isnan(s); });
+    return any ? sigma : nullptr;
+}
+
+/// Median distance of neighbours: a gap where the rod was does not count. 0 for a single point.
+double spacing(std::vector<double> places) {
+    std::ranges::sort(places);
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < places.size(); ++i)
+        steps.push_back(places[i] - places[i - 1]);
+    if (steps.empty())
+        return 0.0;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::ranges::nth_element(steps, middle);
+    return *middle;
+}
+
+/// Columns x<k>, y<k>, theta<k> of each rod in turn, as far as they go.
+std::vector<const std::vector<double>*> rod_columns(const store::Table& table) {
+    std::vector<const std::vector<double>*> columns;
+    for (std::size_t rod = 0; rod < most_rods; ++rod)
+        for (const char* name : {"x", "y", "theta"}) {
+            const auto* column = table.find(name + std::to_string(rod));
+            if (!column)
+                return columns;
+            columns.push_back(column);
+        }
+    return columns;
+}
+
+std::vector<std::string> more_rod_names() {
+    std::vector<std::string> names;
+    for (std::size_t rod = 1; rod < most_rods; ++rod)
+        for (const char* name : {"x", "y", "theta"})
+            names.push_back(name + std::to_string(rod));
+    return names;
+}
+
+std::vector<double> state(const std::vector<const std::vector<double>*>& columns, std::size_t row,
+                          double length) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < columns.size(); ++k)
+        values.push_back((*columns[k])[row] / (k % 3 == 2 ? 1.0 : length));
+    return values;
+}
+
+/// The heading that is nearest to the one before it, by whole turns. Untouched where it is near already.
+double unwrapped(double heading, double before) {
+    constexpr double turn = 2.0 * std::numbers::pi;
+    return std::abs(heading - before) <= std::numbers::pi
+               ? heading
+               : heading - turn * std::nearbyint((heading - before) / turn);
+}
+
+/// Of each rod along the rows; whether anything changed.
+bool unwrap(std::vector<std::vector<double>>& states) {
+    bool changed = false;
+    for (std::size_t row = 1; row < states.size(); ++row)
+        for (std::size_t k = 2; k < states[row].size(); k += 3) {
+            const double heading = unwrapped(states[row][k], states[row - 1][k]);
+            changed = changed || heading != states[row][k];
+            states[row][k] = heading;
+        }
+    return changed;
+}
+
+void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
+    out.sigma_known = keys.sigma_position.has_value();
+    out.data.name = out.name;
+    out.data.sigma_position = out.sigma_known ? *keys.sigma_position / out.length : 1.0;
+    out.data.sigma_heading = keys.sigma_heading.value_or(1.0);
+    out.data.free_headings = keys.free_headings;
+    if (keys.contact_distance)
+        out.data.contact_distance = *keys.contact_distance / out.length;
+    if (keys.contact_time)
+        out.data.contact_time = *keys.contact_time / out.time;
+    out.data.sigma_contact = keys.sigma_contact ? *keys.sigma_contact / out.time : 1.0;
+}
+
+} // namespace
+
+std::vector<fs::path> fit_file_places(const std::string& file, const scene::Scene& scene,
+                                      const fs::path& run_directory) {
+    if (fs::path(file).is_absolute())
+        return {file};
+    std::vector<fs::path> places;
+    if ((scene.measure || scene.granular) && !run_directory.empty())
+        places.push_back(run_directory / file);
+    const fs::path beside = (fs::path(scene.path).parent_path() / file).lexically_normal();
+    places.push_back(beside);
+    if (beside != fs::path(file).lexically_normal())
+        places.emplace_back(file);
+    return places;
+}
+
+fs::path find_fit_file(const std::string& file, const scene::Scene& scene, const fs::path& run_directory) {
+    const auto places = fit_file_places(file, scene, run_directory);
+    std::string looked;
+    for (const fs::path& place : places) {
+        if (fs::is_regular_file(place))
+            return place;
+        if (std::error_code none; fs::exists(place, none))
+            throw InputError(
+                fmt::format("{}: is not a regular file; fit.profiles and fit.trajectories name CSV files",
+                            place.string()));
+        looked +=
+            fmt::format("{}{}", looked.empty() ? "" : ", ", fs::absolute(place).lexically_normal().string());
+    }
+    const char* hint =
+        made_by_run(file, scene) ? "; rodwake run makes what this scene measures before it is fitted" : "";
+    throw InputError(fmt::format("{}: no such file to fit; looked for {}{}", file, looked, hint));
+}
+
+bool made_by_run(const std::string& file, const scene::Scene& scene) {
+    const std::string name = fs::path(file).filename().string();
+    const FileKind* kind = kind_of(name);
+    if (!kind || !kind->stage)
+        return false;
+    const bool on_top = name == file, of_a_run = file.starts_with("runs/"); // of an ensemble
+    return *kind->stage == assembly::Stage::measure
+               ? scene.measure && scene.measure->displacement && on_top
+               : *kind->stage == assembly::Stage::granular && scene.granular && (on_top || of_a_run);
+}
+
+FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& file,
+                                std::optional<double> independent_spacing) {
+    static const std::vector<std::string> required = {"x", "value"}, optional = {"sigma"};
+    const store::Table table = store::read_csv(file, required, optional);
+    const auto &x = *table.find("x"), &value = *table.find("value");
+    const auto* sigma = known_sigmas(table);
+    FitProfileData out{name_or_stem(keys.name, file), file, {}, 0};
+    fitting::Profile& data = out.data;
+    data.name = out.name;
+    data.component = keys.component == "Ux" ? fitting::Component::Ux : fitting::Component::Uy;
+    data.along = keys.along == "x" ? fitting::Axis::x : fitting::Axis::y;
+    data.at = keys.at;
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        if (!keys.range.empty() && (x[i] < keys.range[0] || x[i] > keys.range[1]))
+            continue;
+        if (sigma && std::isnan((*sigma)[i])) {
+            ++out.left_out;
+            continue;
+        }
+        if (sigma && !((*sigma)[i] > 0.0))
+            throw InputError(
+                fmt::format("{}: sigma = {}: must be above 0; leave the column out if the errors are "
+                            "unknown",
+                            where(file, table.lines[i]), (*sigma)[i]));
+        data.place.push_back(x[i]);
+        data.value.push_back(value[i]);
+        if (sigma)
+            data.sigma.push_back((*sigma)[i]);
+        data.where.push_back(where(file, table.lines[i]));
+    }
+    if (data.place.empty())
+        throw InputError(file.string() + ": holds no points to fit" +
+                         (keys.range.empty() ? "" : " within fit.profiles.range"));
+    const double distance = spacing(data.place);
+    if (independent_spacing && distance > 0.0)
+        data.independent = std::min(1.0, distance / *independent_spacing);
+    return out;
+}
+
+FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& file) {
+    static const std::vector<std::string> required = {"t", "x0", "y0", "theta0"}, optional = more_rod_names();
+    const store::Table table = store::read_csv(file, required, optional);
+    const auto columns = rod_columns(table);
+    FitTrackData out{name_or_stem(keys.name, file),
+                     file,
+                     columns.size() / 3,
+                     keys.f_over_mu,
+                     keys.f_over_mu / keys.speed,
+                     false,
+                     false,
+                     {}};
+    if (columns.size() % 3 != 0)
+        throw InputError(fmt::format("{}: rod {} lacks one of the columns x{}, y{}, theta{}", file.string(),
+                                     out.rods, out.rods, out.rods, out.rods));
+    take_keys(keys, out);
+    const auto& t = *table.find("t");
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        if (t[i] < -1e-12)
+            continue;
+        out.data.times.push_back(t[i] / out.time);
+        out.data.states.push_back(state(columns, i, out.length));
+        out.data.where.push_back(where(file, table.lines[i]));
+    }
+    if (out.data.times.size() < 2)
+        throw InputError(file.string() + ": a trajectory needs at least two rows from t = 0 on");
+    out.unwrapped = unwrap(out.data.states);
+    return out;
+}
+
+assembly::FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directory, OwnFiles own) {
+    const scene::Fit& keys = *scene.fit;
+    const auto absent = [&](const std::string& file) {
+        if (own == OwnFiles::required || !made_by_run(file, scene))
+            return false;
+        const auto places = fit_file_places(file, scene, run_directory);
+        return own == OwnFiles::left_out ||
+               std::ranges::none_of(places, [](const fs::path& p) { return fs::is_regular_file(p); });
+    };
+    assembly::FitInputs inputs{std::vector<std::optional<FitProfileData>>(keys.profiles.size()),
+                               std::vector<std::optional<FitTrackData>>(keys.trajectories.size())};
+    for (std::size_t i = 0; i < keys.profiles.size(); ++i)
+        if (const scene::FitProfile& one = keys.profiles[i]; !absent(one.file))
+            inputs.profiles[i] = read_fit_profile(one, find_fit_file(one.file, scene, run_directory),
+                                                  keys.independent_spacing);
+    for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
+        if (const scene::FitTrajectory& one = keys.trajectories[i]; !absent(one.file))
+            inputs.tracks[i] = read_fit_track(one, find_fit_file(one.file, scene, run_directory));
+    return inputs;
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,22 @@
+#pragma once
+// The fit stage: [fit] solved and its files written.
+
+#include "fit_results.hpp"
+#include "session.hpp"
+
+namespace rodwake::stages {
+
+struct FitStageResult {
+    StageEnd end = StageEnd::failed;
+    std::optional<FitResults> results; ///< absent if there is nowhere a finite residual
+};
+
+/// Starts that are done are kept in the folder until the fit is finished; the same command goes on from them.
+FitStageResult fit_in_folder(const scene::Scene& scene, const assembly::FitPlan& plan,
+                             const RunContext& context, const std::filesystem::path& folder,
+                             const Logger& log);
+
+/// Whether a fit was stopped in this folder and can go on.
+bool fit_was_stopped(const std::filesystem::path& folder);
+
+} // namespace rodwake::stages

@@ -1,0 +1,59 @@
+#pragma once
+// One granular run from its start, or from its checkpoint, to its files. Runs of an ensemble know nothing of
+// each other.
+
+#include "granular_checkpoint.hpp"
+#include "log.hpp"
+#include "rodwake/assembly/plan.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace rodwake::stages {
+
+/// What all runs of a bed share.
+struct GranularPlan {
+    assembly::BedPlan bed;
+    std::string scene_key;                  ///< GranularCheckpoint::scene
+    std::optional<granular::State> restart; ///< start = "restart"
+};
+
+/// One run: its number and where it goes.
+struct GranularTask {
+    std::uint32_t run = 0;
+    std::filesystem::path folder;
+};
+
+/// The runs of a case, one folder each; who executes them is another matter.
+std::vector<GranularTask> granular_tasks(const assembly::Case& one, const std::filesystem::path& directory);
+
+/// Of one rod; SI, + is thin end first.
+struct RodSummary {
+    std::string kind;
+    double mean_speed = 0.0, net_turn = 0.0;
+    double force = 0.0; ///< on the beads along the heading, mean, N
+};
+
+struct GranularSummary {
+    std::uint32_t run = 0;
+    double simulated_time = 0.0, cpu_seconds = 0.0, wall_seconds = 0.0;
+    double T_xy = 0.0, T_z = 0.0, max_overlap = 0.0, psi6 = 0.0;
+    std::vector<RodSummary> rods;
+    granular::PairProgress pair{};
+    std::uint64_t state_hash = 0;
+};
+
+struct GranularResult {
+    StageEnd end = StageEnd::finished;
+    std::string message; ///< of a failure
+    GranularSummary summary;
+};
+
+/// `on_progress`: called every few steps; with the row where one was just added to the table.
+GranularResult
+run_granular(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
+             std::size_t threads,
+             const std::function<void(const granular::Simulation&, const granular::TableRow*)>& on_progress);
+
+} // namespace rodwake::stages

@@ -1,0 +1,219 @@
+#include "granular_summary.hpp"
+
+#include "rodwake/core/estimate.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <fstream>
+
+namespace rodwake::stages {
+
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+/// What was modelled; the same in both files.
+ordered_json header(const granular::GranularProblem& problem) {
+    const granular::GranularProblem& p = problem;
+    return {{"beads", p.beads},
+            {"phi_b", granular::bead_area_fraction(p)},
+            {"bead_radius", p.bead_radius},
+            {"box", p.box},
+            {"time_step", p.time_step},
+            {"gamma", p.plates.gamma},
+            {"frequency", p.plates.frequency},
+            {"gap", p.plates.gap},
+            {"orientation", p.orientation},
+            {"seed", p.seed}};
+}
+
+ordered_json rods_json(const std::vector<RodSummary>& rods) {
+    ordered_json list = ordered_json::array();
+    for (const RodSummary& rod : rods)
+        list.push_back({{"kind", rod.kind},
+                        {"mean_speed", rod.mean_speed},
+                        {"net_turn", rod.net_turn},
+                        {"force", rod.force}});
+    return list;
+}
+
+/// null where there is no pair, or it has not come half a box.
+ordered_json pair_json(const granular::PairProgress& pair) {
+    const bool there = pair.half_box_time >= 0.0;
+    return {
+        {"separation_change", pair.change},
+        {"half_box_time", there ? ordered_json(pair.half_box_time) : ordered_json(nullptr)},
+        {"half_box_separation_change", there ? ordered_json(pair.half_box_change) : ordered_json(nullptr)}};
+}
+
+template<class Get>
+Estimate mean_over(std::span<const GranularSummary> runs, const Get& get) {
+    std::vector<double> values;
+    for (const GranularSummary& run : runs)
+        values.push_back(get(run));
+    return mean_of(values);
+}
+
+/// The error is null where one run is all there is.
+template<class Get>
+void put_mean(ordered_json& out, const std::string& name, std::span<const GranularSummary> runs,
+              const Get& get) {
+    const Estimate mean = mean_over(runs, get);
+    out[name] = mean.value;
+    out[name + "_error"] = mean.known() ? ordered_json(mean.error) : ordered_json(nullptr);
+}
+
+ordered_json mean_rods(const granular::GranularProblem& problem, std::span<const GranularSummary> runs) {
+    ordered_json list = ordered_json::array();
+    for (std::size_t i = 0; i < problem.rods.size(); ++i) {
+        ordered_json rod = {{"kind", runs[0].rods[i].kind}};
+        put_mean(rod, "mean_speed", runs, [i](const GranularSummary& s) { return s.rods[i].mean_speed; });
+        put_mean(rod, "net_turn", runs, [i](const GranularSummary& s) { return s.rods[i].net_turn; });
+        put_mean(rod, "force", runs, [i](const GranularSummary& s) { return s.rods[i].force; });
+        list.push_back(rod);
+    }
+    return list;
+}
+
+ordered_json mean_pair(std::span<const GranularSummary> runs) {
+    ordered_json pair;
+    put_mean(pair, "separation_change", runs, [](const GranularSummary& s) { return s.pair.change; });
+    std::vector<GranularSummary> far;
+    for (const GranularSummary& run : runs)
+        if (run.pair.half_box_time >= 0.0)
+            far.push_back(run);
+    pair["half_box_runs"] = far.size();
+    if (!far.empty()) {
+        put_mean(pair, "half_box_time", far, [](const GranularSummary& s) { return s.pair.half_box_time; });
+        put_mean(pair, "half_box_separation_change", far,
+                 [](const GranularSummary& s) { return s.pair.half_box_change; });
+    }
+    return pair;
+}
+
+GranularSummary summary_of(const json& j, std::uint32_t run) {
+    GranularSummary s;
+    s.run = run;
+    s.simulated_time = j.at("simulated_time");
+    s.cpu_seconds = j.at("cpu_seconds");
+    s.wall_seconds = j.at("wall_seconds");
+    s.T_xy = j.at("T_xy");
+    s.T_z = j.at("T_z");
+    s.max_overlap = j.at("max_overlap");
+    s.psi6 = j.at("psi6");
+    for (const json& rod : j.at("rods"))
+        s.rods.push_back({rod.at("kind"), rod.at("mean_speed"), rod.at("net_turn"), rod.at("force")});
+    s.pair.half_box_time = -1.0;
+    if (j.contains("pair")) {
+        const json& pair = j.at("pair");
+        s.pair.change = pair.at("separation_change");
+        if (!pair.at("half_box_time").is_null()) {
+            s.pair.half_box_time = pair.at("half_box_time");
+            s.pair.half_box_change = pair.at("half_box_separation_change");
+        }
+    }
+    s.state_hash = std::stoull(j.at("state_hash").get<std::string>(), nullptr, 16);
+    return s;
+}
+
+} // namespace
+
+std::string summary_json(const granular::GranularProblem& problem, const GranularSummary& s) {
+    ordered_json out = {{"simulated_time", s.simulated_time},
+                        {"cpu_seconds", s.cpu_seconds},
+                        {"wall_seconds", s.wall_seconds},
+                        {"T_xy", s.T_xy},
+                        {"T_z", s.T_z},
+                        {"max_overlap", s.max_overlap},
+                        {"psi6", s.psi6},
+                        {"rods", rods_json(s.rods)}};
+    if (problem.rods.size() == 2)
+        out["pair"] = pair_json(s.pair);
+    out["state_hash"] = hash_text(s.state_hash);
+    out["run"] = s.run + 1; // as its folder
+    out["runs"] = 1;
+    out.update(header(problem));
+    return out.dump(2) + "\n";
+}
+
+std::string ensemble_json(const granular::GranularProblem& problem, std::span<const GranularSummary> runs,
+                          std::size_t asked) {
+    ordered_json out;
+    put_mean(out, "simulated_time", runs, [](const GranularSummary& s) { return s.simulated_time; });
+    const double count = static_cast<double>(runs.size());
+    out["cpu_seconds"] =
+        mean_over(runs, [](const GranularSummary& s) { return s.cpu_seconds; }).value * count;
+    out["wall_seconds"] =
+        mean_over(runs, [](const GranularSummary& s) { return s.wall_seconds; }).value * count;
+    put_mean(out, "T_xy", runs, [](const GranularSummary& s) { return s.T_xy; });
+    put_mean(out, "T_z", runs, [](const GranularSummary& s) { return s.T_z; });
+    put_mean(out, "psi6", runs, [](const GranularSummary& s) { return s.psi6; });
+    double worst = 0.0;
+    std::vector<std::uint64_t> hashes;
+    for (const GranularSummary& s : runs) {
+        worst = std::max(worst, s.max_overlap);
+        hashes.push_back(s.state_hash);
+    }
+    out["max_overlap"] = worst;
+    out["rods"] = mean_rods(problem, runs);
+    if (problem.rods.size() == 2)
+        out["pair"] = mean_pair(runs);
+    out["state_hash"] = hash_text(granular::combined_hash(hashes));
+    out["runs"] = asked;
+    out["finished_runs"] = runs.size();
+    out.update(header(problem));
+    return out.dump(2) + "\n";
+}
+
+std::string ensemble_csv(const granular::GranularProblem& problem, std::span<const GranularSummary> runs) {
+    std::vector<std::string> names = {"run", "simulated_time", "cpu_seconds", "T_xy",
+                                      "T_z", "psi6",           "max_overlap"};
+    for (std::size_t i = 0; i < problem.rods.size(); ++i)
+        for (const char* name : {"mean_speed", "net_turn", "force"})
+            names.push_back(fmt::format("{}{}", name, i));
+    const bool pair = problem.rods.size() == 2;
+    if (pair)
+        names.insert(names.end(), {"separation_change", "half_box_time", "half_box_separation_change"});
+    std::vector<std::vector<double>> columns(names.size());
+    for (const GranularSummary& s : runs) {
+        std::vector<double> row = {static_cast<double>(s.run + 1),
+                                   s.simulated_time,
+                                   s.cpu_seconds,
+                                   s.T_xy,
+                                   s.T_z,
+                                   s.psi6,
+                                   s.max_overlap};
+        for (const RodSummary& rod : s.rods)
+            row.insert(row.end(), {rod.mean_speed, rod.net_turn, rod.force});
+        const double none = std::nan("");
+        const bool far = s.pair.half_box_time >= 0.0;
+        if (pair)
+            row.insert(row.end(), {s.pair.change, far ? s.pair.half_box_time : none,
+                                   far ? s.pair.half_box_change : none});
+        for (std::size_t k = 0; k < row.size(); ++k)
+            columns[k].push_back(row[k]);
+    }
+    return store::to_csv(names, columns);
+}
+
+std::optional<GranularSummary> read_summary(const std::filesystem::path& file,
+                                            const granular::GranularProblem& problem, std::uint32_t run) {
+    std::ifstream in(file);
+    const json parsed = json::parse(in, nullptr, false);
+    if (!parsed.is_object())
+        return std::nullopt;
+    try {
+        GranularSummary summary = summary_of(parsed, run);
+        return summary.rods.size() == problem.rods.size() ? std::optional(std::move(summary)) : std::nullopt;
+    } catch (const std::exception&) { // a file of another version: the run is done again
+        return std::nullopt;
+    }
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,18 @@
+#pragma once
+// Where the messages of a run go: to the caller, and to log.txt of the run directory.
+
+#include "rodwake/stages/run_context.hpp"
+
+#include <spdlog/logger.h>
+
+#include <filesystem>
+#include <memory>
+
+namespace rodwake::stages {
+
+using Logger = std::shared_ptr<spdlog::logger>;
+
+/// Throws RunError if the file cannot be opened.
+Logger make_logger(const RunContext& context, const std::filesystem::path& run_log);
+
+} // namespace rodwake::stages

@@ -1,0 +1,104 @@
+#include "manifest.hpp"
+
+#include "catalogue.hpp"
+#include "rodwake/assembly/rods.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/stages/run.hpp"
+#include "rodwake/store/atomic_file.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace rodwake::stages {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+/// Units of what a run writes: of its theory, and of the data that were fitted.
+struct ManifestUnits {
+    assembly::OutputUnits output;
+    std::string data; ///< length_unit of [fit]
+};
+
+ManifestUnits units_of(const fs::path& folder) {
+    try {
+        const scene::Scene scene = scene::read_scene(folder / "scene.toml");
+        return {assembly::output_units(scene), scene.fit ? scene.fit->length_unit : ""};
+    } catch (const InputError&) { // no scene yet
+        return {};
+    }
+}
+
+/// The names in the header line of a CSV file.
+std::vector<std::string> header_of(const fs::path& file) {
+    std::ifstream in(file);
+    std::string line;
+    while (std::getline(in, line) && line.starts_with('#')) {
+    }
+    std::vector<std::string> names;
+    std::istringstream fields(line);
+    for (std::string name; std::getline(fields, name, ',');)
+        names.push_back(name);
+    return names;
+}
+
+std::string unit_of(std::string_view unit, const ManifestUnits& units) {
+    if (unit == "{length}")
+        return units.output.length_name;
+    if (unit == "{time}")
+        return units.output.time_name;
+    return unit == "{data}" ? units.data : std::string(unit);
+}
+
+ordered_json columns_json(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
+    ordered_json columns = ordered_json::array();
+    for (const std::string& name : header_of(file))
+        if (const ColumnInfo* column = column_of(kind, name))
+            columns.push_back(
+                {{"name", name}, {"unit", unit_of(column->unit, units)}, {"meaning", column->meaning}});
+    return columns;
+}
+
+} // namespace
+
+std::vector<FileEntry> files_of_run(const fs::path& folder) {
+    std::vector<FileEntry> files;
+    for (const fs::directory_entry& entry :
+         fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
+        const std::string name = entry.path().lexically_relative(folder).generic_string();
+        const FileKind* kind = kind_of(entry.path().filename().string());
+        if (entry.is_regular_file() && name.starts_with("figures/"))
+            files.push_back({name, "figure"});
+        else if (entry.is_regular_file() && kind && name != "rodwake.lock") // gone when the run ends
+            files.push_back({name, std::string(kind->what)});
+    }
+    std::ranges::sort(files, {}, &FileEntry::name);
+    return files;
+}
+
+std::string manifest_json(const fs::path& folder) {
+    const ManifestUnits units = units_of(folder);
+    ordered_json files = ordered_json::object();
+    for (const FileEntry& file : files_of_run(folder)) {
+        const FileKind* kind = kind_of(fs::path(file.name).filename().string());
+        files[file.name] = {{"what", file.what}};
+        if (kind && kind->stage)
+            files[file.name]["stage"] = assembly::to_string(*kind->stage);
+        if (kind && !kind->columns.empty())
+            files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
+    }
+    files["manifest.json"] = {{"what", kind_of("manifest.json")->what}};
+    return ordered_json{{"schema", 1}, {"files", std::move(files)}}.dump(2) + "\n";
+}
+
+void write_manifest(const fs::path& folder) {
+    store::write_atomically(folder / "manifest.json", manifest_json(folder));
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,134 @@
+#include "measure_frames.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/frames.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::stages {
+
+namespace {
+
+double unwrapped(double place, std::int32_t image, double box) {
+    return std::fma(static_cast<double>(image), box, place); // undoes store::wrap
+}
+
+double unwrapped(double x, double box) {
+    const store::Wrapped w = store::wrap(x, box);
+    return unwrapped(w.place, w.image, box);
+}
+
+void resize(measure::Frame& frame, std::size_t beads, std::size_t rods) {
+    for (auto* column : {&frame.x, &frame.y, &frame.unwrapped_x, &frame.unwrapped_y, &frame.vx, &frame.vy})
+        column->resize(beads);
+    frame.rods.resize(rods);
+}
+
+void want_equal(const std::filesystem::path& file, const char* what, double found, double wanted) {
+    if (!(std::abs(found - wanted) <= 1e-9 * std::abs(wanted)))
+        throw InputError(
+            fmt::format("{}: {} is {:g} there and {:g} in the scene: a trajectory of another bed",
+                        file.string(), what, found, wanted));
+}
+
+void check_bed(const std::filesystem::path& file, const store::TrajectoryInfo& info,
+               const measure::Layout& layout) {
+    want_equal(file, "the side of the box in m", info.box[0], layout.box);
+    want_equal(file, "the side of the box in m", info.box[1], layout.box);
+    want_equal(file, "the number of beads", static_cast<double>(info.beads),
+               static_cast<double>(layout.beads));
+    want_equal(file, "the bead radius in m", info.bead_radius, layout.bead_radius);
+    if (info.rods != layout.rods)
+        throw InputError(fmt::format("{}: {} rods there and {} in the scene: a trajectory of another bed",
+                                     file.string(), info.rods, layout.rods));
+}
+
+/// Every how many stored frames are measured.
+std::size_t stride_of(const std::filesystem::path& file, const store::TrajectoryInfo& info, double interval) {
+    if (info.frames() < 2)
+        return 1;
+    const double stored = (info.time.back() - info.time.front()) / static_cast<double>(info.frames() - 1);
+    const double ratio = interval / stored;
+    if (ratio < 0.999 || std::abs(ratio - std::round(ratio)) > 1e-4 * ratio)
+        throw InputError(
+            fmt::format("{}: frames are {:g} s apart; measure.interval = {:g} s is no whole multiple "
+                        "of that",
+                        file.string(), stored, interval));
+    return static_cast<std::size_t>(std::round(ratio));
+}
+
+} // namespace
+
+void fill_frame(measure::Frame& frame, const granular::State& state, double time, double box) {
+    const granular::Beads& beads = state.beads;
+    resize(frame, beads.size(), state.rods.size());
+    frame.time = time;
+    for (std::size_t i = 0; i < beads.size(); ++i) {
+        const store::Wrapped x = store::wrap(beads.x[i], box), y = store::wrap(beads.y[i], box);
+        frame.x[i] = x.place;
+        frame.y[i] = y.place;
+        frame.unwrapped_x[i] = unwrapped(x.place, x.image, box);
+        frame.unwrapped_y[i] = unwrapped(y.place, y.image, box);
+        frame.vx[i] = beads.vx[i];
+        frame.vy[i] = beads.vy[i];
+    }
+    for (std::size_t r = 0; r < state.rods.size(); ++r) {
+        const granular::RodBody& rod = state.rods[r];
+        frame.rods[r] = {unwrapped(rod.position.x(), box), unwrapped(rod.position.y(), box), rod.heading()};
+    }
+}
+
+void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, double box) {
+    const std::size_t beads = stored.x.size();
+    resize(frame, beads, stored.rods.size());
+    frame.time = stored.time;
+    frame.x = stored.x;
+    frame.y = stored.y;
+    frame.vx = stored.vx;
+    frame.vy = stored.vy;
+    for (std::size_t i = 0; i < beads; ++i) {
+        frame.unwrapped_x[i] = unwrapped(stored.x[i], stored.image_x[i], box);
+        frame.unwrapped_y[i] = unwrapped(stored.y[i], stored.image_y[i], box);
+    }
+    for (std::size_t r = 0; r < stored.rods.size(); ++r) {
+        const store::StoredRod& rod = stored.rods[r];
+        const auto& q = rod.orientation;
+        granular::RodBody body;
+        body.orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+        frame.rods[r] = {unwrapped(rod.x, rod.image_x, box), unwrapped(rod.y, rod.image_y, box),
+                         body.heading()};
+    }
+}
+
+void check_trajectory(const std::filesystem::path& file, const assembly::MeasurePlan& plan) {
+    const store::H5mdReader reader(file);
+    check_bed(file, reader.info(), plan.sums.layout());
+    stride_of(file, reader.info(), plan.interval);
+}
+
+std::optional<measure::Measures> measure_trajectory(const std::filesystem::path& file,
+                                                    const assembly::MeasurePlan& plan,
+                                                    const std::function<bool(double)>& on_progress) {
+    store::H5mdReader reader(file);
+    const store::TrajectoryInfo& info = reader.info();
+    check_bed(file, info, plan.sums.layout());
+    const std::size_t stride = stride_of(file, info, plan.interval);
+    measure::Measures measures = plan.sums;
+    store::StoredFrame stored;
+    measure::Frame frame;
+    for (std::size_t i = 0; i < info.frames(); i += stride) {
+        reader.read(i, stored);
+        fill_frame(frame, stored, plan.sums.layout().box);
+        measures.add(frame);
+        if (!on_progress(static_cast<double>(i + 1) / static_cast<double>(info.frames())))
+            return std::nullopt;
+    }
+    if (measures.frames() == 0)
+        throw InputError(fmt::format("{}: no frame from measure.from = {:g} s on; the last one is at {:g} s",
+                                     file.string(), plan.sums.from(), info.time.back()));
+    return measures;
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,27 @@
+#pragma once
+// Frames for the measures, from a running simulation or a stored trajectory: the same bits.
+
+#include "rodwake/assembly/measure.hpp"
+#include "rodwake/granular/state.hpp"
+#include "rodwake/store/h5md_reader.hpp"
+
+#include <filesystem>
+#include <functional>
+
+namespace rodwake::stages {
+
+/// `frame` is filled anew, its memory used again.
+void fill_frame(measure::Frame& frame, const granular::State& state, double time, double box);
+void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, double box);
+
+/// Throws InputError if the file cannot be read, is of another bed, or its frames do not fit the interval.
+void check_trajectory(const std::filesystem::path& file, const assembly::MeasurePlan& plan);
+
+/// Measures of a stored trajectory at the plan's interval. `on_progress` hears the fraction done and may
+/// return false to stop; then nothing is returned. Throws InputError if the file is of another bed, has no
+/// frame to measure, or its frames do not fit the interval.
+std::optional<measure::Measures> measure_trajectory(const std::filesystem::path& file,
+                                                    const assembly::MeasurePlan& plan,
+                                                    const std::function<bool(double)>& on_progress);
+
+} // namespace rodwake::stages

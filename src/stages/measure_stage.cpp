@@ -1,0 +1,196 @@
+#include "measure_stage.hpp"
+
+#include "granular_run.hpp"
+#include "measure_frames.hpp"
+#include "measure_records.hpp"
+#include "progress.hpp"
+#include "rodwake/assembly/measure_kind.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/core/periodic.hpp"
+#include "run_tables.hpp"
+#include "stage_list.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::stages {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The files of one run; of a trajectory from elsewhere only that.
+struct RunFiles {
+    fs::path folder, trajectory;
+    bool own = true; ///< made by this scene's granular run
+};
+
+std::vector<RunFiles> finished_runs(const assembly::Case& one, const fs::path& folder, const Logger& log) {
+    const std::string foreign = one.scene.measure->trajectory;
+    if (!foreign.empty())
+        return {{fs::path(foreign).parent_path(), foreign, false}};
+    std::vector<RunFiles> found;
+    const std::vector<GranularTask> tasks = granular_tasks(one, folder);
+    for (const GranularTask& task : tasks)
+        if (fs::exists(task.folder / "summary.json"))
+            found.push_back({task.folder, task.folder / "trajectory.h5md", true});
+    if (found.empty())
+        throw InputError(
+            (folder / one.folder).string() +
+            ": holds no finished granular run to measure; rodwake dem SCENE -o DIR makes one, rodwake run "
+            "does both; or name a file in measure.trajectory");
+    if (found.size() < tasks.size())
+        log->warn("measure: {} of {} runs are finished; the others are left out", found.size(), tasks.size());
+    return found;
+}
+
+/// What the run recorded on its way if it is of these keys, else its trajectory measured now.
+std::optional<measure::Measures> measures_of(const RunFiles& run, const assembly::MeasurePlan& plan,
+                                             const std::function<bool(double)>& on_progress) {
+    if (run.own)
+        if (auto recorded = read_records(run.folder / "measure.rwc", plan))
+            return recorded;
+    if (run.own && !fs::exists(run.trajectory))
+        throw InputError(run.folder.string() +
+                         ": this run recorded nothing for these [measure] keys, and it stored no "
+                         "trajectory (granular.output.formats without \"h5md\"); run it again");
+    return measure_trajectory(run.trajectory, plan, on_progress);
+}
+
+/// Of all runs; nothing if a signal stopped it.
+std::optional<std::vector<measure::Measures>>
+sums_of(const std::vector<RunFiles>& runs, const assembly::MeasurePlan& plan, const RunContext& context) {
+    SharedProgress progress(context, "measure", runs.size(), static_cast<double>(runs.size()), "runs");
+    std::vector<std::optional<measure::Measures>> found(runs.size());
+    parallel_for(runs.size(), context.thread_count(), [&](std::size_t i) {
+        found[i] = measures_of(runs[i], plan, [&](double part) {
+            progress.update(i, part);
+            return !context.stopped();
+        });
+    });
+    std::vector<measure::Measures> all;
+    for (auto& one : found)
+        if (one)
+            all.push_back(std::move(*one));
+    return all.size() == found.size() ? std::optional(std::move(all)) : std::nullopt;
+}
+
+/// One measure that cannot be had does not take the others with it: its reason is kept.
+void report(const assembly::MeasureKind& kind, const assembly::MeasuredCase& data, CaseResults& results) {
+    try {
+        results.reports.emplace_back(kind.name, kind.report(data));
+    } catch (const InputError& error) {
+        results.not_measured.emplace_back(kind.name, error.what());
+    } catch (const RunError& error) {
+        results.not_measured.emplace_back(kind.name, error.what());
+    }
+}
+
+std::vector<assembly::RunTables> tables_of(const std::vector<RunFiles>& runs) {
+    std::vector<assembly::RunTables> tables;
+    for (const RunFiles& run : runs)
+        if (run.own)
+            tables.push_back(run_tables(run.folder));
+    return tables;
+}
+
+/// Names of the kinds for which this holds.
+template<class Holds>
+std::string names_where(const Holds& holds) {
+    std::vector<std::string_view> names;
+    for (const assembly::MeasureKind& kind : assembly::measure_kinds())
+        if (holds(kind))
+            names.push_back(kind.name);
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+CaseResults facts_of(const assembly::BedPlan& plan) {
+    const assembly::Case& one = plan.of;
+    const scene::Granular& bed = *one.scene.granular;
+    CaseResults r;
+    r.name = one.name;
+    r.label = one.label;
+    r.folder = one.folder;
+    r.bead_radius = bed.bead_radius;
+    // what the scene asks for: beads that rods displace are counted in
+    r.phi_b = bed.phi_b.value_or(granular::bead_area_fraction(plan.problem));
+    if (bed.rods.size() == 2) {
+        const auto &p = bed.rods[0].position, &q = bed.rods[1].position;
+        r.separation = nearest_distance(p[0] - q[0], p[1] - q[1], bed.box);
+    }
+    if (!bed.rods.empty())
+        r.imposed_speed = bed.rods[static_cast<std::size_t>(one.scene.measure->rod)].imposed_speed;
+    return r;
+}
+
+/// Nothing if a signal stopped it.
+std::optional<CaseResults> measure_case(const assembly::BedPlan& bed, const RunContext& context,
+                                        const fs::path& folder, const Logger& log) {
+    const assembly::Case& one = bed.of;
+    const std::vector<RunFiles> runs = finished_runs(one, folder, log);
+    const scene::Measure& m = *one.scene.measure;
+    CaseResults results = facts_of(bed);
+    results.runs = runs.size();
+    std::vector<measure::Measures> sums;
+    if (bed.measures) {
+        auto found = sums_of(runs, *bed.measures, context);
+        if (!found)
+            return std::nullopt;
+        sums = std::move(*found);
+    }
+    const assembly::MeasuredCase data{one.scene, sums, tables_of(runs)};
+    const auto lacks_tables = [&](const assembly::MeasureKind& kind) {
+        return kind.wanted(m) && !kind.include && data.tables.empty();
+    };
+    if (const std::string lacking = names_where(lacks_tables); !lacking.empty())
+        log->warn("measure: made from a run's own tables, and so left out with measure.trajectory: {}",
+                  lacking);
+    for (const assembly::MeasureKind& kind : assembly::measure_kinds())
+        if (kind.wanted(m) && !lacks_tables(kind))
+            report(kind, data, results);
+    return results;
+}
+
+} // namespace
+
+void require_trajectory(const assembly::Plan& plan) {
+    const auto& frames = plan.beds.front().measures;
+    if (!frames)
+        throw InputError(plan.scene.path +
+                         ": measure.trajectory is given, but nothing that is measured in frames: " +
+                         names_where([](const assembly::MeasureKind& kind) { return kind.include; }));
+    check_trajectory(plan.scene.measure->trajectory, *frames);
+}
+
+StageEnd measure_folder(const assembly::Plan& plan, const RunContext& context, const fs::path& folder,
+                        const Logger& log) {
+    const MeasureOrigin origin{context.command, static_cast<std::uint64_t>(plan.scene.granular->seed)};
+    std::vector<CaseResults> all;
+    StageEnd end = StageEnd::finished;
+    for (const assembly::BedPlan& bed : plan.beds) {
+        const assembly::Case& one = bed.of;
+        auto results = measure_case(bed, context, folder, log);
+        if (!results)
+            return StageEnd::interrupted;
+        fs::create_directories(folder / one.folder);
+        write_measures(folder / one.folder, *results, origin);
+        for (const auto& [name, reason] : results->not_measured) {
+            log->error("measure{}: {}: {}", one.suffix(), name, reason);
+            end = StageEnd::failed;
+        }
+        for (const std::string& line : describe(*results))
+            log->info("{}", line);
+        all.push_back(std::move(*results));
+    }
+    if (all.size() > 1)
+        write_series(folder, all);
+    return end;
+}
+
+StageEnd run_measure_stage(Session& session) {
+    return measure_folder(session.plan, session.context, session.directory.path(), session.log);
+}
+
+} // namespace rodwake::stages

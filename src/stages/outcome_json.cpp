@@ -1,0 +1,66 @@
+#include "stage_list.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace rodwake::stages {
+
+namespace {
+
+const char* status_name(integrate::Termination termination) {
+    switch (termination) {
+    case integrate::Termination::reached_end:
+        return "reached_end";
+    case integrate::Termination::stopped_at_event:
+        return "stopped_at_event";
+    case integrate::Termination::interrupted:
+        return "interrupted";
+    case integrate::Termination::failed:
+        break;
+    }
+    return "failed";
+}
+
+nlohmann::ordered_json solver_json(const rods::RodResult& result, const integrate::OdeOptions& ode) {
+    const integrate::Statistics& n = result.solution.statistics;
+    nlohmann::ordered_json solver;
+    solver["method"] = integrate::to_string(ode.method);
+    solver["rtol"] = ode.rtol;
+    solver["atol"] = ode.atol;
+    solver["status"] = status_name(result.solution.status.termination);
+    solver["steps"] = n.steps;
+    solver["rhs_evaluations"] = n.rhs_evaluations;
+    solver["jacobian_evaluations"] = n.jacobian_evaluations;
+    solver["error_test_failures"] = n.error_test_failures;
+    solver["convergence_failures"] = n.convergence_failures;
+    if (!result.solution.status.ok())
+        solver["message"] = result.solution.status.message();
+    return solver;
+}
+
+} // namespace
+
+std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,
+                         const assembly::OutputUnits& units) {
+    const rods::RodOutcome& outcome = result.outcome;
+    nlohmann::ordered_json json;
+    json["outcome"] = to_string(outcome.ending);
+    json["time"] = outcome.time * units.time;
+    if (std::isfinite(outcome.min_separation)) {
+        json["min_separation"] = outcome.min_separation * units.length;
+        json["min_separation_time"] = outcome.min_separation_time * units.time;
+        json["pair"] = {outcome.pair.first, outcome.pair.second};
+    } else {
+        json["min_separation"] = nullptr;
+        json["min_separation_time"] = nullptr;
+        json["pair"] = nullptr;
+    }
+    json["turn"] = outcome.turn;
+    json["reason"] = outcome.reason;
+    json["units"] = {{"length", units.length_name}, {"time", units.time_name}, {"turn", "rad"}};
+    json["solver"] = solver_json(result, ode);
+    return json.dump(2) + "\n";
+}
+
+} // namespace rodwake::stages

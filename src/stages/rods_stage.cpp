@@ -1,0 +1,158 @@
+#include "progress.hpp"
+#include "rods_checkpoint.hpp"
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/store/csv.hpp"
+#include "stage_list.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::stages {
+
+namespace {
+
+using assembly::OutputUnits;
+
+/// A plan on its way.
+struct Work {
+    const assembly::RodsPlan* plan;
+    rods::RodOptions options;
+    rods::RodResult result;
+
+    const assembly::Case& of() const { return plan->of; }
+    std::string checkpoint_file() const { return of().folder + "checkpoint.json"; }
+};
+
+void resume(const Session& session, Work& one) {
+    const auto file = session.directory.file(one.checkpoint_file());
+    one.options.resume_from = session.context.force ? std::nullopt : read_checkpoint(file, one.of().scene);
+    if (one.options.resume_from)
+        session.log->info("rods: going on from the checkpoint at t = {:.6g}", one.options.resume_from->time);
+    else if (std::filesystem::exists(file))
+        session.log->warn("{}: damaged, or of another scene or version; starting from the beginning",
+                          file.string());
+}
+
+void solve(const Session& session, Work& one, bool show_progress) {
+    Progress progress(session.context, "rods", one.plan->problem.t_end, "t");
+    one.options.ode.stop_requested = [&] { return session.context.stopped(); };
+    if (show_progress)
+        one.options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
+    one.options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) {
+        session.directory.write(one.checkpoint_file(), checkpoint_json(checkpoint, one.of().scene));
+    };
+    resume(session, one);
+    one.result = rods::simulate(one.plan->problem, one.options);
+    const integrate::Status& status = one.result.solution.status;
+    if (status.ok() &&
+        status.termination != integrate::Termination::interrupted) // a higher limit may follow a failure
+        std::filesystem::remove(session.directory.file(one.checkpoint_file()));
+}
+
+/// Columns t, x0, y0, theta0, x1, ... in output units; the end of the run (contact, failure) is the last row.
+struct Columns {
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> values;
+};
+
+Columns trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
+    Columns columns{{"t"}, std::vector<std::vector<double>>(1 + 3 * rods)};
+    for (std::size_t rod = 0; rod < rods; ++rod)
+        for (const char* name : {"x", "y", "theta"})
+            columns.names.push_back(name + std::to_string(rod));
+    const auto add = [&](double time, const std::vector<double>& state) {
+        columns.values[0].push_back(time * units.time);
+        for (std::size_t i = 0; i < state.size(); ++i)
+            columns.values[1 + i].push_back(state[i] * (i % 3 == 2 ? 1.0 : units.length));
+    };
+    const integrate::Solution& solution = result.solution;
+    for (std::size_t i = 0; i < solution.times.size(); ++i)
+        add(solution.times[i], solution.states[i]);
+    if (solution.times.empty() || solution.final_time > solution.times.back())
+        add(solution.final_time, solution.final_state);
+    return columns;
+}
+
+/// Component `which` of every rod as [T][N].
+std::vector<double> interleaved(const Columns& columns, std::size_t rods, std::size_t which) {
+    const std::size_t times = columns.values[0].size();
+    std::vector<double> values;
+    values.reserve(times * rods);
+    for (std::size_t t = 0; t < times; ++t)
+        for (std::size_t rod = 0; rod < rods; ++rod)
+            values.push_back(columns.values[1 + 3 * rod + which][t]);
+    return values;
+}
+
+void store_attributes(Session& session, const Work& one, const std::string& group, std::int64_t order) {
+    store::Hdf5Writer& out = session.results;
+    const rods::RodOutcome& outcome = one.result.outcome;
+    const rods::Couplings c = one.plan->problem.couplings;
+    out.attribute(group, "label", one.of().label);
+    out.attribute(group, "order", order);
+    out.attribute(group, "outcome", to_string(outcome.ending));
+    out.attribute(group, "time", outcome.time * session.units.time);
+    out.attribute(group, "min_separation", outcome.min_separation * session.units.length);
+    out.attribute(group, "kappa", c.kappa);
+    out.attribute(group, "gamma1", c.gamma1);
+    out.attribute(group, "gamma2", c.gamma2);
+    if (one.of().scene.medium) {
+        out.attribute(group, "eta", one.of().scene.medium->eta);
+        out.attribute(group, "alpha", 1.0 / one.of().scene.medium->xi);
+    }
+    if (one.of().scene.rods_run->contact_distance)
+        out.attribute(group, "contact_distance",
+                      *one.of().scene.rods_run->contact_distance * session.units.length);
+}
+
+void store(Session& session, const Work& one, std::int64_t order) {
+    const std::size_t rods = one.of().scene.rods.size();
+    const Columns columns = trajectory(one.result, rods, session.units);
+    const std::size_t times = columns.values[0].size();
+    const std::string group = "/rods/" + one.of().name;
+    session.results.dataset(group + "/t", columns.values[0], {times}, session.units.time_name);
+    session.results.dataset(group + "/x", interleaved(columns, rods, 0), {times, rods},
+                            session.units.length_name);
+    session.results.dataset(group + "/y", interleaved(columns, rods, 1), {times, rods},
+                            session.units.length_name);
+    session.results.dataset(group + "/theta", interleaved(columns, rods, 2), {times, rods}, "rad");
+    store_attributes(session, one, group, order);
+    session.directory.write(one.of().folder + "rods.csv", store::to_csv(columns.names, columns.values));
+    session.directory.write(one.of().folder + "outcome.json",
+                            outcome_json(one.result, one.options.ode, session.units));
+}
+
+StageEnd report(const Session& session, const Work& one) {
+    const integrate::Status& status = one.result.solution.status;
+    const std::string name = one.of().label.empty() ? std::string("rods") : "rods, " + one.of().label;
+    if (status.termination == integrate::Termination::failed) {
+        session.log->error("{}: {}", name, status.message());
+        return StageEnd::failed;
+    }
+    session.log->info("{}: {} ({}); {} steps", name, to_string(one.result.outcome.ending),
+                      one.result.outcome.reason, one.result.solution.statistics.steps);
+    return status.termination == integrate::Termination::interrupted ? StageEnd::interrupted
+                                                                     : StageEnd::finished;
+}
+
+} // namespace
+
+StageEnd run_rods_stage(Session& session) {
+    // a medium from [fit] is known only now
+    const std::vector<assembly::RodsPlan> fitted =
+        session.fitted() ? assembly::plan_rods(session.modelled()) : std::vector<assembly::RodsPlan>{};
+    std::vector<Work> cases;
+    for (const assembly::RodsPlan& plan : session.fitted() ? fitted : session.plan.rods)
+        cases.push_back({&plan, plan.options, {}});
+    parallel_for(cases.size(), session.context.thread_count(),
+                 [&](std::size_t i) { solve(session, cases[i], i == 0); });
+    StageEnd end = StageEnd::finished;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        store(session, cases[i], static_cast<std::int64_t>(i));
+        const StageEnd one = report(session, cases[i]);
+        if (end == StageEnd::finished)
+            end = one;
+    }
+    return end;
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,130 @@
+#include "rodwake/stages/run.hpp"
+
+#include "fit_stage.hpp"
+#include "measure_stage.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/stages/run_folder.hpp"
+#include "scan/scan_list.hpp"
+#include "scan/scan_request.hpp"
+#include "stage_list.hpp"
+
+#include <algorithm>
+
+namespace rodwake::stages {
+
+namespace {
+
+namespace fs = std::filesystem;
+using assembly::Plan;
+using assembly::Stage;
+
+StageEnd run_stage(Session& session, Stage stage) {
+    switch (stage) {
+    case Stage::granular:
+        return run_granular_stage(session);
+    case Stage::measure:
+        return run_measure_stage(session);
+    case Stage::fit:
+        return run_fit_stage(session);
+    case Stage::field:
+        return run_field_stage(session);
+    case Stage::scan:
+        return run_scan_stage(session);
+    case Stage::rods:
+        break;
+    }
+    return run_rods_stage(session);
+}
+
+StageEnd run_all(Session& session) {
+    StageEnd end = StageEnd::finished;
+    const std::vector<Stage>& stages = session.directory.stages(); // those that are not done already
+    for (auto stage = stages.begin(); stage != stages.end() && end == StageEnd::finished; ++stage) {
+        end = run_stage(session, *stage);
+        if (end == StageEnd::finished || end == StageEnd::incomplete)
+            session.finished(*stage);
+    }
+    session.close(end);
+    return end;
+}
+
+/// The same, with an exception on record in the run directory.
+StageEnd run_recorded(Session& session) {
+    try {
+        return run_all(session);
+    } catch (const std::exception& error) {
+        session.fail(rodwake::describe(error));
+        throw;
+    }
+}
+
+bool only(const Plan& plan, Stage stage) { return plan.stages.size() == 1 && plan.stages.front() == stage; }
+
+/// Measures and fits add to a granular run that is there.
+void require_run(const Plan& plan, const fs::path& folder) {
+    if (run_status(folder).empty())
+        throw InputError(folder.string() +
+                         ": holds no rodwake run; rodwake dem SCENE makes one, rodwake run SCENE makes "
+                         "and measures it; -o names its folder");
+    require_same_beds(plan.scene, folder);
+}
+
+/// Before anything of the folder is touched.
+void require_all(const Plan& plan, const fs::path& folder, const RunContext& context) {
+    const bool foreign = plan.scene.measure && !plan.scene.measure->trajectory.empty();
+    if (plan.has(Stage::granular))
+        require_granular(plan, folder, context);
+    if (only(plan, Stage::measure) && !foreign)
+        require_run(plan, folder);
+    if (only(plan, Stage::fit) && plan.scene.granular && !run_status(folder).empty())
+        require_same_beds(plan.scene, folder);
+    if (plan.has(Stage::measure) && foreign)
+        require_trajectory(plan);
+    if (plan.has(Stage::scan))
+        require_scan(*plan.scan, folder, context);
+}
+
+} // namespace
+
+Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const fs::path& folder,
+              const RunContext& context) {
+    if (context.seed)
+        assembly::apply_seed(scene, *context.seed);
+    const auto has = [&](Stage stage) { return std::ranges::find(stages, stage) != stages.end(); };
+    assembly::PlanInputs inputs;
+    if (has(Stage::fit))
+        inputs.fit = read_fit_inputs(scene, folder,
+                                     has(Stage::granular) || has(Stage::measure) ? OwnFiles::left_out
+                                                                                 : OwnFiles::required);
+    if (has(Stage::scan))
+        inputs.list = read_scan_list(scene);
+    return assembly::make_plan(scene, stages, std::move(inputs));
+}
+
+Plan plan_check(scene::Scene scene, const fs::path& folder, const RunContext& context) {
+    if (context.seed)
+        assembly::apply_seed(scene, *context.seed);
+    assembly::PlanInputs inputs;
+    if (scene.fit)
+        inputs.fit = read_fit_inputs(scene, folder, OwnFiles::if_there);
+    inputs.list = read_scan_list(scene);
+    return assembly::make_plan(scene, assembly::stages_of(scene), std::move(inputs));
+}
+
+StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context) {
+    require_all(plan, folder, context);
+    Session session(plan, folder, context);
+    const StageEnd end = run_recorded(session);
+    if (end == StageEnd::interrupted)
+        session.log->warn(
+            "stopped by a signal; what was computed is in {}; the same command goes on from the last "
+            "checkpoint, or starts again where there is none yet",
+            folder.string());
+    const bool drawn_later = only(plan, Stage::measure) || only(plan, Stage::fit) || only(plan, Stage::scan);
+    if (end == StageEnd::finished || end == StageEnd::incomplete)
+        session.log->info("results in {}{}", folder.string(),
+                          drawn_later ? "; rodwake plot " + folder.string() + " draws them" : "");
+    return end;
+}
+
+} // namespace rodwake::stages

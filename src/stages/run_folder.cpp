@@ -1,0 +1,346 @@
+#include "rodwake/stages/run_folder.hpp"
+
+#include "catalogue.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/first_difference.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/scene/write.hpp"
+#include "rodwake/store/atomic_file.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace rodwake::stages {
+
+namespace fs = std::filesystem;
+using assembly::Stage;
+
+namespace {
+
+constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,
+                                Stage::field,    Stage::rods,    Stage::scan};
+
+/// Left behind by a run that was killed: see PendingFile.
+bool is_temporary(const std::string& name) {
+    const auto end = name.rfind(".tmp");
+    return end != std::string::npos && end + 4 < name.size() &&
+           name.find_first_not_of("0123456789", end + 4) == std::string::npos;
+}
+
+/// What is no run's yet: of one that was killed before its first file was in place, and shares of a scan.
+bool is_no_run(const fs::path& file) {
+    const std::string name = file.filename().string();
+    return name.starts_with("part-") || (name.starts_with("provenance.json.") && is_temporary(name)) ||
+           name == "rodwake.lock";
+}
+
+bool has_files(const fs::path& folder) {
+    std::error_code error;
+    const fs::directory_iterator entries(folder, error);
+    return std::any_of(begin(entries), end(entries),
+                       [](const auto& entry) { return !is_no_run(entry.path()); });
+}
+
+nlohmann::json provenance_of(const fs::path& folder) {
+    std::ifstream file(folder / "provenance.json");
+    return nlohmann::json::parse(file, nullptr, false);
+}
+
+/// Whether a run of a version that keeps no record of its stages is in the folder.
+bool lacks_records(const fs::path& folder) {
+    return !run_status(folder).empty() && !provenance_of(folder).contains("stages");
+}
+
+StageRecords records_of(const fs::path& folder) {
+    StageRecords records;
+    const nlohmann::json json = provenance_of(folder);
+    if (json.is_object() && json.contains("stages") && json["stages"].is_object())
+        for (const auto& [name, status] : json["stages"].items())
+            if (status.is_string())
+                records[name] = status;
+    return records;
+}
+
+std::optional<scene::Scene> scene_of(const fs::path& folder) {
+    try {
+        return scene::read_scene(folder / "scene.toml");
+    } catch (const InputError&) {
+        return std::nullopt; // of another version, or never written
+    }
+}
+
+bool contains(std::span<const Stage> stages, Stage stage) {
+    return std::ranges::find(stages, stage) != stages.end();
+}
+
+/// A bed that was finished with fewer runs is not finished for more of them.
+bool grows(const scene::Scene& old, const scene::Scene& scene) {
+    return old.granular && scene.granular && scene.granular->runs > old.granular->runs;
+}
+
+/// A fit that was finished before the scene wanted its medium.
+bool lacks_medium(const fs::path& folder, const scene::Scene& scene, Stage stage) {
+    return stage == Stage::fit && scene.medium && scene.medium->fitted && !fs::exists(folder / "medium.json");
+}
+
+/// Figures that a run made; others are not ours to remove.
+bool is_listed(const nlohmann::json& manifest, const std::string& name) {
+    return manifest.is_object() && manifest.contains("files") && manifest["files"].contains(name);
+}
+
+void remove_empty_runs(const fs::path& runs) {
+    std::error_code ignored; // a folder with files of others stays
+    std::vector<fs::path> folders;
+    for (const fs::directory_entry& entry : fs::directory_iterator(runs, ignored))
+        if (entry.is_directory() && !entry.is_symlink() && fs::is_empty(entry.path(), ignored))
+            folders.push_back(entry.path());
+    for (const fs::path& folder : folders)
+        fs::remove(folder, ignored);
+    if (fs::is_directory(runs, ignored) && fs::is_empty(runs, ignored))
+        fs::remove(runs, ignored);
+}
+
+/// Files of a run are in its folder, in variants/<name>/, in runs/<number>/ of either, and figures/.
+std::vector<fs::path> files_of(const fs::path& folder) {
+    std::vector<fs::path> files;
+    const auto add = [&](const auto& entries) {
+        for (const fs::directory_entry& entry : entries)
+            if (entry.is_regular_file())
+                files.push_back(entry.path());
+    };
+    add(fs::directory_iterator(folder));
+    for (const char* sub : {"figures", "variants", "runs"})
+        if (fs::is_directory(folder / sub))
+            add(fs::recursive_directory_iterator(folder / sub));
+    return files;
+}
+
+} // namespace
+
+std::string run_status(const fs::path& folder) {
+    const nlohmann::json json = provenance_of(folder);
+    if (!json.is_object() || !json.contains("status") || !json["status"].is_string())
+        return {};
+    return json["status"];
+}
+
+namespace {
+
+/// Beds as they are, whatever they are called in legends and whatever else the variants change.
+std::string beds_key(const scene::Scene& scene, bool measured) {
+    std::string text;
+    for (const assembly::Case& one : assembly::bed_cases(scene)) {
+        scene::Scene key;
+        key.granular = one.scene.granular;
+        if (key.granular) {
+            key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
+            key.granular->runs = std::min(key.granular->runs, 2L); // an ensemble may grow
+            if (measured)
+                key.measure = one.scene.measure;
+        }
+        text += "# " + one.name + "\n" + scene::to_plain_toml(key);
+    }
+    return text;
+}
+
+std::string theory_key(const scene::Scene& scene, Stage stage) {
+    scene::Scene key;
+    key.units = scene.units;
+    key.scales = scene.scales;
+    key.medium = scene.medium;
+    if (stage == Stage::field) {
+        key.field = scene.field;
+        return scene::to_plain_toml(key);
+    }
+    key.coupling = scene.coupling;
+    key.noise = scene.noise;
+    key.rods = scene.rods;
+    key.rods_run = scene.rods_run;
+    if (key.rods_run)
+        key.rods_run->max_steps = scene::RodsRun{}.max_steps; // a limit, raised when it was met
+    key.variants = scene.variants;
+    return scene::to_plain_toml(key);
+}
+
+} // namespace
+
+std::string stage_key(const scene::Scene& scene, Stage stage) {
+    switch (stage) {
+    case Stage::granular:
+    case Stage::measure:
+        return beds_key(scene, stage == Stage::measure);
+    case Stage::fit: {
+        scene::Scene key;
+        key.fit = scene.fit;
+        return scene::to_plain_toml(key);
+    }
+    case Stage::scan:
+        return assembly::scan_key(scene);
+    case Stage::field:
+    case Stage::rods:
+        break;
+    }
+    return theory_key(scene, stage);
+}
+
+RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const Stage> stages, bool force,
+                     bool reopen_scan)
+    : path_(std::move(path)), lock_([&] {
+          std::error_code error;
+          if (fs::exists(path_, error) && !fs::is_directory(path_, error))
+              throw InputError(path_.string() + ": is a file; -o names the folder for the results");
+          if (!force && run_status(path_).empty() && has_files(path_))
+              throw InputError(
+                  path_.string() +
+                  ": holds files that are not a rodwake run; choose another folder with -o, or --force to "
+                  "write among them");
+          fs::create_directories(path_, error);
+          if (error)
+              throw RunError(path_.string() + ": cannot make the folder: " + error.message());
+          return FolderLock(path_);
+      }()),
+      old_(records_of(path_)), anew_(force) {
+    had_run_ = !run_status(path_).empty();
+    if (lacks_records(path_) && !force)
+        throw InputError(path_.string() +
+                         ": holds a run of an earlier version of rodwake; choose another folder with -o, or "
+                         "--force to replace it");
+    const std::optional<scene::Scene> old = scene_of(path_);
+    const auto same = [&](Stage stage) { return old && stage_key(*old, stage) == stage_key(scene, stage); };
+    const auto refuse = [&](const std::string& why) {
+        if (!force)
+            throw InputError(fmt::format("{}: {}; choose another folder with -o, or --force to replace it",
+                                         path_.string(), why));
+    };
+    for (const Stage stage : all_stages) {
+        const auto record = old_.find(to_string(stage));
+        const bool asked = contains(stages, stage);
+        if (asked && (record == old_.end() || force))
+            stages_.push_back(stage);
+        if (record == old_.end() || (asked && force))
+            continue;
+        const bool finished = record->second == "finished", alike = same(stage);
+        // an unfinished measure or fit has nothing to lose, and its own files know what they are of
+        const bool light = (stage == Stage::measure || stage == Stage::fit) && !finished;
+        const bool more = (stage == Stage::granular && alike && grows(*old, scene)) ||
+                          lacks_medium(path_, scene, stage) ||
+                          (stage == Stage::scan && alike && (reopen_scan || old->scan != scene.scan));
+        if (asked && (light || (alike && (!finished || more)))) {
+            stages_.push_back(stage);
+            (finished ? extended_ : resumed_) = true;
+            if (alike)
+                unaffected_.insert(*record);
+        } else if (alike) {
+            kept_.push_back(stage);
+            unaffected_.insert(*record);
+        } else {
+            refuse(old ? fmt::format("holds the stage {} of another scene ({})", record->first,
+                                     first_difference(stage_key(*old, stage), stage_key(scene, stage)))
+                       : fmt::format("holds the stage {} of a scene that cannot be read", record->first));
+            if (stage == Stage::granular && !asked) // too dear to go with another stage
+                throw InputError(
+                    fmt::format("{}: holds a granular run of another scene, which this command does not "
+                                "replace even with --force; choose another folder with -o",
+                                path_.string()));
+            dropped_.push_back(stage);
+        }
+    }
+    if (stages_.empty())
+        refuse("holds a finished run of this scene");
+    drop_outdated(scene);
+    if (old && old->granular && scene.granular && contains(kept_, Stage::granular))
+        kept_runs_ = old->granular->runs;
+}
+
+void RunFolder::drop_outdated(const scene::Scene& scene) {
+    const bool fitted = scene.medium && scene.medium->fitted;
+    const auto outdated = [&](Stage stage) {
+        const auto redone = [&](Stage other) { return contains(stages_, other); };
+        switch (stage) {
+        case Stage::granular:
+            return false;
+        case Stage::measure:
+            return redone(Stage::granular);
+        case Stage::fit:
+            return scene.granular && (redone(Stage::granular) || redone(Stage::measure));
+        case Stage::scan:
+            return false;
+        case Stage::field:
+        case Stage::rods:
+            break;
+        }
+        return fitted && redone(Stage::fit);
+    };
+    for (const Stage stage : kept_)
+        if (outdated(stage))
+            dropped_.push_back(stage);
+    std::erase_if(kept_, outdated);
+    std::erase_if(unaffected_, [&](const auto& record) {
+        return std::ranges::any_of(dropped_, [&](Stage stage) { return to_string(stage) == record.first; });
+    });
+}
+
+StageRecords RunFolder::records(const std::string& status) const {
+    StageRecords records;
+    for (const Stage stage : kept_)
+        records[to_string(stage)] = old_.at(to_string(stage));
+    for (const Stage stage : stages_)
+        records[to_string(stage)] = status;
+    return records;
+}
+
+bool RunFolder::keeps_datasets() const {
+    return contains(kept_, Stage::field) || contains(kept_, Stage::rods);
+}
+
+void RunFolder::begin(const Provenance& provenance, std::string_view scene) const {
+    write("provenance.json", provenance(unaffected_));
+    remove_outdated();
+    write("scene.toml", scene);
+    write("provenance.json", provenance(records("unfinished")));
+}
+
+bool RunFolder::is_outdated(const FileKind& kind) const {
+    if (!kind.stage)
+        return kind.lifetime == Lifetime::result;
+    if (contains(dropped_, *kind.stage))
+        return true;
+    if (!contains(stages_, *kind.stage))
+        return false;
+    const bool goes_on = !anew_ && old_.contains(to_string(*kind.stage));
+    return !goes_on || kind.lifetime == Lifetime::result;
+}
+
+void RunFolder::remove_outdated() const {
+    std::error_code error;
+    std::ifstream listing(file("manifest.json"));
+    const nlohmann::json manifest = nlohmann::json::parse(listing, nullptr, false);
+    for (const fs::path& file : files_of(path_)) {
+        const std::string name = file.filename().string();
+        const FileKind* kind = kind_of(name);
+        const bool figure = file.parent_path() == path_ / "figures" && is_listed(manifest, "figures/" + name);
+        const bool litter = is_temporary(name) && kind_of(name.substr(0, name.rfind(".tmp")));
+        if (!litter && !(had_run_ && (figure || (kind && is_outdated(*kind)))))
+            continue;
+        if (name == "result.h5" && keeps_datasets()) // it is replaced as a whole, with what is kept
+            continue;
+        if (fs::remove(file, error); error)
+            throw RunError(file.string() +
+                           ": cannot remove this result of the earlier run: " + error.message());
+    }
+    if (anew_)
+        remove_empty_runs(path_ / "runs");
+}
+
+void RunFolder::write(std::string_view name, std::string_view content) const {
+    const fs::path target = path_ / name;
+    std::error_code error;
+    fs::create_directories(target.parent_path(), error);
+    store::write_atomically(target, content);
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,59 @@
+#include "scan_list.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <fstream>
+#include <sstream>
+
+namespace rodwake::stages {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path find_file(const scene::Scene& scene) {
+    fs::path name = scene.scan->file, beside = fs::path(scene.path).parent_path() / name;
+    if (fs::exists(beside))
+        return beside;
+    if (fs::exists(name))
+        return name;
+    throw InputError(scene.path + ": scan.file = \"" + name.string() +
+                     "\": no such file, neither beside the scene nor here");
+}
+
+/// The names of the first line that is not a comment: the keys.
+std::vector<std::string> header_of(const fs::path& path) {
+    std::ifstream file(path);
+    std::string line;
+    while (std::getline(file, line))
+        if (!line.empty() && line.front() != '#')
+            break;
+    std::vector<std::string> names;
+    std::istringstream words(line);
+    for (std::string name; std::getline(words, name, ',');) {
+        const auto first = name.find_first_not_of(" \t\r\""), last = name.find_last_not_of(" \t\r\"");
+        names.push_back(first == std::string::npos ? "" : name.substr(first, last - first + 1));
+    }
+    return names;
+}
+
+} // namespace
+
+std::optional<assembly::ScanList> read_scan_list(const scene::Scene& scene) {
+    if (!scene.scan || scene.scan->design != scene::ScanDesign::list)
+        return std::nullopt;
+    const fs::path path = find_file(scene);
+    assembly::ScanList list;
+    list.keys = header_of(path);
+    const store::Table table = store::read_csv(path, list.keys);
+    list.rows.assign(table.rows(), std::vector<double>(list.keys.size()));
+    for (std::size_t k = 0; k < list.keys.size(); ++k) {
+        const std::vector<double>& column = *table.find(list.keys[k]);
+        for (std::size_t i = 0; i < column.size(); ++i)
+            list.rows[i][k] = column[i];
+    }
+    return list;
+}
+
+} // namespace rodwake::stages

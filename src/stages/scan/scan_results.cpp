@@ -1,0 +1,238 @@
+#include "scan_results.hpp"
+
+#include "rodwake/core/rng.hpp"
+#include "rodwake/scene/document.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "rodwake/store/hdf5_writer.hpp"
+#include "scan_rods.hpp"
+#include "scan_tables.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <sstream>
+
+namespace rodwake::stages {
+
+namespace {
+
+using assembly::ScanPlan;
+using nlohmann::ordered_json;
+
+constexpr std::size_t stored_times = 61;
+
+struct Stored {
+    std::int64_t row; ///< of scan.csv, from 0
+    scan::Result result;
+};
+
+/// Points whose trajectories are stored: random, the same ones whoever evaluated them.
+std::vector<Stored> sample(const scan::Ledger& ledger, std::size_t count) {
+    using Entry = std::pair<std::uint64_t, Stored>;
+    const auto less = [](const Entry& a, const Entry& b) { return a.first < b.first; };
+    std::priority_queue<Entry, std::vector<Entry>, decltype(less)> kept(less);
+    std::int64_t row = 0;
+    ledger.for_each([&](const scan::Result& result) {
+        const auto id = static_cast<std::uint64_t>(result.point.id);
+        RandomStream random(id, 0x73616d70);
+        const std::uint64_t rank = random.bits();
+        if (result.ok() && result.values[0] > 0.0)
+            kept.push({rank, {row, result}});
+        if (kept.size() > count)
+            kept.pop();
+        ++row;
+    });
+    std::vector<Stored> found;
+    for (; !kept.empty(); kept.pop())
+        found.push_back(kept.top().second);
+    std::ranges::sort(found, {}, &Stored::row);
+    return found;
+}
+
+void write_column(store::Hdf5Writer& h5, const scan::Ledger& ledger, const std::string& name,
+                  const std::function<double(const scan::Result&)>& value) {
+    std::vector<double> column;
+    ledger.for_each([&](const scan::Result& r) { column.push_back(value(r)); });
+    h5.dataset("/points/" + name, column, {column.size()}, "");
+}
+
+template<class Names>
+std::string joined(const Names& names) {
+    std::string text;
+    for (const auto& name : names)
+        text += (text.empty() ? "" : ",") + std::string(name);
+    return text;
+}
+
+void write_columns(store::Hdf5Writer& h5, const ScanPlan& plan, const scan::Ledger& ledger) {
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
+        const scan::Axis& axis = plan.design.axes[k];
+        write_column(h5, ledger, axis.name, [k](const scan::Result& r) { return r.point.at[k]; });
+        if (!axis.words.empty())
+            h5.attribute("/points", axis.name + "_names", joined(axis.words));
+    }
+    write_column(h5, ledger, "outcome", [](const scan::Result& r) { return r.ok() ? r.outcome : -1.0; });
+    write_column(h5, ledger, "status", [](const scan::Result& r) { return static_cast<double>(r.status); });
+    h5.attribute("/points", "outcome_names", joined(plan.columns.outcomes));
+    h5.attribute("/points", "status_names", joined(scan::status_names));
+    for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
+        write_column(h5, ledger, plan.columns.observables[k],
+                     [k](const scan::Result& r) { return r.ok() ? r.values[k] : std::nan(""); });
+}
+
+/// One column of the trajectories, [S][T] or [S][T][N].
+struct Paths {
+    std::vector<double> rows, t, x, y, theta;
+};
+
+void add_path(Paths& paths, const Stored& one, const rods::RodResult& run, const assembly::OutputUnits& units,
+              std::size_t rods) {
+    paths.rows.push_back(static_cast<double>(one.row));
+    const integrate::Solution& solution = run.solution;
+    for (std::size_t i = 0; i < stored_times; ++i) {
+        const bool there = i < solution.states.size();
+        const std::vector<double>& y = there ? solution.states[i] : solution.final_state;
+        paths.t.push_back((there ? solution.times[i] : solution.final_time) * units.time);
+        for (std::size_t rod = 0; rod < rods; ++rod) {
+            paths.x.push_back(y[3 * rod] * units.length);
+            paths.y.push_back(y[3 * rod + 1] * units.length);
+            paths.theta.push_back(y[3 * rod + 2]);
+        }
+    }
+}
+
+void write_trajectories(store::Hdf5Writer& h5, const ScanPlan& plan, const std::vector<Stored>& stored) {
+    const assembly::OutputUnits units = assembly::output_units(plan.base);
+    const std::size_t rods = plan.base.rods.size();
+    Paths paths;
+    for (const Stored& one : stored)
+        add_path(paths, one, trajectory_of(plan, one.result, stored_times), units, rods);
+    const std::size_t count = stored.size();
+    h5.dataset("/trajectories/point", paths.rows, {count}, "");
+    h5.dataset("/trajectories/t", paths.t, {count, stored_times}, units.time_name);
+    h5.dataset("/trajectories/x", paths.x, {count, stored_times, rods}, units.length_name);
+    h5.dataset("/trajectories/y", paths.y, {count, stored_times, rods}, units.length_name);
+    h5.dataset("/trajectories/theta", paths.theta, {count, stored_times, rods}, "rad");
+}
+
+void write_h5(const std::filesystem::path& file, const ScanPlan& plan, const scene::Scan& keys,
+              const scan::Ledger& ledger) {
+    store::Hdf5Writer h5(file);
+    write_columns(h5, plan, ledger);
+    const std::vector<Stored> stored = sample(ledger, static_cast<std::size_t>(keys.trajectories));
+    if (!stored.empty() && plan.base.rods_run)
+        write_trajectories(h5, plan, stored);
+    h5.commit();
+}
+
+/// Symbol and unit of a key, as the reference has them: that of "rods.1.position.0" is "position" of
+/// "rods[]".
+scene::KeyInfo info_of(const std::string& key) {
+    std::vector<std::string> names;
+    std::istringstream segments(key);
+    for (std::string segment; std::getline(segments, segment, '.');)
+        if (segment.find_first_not_of("0123456789") != std::string::npos)
+            names.push_back(segment);
+        else if (!segments.eof())
+            names.back() += "[]";
+    const std::string name = names.back();
+    names.pop_back();
+    const std::string table = fmt::format("{}", fmt::join(names, "."));
+    for (const scene::KeyInfo& info : scene::scene_keys())
+        if (info.name == name && info.table == table)
+            return info;
+    return {};
+}
+
+const char* spacing_name(scan::Spacing spacing) {
+    static constexpr const char* names[] = {"linear", "log", "listed"};
+    return names[static_cast<std::size_t>(spacing)];
+}
+
+ordered_json axis_json(const ScanPlan& plan, std::size_t number) {
+    const scan::Axis& axis = plan.design.axes[number];
+    const scene::KeyInfo info = info_of(axis.name);
+    const bool si = plan.base.units == scene::UnitSystem::si || axis.name.starts_with("granular");
+    ordered_json keys = ordered_json::array(), factors = ordered_json::array();
+    for (const ScanPlan::VariedKey& key : plan.keys)
+        if (key.axis == number) {
+            keys.push_back(key.key);
+            factors.push_back(key.factor);
+        }
+    ordered_json out = {{"key", axis.name},
+                        {"keys", keys},
+                        {"factors", factors},
+                        {"symbol", info.symbol},
+                        {"unit", si ? info.unit_si : info.unit_reduced},
+                        {"spacing", spacing_name(axis.spacing)},
+                        {"from", axis.from},
+                        {"to", axis.to},
+                        {"count", axis.count}};
+    if (!axis.words.empty())
+        out["values"] = axis.words;
+    else if (axis.spacing == scan::Spacing::listed)
+        out["values"] = axis.values;
+    return out;
+}
+
+ordered_json boundary_json(const scan::Summary& summary, double tolerance) {
+    if (tolerance == 0.0)
+        return nullptr;
+    std::size_t points = 0;
+    for (const scan::Curve& curve : summary.curves)
+        points += curve.points.size();
+    return {{"curves", summary.curves.size()}, {"points", points}, {"tolerance", tolerance}};
+}
+
+std::string scan_json(const ScanPlan& plan, const scan::Ledger& ledger, const scan::Summary& summary,
+                      double wall_seconds) {
+    const scan::Counts counts = ledger.counts();
+    const bool adaptive = plan.design.kind == scan::Kind::adaptive, audited = summary.audit.tried > 0;
+    ordered_json out = {{"design", scan::to_string(plan.design.kind)},
+                        {"complete", summary.complete},
+                        {"requested", summary.requested},
+                        {"evaluated", counts.points},
+                        {"failed", counts.failed},
+                        {"left", summary.left},
+                        {"wall_seconds", wall_seconds},
+                        {"cpu_seconds", counts.seconds}};
+    const auto of_audit = [&](double value) { return audited ? ordered_json(value) : ordered_json(nullptr); };
+    out["missed_rate"] = adaptive ? of_audit(summary.audit.rate()) : ordered_json(nullptr);
+    out["missed_rate_high"] = adaptive ? of_audit(summary.audit.upper_bound()) : ordered_json(nullptr);
+    out["audited"] = summary.audit.tried;
+    out["missed"] = summary.audit.missed;
+    out["audit_rounds"] = summary.audit_rounds;
+    out["found_by_audit"] = summary.found_by_audit;
+    out["resolution"] = adaptive ? ordered_json(plan.design.resolution) : ordered_json(nullptr);
+    out["axes"] = ordered_json::array();
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
+        out["axes"].push_back(axis_json(plan, k));
+    out["outcomes"] = ordered_json::object();
+    for (const std::string& name : plan.columns.outcomes)
+        out["outcomes"][name] = counts.outcomes.contains(name) ? counts.outcomes.at(name) : 0;
+    out["causes"] = counts.causes;
+    out["rods"] = plan.base.rods.size();
+    out["boundary"] = boundary_json(summary, plan.design.boundary_tolerance);
+    const assembly::OutputUnits units = assembly::output_units(plan.base);
+    out["units"] = {{"length", units.length_name}, {"time", units.time_name}};
+    return out.dump(2) + "\n";
+}
+
+} // namespace
+
+void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
+                const scan::Ledger& ledger, const scan::Summary& summary, double wall_seconds) {
+    write_points(folder / "scan.csv", plan, ledger);
+    if (!summary.leaves.empty())
+        write_cells(folder / "cells.csv", plan, summary);
+    if (!summary.curves.empty())
+        write_boundary(folder / "boundary.csv", plan, summary);
+    write_h5(folder / "scan.h5", plan, keys, ledger);
+    // last: whoever finds it finds everything
+    store::write_atomically(folder / "scan.json", scan_json(plan, ledger, summary, wall_seconds));
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,18 @@
+#pragma once
+// The files of a scan, made from its ledger at the end and when it is interrupted. Memory: one column of
+// doubles at a time, and what summary holds; a table of any length goes through row by row.
+
+#include "rodwake/assembly/rods.hpp"
+#include "rodwake/assembly/scan.hpp"
+#include "rodwake/scan/run.hpp"
+
+#include <filesystem>
+
+namespace rodwake::stages {
+
+/// scan.csv, scan.h5 (with the sample of trajectories), scan.json; cells.csv and boundary.csv where there are
+/// cells and boundaries. Throws RunError.
+void write_scan(const std::filesystem::path& folder, const assembly::ScanPlan& plan, const scene::Scan& keys,
+                const scan::Ledger& ledger, const scan::Summary& summary, double wall_seconds);
+
+} // namespace rodwake::stages

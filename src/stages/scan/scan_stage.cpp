@@ -1,0 +1,102 @@
+// The scan stage: ledger, executor, results.
+
+#include "../progress.hpp"
+#include "../stage_list.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/stages/run.hpp"
+#include "scan_request.hpp"
+#include "scan_results.hpp"
+#include "scan_rods.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+namespace rodwake::stages {
+
+namespace {
+
+namespace fs = std::filesystem;
+using assembly::ScanPlan;
+
+scan::Execute executor_of(const RunContext& context, const ScanPlan& plan) {
+    const auto evaluate = evaluate_rods(plan, context.stop);
+    if (context.scan.executor)
+        return context.scan.executor(evaluate, context.stop);
+    return scan::on_threads(evaluate, context.thread_count(), context.stop);
+}
+
+void merge_shares(const Session& session, scan::Ledger& ledger) {
+    const std::vector<fs::path> shares = shares_in(session.directory.path());
+    for (const fs::path& share : shares)
+        ledger.merge(share);
+    session.log->info("scan: {} shares taken over", shares.size());
+}
+
+void prepare(const Session& session, scan::Ledger& ledger) {
+    if (session.context.scan.merge)
+        merge_shares(session, ledger);
+    if (session.context.scan.rerun_failed)
+        session.log->info("scan: {} points that failed are evaluated again", ledger.forget_failed());
+    if (const std::int64_t done = ledger.counts().points; done > 0)
+        session.log->info("scan: {} points are in the ledger already", done);
+}
+
+std::string counts_text(const scan::Counts& counts) {
+    std::string text;
+    for (const auto& [name, points] : counts.outcomes)
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, points);
+    return text;
+}
+
+void tell_audit(const Session& session, const scan::Summary& summary) {
+    if (summary.audit.tried == 0)
+        return;
+    session.log->info("scan: audit of {} random places outside the boundary: {} missed, at most {:.2g} of "
+                      "the area (95 %){}",
+                      summary.audit.tried, summary.audit.missed, summary.audit.upper_bound(),
+                      summary.found_by_audit > 0
+                          ? fmt::format("; {} found before and refined", summary.found_by_audit)
+                          : "");
+}
+
+StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::Summary& summary) {
+    const scan::Counts counts = ledger.counts();
+    session.log->info("scan: {} of {} points evaluated: {}", counts.points, summary.requested,
+                      counts_text(counts));
+    tell_audit(session, summary);
+    if (!summary.complete)
+        return StageEnd::interrupted;
+    if (counts.failed == 0)
+        return StageEnd::finished;
+    session.log->warn("scan: {} points failed; --rerun-failed evaluates them again", counts.failed);
+    for (const auto& [cause, points] : counts.causes)
+        session.log->warn("scan:   {:>8}  {}", points, cause);
+    return StageEnd::incomplete;
+}
+
+} // namespace
+
+void serve_scan(const assembly::Plan& plan, const RunContext& context, scan::MpiJob& job) {
+    job.serve(evaluate_rods(*plan.scan, context.stop));
+}
+
+StageEnd run_scan_stage(Session& session) {
+    const auto start = std::chrono::steady_clock::now();
+    const ScanPlan& plan = *session.plan.scan;
+    scan::Ledger ledger(session.directory.file("ledger.sqlite"), ledger_head(plan));
+    prepare(session, ledger);
+    Progress progress(session.context, "scan", 0.0, "points");
+    scan::RunOptions options;
+    options.part = session.context.scan.part;
+    options.on_progress = [&](std::int64_t done, std::int64_t total) {
+        progress.update(static_cast<double>(done), static_cast<double>(total));
+    };
+    const scan::Summary summary = scan::run(plan.design, ledger, executor_of(session.context, plan), options);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    ledger.settle();
+    write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, summary, took.count());
+    return report(session, ledger, summary);
+}
+
+} // namespace rodwake::stages

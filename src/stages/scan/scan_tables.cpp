@@ -1,0 +1,101 @@
+// scan.csv, cells.csv and boundary.csv.
+
+#include "scan_tables.hpp"
+
+#include "rodwake/store/atomic_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::stages {
+
+namespace {
+
+using assembly::ScanPlan;
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : ""; }
+
+std::string axis_text(const scan::Axis& axis, double value) {
+    return axis.words.empty() ? number(value) : axis.words[static_cast<std::size_t>(value)];
+}
+
+std::string axis_names(const ScanPlan& plan, const char* ending = "") {
+    std::string names;
+    for (const scan::Axis& axis : plan.design.axes)
+        names += fmt::format("{}{}{}", names.empty() ? "" : ",", axis.name, ending);
+    return names;
+}
+
+/// "time" stands before the status, the others after it.
+std::string row(const ScanPlan& plan, const scan::Result& r) {
+    std::string line;
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
+        line += axis_text(plan.design.axes[k], r.point.at[k]) + ",";
+    line += fmt::format("{},{},{}", r.ok() ? plan.columns.outcomes[static_cast<std::size_t>(r.outcome)] : "",
+                        r.ok() ? number(r.values[0]) : "",
+                        scan::status_names[static_cast<std::size_t>(r.status)]);
+    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k)
+        line += "," + (r.ok() ? number(r.values[k]) : "");
+    return line + fmt::format(",{}\n", r.retries);
+}
+
+std::string between(const ScanPlan& plan, const scan::Curve& curve) {
+    return plan.columns.outcomes[static_cast<std::size_t>(curve.outcome_a)] + "|" +
+           plan.columns.outcomes[static_cast<std::size_t>(curve.outcome_b)];
+}
+
+} // namespace
+
+void write_points(const std::filesystem::path& file, const ScanPlan& plan, const scan::Ledger& ledger) {
+    store::PendingFile pending(file);
+    std::string text = axis_names(plan) + ",outcome,time,status";
+    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k)
+        text += "," + plan.columns.observables[k];
+    text += ",retries\n";
+    ledger.for_each([&](const scan::Result& result) {
+        text += row(plan, result);
+        if (text.size() > 1 << 20) {
+            pending.write(text);
+            text.clear();
+        }
+    });
+    pending.write(text);
+    pending.commit();
+}
+
+void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary) {
+    const scan::Lattice lattice(plan.design);
+    std::string text;
+    for (const scan::Axis& axis : plan.design.axes)
+        text += fmt::format("{0}_from,{0}_to,", axis.name);
+    text += "outcome\n";
+    for (const scan::Leaf& leaf : summary.leaves) {
+        scan::Lattice::Place high = leaf.low;
+        for (std::size_t k = 0; k < lattice.axes(); ++k)
+            high[k] += leaf.side;
+        const scan::Point from = lattice.point(leaf.low), to = lattice.point(high);
+        for (std::size_t k = 0; k < lattice.axes(); ++k)
+            text += number(from.at[k]) + "," + number(to.at[k]) + ",";
+        const bool named = !leaf.mixed && leaf.outcome >= 0;
+        text += (leaf.mixed ? "mixed"
+                 : named    ? plan.columns.outcomes[static_cast<std::size_t>(leaf.outcome)]
+                            : "") +
+                std::string("\n");
+    }
+    store::write_atomically(file, text);
+}
+
+void write_boundary(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary) {
+    std::string text = "curve,between," + axis_names(plan) + ",error\n";
+    for (std::size_t i = 0; i < summary.curves.size(); ++i)
+        for (const scan::BoundaryPoint& point : summary.curves[i].points) {
+            text += fmt::format("{},{}", i, between(plan, summary.curves[i]));
+            for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
+                text += "," + number(point.at[k]);
+            text += fmt::format(",{:.3g}\n", point.error);
+        }
+    store::write_atomically(file, text);
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,16 @@
+#pragma once
+// Named values as JSON.
+
+#include "rodwake/assembly/measure_report.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace rodwake::stages {
+
+/// Where "rods.0.force" stands in a document: the text of a JSON pointer.
+std::string pointer_to(const std::string& name);
+
+/// An estimate is {"value", "error", "samples"}; what is not there or not known is null.
+nlohmann::ordered_json values_json(const assembly::Values& values);
+
+} // namespace rodwake::stages

@@ -1,0 +1,173 @@
+// The list of measures, and those that are made from the runs' own tables.
+
+#include "rodwake/assembly/measure_kind.hpp"
+#include "rodwake/assembly/plan.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+using namespace rodwake;
+using assembly::Column, assembly::MeasureKind;
+
+namespace {
+
+const std::string bed_text = R"(schema = 1
+[granular]
+phi_b = 0.7
+box = "30 a"
+duration = "1 s"
+[[granular.rods]]
+position = ["5 a", "6 a"]
+[[granular.rods]]
+position = ["5 a", "20 a"]
+[measure]
+)";
+
+scene::Scene bed(const std::string& keys) { return scene::parse_scene(bed_text + keys, "scene.toml"); }
+
+const MeasureKind& kind_of(std::string_view name) {
+    return *std::ranges::find(assembly::measure_kinds(), name, &MeasureKind::name);
+}
+
+std::string key_text(const std::string& keys) {
+    const scene::Scene scene = bed(keys);
+    return assembly::measure_plan(scene, assembly::granular_problem(scene)).value().key_text;
+}
+
+/// Runs that wrote these numbers, each the same tracks.
+std::vector<assembly::RunTables> made_up(const std::vector<double>& numbers,
+                                         const std::vector<Column>& tracks = {}) {
+    std::vector<assembly::RunTables> runs;
+    for (double number : numbers)
+        runs.push_back({[number](const std::string&, const std::string&) { return number; },
+                        [tracks](const std::vector<std::string>&) { return tracks; }});
+    return runs;
+}
+
+assembly::MeasureReport report_of(std::string_view name, std::vector<assembly::RunTables> runs) {
+    const scene::Scene scene = bed(std::string(name) + " = true");
+    return kind_of(name).report({scene, {}, std::move(runs)});
+}
+
+template<class T>
+T value_of(const assembly::Values& values, std::string_view name) {
+    return std::get<T>(std::ranges::find(values, name, &assembly::NamedValue::name)->value);
+}
+
+assembly::SeriesRow row(std::optional<double> speed, double force, double error) {
+    return {speed, {{"force", {force, error, 5}}}};
+}
+
+} // namespace
+
+TEST_CASE("A measure has a file of its name, a place of its own, and all that is asked of it") {
+    std::set<std::string> files, names;
+    for (const auto& file : std::filesystem::directory_iterator(RODWAKE_SOURCE_DIR "/src/assembly/measures"))
+        files.insert(file.path().stem().string());
+    std::set<int> places;
+    for (const MeasureKind& kind : assembly::measure_kinds()) {
+        INFO(kind.name);
+        names.emplace(kind.name);
+        CHECK(places.insert(kind.order).second);
+        CHECK((kind.wanted && kind.describe && kind.report));
+        std::set<std::string_view> keys;
+        for (const assembly::ValueInfo& value : kind.values) {
+            INFO(value.key);
+            CHECK(keys.insert(value.key).second);
+            CHECK((!value.title.empty() || !value.meaning.empty()));
+            CHECK((!value.is_text || (value.unit.empty() && value.factor == 1.0)));
+        }
+        CHECK_FALSE(keys.empty());
+    }
+    CHECK(names == files);
+    CHECK(std::ranges::is_sorted(assembly::measure_kinds(), {}, &MeasureKind::order));
+}
+
+TEST_CASE("The measures that stored states know keep their order") {
+    std::vector<std::string_view> names;
+    for (const MeasureKind& kind : assembly::measure_kinds())
+        if (kind.order <= 60)
+            names.push_back(kind.name);
+    CHECK(names ==
+          std::vector<std::string_view>{"order", "microrheology", "flow", "displacement", "pairs", "force"});
+}
+
+TEST_CASE("Keys that matter only when runs are put together leave the sums as they are") {
+    for (const char* keys : {"", "pairs = true\ncontact_distance = \"9 a\"\n", "force = true\n",
+                             "profile_offset = \"5 a\"\nreference = \"far\"\nmirror = true\n",
+                             "s_low = 0.1\ns_high = 0.4\n", "trajectory = \"other.h5md\"\n"})
+        CHECK(key_text(std::string("order = true\n") + keys) == key_text("order = true\n"));
+    CHECK(key_text("order = true\norder_cutoff = \"2.9 a\"\n") != key_text("order = true\n"));
+    CHECK(key_text("order = true\nflow = true\n") != key_text("order = true\n"));
+}
+
+TEST_CASE("A measure without frames does not ask for new ones") {
+    for (const MeasureKind& kind : assembly::measure_kinds())
+        if (!kind.include) {
+            INFO(kind.name);
+            const scene::Scene scene = bed(std::string(kind.name) + " = true\n");
+            CHECK(kind.wanted(*scene.measure));
+            CHECK_FALSE(assembly::measure_plan(scene, assembly::granular_problem(scene)));
+            CHECK(key_text(std::string(kind.name) + " = true\norder = true\n") == key_text("order = true\n"));
+        }
+}
+
+TEST_CASE("Force and speed are means over the runs") {
+    const auto report = report_of("force", made_up({1e-6, 3e-6}));
+    const auto force = value_of<Estimate>(report.values, "force");
+    CHECK(force.value == Approx(2e-6));
+    CHECK(force.error == Approx(1e-6)); // s/sqrt(2), s = 1.414e-6
+    CHECK(force.count == 2);
+    const double a = bed("force = true").granular->bead_radius;
+    CHECK(report.series.at(1).name == "speed");
+    CHECK(report.series.at(1).value.value == Approx(2e-6 / a)); // a/s
+    CHECK_FALSE(value_of<Estimate>(report_of("force", made_up({1e-6})).values, "force").known());
+}
+
+TEST_CASE("A run without its tables is an error of that measure") {
+    auto runs = made_up({1e-6});
+    runs[0].summary = [](const std::string& name, const std::string&) -> double { throw InputError(name); };
+    CHECK_THROWS_WITH(report_of("force", runs), "rods.0.force");
+}
+
+TEST_CASE("Force against imposed speed: lines through three speeds or more") {
+    const auto compare = kind_of("force").compare;
+    std::vector<assembly::SeriesRow> rows = {row(1e-3, 3e-6, 1e-8), row(2e-3, 5e-6, 1e-8)};
+    CHECK(compare(rows).empty());
+    rows.push_back(row({}, 9e-6, 1e-8));            // a free rod
+    rows.push_back(row(5e-3, 9e-6, unknown_error)); // a single run
+    CHECK(compare(rows).empty());
+    rows.push_back(row(3e-3, 7e-6, 1e-8));
+    const auto told = compare(rows);
+    const std::string line = "force_against_imposed_speed.line.";
+    CHECK(value_of<double>(told, line + "intercept_N.value") == Approx(1e-6));
+    CHECK(value_of<double>(told, line + "slope_N_s_per_m.value") == Approx(2e-3));
+    CHECK(value_of<std::int64_t>(told, line + "dof") == 1);
+}
+
+TEST_CASE("A pair is followed from t = 0 on") {
+    const double a = bed("pairs = true").granular->bead_radius;
+    // Beside each other, heading along x, and parting from 10 a to 14 a; before t = 0 somewhere else.
+    std::vector<Column> tracks(7);
+    for (int i = -3; i <= 40; ++i) {
+        const double t = 0.1 * i, y = i < 0 ? 3.0 : 5.0 + 2.0 * t / 4.0;
+        const double places[] = {t, 2.0 * t * a, y * a, 0.0, 2.0 * t * a, -y * a, 0.0};
+        for (std::size_t k = 0; k < 7; ++k)
+            tracks[k].push_back(places[k]);
+    }
+    const auto report = report_of("pairs", made_up({0.0, 0.0}, tracks));
+    REQUIRE(report.tables.size() == 1);
+    const assembly::MeasureTable& table = report.tables[0];
+    REQUIRE(table.columns.size() == table.heads.size());
+    CHECK(table.columns[0] == Column{1.0, 2.0});
+    CHECK(table.heads[1].name == "separation");
+    CHECK(table.columns[1][0] == Approx(10.0)); // 6 if the rows before were taken along
+    CHECK(table.heads[3].name == "last_change");
+    CHECK(table.columns[3][0] == Approx(4.0));
+    CHECK(value_of<std::int64_t>(report.values, "not_there") == 2); // 8 a of 15 a
+}

@@ -1,0 +1,133 @@
+// From scenes to problems, without files.
+
+#include "rodwake/assembly/describe.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace rodwake;
+using assembly::Stage;
+
+namespace {
+
+const std::string rods_text = R"(schema = 1
+[medium]
+eta = 2.0
+xi = 4.0
+[coupling]
+kappa = 0.5
+gamma1 = 1.0
+polar_basis = "divergence"
+[rods_run]
+t_end = 3.0
+output_times = [1.0, 2.0, 3.0]
+rtol = 1e-6
+method = "bdf"
+[[rods]]
+position = [0.0, 1.0]
+heading = 0.25
+[[rods]]
+position = [0.0, -1.0]
+[[variants]]
+name = "strong"
+set = { coupling.kappa = 100.0 }
+)";
+
+const std::string bed_text = R"(schema = 1
+[granular]
+phi_b = 0.7
+box = "30 a"
+duration = "1 s"
+runs = 3
+[[granular.rods]]
+kind = "apolar"
+position = ["5 a", "6 a"]
+[measure]
+order = true
+[[variants]]
+name = "dense"
+set = { granular.phi_b = 0.75 }
+[[variants]]
+name = "same"
+label = "the same bed"
+set = { measure.order = false }
+)";
+
+scene::Scene read(const std::string& text) { return scene::parse_scene(text, "scene.toml"); }
+
+assembly::Plan plan(const std::string& text) {
+    return assembly::make_plan(read(text), assembly::stages_of(read(text)));
+}
+
+bool says(const assembly::Plan& plan, bool modelled, const std::string& text) {
+    return std::ranges::any_of(assembly::describe(plan), [&](const assembly::PlanLine& line) {
+        return line.modelled == modelled && line.text.find(text) != std::string::npos;
+    });
+}
+
+} // namespace
+
+TEST_CASE("Rods of a scene become a problem and options") {
+    const auto plans = assembly::plan_rods(read(rods_text));
+    REQUIRE(plans.size() == 2);
+    const rods::RodProblem& p = plans[0].problem;
+    CHECK(p.medium->eta == 2.0);
+    CHECK(p.medium->xi == 4.0);
+    CHECK(p.couplings.kappa == 0.5);
+    const rods::Couplings converted = rods::from_divergence_basis(0.5, 1.0, 0.0);
+    CHECK(p.couplings.gamma1 == converted.gamma1);
+    CHECK(p.couplings.gamma2 == converted.gamma2);
+    CHECK(p.rods[0].heading == 0.25);
+    CHECK(p.output_times == std::vector{0.0, 1.0, 2.0, 3.0});
+    CHECK(plans[0].options.ode.method == integrate::Method::bdf);
+    CHECK(plans[0].options.ode.rtol == 1e-6);
+    CHECK(plans[1].of.name == "strong");
+    CHECK(plans[1].of.folder == "variants/strong/");
+    CHECK(plans[1].problem.couplings.kappa == 100.0);
+}
+
+TEST_CASE("Beds of a scene: as written, and the variants that change it") {
+    const assembly::Plan made = plan(bed_text);
+    CHECK(made.stages == std::vector{Stage::granular, Stage::measure});
+    REQUIRE(made.beds.size() == 2); // "same" changes no bed
+    CHECK(made.beds[1].of.name == "dense");
+    CHECK(made.beds[1].problem.beads > made.beds[0].problem.beads);
+    CHECK(made.beds[0].problem.rods.at(0).shape.spheres == 13); // an odd number: physics.md, section 4
+    CHECK(made.beds[0].problem.steps == 50000);
+    CHECK(made.beds[0].schedule.frame_every == 500);
+    CHECK(made.beds[0].measures.has_value());
+}
+
+TEST_CASE("What is described is what is planned") {
+    CHECK(says(plan(rods_text), true, "2 rods to t = 3, 1 variants"));
+    CHECK(says(plan(rods_text), false, "granular bed: no [granular] table"));
+    CHECK(says(plan(bed_text), true, "3 runs"));
+    CHECK(says(plan(bed_text), false, "rod dynamics"));
+    CHECK_FALSE(says(plan(bed_text), true, "rod dynamics"));
+}
+
+TEST_CASE("A stored trajectory takes the place of a granular run") {
+    const std::string text =
+        bed_text.substr(0, bed_text.find("[[variants]]")) + "trajectory = \"other.h5md\"\n";
+    CHECK(assembly::stages_of(read(text)) == std::vector{Stage::measure});
+}
+
+TEST_CASE("What cannot be modelled is refused when it is planned") {
+    scene::Scene full = read(bed_text);
+    full.granular->phi_b.reset();
+    full.granular->beads = 100000;
+    const std::vector<Stage> stages = {Stage::granular};
+    CHECK_THROWS_AS(assembly::make_plan(full, stages), InputError);
+    CHECK_THROWS_AS(assembly::granular_problem(read(rods_text)), InputError);
+}
+
+TEST_CASE("Data that are not there yet leave the fit unplanned") {
+    scene::Scene fit = read(rods_text);
+    fit.fit.emplace();
+    const std::vector<Stage> stages = {Stage::fit};
+    assembly::FitInputs inputs;
+    inputs.profiles.resize(1);
+    CHECK_FALSE(inputs.complete());
+    CHECK_FALSE(assembly::make_plan(fit, stages, {inputs, {}}).fit_plan.has_value());
+}

@@ -1,0 +1,217 @@
+"""rodwake scan from scene to files: designs, tables, and that points are what rodwake rods makes of them."""
+
+import json
+import math
+import sqlite3
+
+import h5py
+import numpy as np
+import rodwake
+from scans import ADAPTIVE, COLUMNS, CROSSING, RESULTS, ScanTest, axis
+from scans import axes as axes_of
+
+AXES = ["coupling.kappa", "rods.1.position.0"]
+FILES = {"ledger.sqlite", "log.txt", "manifest.json", "provenance.json", "result.h5", "scan.csv", "scan.h5", "scan.json", "scene.toml"}
+
+
+class AdaptiveTest(ScanTest):
+    """One adaptive scan with boundaries, looked at from all sides."""
+
+    def setUp(self):
+        super().setUp()
+        self.done = self.scan("scan.toml", "out")
+        self.table = self.rows("out")
+        self.told = self.json("out")
+
+    def test_all_of_it(self):  # one scan for them all
+        self.files_are_told()
+        self.rows_are_as_the_summary_says()
+        self.cells_cover_the_axes()
+        self.boundaries_lie_between_outcomes()
+        self.datasets_are_the_table()
+        self.the_ledger_is_the_table()
+        self.rows_are_single_runs()
+
+    def files_are_told(self):
+        names = {path.name for path in (self.folder / "out").iterdir()}
+        self.assertEqual(names, FILES | {"cells.csv", "boundary.csv"})
+        files = json.loads((self.folder / "out/manifest.json").read_text())["files"]
+        self.assertEqual(set(files), names)
+        for name in RESULTS:
+            header = (self.folder / "out" / name).read_text().splitlines()[0].split(",")
+            told = [column for column in header if not column.startswith(tuple(AXES))]  # axes go by the names of their keys
+            self.assertEqual([column["name"] for column in files[name]["columns"]], told)
+
+    def rows_are_as_the_summary_says(self):
+        self.assertEqual(list(self.table[0]), AXES + COLUMNS)
+        told = self.told
+        self.assertEqual((told["design"], told["requested"], told["resolution"]), ("adaptive", 33 * 33, 32))
+        self.assertEqual((told["evaluated"], told["failed"], told["left"], told["causes"]), (len(self.table), 0, 0, {}))
+        self.assertLess(len(self.table), 33 * 33)
+        self.assertEqual((told["audited"], told["missed"], told["missed_rate"]), (100, 0, 0.0))
+        self.assertAlmostEqual(told["missed_rate_high"], 1.0 - 0.05**0.01, places=12)  # Clopper and Pearson
+        for outcome, count in told["outcomes"].items():
+            self.assertEqual(sum(row["outcome"] == outcome for row in self.table), count)
+            self.assertIn(f"{outcome} {count}" if count else "", self.done.stderr)
+        self.assertGreater(min(told["outcomes"][name] for name in ("contact", "escape")), 50)
+        for row in self.table:
+            self.assertEqual((row["status"], row["retries"]), ("ok", "0"))
+            self.assertTrue(all(math.isfinite(float(row[name])) for name in AXES + ["time", "min_separation", "turn1"]))
+
+    def cells_cover_the_axes(self):
+        places = {(float(row[AXES[0]]), float(row[AXES[1]])): row["outcome"] for row in self.table}
+        area = 0.0
+        for cell in self.rows("out", "cells.csv"):
+            corners = {places[float(cell[f"{AXES[0]}_{x}"]), float(cell[f"{AXES[1]}_{y}"])]
+                       for x in ("from", "to") for y in ("from", "to")}
+            self.assertEqual({cell["outcome"]}, corners if len(corners) == 1 else {"mixed"})
+            area += (math.log(float(cell[f"{AXES[0]}_to"]) / float(cell[f"{AXES[0]}_from"]))
+                     * (float(cell[f"{AXES[1]}_to"]) - float(cell[f"{AXES[1]}_from"])))
+        self.assertAlmostEqual(area, math.log(1000.0) * 12.0, places=9)  # some hundred cells, rounding of each 1e-14
+
+    def boundaries_lie_between_outcomes(self):
+        """A bracket beyond each point of a curve the outcomes are those that the curve is between."""
+        rows = self.rows("out", "boundary.csv")
+        self.assertEqual(list(rows[0]), ["curve", "between", *AXES, "error"])
+        self.assertEqual(self.told["boundary"], {"curves": len({row["curve"] for row in rows}), "points": len(rows), "tolerance": 1e-4})
+        self.assertTrue(all(float(row["error"]) <= 0.5e-4 for row in rows))
+        row = next(row for row in rows if row["between"] == "contact|escape")
+        found = set()
+        for step in (-1e-3, 1e-3):  # of the axes; on a grid of four places around the point
+            for along in (0, 1):
+                kappa, x = float(row[AXES[0]]), float(row[AXES[1]])
+                kappa, x = (kappa * 1000.0**step, x) if along == 0 else (kappa, x + 12.0 * step)
+                found.add(self.single_run(kappa, x)["outcome"])
+        self.assertEqual(found, {"contact", "escape"})
+
+    def datasets_are_the_table(self):
+        with h5py.File(self.folder / "out/scan.h5") as file:
+            points, paths = file["points"], file["trajectories"]
+            for name in AXES + ["time", "min_separation", "turn0", "steps"]:
+                self.assertEqual([float(row[name]) for row in self.table], list(points[name]))
+            names = points.attrs["outcome_names"].decode().split(",")
+            self.assertEqual([row["outcome"] for row in self.table], [names[int(k)] for k in points["outcome"]])
+            self.assertEqual(set(points["status"]), {0.0})
+            chosen = [self.table[int(row)] for row in paths["point"]]
+            self.assertEqual(len(chosen), 20)
+            self.assertTrue(np.all(np.diff(paths["t"]) >= 0.0))
+            for one, t, x, y, theta in zip(chosen, paths["t"], paths["x"], paths["y"], paths["theta"]):
+                self.assertEqual((t[0], t[-1]), (0.0, float(one["time"])))
+                self.assertEqual((x[0][1], y[0][1], theta[0][0]), (float(one[AXES[1]]), -4.0, 0.0))
+                separation = np.hypot(x[-1][0] - x[-1][1], y[-1][0] - y[-1][1])
+                # outputs are interpolated, the table holds the solver's own last step: its tolerance is 1e-8
+                self.assertAlmostEqual(separation, float(one["final_separation"]), delta=1e-6)
+
+    def the_ledger_is_the_table(self):
+        connection = sqlite3.connect(self.folder / "out/ledger.sqlite")
+        found = connection.execute('SELECT "coupling.kappa", "rods.1.position.0", outcome, time, status, turn1, retries, cause '
+                                   "FROM points ORDER BY id").fetchall()
+        connection.close()
+        self.assertEqual(found, [(float(r[AXES[0]]), float(r[AXES[1]]), r["outcome"], float(r["time"]), "ok", float(r["turn1"]), 0, None)
+                                 for r in self.table])
+
+    def rows_are_single_runs(self):
+        for row in self.table[:: len(self.table) // 4]:
+            single = self.single_run(row[AXES[0]], row[AXES[1]])
+            self.assertEqual(single["outcome"], row["outcome"])
+            for name in ("time", "min_separation", "min_separation_time"):
+                self.assertEqual(single[name], float(row[name]))
+            self.assertEqual(single["turn"], [float(row["turn0"]), float(row["turn1"])])
+
+    def single_run(self, kappa, x):
+        # the point of a scan has no outputs on its way
+        self.write("one.toml", CROSSING)
+        self.expect(0, "rods", "one.toml", "-o", "one", "--force", "--quiet", "-s", f"coupling.kappa={kappa}",
+                    "-s", f"rods.1.position.0={x}", "-s", "rods_run.output_times=[60.0]")
+        return json.loads((self.folder / "one/outcome.json").read_text())
+
+
+class DesignTest(ScanTest):
+    def test_a_grid_has_every_pair(self):
+        self.scan("grid.toml", "out")
+        rows = self.rows("out")
+        self.assertEqual(len(rows), 81)
+        self.assertEqual([float(row[AXES[1]]) for row in rows[:9]], list(np.linspace(-6.0, 6.0, 9)))  # the last axis runs fastest
+        np.testing.assert_allclose([float(row[AXES[0]]) for row in rows[::9]], np.geomspace(0.1, 100.0, 9), rtol=1e-14)
+        self.assertEqual({path.name for path in (self.folder / "out").iterdir()}, FILES)
+        told = self.json("out")
+        self.assertEqual((told["requested"], told["evaluated"], told["missed_rate"], told["resolution"], told["boundary"]),
+                         (81, 81, None, None, None))
+        self.assertEqual([one["spacing"] for one in told["axes"]], ["log", "linear"])
+        self.assertEqual([one["symbol"] for one in told["axes"]][0], r"\kappa")
+
+    def test_samples(self):
+        for design in ("lhs", "sobol"):
+            self.scan("grid.toml", design, "-s", f"scan.design={design}", "-s", "scan.samples=50")
+            x = sorted(float(row[AXES[1]]) for row in self.rows(design))
+            self.assertEqual(len(set(x)), 50)
+            self.assertTrue(-6.0 < x[0] and x[-1] < 6.0)
+        slices = sorted(int((float(row[AXES[1]]) + 6.0) / 12.0 * 50) for row in self.rows("lhs"))
+        self.assertEqual(slices, list(range(50)))
+
+    def test_a_list_of_points(self):
+        self.write("points.csv", "# starts\ncoupling.kappa, rods.1.position.0\n0.5, -1.0\n50, 2.5\n0.1,0\n")
+        self.write("list.toml", CROSSING + '[scan]\ndesign = "list"\nfile = "points.csv"\n')
+        self.scan("list.toml", "out")
+        self.assertEqual([(row[AXES[0]], row[AXES[1]]) for row in self.rows("out")], [("0.5", "-1"), ("50", "2.5"), ("0.10000000000000001", "0")])
+
+    def test_words_and_ties(self):
+        self.write("words.toml", CROSSING + '[scan]\n[[scan.axes]]\nkey = "rods_run.method"\nvalues = ["bdf", "adams", "erk"]\n'
+                   '[[scan.axes]]\nkeys = ["coupling.gamma1", "coupling.gamma2"]\nfactor = [1.0, -1.0]\nvalues = [1.0, 2.0]\n')
+        self.scan("words.toml", "out")
+        rows = self.rows("out")
+        self.assertEqual([(row["rods_run.method"], row["coupling.gamma1"]) for row in rows],
+                         [(method, gamma) for method in ("bdf", "adams", "erk") for gamma in ("1", "2")])
+        told = self.json("out")["axes"]
+        self.assertEqual((told[0]["values"], told[1]["keys"], told[1]["factors"]),
+                         (["bdf", "adams", "erk"], ["coupling.gamma1", "coupling.gamma2"], [1.0, -1.0]))
+        self.assertEqual({outcome for row in rows[::2] for outcome in [row["outcome"]]}, {rows[0]["outcome"]})
+        with h5py.File(self.folder / "out/scan.h5") as file:
+            self.assertEqual(file["points"].attrs["rods_run.method_names"].decode(), "bdf,adams,erk")
+
+    def test_units_and_ends_that_vary(self):
+        self.write("turn.toml", CROSSING + "[scan]\n" + axis("rods.1.heading", '"10 deg"', '"90 deg"', 5) + axis("rods_run.t_end", 5.0, 80.0, 3))
+        self.scan("turn.toml", "out")
+        rows = self.rows("out")
+        self.assertAlmostEqual(float(rows[0]["rods.1.heading"]), math.pi / 18.0, places=15)
+        self.assertEqual(self.json("out")["axes"][0]["unit"], "rad")
+        for row in rows:
+            self.assertLessEqual(float(row["time"]), float(row["rods_run.t_end"]))
+            if row["outcome"] != "contact":
+                self.assertEqual(row["time"], row["rods_run.t_end"])
+
+    def test_one_and_three_axes(self):
+        one = ADAPTIVE.replace(axes_of(16), axis("rods.1.position.0", -6.0, 6.0, 16))
+        three = ADAPTIVE.replace(axes_of(16), axes_of(4) + axis("coupling.gamma1", -1.0, 1.0, 4)).replace("resolution = 32", "resolution = 8")
+        for name, text, corners in (("one", one, 2), ("three", three, 8)):
+            self.write(f"{name}.toml", text)
+            self.scan(f"{name}.toml", name)
+            self.assertGreater(self.json(name)["boundary"]["points"], 0)
+            self.assertEqual(len(self.rows(name, "cells.csv")[0]) - 1, {2: 2, 8: 6}[corners])
+
+    def test_observables_refine(self):
+        plain = ADAPTIVE.replace("boundary_tolerance = 1e-4\n", "").replace("audit = 100", "audit = 0")
+        self.write("fine.toml", plain + '[[scan.refine]]\nobservable = "final_angle"\nstep = 0.1\n')
+        self.write("plain.toml", plain)
+        for name in ("plain", "fine"):
+            self.scan(f"{name}.toml", name)
+        self.assertGreater(self.json("fine")["evaluated"], self.json("plain")["evaluated"])
+        self.assertEqual(self.json("fine")["missed_rate"], None)
+
+    def test_no_trajectories(self):
+        self.scan("grid.toml", "out", "-s", "scan.trajectories=0")
+        with h5py.File(self.folder / "out/scan.h5") as file:
+            self.assertNotIn("trajectories", file)
+
+
+class SameTest(ScanTest):
+    def test_threads_do_not_change_a_byte(self):
+        for scene in ("scan", "grid"):
+            for threads in (1, 2, 5):
+                self.scan(f"{scene}.toml", f"{scene}{threads}", "-j", threads)
+            self.assert_same(f"{scene}1", f"{scene}2")
+            self.assert_same(f"{scene}1", f"{scene}5")
+
+
+if __name__ == "__main__":
+    rodwake.main()

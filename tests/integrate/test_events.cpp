@@ -1,0 +1,207 @@
+// Roots: found, in order, in the right direction, where the closed form has them.
+
+#include "problems.hpp"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+using namespace rodwake::integrate;
+using namespace rodwake::integrate::test;
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+OdeOptions tight(Method method) { return options_for(method, 1e-11); }
+
+} // namespace
+
+TEST_CASE("a terminal event ends the solve at its root", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    INFO(to_string(method));
+    OdeProblem problem = oscillator();
+    problem.events = {component_event(0, Crossing::any, true)};
+    const std::vector<double> times{0.0, 0.5, 1.0, 1.5, 2.0, 3.0};
+    const Solution solution = solve(problem, tight(method), times);
+    CHECK(solution.status.termination == Termination::stopped_at_event);
+    CHECK(std::abs(solution.final_time - pi / 2) < 1e-9);  // 100 rtol: global over local error
+    CHECK(std::abs(solution.final_state[0]) < 1e-14);      // a root to the rounding of its time
+    CHECK(std::abs(solution.final_state[1] + 1.0) < 1e-9); // 100 rtol
+    CHECK(solution.times == std::vector<double>{0.0, 0.5, 1.0, 1.5});
+    REQUIRE(solution.hits.size() == 1);
+    CHECK(solution.hits[0].event == 0);
+    CHECK(solution.hits[0].time == solution.final_time);
+    CHECK(solution.hits[0].state == solution.final_state);
+    CHECK(solution.final_state[0] <=
+          0.0); // the sign has changed, so a solve from here does not find it again
+}
+
+TEST_CASE("directions", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    INFO(to_string(method));
+    OdeProblem problem = oscillator(); // cos t falls at pi/2 and 5pi/2, rises at 3pi/2 and 7pi/2
+    problem.events = {component_event(0, Crossing::rising, false),
+                      component_event(0, Crossing::falling, false), component_event(0, Crossing::any, false)};
+    const std::vector<double> times{12.0};
+    const Solution solution = solve(problem, tight(method), times);
+    CHECK(solution.status.termination == Termination::reached_end);
+    std::vector<double> found[3];
+    for (const EventHit& hit : solution.hits)
+        found[hit.event].push_back(hit.time / pi);
+    const std::vector<double> expected[3] = {{1.5, 3.5}, {0.5, 2.5}, {0.5, 1.5, 2.5, 3.5}};
+    for (int i = 0; i < 3; ++i) {
+        REQUIRE(found[i].size() == expected[i].size());
+        for (std::size_t k = 0; k < found[i].size(); ++k)
+            CHECK(std::abs(found[i][k] - expected[i][k]) <
+                  3e-9); // 300 rtol: global over local error at t = 12
+    }
+    CHECK(std::is_sorted(solution.hits.begin(), solution.hits.end(),
+                         [](const EventHit& a, const EventHit& b) { return a.time < b.time; }));
+}
+
+TEST_CASE("a ball bounced by restarting lands where the closed form says", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    INFO(to_string(method));
+    double start = 0.0;
+    std::vector<double> state{1.0, 0.0};
+    double expected = std::sqrt(2.0); // fall from height 1 at g = 1
+    double speed = std::sqrt(2.0);
+    for (int bounce = 0; bounce < 5; ++bounce) {
+        OdeProblem problem = ballistic(state[0], state[1], -1.0);
+        problem.start_time = start;
+        problem.events = {component_event(0, Crossing::falling, true)};
+        const std::vector<double> times{start + 10.0};
+        const Solution solution = solve(problem, tight(method), times);
+        REQUIRE(solution.status.termination == Termination::stopped_at_event);
+        CHECK(std::abs(solution.final_time - expected) < 1e-9); // 100 rtol
+        start = solution.final_time;
+        speed *= 0.8;
+        expected += 2.0 * speed;
+        state = {solution.final_state[0], -0.8 * solution.final_state[1]};
+    }
+}
+
+TEST_CASE("a dip between the ends of one step is found through another event's root", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    INFO(to_string(method));
+    // y = (t - 1)^2 / 2 - depth: positive but for |t - 1| < sqrt(2 depth), far less than a step
+    const double depth = 1e-6;
+    OdeProblem problem = ballistic(0.5 - depth, -1.0, 1.0);
+    problem.events = {component_event(0, Crossing::falling, true), component_event(1, Crossing::any, false)};
+    OdeOptions options = options_for(method, 1e-9);
+    const std::vector<double> times{4.0};
+
+    double step_over_dip = 0.0; // that the premise holds: without the second event the dip goes unseen
+    OdeProblem alone = problem;
+    alone.events.pop_back();
+    options.on_step = [&](const Step& step) {
+        if (step.time_before < 1.0 && step.time > 1.0)
+            step_over_dip = step.time - step.time_before;
+    };
+    CHECK(solve(alone, options, times).status.termination == Termination::reached_end);
+    CHECK(step_over_dip > 2.0 * std::sqrt(2.0 * depth));
+
+    const Solution solution = solve(problem, options, times);
+    CHECK(solution.status.termination == Termination::stopped_at_event);
+    const double root = 1.0 - std::sqrt(2.0 * depth);
+    // dt = dy / v with v = sqrt(2 depth) = 1.4e-3 and dy up to 10 rtol
+    CHECK(std::abs(solution.final_time - root) < 1e-5);
+    REQUIRE(solution.hits.size() == 1); // the lowest point comes after the terminal event
+    CHECK(solution.hits[0].event == 0);
+}
+
+TEST_CASE("a dip between the ends of one step is found through the time the event suspects", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    const double depth = 1e-6;
+    OdeProblem problem = ballistic(0.5 - depth, -1.0, 1.0);
+    problem.events = {component_event(0, Crossing::any, false)};
+    problem.events[0].suspect = [](const Step& step) {
+        const bool turns = step.state_before[1] < 0.0 && step.state[1] > 0.0;
+        return turns ? std::optional(1.0) : std::nullopt;
+    };
+    const std::vector<double> times{4.0};
+    const Solution solution = solve(problem, options_for(method, 1e-9), times);
+    CHECK(solution.status.termination == Termination::reached_end);
+    REQUIRE(solution.hits.size() == 2); // down and up again
+    const double half_width = std::sqrt(2.0 * depth);
+    CHECK(std::abs(solution.hits[0].time - (1.0 - half_width)) < 1e-5); // dt = dy / v, 10 rtol over 1.4e-3
+    CHECK(std::abs(solution.hits[1].time - (1.0 + half_width)) < 1e-5); // the same
+}
+
+TEST_CASE("suspecting the wrong time does no harm", "[integrate]") {
+    const double wrong = GENERATE(-5.0, 0.0, 1e300, std::numeric_limits<double>::quiet_NaN());
+    OdeProblem problem = oscillator();
+    problem.events = {component_event(0, Crossing::any, true)};
+    problem.events[0].suspect = [wrong](const Step&) { return std::optional(wrong); };
+    const std::vector<double> times{3.0};
+    CHECK(std::abs(solve(problem, tight(Method::adams), times).final_time - pi / 2) < 1e-9); // 100 rtol
+    problem.events[0].suspect = [](const Step&) -> std::optional<double> {
+        throw std::runtime_error("no idea");
+    };
+    CHECK_THAT(solve(problem, tight(Method::adams), times).status.cause, Catch::Contains("no idea"));
+}
+
+TEST_CASE("several roots of several events in one step come in order", "[integrate]") {
+    OdeProblem problem = ballistic(0.0, 1.0, 0.0); // y = t, in very long steps
+    problem.events = {{"at 3", [](double t, State) { return t - 3.0; }, Crossing::any, false},
+                      {"at 1", [](double t, State) { return t - 1.0; }, Crossing::any, false},
+                      {"at 2", [](double, State y) { return y[0] - 2.0; }, Crossing::any, false},
+                      {"stop at 4", [](double t, State) { return t - 4.0; }, Crossing::rising, true},
+                      {"at 5", [](double t, State) { return t - 5.0; }, Crossing::any, false}};
+    OdeOptions options = options_for(Method::erk, 1e-6);
+    options.initial_step = 100.0;
+    const std::vector<double> times{0.5, 4.5, 100.0};
+    const Solution solution = solve(problem, options, times);
+    REQUIRE(solution.hits.size() == 4);
+    const std::size_t order[] = {1, 2, 0, 3};
+    for (std::size_t k = 0; k < 4; ++k) {
+        CHECK(solution.hits[k].event == order[k]);
+        CHECK(solution.hits[k].time == Approx(1.0 + static_cast<double>(k)).epsilon(1e-15)); // one rounding
+    }
+    CHECK(solution.times == std::vector<double>{0.5});
+}
+
+TEST_CASE("an event that is zero at the start waits until it has left zero", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    INFO(to_string(method));
+    OdeProblem problem = oscillator();
+    problem.events = {component_event(1, Crossing::any, true)}; // v = -sin t: zero at 0, next at pi
+    const std::vector<double> times{10.0};
+    const Solution solution = solve(problem, tight(method), times);
+    CHECK(solution.status.termination == Termination::stopped_at_event);
+    CHECK(std::abs(solution.final_time - pi) < 1e-9); // 100 rtol
+}
+
+TEST_CASE("an event that is always zero, or never, fires never", "[integrate]") {
+    OdeProblem problem = oscillator();
+    problem.events = {{"zero", [](double, State) { return 0.0; }, Crossing::any, true},
+                      {"one", [](double, State) { return 1.0; }, Crossing::any, true}};
+    const std::vector<double> times{3.0};
+    const Solution solution = solve(problem, options_for(Method::adams, 1e-8), times);
+    CHECK(solution.status.termination == Termination::reached_end);
+    CHECK(solution.hits.empty());
+}
+
+TEST_CASE("a noisy event fails the solve instead of trapping it", "[integrate]") {
+    OdeProblem problem = oscillator();
+    long calls = 0;
+    problem.events = {
+        {"noise", [&](double, State) { return ++calls % 2 ? 1.0 : -1.0; }, Crossing::any, false},
+        {"more", [&](double, State) { return calls % 3 ? 1.0 : -1.0; }, Crossing::any, false}};
+    const std::vector<double> times{3.0};
+    const Solution solution = solve(problem, options_for(Method::adams, 1e-8), times);
+    // Either ending is legitimate for nonsense; it must be an ending, after a bounded number of calls.
+    CHECK(calls < 10'000'000);
+    CHECK((solution.status.termination == Termination::failed ||
+           solution.status.termination == Termination::reached_end));
+}
+
+TEST_CASE("on_step ends at a terminal root", "[integrate]") {
+    OdeProblem problem = oscillator();
+    problem.events = {component_event(0, Crossing::any, true)};
+    OdeOptions options = options_for(Method::erk, 1e-9);
+    double last = 0.0;
+    options.on_step = [&](const Step& step) { last = step.time; };
+    const std::vector<double> times{3.0};
+    CHECK(solve(problem, options, times).final_time == last);
+}

@@ -1,0 +1,118 @@
+"""Tests of the theory's figures on a small made-up result: /usr/bin/python3 tests/plots/test_theory.py"""
+
+import json
+import re
+import subprocess
+import sys
+import unittest
+
+import h5py
+
+from made_up_result import ALL_KINDS, LINE, PATHS, SCENE, write_result
+from plot_case import PROGRAM, PlotCase
+from rodwake_plots import cut, draw, run_dir, scene_table
+
+
+class PlotsTest(PlotCase):
+    def build(self, figures=ALL_KINDS, **result):
+        (self.folder / "scene.toml").write_text(SCENE + figures)
+        outcome = {"outcome": "contact", "time": 40.5953, "min_separation": 0.1, "pair": [0, 1], "solver": {"steps": 321}}
+        (self.folder / "outcome.json").write_text(json.dumps(outcome))
+        (self.folder / "provenance.json").write_text(json.dumps({"version": "0.1.0", "libraries": {"HDF5": "1.10"}}))
+        write_result(self.folder, **result)
+
+    def edit(self, change):
+        with h5py.File(self.folder / "result.h5", "r+") as file:
+            change(file)
+
+    def test_as_a_program(self):
+        done = subprocess.run([sys.executable, PROGRAM, self.folder / "nowhere"], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertRegex(done.stderr, r"\Arodwake plot: .*nowhere: no such run directory\n\Z")
+
+    def test_a_listing_that_nobody_reads_to_its_end(self):
+        """`rodwake plot RUN | head -1`: every figure is made, nothing is said."""
+        self.build(figures=LINE + PATHS)
+        with subprocess.Popen([sys.executable, PROGRAM, self.folder], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+            self.assertTrue(program.stdout.readline().endswith("line.png\n"))
+            program.stdout.close()
+            self.assertEqual((program.stderr.read(), program.wait()), ("", 0))
+        self.assertEqual(sorted(path.name for path in self.folder.glob("figures/*")), ["line.png", "paths.png"])
+        self.assertTrue((self.folder / "report.html").is_file())
+
+    def test_every_kind(self):
+        self.assert_drawn("axis", "streams", "line", "scaled", "paths")
+
+    def test_defaults_without_figures_and_variants_in_si(self):
+        self.build(figures="", variants=2, units="si")
+        self.assert_drawn("trajectories", "extensional_axis", "polar_streamlines", "cut0_Ux")
+
+    def test_field_alone_needs_no_outcome(self):
+        self.edit(lambda file: file.pop("rods"))
+        (self.folder / "scene.toml").write_text('title = "field"\n')
+        (self.folder / "outcome.json").unlink()
+        self.assert_drawn("extensional_axis", "polar_streamlines", "cut0_Ux")
+
+    def test_pdf_and_report_only(self):
+        self.build(figures=LINE)
+        self.assertEqual(self.plot("--pdf").returncode, 0)
+        self.assertTrue((self.folder / "figures/line.pdf").read_bytes().startswith(b"%PDF"))
+        (self.folder / "report.html").unlink()
+        before = (self.folder / "figures/line.png").stat().st_mtime_ns
+        self.assertEqual(self.plot("--report-only").returncode, 0)
+        self.assertEqual(before, (self.folder / "figures/line.png").stat().st_mtime_ns)
+        self.assertTrue((self.folder / "report.html").is_file())
+
+    def test_report_is_self_contained(self):
+        self.build(figures=LINE + PATHS)
+        self.assertEqual(self.plot().returncode, 0)
+        page = (self.folder / "report.html").read_text()
+        self.assertNotIn("http", page)
+        self.assertNotIn("<script", page)
+        sources = re.findall(r'(?:src|href)="([^"]{0,22})', page)
+        self.assertEqual(sources, ["data:image/png;base64,"] * 2)
+        for part in ("Rods &amp; &lt;wakes&gt;", "40.5953", "rods 0 and 1", "321", "HDF5", "[[figures]]"):
+            self.assertIn(part, page)
+
+    def test_a_cut_shows_the_data_and_no_level_drawn_from_it(self):
+        with run_dir.RunDir(self.folder) as run:
+            specs = [spec for spec in draw.figures_of(run) if spec.kind == "cut"]
+            self.assertEqual([spec.sqrt_scaled for spec in specs], [False, True])
+            for spec in specs:
+                lines = cut.draw(run, spec).axes[0].lines
+                self.assertEqual([len(line.get_xdata()) > 2 for line in lines], [False, True, False], spec.name)  # axes: zero
+
+    def test_the_report_explains_the_keys_of_a_resolved_scene(self):
+        values = {"rods_run": {"output_interval": 0.25, "form": "angle"}, "medium": {"field": "exact"}}
+        rows = {row[0]: row for *_, rows in scene_table.tables(values, scene_table.Told("si")) for row in rows}
+        self.assertEqual(rows["<code>output_interval</code>"][2], "0.25 s")
+        for key in ("output_interval", "form", "field"):
+            self.assertTrue(rows[f"<code>{key}</code>"][3], key)
+
+    def test_missing_parts_are_named(self):
+        self.edit(lambda file: file["field/grid"].pop("axis_angle"))
+        self.assert_fails("/field/grid/axis_angle", "missing")
+        self.build(figures='[[figures]]\nname = "c"\nkind = "cut"\ncut = 7\n')
+        self.assert_fails("/field/cuts/7")
+        self.edit(lambda file: file.attrs.__delitem__("units"))
+        self.assert_fails("units")
+
+    def test_missing_files_are_named(self):
+        for name in ("outcome.json", "scene.toml", "result.h5"):
+            self.build()
+            (self.folder / name).unlink()
+            self.assert_fails(name)
+
+    def test_wrong_input(self):
+        self.edit(lambda file: file.attrs.__setitem__("schema", 2))
+        self.assert_fails("schema 2")
+        self.build(figures='[[figures]]\nname = "a"\nkind = "pie"\n')
+        self.assert_fails("pie", "trajectories")
+        self.build(figures='[[figures]]\nname = "../a"\nkind = "cut"\n')
+        self.assert_fails("../a")
+        (self.folder / "result.h5").write_bytes(b"not hdf5")
+        self.assert_fails("HDF5")
+
+
+if __name__ == "__main__":
+    unittest.main()

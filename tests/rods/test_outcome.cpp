@@ -1,0 +1,127 @@
+// The written criteria of an ending, the contact event, and bad input.
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/rods/simulate.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+using namespace rodwake;
+using rodwake::Ending;
+
+namespace {
+
+Ending classify(const std::vector<rods::Pose>& pair, double turning, LatePart history) {
+    const auto y = rods::to_state(pair);
+    std::vector<double> ydot;
+    for (const auto& rod : pair)
+        ydot.insert(ydot.end(), {std::cos(rod.heading), std::sin(rod.heading), turning});
+    return rods::classify_pair(y, ydot, 0, 1, history);
+}
+
+const LatePart steady{2.9, 3.0, 0.0}, changing{1.0, 3.0, 0.0}, turned_lately{1.0, 3.0, 0.1};
+
+rods::RodProblem straight(std::vector<rods::Pose> rods, double t_end, std::optional<double> contact) {
+    return {std::nullopt, {}, std::move(rods), t_end, {}, contact};
+}
+
+} // namespace
+
+TEST_CASE("pursuit needs locked headings, a steady distance and a rear rod on the other's trail") {
+    CHECK(classify({{3, 0, 0}, {0, 0.1, 0.05}}, 0.0, steady) == Ending::pursuit);
+    CHECK(classify({{0, 0.1, 0.05}, {3, 0, 0}}, 0.0, steady) == Ending::pursuit); // whichever is in front
+    CHECK(classify({{3, 0, 0}, {0, 0.1, 0.2}}, 0.0, steady) != Ending::pursuit);  // headings 0.2 apart
+    CHECK(classify({{3, 0, 0}, {0, 0.1, 0.05}}, 0.0, changing) != Ending::pursuit);
+    CHECK(classify({{0, 3, 0}, {0, 0, 0}}, 0.0, steady) == Ending::undecided); // abreast: nobody follows
+    CHECK(classify({{3, 0, 2 * M_PI}, {0, 0, 0}}, 0.0, steady) ==
+          Ending::pursuit); // headings count modulo a turn
+}
+
+TEST_CASE("escape needs growing distance and torques too weak to turn back") {
+    CHECK(classify({{3, 0, 0}, {-3, 0, M_PI}}, 0.0, changing) == Ending::escape);
+    CHECK(classify({{3, 0, 0}, {-3, 0, M_PI}}, 0.1, changing) ==
+          Ending::undecided); // turns 0.3 rad meanwhile
+    CHECK(classify({{3, 0, 0}, {-3, 0, M_PI}}, 0.0, turned_lately) ==
+          Ending::undecided); // the rate only crosses 0
+    CHECK(classify({{-3, 0, 0}, {3, 0, M_PI}}, 0.0, changing) == Ending::undecided); // approaching
+}
+
+TEST_CASE("contact is found to the accuracy of the method") {
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    rods::RodOptions options;
+    options.ode.method = method;
+    const auto result = rods::simulate(straight({{-5, 0, 0}, {5, 0, M_PI}}, 20.0, 0.5), options);
+    CHECK(result.outcome.ending == Ending::contact);
+    CHECK(result.outcome.time == Approx(4.75).margin(1e-9)); // straight courses: exact but for root polishing
+    CHECK(result.outcome.min_separation == Approx(0.5).margin(1e-9));
+}
+
+TEST_CASE("a contact that begins and ends inside one step is not missed") {
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    // Straight courses are integrated exactly, so steps grow far beyond the 0.07 that this encounter lasts.
+    const double miss = 0.0995, contact = 0.1;
+    rods::RodOptions options;
+    options.ode.method = method;
+    const auto result = rods::simulate(
+        straight({{-40, 0, 0}, {0, -40 - miss * std::sqrt(2.0), M_PI / 2}}, 200.0, contact), options);
+    INFO(result.solution.status.message());
+    CHECK(result.outcome.ending == Ending::contact);
+    CHECK(result.outcome.min_separation == Approx(contact).margin(1e-9)); // root polishing
+}
+
+TEST_CASE("the smallest separation is that of the whole path, not of the output times") {
+    const auto result = rods::simulate(straight({{-5, 0, 0}, {0, -5.5, M_PI / 2}}, 20.0, std::nullopt), {});
+    CHECK(result.outcome.min_separation ==
+          Approx(0.5 / std::sqrt(2.0)).epsilon(1e-9)); // Hermite exact for straight courses
+    CHECK(result.outcome.ending == Ending::escape);
+}
+
+TEST_CASE("ill-posed problems are refused with the reason") {
+    using Catch::Matchers::Contains;
+    const rods::RodOptions options;
+    CHECK_THROWS_WITH(rods::simulate(straight({}, 1.0, {}), options), Contains("no rods"));
+    CHECK_THROWS_WITH(rods::simulate(straight({{1, 1, 0}, {1, 1, 2}}, 1.0, {}), options),
+                      Contains("same place"));
+    CHECK_THROWS_WITH(rods::simulate(straight({{0, 0, 0}, {1, 0, 0}}, 1.0, 1.0), options),
+                      Contains("contact_distance"));
+    CHECK_THROWS_WITH(rods::simulate(straight({{0, 0, 0}}, -1.0, {}), options), Contains("t_end"));
+    CHECK_THROWS_AS(
+        rods::simulate({elastic::Medium{-1.0, 1.0}, {.kappa = 1}, {{0, 0, 0}, {1, 0, 0}}, 1.0, {}, {}},
+                       options),
+        InputError);
+    CHECK_THROWS_AS(
+        rods::simulate({elastic::Medium{1.0, 0.0}, {.kappa = 1}, {{0, 0, 0}, {1, 0, 0}}, 1.0, {}, {}},
+                       options),
+        InputError);
+}
+
+TEST_CASE("rods that run into each other without a contact distance fail with an explanation, not with NaN") {
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    const rods::RodProblem attracted{
+        elastic::Medium{}, {.kappa = 0.5}, {{0, 2.5, 0}, {0, -2.5, 0}}, 60.0, {}, {}};
+    rods::RodOptions options;
+    options.ode.method = method;
+    options.ode.max_steps = 20000;
+    const auto result = rods::simulate(attracted, options);
+    for (const double value : result.solution.final_state)
+        CHECK(std::isfinite(value));
+    REQUIRE_FALSE(result.solution.status.ok());
+    CHECK_THAT(result.solution.status.message(), Catch::Matchers::Contains("rods_run.contact_distance"));
+}
+
+TEST_CASE("rods that do not interact do not pursue each other") {
+    const auto result = rods::simulate(straight({{0, 0, 0}, {3, 0, 0}}, 10.0, std::nullopt), {});
+    CHECK(result.outcome.ending == Ending::undecided);
+}
+
+TEST_CASE("an escape stays one when the run goes on") {
+    // Separation grows from t = 10 on; at t = 40 the turning rate happens to cross zero.
+    for (const double t_end : {200.0, 400.0, 800.0}) {
+        const rods::RodProblem problem{
+            elastic::Medium{}, {.kappa = -100.0}, {{0, 0, 0}, {-6, -5, M_PI / 2}}, t_end, {}, {}};
+        const auto outcome = rods::simulate(problem, {}).outcome;
+        INFO("t_end " << t_end << ": " << outcome.reason);
+        CHECK(outcome.ending == Ending::escape);
+    }
+}

@@ -1,0 +1,200 @@
+// The ledger: what goes in comes out.
+
+#include "ledger_rows.hpp"
+#include "rodwake/core/error.hpp"
+#include "scan/sqlite.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace scan_test;
+using rodwake::InputError;
+using store_test::error_of;
+using store_test::has;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> texts(const Ledger& ledger) {
+    std::vector<std::string> rows;
+    ledger.for_each([&](const Result& r) { rows.push_back(text_of(r, ledger.head().axes.size())); });
+    return rows;
+}
+
+} // namespace
+
+TEST_CASE("Rows come back to the bit, in the order of the points") {
+    const Scratch scratch;
+    std::vector<Result> results = {succeeded(std::int64_t{1} << 61, 1e-320, 2.0),
+                                   succeeded(7, std::nextafter(0.1, 1.0), 1.0), succeeded(0, -1.0)};
+    results[0].values = {std::numeric_limits<double>::quiet_NaN(), 1e308};
+    results[1].retries = 2;
+    results[1].set_cause("retried: it's \"slow\"");
+    {
+        Ledger ledger(scratch / "l", ledger_head());
+        ledger.add(results);
+    }
+    const Ledger ledger(scratch / "l", ledger_head());
+    std::ranges::sort(results, {}, [](const Result& r) { return r.point.id; });
+    std::vector<std::string> expected;
+    for (const Result& r : results)
+        expected.push_back(text_of(r, 2));
+    CHECK(texts(ledger) == expected);
+    REQUIRE(ledger.find(7));
+    CHECK(text_of(*ledger.find(7), 2) == expected[1]);
+    CHECK(ledger.find(7)->seconds == 1e-4);
+    CHECK_FALSE(ledger.find(8));
+    std::vector<std::int64_t> ids;
+    ledger.for_each_id([&](std::int64_t id) { ids.push_back(id); });
+    CHECK(ids == std::vector<std::int64_t>{0, 7, std::int64_t{1} << 61});
+}
+
+TEST_CASE("The text of a row tells every bit") {
+    const Result one = succeeded(1, 0.1);
+    const auto differs = [&](const auto& change) {
+        Result other = one;
+        change(other);
+        return text_of(other, 2) != text_of(one, 2);
+    };
+    CHECK_FALSE(differs([](Result& r) { r.seconds = 9.0; }));
+    CHECK(differs([](Result& r) { r.point.id = 2; }));
+    CHECK(differs([](Result& r) { r.point.at[0] = std::nextafter(0.1, 1.0); }));
+    CHECK(differs([](Result& r) { r.point.at[1] = 1.0; }));
+    CHECK(differs([](Result& r) { r.outcome = 0; }));
+    CHECK(differs([](Result& r) { r.values[1] = -0.0; }));
+    CHECK(differs([](Result& r) { r.retries = 1; }));
+    CHECK(differs([](Result& r) { r.set_cause("x"); }));
+    CHECK(differs([](Result& r) { r.status = Status::failed; }));
+}
+
+TEST_CASE("Zero has no sign in a ledger") { // SQLite stores whole numbers as such
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    Result zero = succeeded(1, -0.0);
+    zero.values[0] = -0.0;
+    ledger.add(std::vector{zero});
+    CHECK_FALSE(std::signbit(ledger.find(1)->values[0]));
+    CHECK_FALSE(std::signbit(ledger.find(1)->point.at[0]));
+}
+
+TEST_CASE("Every status comes back, and values of failures do not count") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    for (const Status status : {Status::failed, Status::time_limit, Status::not_finite, Status::exception}) {
+        ledger.add(std::vector{failed(static_cast<std::int64_t>(status), status)});
+        const auto found = ledger.find(static_cast<std::int64_t>(status));
+        REQUIRE(found);
+        CHECK(found->status == status);
+        CHECK(found->outcome == -1);
+        CHECK(found->retries == 3);
+        CHECK(found->cause_text() == "too many steps");
+        CHECK(std::isnan(found->values[0]));
+    }
+}
+
+TEST_CASE("A point that succeeded without an outcome stays so") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    Result none = succeeded(1, 0.1);
+    none.outcome = -1;
+    ledger.add(std::vector{none});
+    CHECK(ledger.find(1)->ok());
+    CHECK(ledger.find(1)->outcome == -1);
+    CHECK(ledger.counts().outcomes == std::map<std::string, std::int64_t>{{"", 1}});
+}
+
+TEST_CASE("A point that is added again replaces its row") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    ledger.add(std::vector{failed(3), succeeded(4, 0.2)});
+    ledger.add(std::vector{succeeded(3, 0.5)});
+    CHECK(ledger.counts().points == 2);
+    CHECK(ledger.find(3)->ok());
+}
+
+TEST_CASE("Counts are by outcome, and by cause of failure") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    Result inside = succeeded(1, 0.1);
+    inside.outcome = 0;
+    inside.set_cause("retried"); // no failure
+    ledger.add(std::vector{inside, succeeded(2, 0.2), succeeded(3, 0.3), failed(4), failed(5),
+                           failed(6, Status::exception, "")});
+    const Counts counts = ledger.counts();
+    CHECK(counts.points == 6);
+    CHECK(counts.failed == 3);
+    CHECK(counts.outcomes == std::map<std::string, std::int64_t>{{"in", 1}, {"out", 2}});
+    CHECK(counts.causes ==
+          std::map<std::string, std::int64_t>{{"failed: too many steps", 2}, {"exception", 1}});
+    CHECK(counts.seconds == Approx(6e-4)); // six summands
+    ledger.settle();
+    CHECK(counts_of(scratch / "l").points == 6);
+}
+
+TEST_CASE("Columns have their names, so that sqlite3 and pandas can ask") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    ledger.add(std::vector{succeeded(5, 0.25, 2.0), failed(6)});
+    const Connection other(scratch / "l", SQLITE_OPEN_READWRITE);
+    Statement row(other, "SELECT \"coupling.kappa\", \"rods_run.method\", outcome, sum, id FROM points WHERE "
+                         "status = 'ok'");
+    REQUIRE(row.step());
+    CHECK(row.real(0) == 0.25);
+    CHECK(row.text(1) == "it's \"erk\"");
+    CHECK(row.text(2) == "out");
+    CHECK(row.real(3) == 0.1);
+    CHECK(row.integer(4) == 5);
+    CHECK_FALSE(row.step());
+}
+
+TEST_CASE("Crossings come back to the bit, in order, the newest") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    ledger.add(std::vector<Crossing>{{9, 0, 1, 0.1, 0.2}, {4, 1, -1, 1.0 / 3.0, 0.5}});
+    ledger.add(std::vector<Crossing>{{9, 0, 1, 0.1, 0.15}});
+    const auto found = ledger.crossings();
+    REQUIRE(found.size() == 2);
+    CHECK(found[0].id == 4);
+    CHECK(found[0].outcome_low == 1);
+    CHECK(found[0].outcome_high == -1);
+    CHECK(found[0].u_low == 1.0 / 3.0);
+    CHECK(found[1].id == 9);
+    CHECK(found[1].u_high == 0.15);
+}
+
+TEST_CASE("Failed points are forgotten, and brackets that end at a failure") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    ledger.add(std::vector{succeeded(1, 0.1), failed(2), failed(3, Status::time_limit)});
+    ledger.add(std::vector<Crossing>{{1, 0, 1, 0.1, 0.2}, {2, 0, -1, 0.3, 0.4}, {3, -1, 1, 0.5, 0.6}});
+    CHECK(ledger.forget_failed() == 2);
+    CHECK(ledger.counts().points == 1);
+    CHECK(ledger.counts().failed == 0);
+    REQUIRE(ledger.crossings().size() == 1);
+    CHECK(ledger.crossings()[0].id == 1);
+    CHECK(ledger.forget_failed() == 0);
+}
+
+TEST_CASE("Ledgers of shares merge; what succeeded anywhere counts") {
+    const Scratch scratch;
+    Ledger whole(scratch / "whole", ledger_head());
+    whole.add(std::vector{succeeded(1, 0.1), failed(2)});
+    {
+        Ledger share(scratch / "share", ledger_head());
+        share.add(std::vector{failed(1), succeeded(2, 0.2), succeeded(3, 0.3), failed(4)});
+    }
+    whole.merge(scratch / "share");
+    CHECK(whole.counts().points == 4);
+    CHECK(whole.find(1)->ok());
+    CHECK(whole.find(2)->ok());
+    CHECK(whole.find(3)->ok());
+    CHECK_FALSE(whole.find(4)->ok());
+    const auto rows = texts(whole);
+    whole.merge(scratch / "share");
+    CHECK(texts(whole) == rows);
+    CHECK(has(error_of<InputError>([&] { whole.merge(scratch / "nowhere"); }), "no such ledger"));
+    CHECK_FALSE(fs::exists(scratch / "nowhere"));
+    LedgerHead other = ledger_head();
+    other.description = "another scan";
+    { const Ledger stranger(scratch / "stranger", other); }
+    CHECK(has(error_of<InputError>([&] { whole.merge(scratch / "stranger"); }), "another scan"));
+}
