@@ -164,6 +164,8 @@ bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, c
         }
     }
     summary.curves = boundary_curves(refinement, edges);
+    summary.lost_crossings = std::ranges::count_if(
+        edges, [](const Crossing& edge) { return edge.outcome_low < 0 || edge.outcome_high < 0; });
     return true;
 }
 

@@ -39,8 +39,9 @@ class AdaptiveTest(ScanTest):
         self.assertEqual(set(files), names)
         for name in RESULTS:
             header = (self.folder / "out" / name).read_text().splitlines()[0].split(",")
-            told = [column for column in header if not column.startswith(tuple(AXES))]  # axes go by the names of their keys
-            self.assertEqual([column["name"] for column in files[name]["columns"]], told)
+            self.assertEqual([column["name"] for column in files[name]["columns"]], header)
+        units = {column["name"]: column["unit"] for column in files["cells.csv"]["columns"]}
+        self.assertEqual((units["coupling.kappa_from"], units["rods.1.position.0_to"]), ("mu v0/f", "f/mu"))
 
     def rows_are_as_the_summary_says(self):
         self.assertEqual(list(self.table[0]), AXES + COLUMNS)

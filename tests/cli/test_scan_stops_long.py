@@ -8,15 +8,10 @@ class KillTest(StoppedScanTest):
     SETTINGS = (*StoppedScanTest.SETTINGS, "-s", "scan.resolution=64")
 
     def test_kills(self):
-        stopped = 0
-        while stopped < 100:
-            stopped += self.finish_after("run", 1, KILL, self.seconds)
-            self.remove("run")
+        self.finish_often(100, 1, KILL, self.seconds)
 
     def test_chains(self):
-        for _ in range(3):
-            self.assertGreaterEqual(self.finish_after("run", 20, ANY, 0.2 * self.seconds), 5)
-            self.remove("run")
+        self.finish_often(30, 20, ANY, 0.2 * self.seconds)
 
 
 if __name__ == "__main__":

@@ -62,9 +62,16 @@ void tell_audit(const Session& session, const scan::Summary& summary) {
 
 StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::Summary& summary) {
     const scan::Counts counts = ledger.counts();
-    session.log->info("scan: {} of {} points evaluated: {}", counts.points, summary.requested,
-                      counts_text(counts));
+    if (counts.points > summary.requested) // an adaptive scan of a higher resolution came before
+        session.log->info("scan: {} points in the ledger, of a finer scan too: {}", counts.points,
+                          counts_text(counts));
+    else
+        session.log->info("scan: {} of {} points evaluated: {}", counts.points, summary.requested,
+                          counts_text(counts));
     tell_audit(session, summary);
+    if (summary.lost_crossings > 0)
+        session.log->warn("scan: the boundary has {} gaps, where points failed while it was traced",
+                          summary.lost_crossings);
     if (!summary.complete)
         return StageEnd::interrupted;
     if (counts.failed == 0)
