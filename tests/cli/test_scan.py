@@ -74,7 +74,7 @@ class AdaptiveTest(ScanTest):
         """A bracket beyond each point of a curve the outcomes are those that the curve is between."""
         rows = self.rows("out", "boundary.csv")
         self.assertEqual(list(rows[0]), ["curve", "between", *AXES, "error"])
-        self.assertEqual(self.told["boundary"], {"curves": len({row["curve"] for row in rows}), "points": len(rows), "tolerance": 1e-4})
+        self.assertEqual(self.told["boundary"], {"curves": len({row["curve"] for row in rows}), "points": len(rows), "tolerance": 1e-4, "gaps": 0})
         self.assertTrue(all(float(row["error"]) <= 0.5e-4 for row in rows))
         row = next(row for row in rows if row["between"] == "contact|escape")
         found = set()

@@ -1,7 +1,6 @@
 """rodwake scan can be stopped anywhere, by anything, and goes on to the same tables."""
 
 import signal
-import sqlite3
 
 import rodwake
 from rodwake import wait_until
@@ -20,13 +19,6 @@ class RestartTest(StoppedScanTest):
 
 
 class SignalTest(ScanTest):
-    def points(self, run):
-        """In the ledger; 0 before there is one."""
-        try:
-            return len(self.ledger(run)[0])
-        except sqlite3.Error:
-            return 0
-
     def stop_at_work(self, number, run, *arguments):
         """Once some hundred points are there."""
         with self.started("scan", "scan.toml", "-o", run, *ENDLESS, *arguments) as process:

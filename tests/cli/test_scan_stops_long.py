@@ -1,6 +1,7 @@
-"""A hundred random kills of a scan, and chains of twenty. The moments: RODWAKE_TEST_SEED."""
+"""A hundred random kills of a scan on threads, a hundred of ranks under mpiexec, and chains of twenty. The moments: RODWAKE_TEST_SEED."""
 
 import rodwake
+from ranks import RANKS, RankTest
 from scans import ANY, KILL, StoppedScanTest
 
 
@@ -12,6 +13,15 @@ class KillTest(StoppedScanTest):
 
     def test_chains(self):
         self.finish_often(30, 20, ANY, 0.2 * self.seconds)
+
+
+@RANKS
+class DeathTest(RankTest):
+    def test_ranks(self):
+        self.write("scan.toml", (self.folder / "scan.toml").read_text().replace("resolution = 32", "resolution = 64"))
+        self.scan("scan.toml", "whole", "--quiet")
+        for rank in (0, 1):
+            self.finish_after_deaths(rank, 50)
 
 
 if __name__ == "__main__":

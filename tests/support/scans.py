@@ -90,6 +90,13 @@ class ScanTest(ProgramTest):
         finally:
             connection.close()
 
+    def points(self, run):
+        """In the ledger; 0 before there is one."""
+        try:
+            return len(self.ledger(run)[0])
+        except sqlite3.Error:
+            return 0
+
     def change_ledger(self, run, sql):
         connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
         connection.execute(sql)
