@@ -14,10 +14,17 @@ namespace {
 
 using assembly::ScanPlan;
 
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : ""; }
+/// Shortest digits that give the number back; nothing for what is none.
+void append(std::string& text, double value) {
+    if (std::isfinite(value))
+        fmt::format_to(std::back_inserter(text), "{}", value);
+}
 
-std::string axis_text(const scan::Axis& axis, double value) {
-    return axis.words.empty() ? number(value) : axis.words[static_cast<std::size_t>(value)];
+void append(std::string& text, const scan::Axis& axis, double value) {
+    if (axis.words.empty())
+        append(text, value);
+    else
+        text += axis.words[static_cast<std::size_t>(value)];
 }
 
 std::string axis_names(const ScanPlan& plan, const char* ending = "") {
@@ -28,16 +35,21 @@ std::string axis_names(const ScanPlan& plan, const char* ending = "") {
 }
 
 /// "time" stands before the status, the others after it.
-std::string row(const ScanPlan& plan, const scan::Result& r) {
-    std::string line;
-    for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
-        line += axis_text(plan.design.axes[k], r.point.at[k]) + ",";
-    line += fmt::format("{},{},{}", r.ok() ? plan.columns.outcomes[static_cast<std::size_t>(r.outcome)] : "",
-                        r.ok() ? number(r.values[0]) : "",
-                        scan::status_names[static_cast<std::size_t>(r.status)]);
-    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k)
-        line += "," + (r.ok() ? number(r.values[k]) : "");
-    return line + fmt::format(",{}\n", r.retries);
+void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
+        append(text, plan.design.axes[k], r.point.at[k]);
+        text += ',';
+    }
+    text += r.ok() ? plan.columns.outcomes[static_cast<std::size_t>(r.outcome)] : "";
+    text += ',';
+    append(text, r.ok() ? r.values[0] : std::nan(""));
+    text += ',';
+    text += scan::status_names[static_cast<std::size_t>(r.status)];
+    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k) {
+        text += ',';
+        append(text, r.ok() ? r.values[k] : std::nan(""));
+    }
+    fmt::format_to(std::back_inserter(text), ",{}\n", r.retries);
 }
 
 std::string between(const ScanPlan& plan, const scan::Curve& curve) {
@@ -54,7 +66,7 @@ void write_points(const std::filesystem::path& file, const ScanPlan& plan, const
         text += "," + plan.columns.observables[k];
     text += ",retries\n";
     ledger.for_each([&](const scan::Result& result) {
-        text += row(plan, result);
+        append_row(text, plan, result);
         if (text.size() > 1 << 20) {
             pending.write(text);
             text.clear();
@@ -76,7 +88,7 @@ void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const 
             high[k] += leaf.side;
         const scan::Point from = lattice.point(leaf.low), to = lattice.point(high);
         for (std::size_t k = 0; k < lattice.axes(); ++k)
-            text += number(from.at[k]) + "," + number(to.at[k]) + ",";
+            fmt::format_to(std::back_inserter(text), "{},{},", from.at[k], to.at[k]);
         const bool named = !leaf.mixed && leaf.outcome >= 0;
         text += (leaf.mixed ? "mixed"
                  : named    ? plan.columns.outcomes[static_cast<std::size_t>(leaf.outcome)]
@@ -92,7 +104,7 @@ void write_boundary(const std::filesystem::path& file, const ScanPlan& plan, con
         for (const scan::BoundaryPoint& point : summary.curves[i].points) {
             text += fmt::format("{},{}", i, between(plan, summary.curves[i]));
             for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
-                text += "," + number(point.at[k]);
+                fmt::format_to(std::back_inserter(text), ",{}", point.at[k]);
             text += fmt::format(",{:.3g}\n", point.error);
         }
     store::write_atomically(file, text);
