@@ -203,7 +203,7 @@ Summary run(const Design& design, Ledger& ledger, const Execute& execute, const 
         run_list(design, ledger, evaluate, options.part, summary);
     else
         run_adaptive(design, ledger, execute, evaluate, summary);
-    summary.evaluated = ledger.counts().points;
+    summary.evaluated = ledger.points();
     return summary;
 }
 

@@ -81,7 +81,7 @@ std::vector<Column> columns_of(const ScanPlan& plan) {
 void write_columns(store::Hdf5Writer& h5, const ScanPlan& plan, const scan::Ledger& ledger) {
     constexpr std::size_t rows_at_once = 1 << 14;
     const std::vector<Column> columns = columns_of(plan);
-    const auto rows = static_cast<std::size_t>(ledger.counts().points);
+    const auto rows = static_cast<std::size_t>(ledger.points());
     std::vector<std::vector<double>> block(columns.size());
     std::size_t written = 0;
     const auto flush = [&] {

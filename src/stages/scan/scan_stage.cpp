@@ -38,7 +38,7 @@ void prepare(const Session& session, scan::Ledger& ledger) {
         merge_shares(session, ledger);
     if (session.context.scan.rerun_failed)
         session.log->info("scan: {} points that failed are evaluated again", ledger.forget_failed());
-    if (const std::int64_t done = ledger.counts().points; done > 0)
+    if (const std::int64_t done = ledger.points(); done > 0)
         session.log->info("scan: {} points are in the ledger already", done);
 }
 
