@@ -1,12 +1,10 @@
 // Two rods: how their separation changed, who turned, how it ended; from the runs' tracks.
 
-#include "rodwake/measure/pairs.hpp"
-
 #include "measure_parts.hpp"
+#include "pair_run.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace rodwake::assembly::measures {
@@ -51,31 +49,10 @@ void reset_late_keys(Measure& m) {
     m.contact_distance = std::nullopt;
 }
 
-double contact_distance(const Scene& scene) {
-    double longest = 0.0;
-    for (const scene::GranularRod& rod : scene.granular->rods)
-        longest = std::max(longest, rod.shape.length);
-    return scene.measure->contact_distance.value_or(0.5 * longest);
-}
-
-/// From t = 0 on: the rods are held before.
-measure::PairTrack track_of(const RunTables& run) {
-    const std::vector<Column> all = run.tracks({"t", "x0", "y0", "theta0", "x1", "y1", "theta1"});
-    std::vector<Column> kept(all.size());
-    for (std::size_t i = 0; i < all[0].size(); ++i)
-        if (all[0][i] >= -1e-12)
-            for (std::size_t k = 0; k < all.size(); ++k)
-                kept[k].push_back(all[k][i]);
-    return {kept[0], {kept[1], kept[4]}, {kept[2], kept[5]}, {kept[3], kept[6]}};
-}
-
 PairResult pairs_of(const MeasuredCase& data) {
-    measure::PairOptions options;
-    options.box = data.scene.granular->box;
-    options.contact_distance = contact_distance(data.scene);
     std::vector<measure::PairRun> followed;
     for (const RunTables& run : data.tables)
-        followed.push_back(measure::follow_pair(track_of(run), options));
+        followed.push_back(pair_run(data.scene, run));
     return measure::reduce(followed);
 }
 
