@@ -19,7 +19,8 @@ def points(scan):
     told = scan.told
     yield "Design", scan_words.design_html(scan)
     adaptive = scan.design == "adaptive"
-    for key, name in (("requested", "Points of a full grid" if adaptive else "Points asked for"), ("evaluated", "Evaluated"),
+    asked = "Points of a full grid" if adaptive else "Runs asked for" if scan.of_beds else "Points asked for"
+    for key, name in (("requested", asked), ("evaluated", "Evaluated"),
                       ("failed", "Failed"), ("left", "Not evaluated yet")):
         if words.is_number(told.get(key)) and (told[key] or key in ("requested", "evaluated")):
             yield name, scan_words.count(told[key])

@@ -66,8 +66,10 @@ public:
         require_size(design);
         start_from_earliest_end(design);
         scene::ValueSetter all = setter_of(keys_);
-        ScanPlan plan{subject_,       std::move(design), columns(),       {}, base_,
-                      std::move(all), std::move(keys_),  scan_.time_limit};
+        ScanPlan plan{subject_,       std::move(design), columns(), {},           base_,
+                      std::move(all), std::move(keys_),  {},        scan_.time_limit};
+        plan.labels.resize(plan.design.axes.size());
+        std::ranges::transform(scan_.axes, plan.labels.begin(), &ScanAxis::label);
         take_drivers(plan);
         try_ends(plan);
         if (of_beds())

@@ -63,14 +63,6 @@ std::vector<Observable> observables_of(const scene::Scene& scene) {
     return all;
 }
 
-/// Steps of a sphere.
-double cost_of(const granular::GranularProblem& problem) {
-    auto spheres = static_cast<double>(problem.beads);
-    for (const granular::RodSpec& rod : problem.rods)
-        spheres += static_cast<double>(rod.shape.spheres);
-    return spheres * static_cast<double>(problem.equilibration_steps + problem.steps);
-}
-
 } // namespace
 
 scan::Columns columns_of_beds(const scene::Scene& scene) {
@@ -90,7 +82,7 @@ std::vector<double> costs_of_beds(const ScanPlan& plan) {
     std::vector<double> costs(static_cast<std::size_t>(scan::places(plan.design)), 0.0);
     for (std::size_t place = 0; place < costs.size(); ++place)
         try {
-            costs[place] = cost_of(scanned_bed(plan, points.at_place(static_cast<std::int64_t>(place))).problem);
+            costs[place] = sphere_steps(scanned_bed(plan, points.at_place(static_cast<std::int64_t>(place))).problem);
         } catch (const InputError&) { // its point fails, with this cause
         }
     return costs;

@@ -36,6 +36,7 @@ struct ScanPlan {
     scene::Scene base;         ///< the scene without what points do not need
     scene::ValueSetter setter; ///< of all keys, in the order of `keys`
     std::vector<VariedKey> keys;
+    std::vector<std::string> labels;  ///< of each axis, for figures; empty: that of the key
     std::optional<double> time_limit; ///< seconds a point
 };
 
