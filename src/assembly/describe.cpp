@@ -59,10 +59,10 @@ std::string points_text(const scan::Design& design) {
     if (design.kind == scan::Kind::adaptive)
         return fmt::format("refined to {} cells a side where the outcome changes", design.resolution);
     return fmt::format("{} points ({}){}", scan::places(design), scan::to_string(design.kind),
-                       design.runs > 0 ? fmt::format(" of {} run{} of the bed each, {} runs in all",
-                                                     design.runs, design.runs == 1 ? "" : "s",
-                                                     scan::size(design))
-                                       : "");
+                       design.runs > 0
+                           ? fmt::format(" of {} run{} of the bed each, {} runs in all", design.runs,
+                                         design.runs == 1 ? "" : "s", scan::size(design))
+                           : "");
 }
 
 void add_scan_lines(const Plan& plan, Lines& lines) {

@@ -47,7 +47,8 @@ Value value_at(const VariedKey& key, double at) {
 
 class Planner {
 public:
-    explicit Planner(const scene::Scene& scene) : base_(scan_base(scene)), subject_(scan_subject(scene)), scan_(*scene.scan) {}
+    explicit Planner(const scene::Scene& scene)
+        : base_(scan_base(scene)), subject_(scan_subject(scene)), scan_(*scene.scan) {}
 
     ScanPlan plan(const std::optional<ScanList>& list) {
         scan::Design design;
@@ -66,8 +67,8 @@ public:
         require_size(design);
         start_from_earliest_end(design);
         scene::ValueSetter all = setter_of(keys_);
-        ScanPlan plan{subject_,       std::move(design), columns(), {},           base_,
-                      std::move(all), std::move(keys_),  {},        scan_.time_limit};
+        ScanPlan plan{subject_, std::move(design), columns(), {}, base_, std::move(all), std::move(keys_),
+                      {},       scan_.time_limit};
         plan.labels.resize(plan.design.axes.size());
         std::ranges::transform(scan_.axes, plan.labels.begin(), &ScanAxis::label);
         take_drivers(plan);

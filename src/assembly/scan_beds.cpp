@@ -13,13 +13,10 @@ namespace rodwake::assembly {
 
 namespace {
 
-using measure::PairRun;
-
 /// What a run wrote; of two rods with what became of the pair.
 struct Finished {
     const RunTables& tables;
-    PairRun pair;
-    double a = 1.0; ///< bead radius, m
+    PairNumbers pair;
 
     double summary(const std::string& name) const { return tables.summary(name, name); }
 };
@@ -34,16 +31,19 @@ constexpr std::size_t told_rods = 5; ///< rods with columns of their own
 
 bool has_pair(const scene::Scene& scene) { return scene.granular->rods.size() == 2; }
 
+Observable of_pair(const char* name, double PairNumbers::*number) {
+    return {name, [number](const Finished& run) { return run.pair.*number; }};
+}
+
 std::vector<Observable> of_pair() {
-    return {{"time", [](const Finished& run) { return run.pair.ending_time; }},
-            {"delta_y",
-             [](const Finished& run) { return run.pair.half_box_change.value_or(std::nan("")) / run.a; }},
-            {"last_change", [](const Finished& run) { return run.pair.last_change / run.a; }},
-            {"separation", [](const Finished& run) { return run.pair.separation / run.a; }},
-            {"min_separation", [](const Finished& run) { return run.pair.min_separation / run.a; }},
+    return {of_pair("time", &PairNumbers::outcome_time),
+            of_pair("delta_y", &PairNumbers::half_box_change),
+            of_pair("last_change", &PairNumbers::last_change),
+            of_pair("separation", &PairNumbers::separation),
+            of_pair("min_separation", &PairNumbers::min_separation),
             {"turn0", [](const Finished& run) { return run.pair.turn[0]; }},
             {"turn1", [](const Finished& run) { return run.pair.turn[1]; }},
-            {"non_reciprocity", [](const Finished& run) { return run.pair.non_reciprocity; }},
+            of_pair("non_reciprocity", &PairNumbers::non_reciprocity),
             {"leader", [](const Finished& run) { return static_cast<double>(run.pair.leader); }}};
 }
 
@@ -82,7 +82,8 @@ std::vector<double> costs_of_beds(const ScanPlan& plan) {
     std::vector<double> costs(static_cast<std::size_t>(scan::places(plan.design)), 0.0);
     for (std::size_t place = 0; place < costs.size(); ++place)
         try {
-            costs[place] = sphere_steps(scanned_bed(plan, points.at_place(static_cast<std::int64_t>(place))).problem);
+            costs[place] =
+                sphere_steps(scanned_bed(plan, points.at_place(static_cast<std::int64_t>(place))).problem);
         } catch (const InputError&) { // its point fails, with this cause
         }
     return costs;
@@ -98,11 +99,11 @@ BedPlan scanned_bed(const ScanPlan& plan, const scan::Point& point) {
 }
 
 BedYield yield_of(const scene::Scene& scene, const RunTables& run) {
-    Finished finished{run, {}, scene.granular->bead_radius};
+    Finished finished{run, {}};
     BedYield yield;
     if (has_pair(scene)) {
-        finished.pair = pair_run(scene, run);
-        yield.outcome = static_cast<std::int32_t>(finished.pair.ending);
+        finished.pair = pair_numbers(scene, run);
+        yield.outcome = static_cast<std::int32_t>(finished.pair.outcome);
     }
     for (const Observable& one : observables_of(scene))
         yield.values.push_back(one.of(finished));

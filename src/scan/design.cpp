@@ -109,8 +109,9 @@ PointList::PointList(const Design& design) : design_(design), size_(scan::size(d
     order_.resize(count);
     rank_.resize(count);
     std::iota(order_.begin(), order_.end(), std::int64_t{0});
-    std::ranges::stable_sort(order_, std::ranges::greater(),
-                             [&](std::int64_t place) { return design.costs[static_cast<std::size_t>(place)]; });
+    std::ranges::stable_sort(order_, std::ranges::greater(), [&](std::int64_t place) {
+        return design.costs[static_cast<std::size_t>(place)];
+    });
     for (std::size_t i = 0; i < count; ++i)
         rank_[static_cast<std::size_t>(order_[i])] = static_cast<std::int64_t>(i);
 }

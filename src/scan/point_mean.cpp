@@ -18,8 +18,9 @@ Estimate mean_value(std::span<const Result> runs, std::size_t observable) {
 }
 
 std::int64_t count_of(std::span<const Result> runs, std::size_t outcome) {
-    return std::ranges::count_if(
-        runs, [&](const Result& run) { return run.ok() && run.outcome == static_cast<std::int32_t>(outcome); });
+    return std::ranges::count_if(runs, [&](const Result& run) {
+        return run.ok() && run.outcome == static_cast<std::int32_t>(outcome);
+    });
 }
 
 std::int32_t most_frequent(const std::vector<Proportion>& outcomes) {

@@ -137,7 +137,8 @@ constexpr FileKind plain_kinds[] = {
 
     {"field_cut_<k>.csv", Stage::field, result, "displacement along a line", cut_columns},
 
-    {"ledger.sqlite", Stage::scan, kept, "a row a point of the scan, of beds a row a run, as it goes on: table points"},
+    {"ledger.sqlite", Stage::scan, kept,
+     "a row a point of the scan, of beds a row a run, as it goes on: table points"},
     {"ledger.sqlite-wal", Stage::scan, kept, "the newest rows of the ledger while it is open"},
     {"ledger.sqlite-shm", Stage::scan, kept, "for who reads the ledger while it is open"},
     {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},
@@ -169,8 +170,7 @@ std::vector<FileKind> all_kinds() {
     std::vector<FileKind> all(std::begin(plain_kinds), std::end(plain_kinds));
     all.push_back({"scan.csv", Stage::scan, result, "a row a point of the scan; of beds means over its runs",
                    scan_columns()});
-    all.push_back(
-        {"scan_runs.csv", Stage::scan, result, "a row a run of a scan of beds", scan_columns()});
+    all.push_back({"scan_runs.csv", Stage::scan, result, "a row a run of a scan of beds", scan_columns()});
     all.push_back(
         {"series.csv", Stage::measure, result, "a row for the scene and one for each variant", series});
     for (const assembly::MeasureKind& kind : assembly::measure_kinds())

@@ -144,8 +144,9 @@ std::vector<GranularJob> jobs_of(std::vector<BedWork>& beds) {
     for (BedWork& one : beds)
         for (std::size_t i = 0; i < one.tasks.size(); ++i)
             jobs.push_back({&one, i});
-    std::ranges::stable_sort(jobs, std::ranges::greater(),
-                             [](const GranularJob& job) { return assembly::sphere_steps(job.of->plan.bed.problem); });
+    std::ranges::stable_sort(jobs, std::ranges::greater(), [](const GranularJob& job) {
+        return assembly::sphere_steps(job.of->plan.bed.problem);
+    });
     return jobs;
 }
 

@@ -37,7 +37,8 @@ double simulated_seconds(const GranularPlan& plan);
 using OnJob = std::function<void(std::size_t job, const granular::Simulation*, const granular::TableRow*)>;
 
 /// Executes the jobs that no earlier command finished and fills in their results. Throws what a job threw
-/// that is no failure of its bed (a folder of another scene, a full disk), the first of them, after all ended.
+/// that is no failure of its bed (a folder of another scene, a full disk), the first of them, after all
+/// ended.
 void execute_jobs(const std::vector<GranularJob>& jobs, const RunContext& context, const Logger& log,
                   const OnJob& on_job);
 

@@ -345,7 +345,9 @@ void RunFolder::remove_outdated() const {
         const FileKind* kind = kind_of(name);
         const bool figure = file.parent_path() == path_ / "figures" && is_listed(manifest, "figures/" + name);
         const bool litter = is_temporary(name) && kind_of(name.substr(0, name.rfind(".tmp")));
-        if (!litter && !(had_run_ && (figure || (kind && is_outdated(*kind, file.lexically_relative(path_).generic_string())))))
+        if (!litter &&
+            !(had_run_ &&
+              (figure || (kind && is_outdated(*kind, file.lexically_relative(path_).generic_string())))))
             continue;
         if (name == "result.h5" && keeps_datasets()) // it is replaced as a whole, with what is kept
             continue;

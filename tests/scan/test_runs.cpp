@@ -73,10 +73,10 @@ TEST_CASE("The id of a run does not depend on how many runs there are") {
 }
 
 TEST_CASE("Every place of a design comes with every run once, with its values") {
-    const Design design = repeated(4);
+    const Design design = repeated(4), single = grid(3, 2);
     CHECK(places(design) == 6);
     CHECK(size(design) == 24);
-    const PointList points(design), once(grid(3, 2));
+    const PointList points(design), once(single);
     std::set<std::int64_t> all;
     for (std::int64_t i = 0; i < points.size(); ++i) {
         const Point point = points[i];
@@ -94,7 +94,8 @@ TEST_CASE("Dear places come first, those of one cost in their order") {
     CHECK(ids(repeated(1, {1.0, 5.0, 1.0, 3.0, 5.0, 0.0})) ==
           std::vector<std::int64_t>{id_of_run(1, 0), id_of_run(4, 0), id_of_run(3, 0), id_of_run(0, 0),
                                     id_of_run(2, 0), id_of_run(5, 0)});
-    for (const Design& design : {repeated(1), repeated(3), repeated(3, {1.0, 5.0, 1.0, 3.0, 5.0, 0.0}), grid(4, 5)})
+    for (const Design& design :
+         {repeated(1), repeated(3), repeated(3, {1.0, 5.0, 1.0, 3.0, 5.0, 0.0}), grid(4, 5)})
         CHECK(numbers_that_do_not_return(design).empty());
 }
 
@@ -108,7 +109,8 @@ TEST_CASE("More runs go on with those that are known, on any number of threads")
     const Scratch scratch;
     Tally tally;
     CHECK(run_runs(repeated(2), scratch / "l", by_run(&tally)).complete);
-    const Summary more = run_runs(repeated(5, {0.0, 2.0, 1.0, 0.0, 0.0, 0.0}), scratch / "l", by_run(&tally), {}, 3);
+    const Summary more =
+        run_runs(repeated(5, {0.0, 2.0, 1.0, 0.0, 0.0, 0.0}), scratch / "l", by_run(&tally), {}, 3);
     CHECK(more.complete);
     CHECK(more.requested == 30);
     CHECK(more.evaluated == 30);
@@ -141,7 +143,8 @@ TEST_CASE("The ledger tells point and run of each row") {
 
 TEST_CASE("The mean of runs leaves out what failed and what has no number") {
     std::vector<Result> runs = {finished(id_of_run(4, 0), 1, 1.0, std::nan("")),
-                                finished(id_of_run(4, 1), 0, 2.0, 7.0), finished(id_of_run(4, 2), 1, 6.0, 9.0)};
+                                finished(id_of_run(4, 1), 0, 2.0, 7.0),
+                                finished(id_of_run(4, 2), 1, 6.0, 9.0)};
     Result gone = finished(id_of_run(4, 3), 0, 1000.0, 1000.0);
     gone.status = Status::failed;
     runs.push_back(gone);

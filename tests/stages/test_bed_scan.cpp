@@ -22,14 +22,16 @@ namespace {
 const std::string beads = "schema = 1\n[granular]\nbeads = 20\nbox = \"30 a\"\nduration = \"0.02 s\"\n"
                           "equilibrate = \"0 s\"\n";
 const std::string outputs = "[granular.output]\nformats = []\nlast_period = false\n";
-const std::string rods = "[[granular.rods]]\nposition = [\"15 a\", \"6 a\"]\n"
-                         "[[granular.rods]]\nposition = [\"15 a\", \"-6 a\"]\n";
-const std::string axes = "[scan]\n[[scan.axes]]\nkey = \"granular.beads\"\nvalues = [10, 30]\n"
-                         "[[scan.axes]]\nkeys = [\"granular.rods.0.position.1\", "
-                         "\"granular.rods.1.position.1\"]\nfactor = [0.5, -0.5]\nvalues = [\"10 a\", \"14 a\"]\n";
+const std::string two_rods = "[[granular.rods]]\nposition = [\"15 a\", \"6 a\"]\n"
+                             "[[granular.rods]]\nposition = [\"15 a\", \"-6 a\"]\n";
+const std::string axes =
+    "[scan]\n[[scan.axes]]\nkey = \"granular.beads\"\nvalues = [10, 30]\n"
+    "[[scan.axes]]\nkeys = [\"granular.rods.0.position.1\", "
+    "\"granular.rods.1.position.1\"]\nfactor = [0.5, -0.5]\nvalues = [\"10 a\", \"14 a\"]\n";
 
 scene::Scene pairs(long runs = 2, const std::string& scan = axes) {
-    return scene::parse_scene(beads + "runs = " + std::to_string(runs) + "\n" + outputs + rods + scan, "bed.toml");
+    return scene::parse_scene(beads + "runs = " + std::to_string(runs) + "\n" + outputs + two_rods + scan,
+                              "bed.toml");
 }
 
 StageEnd run(const scene::Scene& scene, const fs::path& folder, const stages::RunContext& context = {},
@@ -49,13 +51,15 @@ std::string tables(const fs::path& folder) {
 }
 
 std::vector<double> column(const fs::path& file, const std::string& name) {
-    return *store::read_csv(file, {name}).find(name);
+    const std::vector<std::string> names = {name};
+    return *store::read_csv(file, names).find(name);
 }
 
 /// Files and columns that the manifest does not tell of; axes have the names of their keys.
 std::set<std::string> untold_of_scan(const fs::path& folder) {
     std::set<std::string> missing = untold(folder);
-    std::erase_if(missing, [](const std::string& one) { return one.find(":granular.") != std::string::npos; });
+    std::erase_if(missing,
+                  [](const std::string& one) { return one.find(":granular.") != std::string::npos; });
     return missing;
 }
 
@@ -86,8 +90,8 @@ TEST_CASE("A run of a point is that of the ensemble of its scene") {
     run(pairs(), scratch / "scan");
     const std::vector<std::string> point = {"granular.beads=30", "granular.rods.0.position.1=\"7 a\"",
                                             "granular.rods.1.position.1=\"-7 a\""};
-    const scene::Scene scene =
-        scene::parse_scene(beads + "runs = 2\n" + outputs + rods + "[measure]\npairs = true\n", "bed.toml", point);
+    const scene::Scene scene = scene::parse_scene(
+        beads + "runs = 2\n" + outputs + two_rods + "[measure]\npairs = true\n", "bed.toml", point);
     run(scene, scratch / "dem", {}, Stage::granular);
     for (const char* one : {"runs/0001", "runs/0002"})
         CHECK(content(scratch / "scan/points/0004" / one / "tracks.csv") ==
@@ -155,7 +159,6 @@ TEST_CASE("A point that fails is a value, and evaluated again it goes on") {
 TEST_CASE("A run whose time is up goes on from its checkpoint when there is more") {
     const Scratch scratch;
     run(pairs(1), scratch / "whole");
-    const std::string limit = axes + "";
     scene::Scene hasty = pairs(1);
     hasty.scan->time_limit = 1e-9;
     CHECK(run(hasty, scratch / "scan") == StageEnd::incomplete);
@@ -184,7 +187,8 @@ TEST_CASE("A bed without a pair has the means of its bed and rods") {
             "[scan]\n[[scan.axes]]\nkey = \"granular.plates.gamma\"\nvalues = [6.0, 7.0]\n",
         "bed.toml");
     CHECK(run(scene, scratch / "scan") == StageEnd::finished);
-    const std::string header = content(scratch / "scan/scan.csv").substr(0, content(scratch / "scan/scan.csv").find('\n'));
+    const std::string header =
+        content(scratch / "scan/scan.csv").substr(0, content(scratch / "scan/scan.csv").find('\n'));
     CHECK(has(header, "psi6,psi6_error"));
     CHECK(has(header, "mean_speed0,mean_speed0_error"));
     CHECK_FALSE(has(header, "contact"));

@@ -42,7 +42,7 @@ struct RodsPlan {
 struct Plan {
     scene::Scene scene;
     std::vector<Stage> stages;
-    std::vector<BedPlan> beds; ///< of a scan of beds the scene as written, which its points vary
+    std::vector<BedPlan> beds;  ///< of a scan of beds the scene as written, which its points vary
     std::vector<RodsPlan> rods; ///< with medium.fitted, those of the medium the scene starts with
     std::optional<FitInputs> fit;
     std::optional<FitPlan> fit_plan; ///< absent until all data are there

@@ -17,7 +17,8 @@ struct BedYield {
     std::vector<double> values; ///< as Columns::observables
 };
 
-/// From what the run wrote: lengths in a, the rest SI. Throws InputError for files that are not of such a run.
+/// From what the run wrote: lengths in a, the rest SI. Throws InputError for files that are not of such a
+/// run.
 BedYield yield_of(const scene::Scene& scene, const RunTables& run);
 
 } // namespace rodwake::assembly

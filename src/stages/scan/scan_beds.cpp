@@ -45,17 +45,16 @@ private:
                                 bed_folder(folder_, point.id)};
         if (!context_.force)
             require_same_run(task, granular.scene_key);
-        const GranularResult end =
-            execute_task(granular, task, limited(start), log_, 1, [](auto&&...) {});
+        const GranularResult end = execute_task(granular, task, limited(start), log_, 1, [](auto&&...) {});
         if (end.end == StageEnd::finished)
             return store(bed.of.scene, task.folder, result);
         result.status = end.end == StageEnd::failed ? scan::Status::failed
                         : context_.stopped()        ? scan::Status::stopped
                                                     : scan::Status::time_limit;
-        result.set_cause(result.status == scan::Status::time_limit
-                             ? fmt::format("{:g} s were up at t = {:.4g} s", *plan_.time_limit,
-                                           end.summary.simulated_time)
-                             : end.message);
+        result.set_cause(
+            result.status == scan::Status::time_limit
+                ? fmt::format("{:g} s were up at t = {:.4g} s", *plan_.time_limit, end.summary.simulated_time)
+                : end.message);
     }
 
     /// The context of a run whose time may be up.
@@ -92,7 +91,8 @@ fs::path bed_folder(const fs::path& scan, std::int64_t id) {
     return run_folder(scan / fmt::format("points/{:04}", scan::place_of_run(id) + 1), scan::run_of(id));
 }
 
-scan::Evaluate evaluate_beds(const assembly::ScanPlan& plan, fs::path folder, RunContext context, Logger log) {
+scan::Evaluate evaluate_beds(const assembly::ScanPlan& plan, fs::path folder, RunContext context,
+                             Logger log) {
     return [one = PointOfBeds(plan, std::move(folder), std::move(context), std::move(log))](
                std::span<const scan::Point> points, std::span<scan::Result> results) {
         for (std::size_t i = 0; i < points.size(); ++i)
