@@ -11,6 +11,7 @@ from .scan_axis import Axis
 from .spec import Spec
 
 MOST = 9       # more curves than this are thinned out
+OF_BEDS = ("delta_y", "last_change", "mean_speed0", "psi6")  # the first of these is drawn unless a scene asks for others
 ASIDE = 0.012  # of the axis, between curves with error bars
 
 
@@ -122,4 +123,5 @@ def caption(run, spec):
 
 
 def defaults(run):
-    return [Spec("scan_delta_y", "scan_curve", column="delta_y")] if "delta_y" in run.scan.columns else []
+    there = [name for name in OF_BEDS if name in run.scan.columns and np.isfinite(scan_columns.values(run.scan, name)).any()]
+    return [Spec(f"scan_{name}", "scan_curve", column=name) for name in there[:1]]

@@ -1,7 +1,6 @@
 """rodwake scan of beds: shares, ranks of an MPI job, what check says, what is refused; rodwake dem on ranks."""
 
 import rodwake
-from beds import columns
 from ranks import RanksTest
 from scans import ScanTest, axis, rows_of
 
@@ -76,13 +75,13 @@ class SameTest(BedScanTest, RanksTest):
         self.expect(0, "dem", "series.toml", "-o", "threads", "--quiet")
         self.ranks(2, "dem", "series.toml", "-o", "ranks", "--quiet")
         for name in ("runs.csv", "variants/more/runs.csv"):
-            one, other = (columns(self.folder / run / name) for run in ("threads", "ranks"))
-            self.assertEqual(len(one["run"]), 3)
-            for table in (one, other):
-                del table["cpu_seconds"]
+            one, other = (rows_of(self.folder / run / name) for run in ("threads", "ranks"))
+            self.assertEqual(len(one), 3)
+            for row in one + other:
+                del row["cpu_seconds"]
             self.assertEqual(one, other)
         self.ranks(2, "dem", "series.toml", "-o", "ranks", "--quiet", "-s", "granular.runs=5")
-        self.assertEqual(len(columns(self.folder / "ranks/variants/more/runs.csv")["run"]), 5)
+        self.assertEqual(len(rows_of(self.folder / "ranks/variants/more/runs.csv")), 5)
 
     def test_other_verbs_on_ranks_are_refused(self):
         done = self.ranks(2, "run", "beds.toml", "-o", "out", code=2)
