@@ -67,6 +67,10 @@ class ScanRun:
         """Of each point; 1 where points are not repeated."""
         return int(self.told.get("runs") or 1)
 
+    def runs_that_end(self, outcome):
+        """Of all points, of those that did not fail."""
+        return int((self.told.get("outcomes") or {}).get(outcome) or 0)
+
     @property
     def path(self):
         return self.folder / POINTS

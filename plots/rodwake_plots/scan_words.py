@@ -85,9 +85,12 @@ def axes_html(scan):
 
 
 def outcomes_html(scan):
-    """`contact 120, escape 30`, those that occur."""
-    counts = ((name, int((scan.outcome == index).sum())) for index, name in enumerate(OUTCOMES))
-    return ", ".join(f"{name} {count(number)}" for name, number in counts if number)
+    """`contact 120, escape 30`, those that occur; of repeated points their runs."""
+    if scan.runs > 1:
+        counts = [(name, scan.runs_that_end(name)) for name in OUTCOMES]
+    else:
+        counts = [(name, int((scan.outcome == index).sum())) for index, name in enumerate(OUTCOMES)]
+    return ("runs: " if scan.runs > 1 else "") + ", ".join(f"{name} {count(number)}" for name, number in counts if number)
 
 
 def failures_html(scan):
