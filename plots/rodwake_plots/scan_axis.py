@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.ticker import MaxNLocator, SymmetricalLogLocator
 
-from . import fit_words, ranges, schema, units, words
+from . import fit_words, ranges, schema, style, units, words
 from .errors import PlotError
 
 # Labels of the theory are without unit: x in f/mu is "x mu/f".
@@ -116,8 +116,8 @@ class Axis:
         axis.set_label_text(self.label)
 
 
-def from_json(told, place):
-    """An entry of scan.json, whose file is `place`."""
+def from_json(told, place, bead_radius=None):
+    """An entry of scan.json, whose file is `place`; lengths of beds are shown in a."""
     try:
         key, values = told["key"], tuple(told.get("values") or ())
         low, high = (values[0], values[-1]) if values else (told["from"], told["to"])
@@ -129,8 +129,11 @@ def from_json(told, place):
     except (KeyError, TypeError, ValueError) as error:
         raise PlotError(f"{place}: an axis lacks what it needs: {error}") from error
     log = spacing == "log" or (spacing == "listed" and low > 0 and high > WIDE * low)
-    factor, prefix = scaled(told.get("unit") or "", max(abs(low), abs(high)), log)
-    return Axis(key, tuple(told.get("keys") or (key,)), tuple(told.get("factors") or (1.0,)), symbol_of(key, told), told.get("unit") or "",
+    unit = told.get("unit") or ""
+    factor, prefix = scaled(unit, max(abs(low), abs(high)), log)
+    if unit == "m" and bead_radius:
+        factor, prefix, unit = 1.0 / bead_radius, "", "a"
+    return Axis(key, tuple(told.get("keys") or (key,)), tuple(told.get("factors") or (1.0,)), symbol_of(key, told), unit,
                 "log" if log and low * high > 0 else "linear", low, high, values, factor, prefix)
 
 
@@ -140,7 +143,9 @@ def scaled(unit, extent, log):
 
 
 def symbol_of(key, told):
-    """TeX: as the program says, of starts x_1 and the like, else the name of the key."""
+    """TeX: as the scene calls it, of starts x_1 and the like, as the program says, else the name of the key."""
+    if told.get("label"):
+        return checked(told["label"], key)
     found = PLACES.fullmatch(key)
     if found:
         return rf"{'xy'[int(found[3])] if found[3] else chr(92) + 'theta'}_{{{found[1]}}}"
@@ -149,6 +154,14 @@ def symbol_of(key, told):
     table, _, name = key.rpartition(".")
     known = schema.KEYS.get((table, name), {}).get("symbol")
     return known or r"\mathrm{%s}" % re.sub(r"[^\w.+-]", "?", name).replace("_", r"\ ")
+
+
+def checked(label, key):
+    try:
+        style.require_mathtext(label)
+    except ValueError as error:
+        raise PlotError(f"scan axis {key}: label = \"{label}\" is not TeX that figures can show: {error}") from error
+    return label
 
 
 def shown_window(axis, asked, name):

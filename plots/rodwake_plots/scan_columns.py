@@ -38,9 +38,16 @@ KNOWN = {
     "psi6": Quantity(r"\psi_6", "bond order", "", False),
     "T_xy": Quantity("T_{xy}", "horizontal temperature", "m²/s²", False),
     "T_z": Quantity("T_z", "vertical temperature", "m²/s²", False),
+    "max_overlap": Quantity("", "largest overlap", "radii", False),
+    "last_change": Quantity(r"\Delta y_\mathrm{end}", "change of separation at the end", "a", True),
+    "separation": Quantity("", "separation at the start", "a", False),
+    "leader": Quantity("", "rod that was ahead", "", False),
     "runs": Quantity("", "runs", "", False),
+    "failed_runs": Quantity("", "runs that failed", "", False),
 } | {name: Quantity("", f"share of runs that end in {name}" if name != "undecided" else "share of runs left undecided", "", False)
-     for name in OUTCOMES}
+     for name in OUTCOMES if name != "finished"}
+OF_RODS = {"mean_speed": ("v", "mean speed", "m/s"), "force": ("F", "mean force", "N")}
+BESIDES = ("_error", "_low", "_high", "_runs")  # columns that say something of another one
 MEANING = {
     "time": "pursuit is decided at the end of the run and has no time of its own",
     "non_reciprocity": "1: the rear rod alone turns, −1: the front rod alone, 0: both alike",
@@ -52,14 +59,29 @@ def quantity(name):
     turn = re.fullmatch(r"turn(\d+)", name)
     if turn:
         return Quantity(rf"\Delta\theta_{{{turn[1]}}}", f"turn of rod {turn[1]}", "rad", True)
+    of_rod = re.fullmatch(r"(mean_speed|force)(\d+)", name)
+    if of_rod:
+        symbol, told, unit = OF_RODS[of_rod[1]]
+        return Quantity(f"{symbol}_{{{of_rod[2]}}}", f"{told} of rod {of_rod[2]}", unit, True)
     return KNOWN.get(name, Quantity("", name.replace("_", " "), "", False))
 
 
 def names(scan):
-    """Columns of numbers that are no axis and no error of another column."""
+    """Columns of numbers that are no axis and no error or interval of another column."""
     axes = {axis.key for axis in scan.axes}
     return [name for name, values in scan.columns.items()
-            if not isinstance(values, list) and name not in axes and not (name.endswith("_error") and name[:-6] in scan.columns)]
+            if not isinstance(values, list) and name not in axes
+            and not any(name.endswith(end) and name.removesuffix(end) in scan.columns for end in BESIDES)]
+
+
+def errors(scan, name):
+    """[below, above][point]: standard errors, of shares the distances to the ends of their interval; nan where unknown."""
+    values = np.asarray(scan.numbers(name), dtype=float)
+    if f"{name}_low" in scan.columns:
+        found = np.stack([values - scan.columns[f"{name}_low"], scan.columns[f"{name}_high"] - values])
+    else:
+        found = np.tile(scan.columns.get(f"{name}_error", np.full(values.shape, np.nan)), (2, 1))
+    return np.where(np.isfinite(found) & (found > 0).any(axis=0), found, np.nan)
 
 
 def values(scan, name):
@@ -79,10 +101,12 @@ def means(scan, name):
 def unit(run, name, extent):
     """(factor, unit as mathtext with dollars): of lengths and times those of the run."""
     told = quantity(name)
+    if run.scan.of_beds and told.unit in ("length", "time"):
+        return 1.0, {"length": "$a$", "time": r"$\mathrm{s}$"}[told.unit]
     if told.unit in ("length", "time"):
         made = run.units.length("L", extent) if told.unit == "length" else run.units.time("L", extent)
         return made.factor, made.label.split("$ ", 1)[1].strip("()") if run.units.si else rf"${REDUCED[told.unit]}$"
-    return 1.0, {"": "", "a": "$a$", "m²/s²": r"$\mathrm{m^2/s^2}$"}.get(told.unit, told.unit)
+    return 1.0, {"": "", "a": "$a$", "m²/s²": r"$\mathrm{m^2/s^2}$", "m/s": r"$\mathrm{m/s}$", "N": r"$\mathrm{N}$"}.get(told.unit, told.unit)
 
 
 REDUCED = {"length": r"f/\mu", "time": r"f/\mu v_0"}
@@ -90,6 +114,8 @@ REDUCED = {"length": r"f/\mu", "time": r"f/\mu v_0"}
 
 def unit_html(run, name):
     told = quantity(name).unit
+    if run.scan.of_beds and told in ("length", "time"):
+        return {"length": "<i>a</i>", "time": "s"}[told]
     return {"length": run.units.length_html(), "time": run.units.time_html(), "a": "<i>a</i>"}.get(told, words.escape(told))
 
 

@@ -11,6 +11,7 @@ from .scan_axis import Axis
 from .spec import Spec
 
 MOST = 9       # more curves than this are thinned out
+OF_BEDS = ("delta_y", "last_change", "mean_speed0", "psi6")  # the first of these is drawn unless a scene asks for others
 ASIDE = 0.012  # of the axis, between curves with error bars
 
 
@@ -20,7 +21,7 @@ class Group(NamedTuple):
     html: str
     x: np.ndarray  # numbers of the file
     y: np.ndarray
-    sigma: np.ndarray
+    sigma: np.ndarray  # [below, above][point]
 
 
 def draw(run, spec):
@@ -64,8 +65,7 @@ def column(run, spec):
 def groups(scan, name):
     """(Groups in the order of the file, how many there would be); points without the number are left out."""
     values = scan_columns.values(scan, name)
-    sigma = scan.columns.get(f"{name}_error", np.full(values.shape, np.nan))
-    sigma = np.where(sigma > 0, sigma, np.nan)
+    sigma = scan_columns.errors(scan, name)
     others = scan.places[:, 1:]
     kinds, number = np.unique(others, axis=0, return_inverse=True)
     if len(kinds) > MOST and scan.design not in ("grid", "adaptive"):
@@ -80,7 +80,7 @@ def groups(scan, name):
         rows = rows[np.argsort(scan.place(0)[rows], kind="stable")]
         if rows.size:
             title, html = (", ".join(say(axis, value) for axis, value in told[index]) for say in (Axis.equals, Axis.equals_html))
-            found.append(Group(title, html, scan.place(0)[rows], values[rows], sigma[rows]))
+            found.append(Group(title, html, scan.place(0)[rows], values[rows], sigma[:, rows]))
     if not found:
         raise PlotError(f"{scan.path}: column {name} holds no numbers: nothing to draw")
     return found, len(kinds)
@@ -113,9 +113,9 @@ def caption(run, spec):
     told = scan_columns.quantity(name)
     meaning, unit = scan_columns.MEANING.get(name), scan_columns.unit_html(run, name)
     text = words.escape(told.name[0].upper() + told.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
-    text += f", against {scan.axes[0].name_html}: {scan_words.count(len(scan.failed))} points by {scan_words.design_html(scan)}"
+    text += f", against {scan.axes[0].name_html}: {scan_words.points_html(scan)}"
     if any(np.isfinite(group.sigma).any() for group in found):
-        text += "; bars: standard error" + (", curves moved a little apart along the axis" if len(found) > 1 else "")
+        text += f"; bars: {'95 % interval' if f'{name}_low' in scan.columns else 'standard error'}" + (", curves moved a little apart along the axis" if len(found) > 1 else "")
     text += "."
     if len(found) < all_of_them:
         text += f" {len(found)} of {scan_words.count(all_of_them)} curves are shown."
@@ -123,4 +123,5 @@ def caption(run, spec):
 
 
 def defaults(run):
-    return [Spec("scan_delta_y", "scan_curve", column="delta_y")] if "delta_y" in run.scan.columns else []
+    there = [name for name in OF_BEDS if name in run.scan.columns and np.isfinite(scan_columns.values(run.scan, name)).any()]
+    return [Spec(f"scan_{name}", "scan_curve", column=name) for name in there[:1]]

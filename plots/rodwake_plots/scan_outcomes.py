@@ -10,7 +10,8 @@ from .scan_run import CAPTURED, OUTCOMES
 
 # Two blues are one family: capture. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
 # vision; tests/plots/test_scan_colours.py has the numbers.
-COLOURS = {"contact": "#14589c", "pursuit": "#69b8ec", "escape": "#f5cb76", "undecided": "#a3a19c"}
+COLOURS = {"contact": "#14589c", "pursuit": "#69b8ec", "escape": "#f5cb76", "undecided": "#a3a19c",
+           "finished": "#6f8f7a"}  # the last stands alone
 NOTHING = "#e4e4e1"  # where there is no number
 CAPTURE = "capture = contact or pursuit"
 BOUNDARY = dict(color=style.INK, linewidth=0.6)

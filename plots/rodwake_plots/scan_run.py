@@ -10,7 +10,7 @@ from . import csv_columns, hdf5, scan_axis
 from .errors import PlotError
 
 TOLD, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
-OUTCOMES = ("contact", "pursuit", "escape", "undecided")
+OUTCOMES = ("contact", "pursuit", "escape", "undecided", "finished")  # the last of beds without a pair
 CAPTURED = ("contact", "pursuit")
 MIXED = "mixed"
 
@@ -35,7 +35,7 @@ class ScanRun:
     def __init__(self, folder):
         self.folder = folder
         self.told = self._told(folder / TOLD)
-        self.axes = [scan_axis.from_json(axis, folder / TOLD) for axis in self.need("axes")]
+        self.axes = [scan_axis.from_json(axis, folder / TOLD, self.told.get("bead_radius")) for axis in self.need("axes")]
         if not self.axes:
             raise PlotError(f"{folder / TOLD}: a scan without axes")
 
@@ -56,6 +56,20 @@ class ScanRun:
     @property
     def design(self):
         return str(self.need("design"))
+
+    @property
+    def of_beds(self):
+        """Points are granular runs; scan.csv has their means, lengths in a and times in s."""
+        return self.told.get("subject") == "beds"
+
+    @property
+    def runs(self):
+        """Of each point; 1 where points are not repeated."""
+        return int(self.told.get("runs") or 1)
+
+    def runs_that_end(self, outcome):
+        """Of all points, of those that did not fail."""
+        return int((self.told.get("outcomes") or {}).get(outcome) or 0)
 
     @property
     def path(self):

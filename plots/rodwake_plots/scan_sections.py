@@ -19,16 +19,18 @@ def points(scan):
     told = scan.told
     yield "Design", scan_words.design_html(scan)
     adaptive = scan.design == "adaptive"
-    for key, name in (("requested", "Points of a full grid" if adaptive else "Points asked for"), ("evaluated", "Evaluated"),
+    asked = "Points of a full grid" if adaptive else "Runs asked for" if scan.of_beds else "Points asked for"
+    for key, name in (("requested", asked), ("evaluated", "Evaluated"),
                       ("failed", "Failed"), ("left", "Not evaluated yet")):
         if words.is_number(told.get(key)) and (told[key] or key in ("requested", "evaluated")):
             yield name, scan_words.count(told[key])
+    total = told.get("evaluated") if scan.of_beds else len(scan.outcome)
     for cause, number in (told.get("causes") or {}).items():
         yield f"Failed: {words.escape(cause)}", words.number(number)
     for index, name in enumerate(OUTCOMES):
-        number = int((scan.outcome == index).sum())
+        number = scan.runs_that_end(name) if scan.of_beds else int((scan.outcome == index).sum())
         if number:
-            share = "" if adaptive else f" ({scan_words.percent(number / len(scan.outcome))})"  # points crowd at boundaries
+            share = "" if adaptive else f" ({scan_words.percent(number / total)})"  # points crowd at boundaries
             yield f"Outcome {name}", scan_words.count(number) + share
     missed = scan_words.missed_html(scan).strip().rstrip(".")
     if missed:

@@ -85,9 +85,12 @@ def axes_html(scan):
 
 
 def outcomes_html(scan):
-    """`contact 120, escape 30`, those that occur."""
-    counts = ((name, int((scan.outcome == index).sum())) for index, name in enumerate(OUTCOMES))
-    return ", ".join(f"{name} {count(number)}" for name, number in counts if number)
+    """`contact 120, escape 30`, those that occur; of repeated points their runs."""
+    if scan.runs > 1:
+        counts = [(name, scan.runs_that_end(name)) for name in OUTCOMES]
+    else:
+        counts = [(name, int((scan.outcome == index).sum())) for index, name in enumerate(OUTCOMES)]
+    return ("runs: " if scan.runs > 1 else "") + ", ".join(f"{name} {count(number)}" for name, number in counts if number)
 
 
 def failures_html(scan):
@@ -129,6 +132,8 @@ def design_html(scan):
 
 def what(run, spec):
     """What the colours show."""
+    if spec.colour == "outcome" and run.scan.runs > 1:
+        return "The outcome that most runs of a point had; capture is contact or pursuit"
     if spec.colour == "outcome":
         return "Outcome; capture is contact or pursuit"
     told, unit = scan_columns.quantity(spec.colour), scan_columns.unit_html(run, spec.colour)
@@ -136,9 +141,15 @@ def what(run, spec):
     return words.escape(told.name[0].upper() + told.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
 
 
+def points_html(scan):
+    """How many points there are, by what design, with how many runs each."""
+    each = f", {count(scan.runs)} runs each" if scan.runs > 1 else ""
+    return f"{count(len(scan.failed))} points by {design_html(scan)}{each}"
+
+
 def caption(run, spec):
     scan = run.scan
-    text = f"{what(run, spec)}, over {axes_html(scan)}: {count(len(scan.failed))} points by {design_html(scan)}"
+    text = f"{what(run, spec)}, over {axes_html(scan)}: {points_html(scan)}"
     text += f", {outcomes_html(scan)}." if (scan.outcome >= 0).any() else "."
     trust = failures_html(scan) + left_html(scan) + missed_html(scan)
     return text + shown_html(run, spec) + trust + fixed_html(run) + starts_html(run) + ties_html(scan)

@@ -42,3 +42,8 @@ def safe(text):
         return text
     except ValueError:
         return text.replace("$", r"\$")
+
+
+def require_mathtext(symbol):
+    """ValueError unless matplotlib can show this TeX, without dollars."""
+    MathTextParser("path").parse(f"${symbol}$")

@@ -55,6 +55,16 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
                          : "contact: no rods_run.contact_distance"});
 }
 
+std::string points_text(const scan::Design& design) {
+    if (design.kind == scan::Kind::adaptive)
+        return fmt::format("refined to {} cells a side where the outcome changes", design.resolution);
+    return fmt::format("{} points ({}){}", scan::places(design), scan::to_string(design.kind),
+                       design.runs > 0
+                           ? fmt::format(" of {} run{} of the bed each, {} runs in all", design.runs,
+                                         design.runs == 1 ? "" : "s", scan::size(design))
+                           : "");
+}
+
 void add_scan_lines(const Plan& plan, Lines& lines) {
     if (!plan.scan) {
         lines.push_back({false, "scan: no [scan] table"});
@@ -65,11 +75,10 @@ void add_scan_lines(const Plan& plan, Lines& lines) {
     for (const scan::Axis& axis : design.axes)
         axes +=
             fmt::format("{}{} from {:g} to {:g}", axes.empty() ? "" : ", ", axis.name, axis.from, axis.to);
-    lines.push_back({true, design.kind == scan::Kind::adaptive
-                               ? fmt::format("scan: {}, refined to {} cells a side where the outcome changes",
-                                             axes, design.resolution)
-                               : fmt::format("scan: {}, {} points ({})", axes, scan::size(design),
-                                             scan::to_string(design.kind))});
+    lines.push_back({true, "scan: " + axes + ", " + points_text(design)});
+    if (plan.scan->subject == scene::ScanSubject::beds && plan.scene.measure)
+        lines.push_back({false, "measures of scanned beds: a scan follows the rods alone, contact as in "
+                                "measure.contact_distance"});
     if (design.boundary_tolerance > 0.0)
         lines.push_back({true, fmt::format("boundaries between outcomes to {:g} of the axis",
                                            design.boundary_tolerance)});

@@ -117,6 +117,13 @@ std::optional<double> order_cutoff(const scene::Granular& bed, double phi_b) {
     return granular::neighbour_cutoff(bed.bead_radius, phi_b);
 }
 
+double sphere_steps(const granular::GranularProblem& problem) {
+    auto spheres = static_cast<double>(problem.beads);
+    for (const granular::RodSpec& rod : problem.rods)
+        spheres += static_cast<double>(rod.shape.spheres);
+    return spheres * static_cast<double>(problem.equilibration_steps + problem.steps);
+}
+
 double frame_interval(const scene::Granular& bed) { return bed.output.frames.value_or(bed.duration / 100.0); }
 
 double table_interval(const scene::Granular& bed) { return bed.output.table.value_or(0.01); }

@@ -45,10 +45,11 @@ const char* to_string(Stage stage) {
 
 std::vector<Stage> stages_of(const scene::Scene& scene) {
     const bool foreign = scene.measure && !scene.measure->trajectory.empty();
+    const bool scanned = scan_subject(scene) == scene::ScanSubject::beds;
     std::vector<Stage> stages;
-    if (scene.granular && !foreign)
+    if (scene.granular && !foreign && !scanned)
         stages.push_back(Stage::granular);
-    if (scene.measure)
+    if (scene.measure && !scanned)
         stages.push_back(Stage::measure);
     if (scene.fit)
         stages.push_back(Stage::fit);
@@ -76,7 +77,8 @@ std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
 
 Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInputs inputs) {
     Plan plan{scene, {stages.begin(), stages.end()}, {}, {}, std::move(inputs.fit), {}, {}};
-    if (plan.has(Stage::granular) || plan.has(Stage::measure))
+    const bool scans_beds = plan.has(Stage::scan) && scan_subject(scene) == scene::ScanSubject::beds;
+    if (plan.has(Stage::granular) || plan.has(Stage::measure) || scans_beds)
         plan.beds = plan_beds(scene);
     if (plan.has(Stage::rods))
         plan.rods = plan_rods(scene);

@@ -1,10 +1,8 @@
 #include "rodwake/assembly/scan.hpp"
 
-#include "rodwake/assembly/rods.hpp"
-#include "rodwake/core/encounter.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/lattice.hpp"
-#include "rodwake/scene/write.hpp"
+#include "scan_parts.hpp"
 
 #include <fmt/format.h>
 
@@ -19,27 +17,10 @@ using scene::ScanAxis;
 using scene::Value;
 using VariedKey = ScanPlan::VariedKey;
 
-constexpr std::size_t told_turns = 8; ///< rods whose turns are columns
+/// Of beds, whose places are all looked at before the first is evaluated.
+constexpr std::int64_t most_places_of_beds = 100'000;
 
 scan::Kind kind_of(scene::ScanDesign design) { return static_cast<scan::Kind>(design); }
-
-/// Points are not asked for their way, only for its end.
-void leave_out_outputs(std::optional<scene::RodsRun>& run) {
-    if (!run)
-        return;
-    run->output_times = {run->t_end};
-    run->t_end_from_outputs = false;
-}
-
-/// What points do not need is left out: they are copied for each thread, and validated never.
-scene::Scene base_of(const scene::Scene& scene) {
-    scene::Scene base = scene;
-    base.scan.reset();
-    base.field.reset();
-    base.figures.clear();
-    leave_out_outputs(base.rods_run);
-    return base;
-}
 
 std::vector<std::string> keys_of(const ScanAxis& axis) {
     return axis.key.empty() ? axis.keys : std::vector{axis.key};
@@ -66,7 +47,8 @@ Value value_at(const VariedKey& key, double at) {
 
 class Planner {
 public:
-    explicit Planner(const scene::Scene& scene) : base_(base_of(scene)), scan_(*scene.scan) {}
+    explicit Planner(const scene::Scene& scene)
+        : base_(scan_base(scene)), subject_(scan_subject(scene)), scan_(*scene.scan) {}
 
     ScanPlan plan(const std::optional<ScanList>& list) {
         scan::Design design;
@@ -76,6 +58,7 @@ public:
         design.resolution = scan_.resolution;
         design.audit = scan_.audit;
         design.boundary_tolerance = scan_.boundary_tolerance.value_or(0.0);
+        design.runs = of_beds() ? base_.granular->runs : 0;
         if (list)
             take_list(design, *list);
         else
@@ -84,10 +67,14 @@ public:
         require_size(design);
         start_from_earliest_end(design);
         scene::ValueSetter all = setter_of(keys_);
-        ScanPlan plan{std::move(design), columns(),       {}, base_, std::move(all),
-                      std::move(keys_),  scan_.time_limit};
+        ScanPlan plan{subject_, std::move(design), columns(), {}, base_, std::move(all), std::move(keys_),
+                      {},       scan_.time_limit};
+        plan.labels.resize(plan.design.axes.size());
+        std::ranges::transform(scan_.axes, plan.labels.begin(), &ScanAxis::label);
         take_drivers(plan);
         try_ends(plan);
+        if (of_beds())
+            plan.design.costs = costs_of_beds(plan);
         return plan;
     }
 
@@ -99,6 +86,8 @@ private:
         for (std::size_t k = 0; k < list.keys.size(); ++k) {
             scan::Axis axis;
             axis.name = list.keys[k];
+            if (!can_vary(axis.name, subject_))
+                refuse(axis.name, "is not what this scan can vary");
             double low = HUGE_VAL, high = -HUGE_VAL;
             for (const auto& row : list.rows) {
                 low = std::min(low, row[k]);
@@ -235,6 +224,8 @@ private:
         const std::int64_t points = scan::size(design);
         if (points == 0)
             throw InputError(base_.path + ": the scan has no points");
+        if (of_beds())
+            return require_fewer_runs(design);
         require_fewer(points, "", "take fewer points, design = \"adaptive\"");
     }
 
@@ -242,6 +233,20 @@ private:
         const scan::Lattice lattice(design); // refuses a resolution that it cannot have
         design.resolution = design.axes.front().count;
         require_fewer(scan::size(design), " at the start", "take a smaller count");
+    }
+
+    scan::Columns columns() const { return of_beds() ? columns_of_beds(base_) : columns_of_rods(base_); }
+
+    void require_fewer_runs(const scan::Design& design) const {
+        const std::int64_t places = scan::places(design), runs = scan::size(design);
+        if (runs > scan_.max_points)
+            throw InputError(fmt::format("{}: the scan has {} points of {} runs, {} runs in all, more than "
+                                         "scan.max_points = {}: take fewer points or granular.runs, or raise "
+                                         "scan.max_points",
+                                         base_.path, places, design.runs, runs, scan_.max_points));
+        if (places > most_places_of_beds)
+            throw InputError(fmt::format("{}: the scan has {} points; a scan of beds has at most {}",
+                                         base_.path, places, most_places_of_beds));
     }
 
     void require_fewer(std::int64_t points, const char* when, const char* remedy) const {
@@ -266,19 +271,6 @@ private:
                 base_.rods_run->t_end = earliest * key.scale;
             leave_out_outputs(base_.rods_run);
         }
-    }
-
-    scan::Columns columns() const {
-        scan::Columns columns;
-        for (const Ending ending : {Ending::contact, Ending::pursuit, Ending::escape, Ending::undecided})
-            columns.outcomes.push_back(rodwake::to_string(ending));
-        columns.observables = {"time", "min_separation", "min_separation_time"};
-        for (std::size_t rod = 0; rod < std::min(base_.rods.size(), told_turns); ++rod)
-            columns.observables.push_back(fmt::format("turn{}", rod));
-        for (const char* name :
-             {"non_reciprocity", "final_separation", "final_angle", "steps", "rhs_evaluations"})
-            columns.observables.emplace_back(name);
-        return columns;
     }
 
     scene::ValueSetter setter_of(const std::vector<VariedKey>& keys) const {
@@ -334,7 +326,10 @@ private:
         }
     }
 
+    bool of_beds() const { return subject_ == scene::ScanSubject::beds; }
+
     scene::Scene base_;
+    scene::ScanSubject subject_;
     const scene::Scan& scan_;
     std::vector<VariedKey> keys_;
 };
@@ -367,29 +362,6 @@ std::optional<std::string> set_point(const ScanPlan& plan, scene::Scene& scene, 
     for (std::size_t k = 0; k < plan.keys.size(); ++k)
         all[k] = value_at(plan.keys[k], point.at[plan.keys[k].axis]);
     return plan.setter.set(scene, all.first(plan.keys.size()));
-}
-
-std::string scan_key(const scene::Scene& scene) {
-    scene::Scene key = scene;
-    key.title.clear();
-    key.field.reset();
-    key.figures.clear();
-    key.measure.reset();
-    key.fit.reset();
-    leave_out_outputs(key.rods_run);
-    if (key.rods_run)
-        key.rods_run->max_steps = scene::RodsRun{}.max_steps; // a limit, raised when it was met
-    if (key.scan) {
-        const scene::Scan scan = *key.scan;
-        key.scan = scene::Scan{};
-        key.scan->design = scan.design;
-        key.scan->axes = scan.axes;
-        if (scan.design == scene::ScanDesign::lhs) { // another number of slices is another sample
-            key.scan->samples = scan.samples;
-            key.scan->seed = scan.seed;
-        }
-    }
-    return scene::to_plain_toml(key);
 }
 
 } // namespace rodwake::assembly

@@ -82,13 +82,13 @@ int finish(const Options& options, stages::StageEnd end) {
 
 namespace {
 
-/// The MPI job, for a scan. Other verbs would do the same work on every rank.
+/// The MPI job, for a scan or granular runs. Other verbs would do the same work on every rank.
 std::unique_ptr<scan::MpiJob> job_of(const Options& options) {
     if (!scan::started_as_rank())
         return nullptr;
-    if (options.verb != Verb::scan)
-        throw InputError("only rodwake scan works under mpiexec: the other verbs would do the same work on "
-                         "every rank");
+    if (options.verb != Verb::scan && options.verb != Verb::dem)
+        throw InputError("only rodwake scan and rodwake dem work under mpiexec: the other verbs would do the "
+                         "same work on every rank");
     return scan::MpiJob::join();
 }
 
@@ -101,7 +101,7 @@ stages::RunContext context_of(const Options& options, scan::MpiJob* job) {
         context.log = nullptr;
         context.progress = nullptr;
     }
-    context.scan.executor = [job](scan::Evaluate evaluate, std::function<bool()> stop) {
+    context.executor = [job](scan::Evaluate evaluate, std::function<bool()> stop) {
         return job->executor(std::move(evaluate), std::move(stop));
     };
     return context;
@@ -118,7 +118,7 @@ int verb_stages(const Options& options) {
     const stages::RunContext context = context_of(options, job.get());
     const assembly::Plan plan = stages::plan_run(scene, stages, output_folder(options), context);
     if (job && job->rank() > 0) {
-        stages::serve_scan(plan, context, *job);
+        stages::serve(plan, output_folder(options), context, *job);
         return stop_signal() ? signal_exit_code(stop_signal()) : 0;
     }
     return finish(options, stages::run(plan, output_folder(options), context));

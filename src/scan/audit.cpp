@@ -1,8 +1,7 @@
 #include "rodwake/scan/audit.hpp"
 
 #include "rodwake/core/rng.hpp"
-
-#include <boost/math/distributions/binomial.hpp>
+#include "rodwake/scan/proportion.hpp"
 
 #include <algorithm>
 #include <unordered_set>
@@ -13,12 +12,7 @@ double Audit::rate() const {
     return tried > 0 ? static_cast<double>(missed) / static_cast<double>(tried) : 0.0;
 }
 
-double Audit::upper_bound() const {
-    if (tried == 0 || missed == tried)
-        return 1.0;
-    return boost::math::binomial_distribution<>::find_upper_bound_on_p(static_cast<double>(tried),
-                                                                       static_cast<double>(missed), 0.05);
-}
+double Audit::upper_bound() const { return Proportion{missed, tried}.high(0.05); }
 
 std::vector<Point> audit_points(const Refinement& refinement, const Design& design, std::uint32_t round) {
     constexpr std::uint32_t stream = 0x61756474; // no other random numbers of a scan

@@ -72,7 +72,7 @@ const char* to_string(Kind kind) {
     return names[static_cast<std::size_t>(kind)];
 }
 
-std::int64_t size(const Design& design) {
+std::int64_t places(const Design& design) {
     if (design.kind == Kind::list)
         return static_cast<std::int64_t>(design.rows.size());
     if (design.kind == Kind::lhs || design.kind == Kind::sobol)
@@ -89,22 +89,59 @@ std::int64_t size(const Design& design) {
     return points;
 }
 
-PointList::PointList(const Design& design) : design_(design), size_(scan::size(design)) {
-    const std::size_t axes = design.axes.size();
-    if (design.kind == Kind::lhs)
-        fractions_ = lhs_fractions(static_cast<std::size_t>(size_), axes, design.seed);
-    if (design.kind == Kind::sobol)
-        fractions_ = sobol_fractions(static_cast<std::size_t>(size_), axes);
+std::int64_t size(const Design& design) {
+    const std::int64_t count = places(design);
+    if (design.runs == 0)
+        return count;
+    if (count > std::int64_t{1} << (62 - run_bits))
+        throw InputError("the scan has more than 2^62 points");
+    return count * design.runs;
 }
 
-Point PointList::operator[](std::int64_t id) const {
-    Point point{id, {}};
-    const std::size_t axes = design_.axes.size(), row = static_cast<std::size_t>(id);
+PointList::PointList(const Design& design) : design_(design), size_(scan::size(design)) {
+    const std::size_t axes = design.axes.size(), count = static_cast<std::size_t>(places(design));
+    if (design.kind == Kind::lhs)
+        fractions_ = lhs_fractions(count, axes, design.seed);
+    if (design.kind == Kind::sobol)
+        fractions_ = sobol_fractions(count, axes);
+    if (design.costs.empty())
+        return;
+    order_.resize(count);
+    rank_.resize(count);
+    std::iota(order_.begin(), order_.end(), std::int64_t{0});
+    std::ranges::stable_sort(order_, std::ranges::greater(), [&](std::int64_t place) {
+        return design.costs[static_cast<std::size_t>(place)];
+    });
+    for (std::size_t i = 0; i < count; ++i)
+        rank_[static_cast<std::size_t>(order_[i])] = static_cast<std::int64_t>(i);
+}
+
+Point PointList::operator[](std::int64_t number) const {
+    const std::int64_t runs = std::max(design_.runs, 1L), turn = number / runs;
+    const std::int64_t place = order_.empty() ? turn : order_[static_cast<std::size_t>(turn)];
+    Point point = at_place(place);
+    if (design_.runs > 0)
+        point.id = id_of_run(place, number % runs);
+    return point;
+}
+
+std::optional<std::int64_t> PointList::number_of(std::int64_t id) const {
+    const bool repeated = design_.runs > 0;
+    const std::int64_t runs = std::max(design_.runs, 1L), place = repeated ? place_of_run(id) : id,
+                       run = repeated ? run_of(id) : 0;
+    if (id < 0 || place >= size_ / runs || run >= runs)
+        return std::nullopt;
+    return (rank_.empty() ? place : rank_[static_cast<std::size_t>(place)]) * runs + run;
+}
+
+Point PointList::at_place(std::int64_t place) const {
+    Point point{place, {}};
+    const std::size_t axes = design_.axes.size(), row = static_cast<std::size_t>(place);
     if (design_.kind == Kind::list) {
         std::ranges::copy(design_.rows[row], point.at.begin());
         return point;
     }
-    std::int64_t rest = id;
+    std::int64_t rest = place;
     for (std::size_t k = axes; k-- > 0;) { // the last axis runs fastest
         const Axis& axis = design_.axes[k];
         if (design_.kind == Kind::grid) {

@@ -42,6 +42,9 @@ std::string listed(const std::vector<std::string>& names) {
 
 std::string create_points(const LedgerHead& head) {
     std::string columns = "id INTEGER PRIMARY KEY";
+    if (head.repeated)
+        columns += fmt::format(", point INTEGER AS ((id >> {}) + 1), run INTEGER AS ((id & {}) + 1)",
+                               run_bits, max_runs - 1);
     for (const Axis& axis : head.axes)
         columns += fmt::format(", {} {}", identifier(axis.name), axis.words.empty() ? "REAL" : "TEXT");
     columns += ", outcome TEXT, status TEXT NOT NULL";

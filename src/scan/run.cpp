@@ -57,31 +57,32 @@ private:
     const RunOptions& options_;
 };
 
-std::vector<bool> ids_in(const Ledger& ledger, std::int64_t size) {
-    std::vector<bool> there(static_cast<std::size_t>(size), false);
+/// Which points of the list the ledger holds, by their numbers.
+std::vector<bool> numbers_in(const Ledger& ledger, const PointList& points) {
+    std::vector<bool> there(static_cast<std::size_t>(points.size()), false);
     ledger.for_each_id([&](std::int64_t id) {
-        if (id >= 0 && id < size)
-            there[static_cast<std::size_t>(id)] = true;
+        if (const auto number = points.number_of(id))
+            there[static_cast<std::size_t>(*number)] = true;
     });
     return there;
 }
 
 void run_list(const Design& design, Ledger& ledger, Evaluation& evaluate, Part part, Summary& summary) {
     const PointList points(design);
-    const std::vector<bool> there = ids_in(ledger, points.size());
+    const std::vector<bool> there = numbers_in(ledger, points);
     std::vector<Point> next;
-    for (std::int64_t id = part.index; id < points.size(); id += part.of) {
+    for (std::int64_t i = part.index; i < points.size(); i += part.of) {
         ++evaluate.total;
-        evaluate.done += there[static_cast<std::size_t>(id)];
+        evaluate.done += there[static_cast<std::size_t>(i)];
     }
     summary.complete = true;
     const auto flush = [&] {
         summary.complete = summary.complete && evaluate(next);
         next.clear();
     };
-    for (std::int64_t id = part.index; id < points.size() && summary.complete; id += part.of) {
-        if (!there[static_cast<std::size_t>(id)])
-            next.push_back(points[id]);
+    for (std::int64_t i = part.index; i < points.size() && summary.complete; i += part.of) {
+        if (!there[static_cast<std::size_t>(i)])
+            next.push_back(points[i]);
         if (next.size() == slab)
             flush();
     }

@@ -1,5 +1,7 @@
 #include "check_scan.hpp"
 
+#include "rodwake/scene/scan_subject.hpp"
+
 #include <fmt/format.h>
 
 #include <bit>
@@ -10,20 +12,20 @@ namespace {
 
 using Report = std::function<void(const std::string&, const std::string&)>;
 
-/// Keys that no point depends on.
-bool is_foreign(const std::string& key) {
-    for (const char* table :
-         {"scan.", "figures.", "variants.", "field.", "granular.", "measure.", "fit.", "title", "schema"})
-        if (key.starts_with(table))
-            return true;
-    return false;
-}
-
 std::vector<std::string> keys_of(const ScanAxis& axis) {
     return axis.key.empty() ? axis.keys : std::vector{axis.key};
 }
 
-bool check_names(const ScanAxis& axis, const std::string& path, const Report& report) {
+std::string cannot_vary(const std::string& key, ScanSubject subject) {
+    if (key == "granular.runs")
+        return "granular.runs is how many runs each point of the scan has: set it in [granular]";
+    return key + " is not what a scan" +
+           (subject == ScanSubject::beds
+                ? " of beds can vary: points depend on [granular] without runs, output and restart_from"
+                : " can vary: points depend on [medium], [coupling], [[rods]] and [rods_run]");
+}
+
+bool check_names(const ScanAxis& axis, ScanSubject subject, const std::string& path, const Report& report) {
     if (axis.key.empty() == axis.keys.empty()) {
         report(path, fmt::format("{}: give key, or keys for several that vary together", path));
         return false;
@@ -34,10 +36,8 @@ bool check_names(const ScanAxis& axis, const std::string& path, const Report& re
         return false;
     }
     for (const std::string& key : keys_of(axis))
-        if (is_foreign(key)) {
-            report(path, fmt::format("{}: {} is not what a scan can vary: points depend on [medium], "
-                                     "[coupling], [[rods]] and [rods_run]",
-                                     path, key));
+        if (!can_vary(key, subject)) {
+            report(path, path + ": " + cannot_vary(key, subject));
             return false;
         }
     return true;
@@ -63,8 +63,9 @@ void check_ends(const ScanAxis& axis, const std::string& path, const Report& rep
                fmt::format("{}: spacing \"log\" needs ends of one sign, found {} and {}", path, *from, *to));
 }
 
-void check_axis(const Scan& scan, const ScanAxis& axis, const std::string& path, const Report& report) {
-    if (!check_names(axis, path, report))
+void check_axis(const Scene& scene, const ScanAxis& axis, const std::string& path, const Report& report) {
+    const Scan& scan = *scene.scan;
+    if (!check_names(axis, scan_subject(scene), path, report))
         return;
     const bool range = axis.from && axis.to, any = axis.from || axis.to;
     if (axis.values.empty() != range || (any && !range))
@@ -114,16 +115,31 @@ void check_design(const Scan& scan, const Report& report) {
         report("scan.refine", "[[scan.refine]] needs design = \"adaptive\"");
 }
 
-void check_subject(const Scene& scene, const Report& report) {
+void check_rods(const Scene& scene, const Report& report) {
     if (!scene.rods_run)
-        report("scan", "[scan] needs [[rods]] with [rods_run]; beds are not scanned in this version: take "
-                       "[[variants]] and granular.runs");
+        report("scan", "[scan] needs [[rods]] with [rods_run], or [granular]");
     else if (scene.rods.size() < 2)
         report("scan", "[scan] of rods needs two or more [[rods]]: a single rod has no outcome");
-    if (!scene.variants.empty())
-        report("scan", "[scan] and [[variants]] do not go together: make the variants an axis");
     if (scene.medium && scene.medium->fitted)
         report("scan", "[scan] needs a medium of its own: medium.fitted = true takes it from [fit]");
+}
+
+void check_beds(const Scene& scene, const Report& report) {
+    if (scene.scan->design == ScanDesign::adaptive)
+        report("scan.design", "scan.design = \"adaptive\" follows where the outcome changes, and outcomes of "
+                              "beds are random: take grid, list, lhs or sobol");
+    if (scene.granular->start == GranularStart::restart)
+        report("granular.start",
+               "[scan] of beds makes the start of each run anew: granular.start = lattice or random");
+}
+
+void check_subject(const Scene& scene, const Report& report) {
+    if (scan_subject(scene) == ScanSubject::beds)
+        check_beds(scene, report);
+    else
+        check_rods(scene, report);
+    if (!scene.variants.empty())
+        report("scan", "[scan] and [[variants]] do not go together: make the variants an axis");
 }
 
 } // namespace
@@ -138,7 +154,7 @@ void check_scan(const Scene& scene, const Report& report) {
         return;
     for (std::size_t i = 0; i < scan.axes.size(); ++i) {
         const std::string path = fmt::format("scan.axes[{}]", i);
-        check_axis(scan, scan.axes[i], path, report);
+        check_axis(scene, scan.axes[i], path, report);
         if (scan.design == ScanDesign::adaptive)
             check_resolution(scan, scan.axes[i], path, report);
     }

@@ -22,6 +22,11 @@ void fields(Visitor& v, ScanAxis& axis) {
           .doc("with keys: what the value of the axis is multiplied by for each of them")
           .example("[1.0, -1.0]"),
       axis.factor);
+    v(key("label")
+          .absent("the symbol of the key")
+          .doc("what figures call the axis, as TeX; for tied keys that mean something else together")
+          .example("\"d_0\""),
+      axis.label);
     v(key("from").absent("values").doc("one end, in the units of the key").example("0.1"), axis.from);
     v(key("to").absent("values").doc("the other end, included").example("100.0"), axis.to);
     v(key("spacing").doc("how points lie between the ends; log needs ends of one sign").example("\"log\""),

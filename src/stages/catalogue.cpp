@@ -1,5 +1,6 @@
 #include "catalogue.hpp"
 
+#include "scan/scan_columns.hpp"
 #include "series_columns.hpp"
 
 #include <algorithm>
@@ -61,20 +62,6 @@ constexpr ColumnInfo runs_columns[] = {
     {"half_box_time", "s", "when the rods had come half a box; empty: they have not"},
     {"half_box_separation_change", "m", "separation change then"}};
 
-// Axes of a scan are columns too, under the names of their keys.
-constexpr ColumnInfo scan_columns[] = {
-    {"outcome", "1", "contact, pursuit, escape or undecided; empty: the point failed"},
-    {"time", "{time}", "of contact, else the time reached"},
-    {"status", "1", "ok, failed, time_limit, not_finite or exception"},
-    {"min_separation", "{length}", "smallest separation of two rods"},
-    {"min_separation_time", "{time}", "when that was"},
-    {"turn<k>", "rad", "of rod k from start to end"},
-    {"non_reciprocity", "1", "(|turn of the rear| - |turn of the front|)/(their sum)"},
-    {"final_separation", "{length}", "at the end"},
-    {"final_angle", "rad", "between the headings at the end"},
-    {"steps", "1", "of the solver"},
-    {"rhs_evaluations", "1", "of the right-hand side"},
-    {"retries", "1", "attempts before the last"}};
 constexpr ColumnInfo cells_columns[] = {{"outcome", "1", "of all corners of the cell; mixed: they differ"}};
 constexpr ColumnInfo boundary_columns[] = {
     {"curve", "1", "number of the curve; its rows are in order along it"},
@@ -150,10 +137,10 @@ constexpr FileKind plain_kinds[] = {
 
     {"field_cut_<k>.csv", Stage::field, result, "displacement along a line", cut_columns},
 
-    {"ledger.sqlite", Stage::scan, kept, "a row a point of the scan, as it goes on: table points"},
+    {"ledger.sqlite", Stage::scan, kept,
+     "a row a point of the scan, of beds a row a run, as it goes on: table points"},
     {"ledger.sqlite-wal", Stage::scan, kept, "the newest rows of the ledger while it is open"},
     {"ledger.sqlite-shm", Stage::scan, kept, "for who reads the ledger while it is open"},
-    {"scan.csv", Stage::scan, result, "a row a point of the scan", scan_columns},
     {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},
     {"scan.json", Stage::scan, result, "axes, counts, causes of failures, rate of what was missed"},
     {"scan.html", Stage::scan, result, "the scan to explore in a browser"},
@@ -181,6 +168,9 @@ std::vector<ColumnInfo> columns_of_series() {
 std::vector<FileKind> all_kinds() {
     static const std::vector<ColumnInfo> series = columns_of_series();
     std::vector<FileKind> all(std::begin(plain_kinds), std::end(plain_kinds));
+    all.push_back({"scan.csv", Stage::scan, result, "a row a point of the scan; of beds means over its runs",
+                   scan_columns()});
+    all.push_back({"scan_runs.csv", Stage::scan, result, "a row a run of a scan of beds", scan_columns()});
     all.push_back(
         {"series.csv", Stage::measure, result, "a row for the scene and one for each variant", series});
     for (const assembly::MeasureKind& kind : assembly::measure_kinds())
@@ -216,6 +206,10 @@ const FileKind* kind_of(std::string_view name) {
     const auto at =
         std::ranges::find_if(file_kinds(), [&](const FileKind& k) { return fits(name, k.pattern); });
     return at == file_kinds().end() ? nullptr : &*at;
+}
+
+std::optional<Stage> stage_of(const FileKind& kind, std::string_view name) {
+    return kind.stage == Stage::granular && name.starts_with("points/") ? Stage::scan : kind.stage;
 }
 
 const ColumnInfo* column_of(const FileKind& kind, std::string_view name) {

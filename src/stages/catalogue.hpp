@@ -39,6 +39,9 @@ const FileKind* kind_of(std::string_view name);
 /// The entry of a column by its name in a file; nullptr if the kind has none such.
 const ColumnInfo* column_of(const FileKind& kind, std::string_view name);
 
+/// Who makes a file of this kind at this place in the run folder: beds in points/ are of the scan.
+std::optional<assembly::Stage> stage_of(const FileKind& kind, std::string_view name);
+
 /// Whether a name fits a pattern: "profile_Ux_x.csv" fits "profile_<k>_<k>.csv".
 bool fits(std::string_view name, std::string_view pattern);
 

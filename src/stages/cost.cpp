@@ -70,11 +70,8 @@ std::string bed_cost(const Plan& plan) {
     const auto runs = static_cast<double>(first.of.scene.granular->runs);
     double all = 0.0;
     for (const assembly::BedPlan& bed : plan.beds) {
-        const auto size = [](const granular::GranularProblem& p) {
-            return static_cast<double>(p.beads + 12 * p.rods.size());
-        };
-        all += step * size(bed.problem) / size(first.problem) * steps_of(bed) *
-               static_cast<double>(bed.of.scene.granular->runs);
+        all += step * steps_of(first) * assembly::sphere_steps(bed.problem) /
+               assembly::sphere_steps(first.problem) * static_cast<double>(bed.of.scene.granular->runs);
     }
     const double one = step * steps_of(first);
     std::string text = fmt::format("  granular run: about {:.2g} CPU seconds", one);
@@ -157,6 +154,22 @@ double seconds_of_point(const assembly::ScanPlan& plan) {
     return since(start) / static_cast<double>(done);
 }
 
+/// Of all runs, as dear as they are compared with the bed as written.
+std::string bed_scan_cost(const Plan& plan) {
+    const assembly::BedPlan& first = plan.beds.front();
+    const scan::Design& design = plan.scan->design;
+    const double one = seconds_of_step(first.problem) * steps_of(first);
+    double all = 0.0;
+    for (const double cost : design.costs)
+        all += one * cost / assembly::sphere_steps(first.problem) * static_cast<double>(design.runs);
+    return fmt::format(
+        "  scan: {:.2g} CPU seconds a run as written{}, {} runs, about {:.2g} CPU seconds ({:.2g} "
+        "hours){}\n  output of a run: {}\n",
+        one, first.schedule.stop_at_travel > 0.0 ? " that goes on to its end" : "", scan::size(design), all,
+        all / 3600.0, first.schedule.stop_at_travel > 0.0 ? ", less where rods reach stop_at_travel" : "",
+        assembly::describe_output(first));
+}
+
 std::string scan_cost(const assembly::ScanPlan& plan) {
     const double each = seconds_of_point(plan);
     double points = static_cast<double>(scan::size(plan.design));
@@ -185,7 +198,7 @@ std::string expected_cost(const Plan& plan) {
     if (plan.has(assembly::Stage::rods))
         text += rods_cost(plan);
     if (plan.scan)
-        text += scan_cost(*plan.scan);
+        text += plan.scan->subject == scene::ScanSubject::beds ? bed_scan_cost(plan) : scan_cost(*plan.scan);
     return text.empty() ? "  nothing to compute\n" : text;
 }
 

@@ -309,15 +309,6 @@ private:
 
 } // namespace
 
-std::vector<GranularTask> granular_tasks(const assembly::Case& one, const std::filesystem::path& directory) {
-    const long runs = one.scene.granular->runs;
-    const std::filesystem::path folder = one.folder.empty() ? directory : directory / one.folder;
-    std::vector<GranularTask> tasks;
-    for (std::uint32_t run = 0; run < static_cast<std::uint32_t>(runs); ++run)
-        tasks.push_back({run, runs == 1 ? folder : folder / fmt::format("runs/{:04}", run + 1)});
-    return tasks;
-}
-
 GranularResult
 run_granular(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
              std::size_t threads,

@@ -25,9 +25,6 @@ struct GranularTask {
     std::filesystem::path folder;
 };
 
-/// The runs of a case, one folder each; who executes them is another matter.
-std::vector<GranularTask> granular_tasks(const assembly::Case& one, const std::filesystem::path& directory);
-
 /// Of one rod; SI, + is thin end first.
 struct RodSummary {
     std::string kind;

@@ -1,46 +1,12 @@
-#include "granular_run.hpp"
+#include "granular_jobs.hpp"
 #include "granular_summary.hpp"
 #include "progress.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/first_difference.hpp"
-#include "rodwake/core/parallel.hpp"
-#include "rodwake/scene/write.hpp"
 #include "stage_list.hpp"
-
-#include <fmt/format.h>
-
-#include <atomic>
-#include <mutex>
-#include <sstream>
 
 namespace rodwake::stages {
 
 namespace {
-
-/// The scene without what changes pictures and bookkeeping only: a checkpoint belongs to this text.
-std::string scene_key(const scene::Scene& scene) {
-    scene::Scene key;
-    key.granular = scene.granular;
-    key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
-    key.granular->runs = 1; // an unfinished ensemble may grow
-    return scene::to_plain_toml(key);
-}
-
-LoadedCheckpoint stored_checkpoint(const std::string& file) {
-    auto loaded = load_checkpoint(file);
-    if (!loaded)
-        throw InputError(
-            file + ": no such checkpoint (granular.restart_from); a finished run keeps its last state in "
-                   "final.rwc, one that goes on in checkpoint.rwc");
-    return std::move(*loaded);
-}
-
-granular::State stored_state(const std::string& file, const Logger& log) {
-    LoadedCheckpoint loaded = stored_checkpoint(file);
-    if (!loaded.notice.empty())
-        log->warn("{}", loaded.notice);
-    return std::move(loaded.checkpoint.state);
-}
 
 bool within(const std::filesystem::path& file, const std::filesystem::path& folder) {
     const auto below =
@@ -48,50 +14,9 @@ bool within(const std::filesystem::path& file, const std::filesystem::path& fold
     return !below.empty() && *below.begin() != "..";
 }
 
-/// A bed, its runs and how they ended.
-struct Work {
-    GranularPlan plan;
-    std::vector<GranularTask> tasks;
-    std::vector<GranularResult> results;
-
-    const assembly::Case& of() const { return plan.bed.of; }
-};
-
-std::vector<Work> work_of(const Session& session) {
-    std::vector<Work> all;
-    for (const assembly::BedPlan& bed : session.plan.beds) {
-        Work work{{bed, scene_key(bed.of.scene), {}}, granular_tasks(bed.of, session.directory.path()), {}};
-        const scene::Granular& keys = *bed.of.scene.granular;
-        if (keys.start == scene::GranularStart::restart)
-            work.plan.restart = stored_state(keys.restart_from, session.log);
-        work.results.resize(work.tasks.size());
-        all.push_back(std::move(work));
-    }
-    return all;
-}
-
-/// One run of one case.
-struct Job {
-    Work* of;
-    std::size_t task;
-};
-
-std::vector<Job> jobs_of(std::vector<Work>& all) {
-    std::vector<Job> jobs;
-    for (Work& one : all)
-        for (std::size_t i = 0; i < one.tasks.size(); ++i)
-            jobs.push_back({&one, i});
-    return jobs;
-}
-
-double simulated_seconds(const GranularPlan& plan) {
-    const granular::GranularProblem& p = plan.bed.problem;
-    return static_cast<double>(p.steps + p.equilibration_steps) * p.time_step;
-}
-
-double simulated_seconds(const std::vector<Job>& jobs) {
+double simulated_seconds(const std::vector<GranularJob>& jobs) {
     double sum = 0.0;
-    for (const Job& job : jobs)
+    for (const GranularJob& job : jobs)
         sum += simulated_seconds(job.of->plan);
     return sum;
 }
@@ -99,9 +24,12 @@ double simulated_seconds(const std::vector<Job>& jobs) {
 /// Progress of all runs together, in simulated seconds, and of a single one a table of twenty rows.
 class Telling {
 public:
-    Telling(const Session& session, const std::vector<Job>& jobs)
+    Telling(const Session& session, const std::vector<GranularJob>& jobs)
         : log_(session.log), single_(jobs.size() == 1), of_one_(simulated_seconds(jobs.front().of->plan)),
           progress_(session.context, "dem", jobs.size(), simulated_seconds(jobs), "s") {}
+
+    /// A run that another rank has finished.
+    void finish(std::size_t job, double seconds) { progress_.update(job, seconds); }
 
     void update(std::size_t job, const granular::Simulation& s, const granular::TableRow* row) {
         const bool told = progress_.update(job, static_cast<double>(s.step()) * s.problem().time_step);
@@ -125,38 +53,6 @@ private:
     SharedProgress progress_;
 };
 
-/// The summary of a run of an ensemble that an earlier command finished; require_dem saw that it is of this
-/// scene.
-std::optional<GranularSummary> finished_before(const GranularPlan& plan, const GranularTask& task) {
-    auto known = read_summary(task.folder / "summary.json", plan.bed.problem, task.run);
-    return known && load_checkpoint(task.folder / "final.rwc") ? std::move(known) : std::nullopt;
-}
-
-/// Refuses to take up what an earlier command left of another scene, before anything of it is touched.
-void require_same_scene(const std::filesystem::path& file, const std::string& key) {
-    const auto loaded = load_checkpoint(file);
-    if (loaded && loaded->checkpoint.scene != key)
-        throw InputError(fmt::format(
-            "{}: belongs to another scene ({}); choose another folder with -o, or --force to start anew",
-            file.string(), first_difference(loaded->checkpoint.scene, key)));
-}
-
-/// Executes one job unless an earlier command finished it.
-GranularResult execute(const Session& session, const Job& job, std::size_t number, std::size_t threads,
-                       Telling& progress) {
-    const GranularPlan& plan = job.of->plan;
-    const GranularTask& task = job.of->tasks[job.task];
-    if (!session.context.force)
-        if (auto known = finished_before(plan, task))
-            return {StageEnd::finished, {}, std::move(*known)};
-    if (session.context.stopped())
-        return {StageEnd::interrupted, {}, {}};
-    return run_granular(plan, task, session.context, session.log, threads,
-                        [&](const granular::Simulation& s, const granular::TableRow* row) {
-                            progress.update(number, s, row);
-                        });
-}
-
 void report_one(const Session& session, const GranularSummary& s) {
     session.log->info(
         "dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, largest "
@@ -167,15 +63,16 @@ void report_one(const Session& session, const GranularSummary& s) {
                           s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
 }
 
-StageEnd conclude(const Session& session, const Work& one) {
+StageEnd conclude(const Session& session, const BedWork& one) {
     std::vector<GranularSummary> finished;
     StageEnd end = StageEnd::finished;
     const std::string name = one.of().suffix();
-    for (const GranularResult& result : one.results) {
+    for (std::size_t i = 0; i < one.results.size(); ++i) {
+        const GranularResult& result = one.results[i];
         if (result.end == StageEnd::finished)
             finished.push_back(result.summary);
         if (result.end == StageEnd::failed)
-            session.log->error("dem{}: run {}: {}", name, result.summary.run + 1, result.message);
+            session.log->error("dem{}: run {}: {}", name, one.tasks[i].run + 1, result.message);
         if (result.end == StageEnd::interrupted && end == StageEnd::finished)
             end = StageEnd::interrupted;
         if (result.end == StageEnd::failed)
@@ -200,8 +97,8 @@ StageEnd worse(StageEnd a, StageEnd b) {
     return a == StageEnd::finished ? b : a;
 }
 
-void announce(const Session& session, const std::vector<Work>& all) {
-    for (const Work& one : all) {
+void announce(const Session& session, const std::vector<BedWork>& all) {
+    for (const BedWork& one : all) {
         const granular::GranularProblem& p = one.plan.bed.problem;
         session.log->info(
             "dem{}: beads {}, rods {}, phi_b = {:.4f}, runs {}, steps {} + {} of {:g} s; {} instructions",
@@ -215,8 +112,7 @@ void announce(const Session& session, const std::vector<Work>& all) {
 void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder) {
     for (const assembly::Case& one : assembly::bed_cases(scene))
         for (const GranularTask& task : granular_tasks(one, folder))
-            for (const char* name : {"checkpoint.rwc", "final.rwc"})
-                require_same_scene(task.folder / name, scene_key(one.scene));
+            require_same_run(task, granular_key(one.scene));
 }
 
 void require_granular(const assembly::Plan& plan, const std::filesystem::path& folder,
@@ -235,17 +131,19 @@ void require_granular(const assembly::Plan& plan, const std::filesystem::path& f
 }
 
 StageEnd run_granular_stage(Session& session) {
-    std::vector<Work> all = work_of(session);
-    const std::vector<Job> jobs = jobs_of(all);
+    std::vector<BedWork> all = beds_of(session.plan, session.directory.path(), session.log);
+    const std::vector<GranularJob> jobs = jobs_of(all);
     announce(session, all);
     Telling progress(session, jobs);
-    const std::size_t threads = session.context.thread_count();
-    const bool single = jobs.size() == 1;
-    parallel_for(jobs.size(), threads, [&](std::size_t i) {
-        jobs[i].of->results[jobs[i].task] = execute(session, jobs[i], i, single ? threads : 1, progress);
-    });
+    execute_jobs(jobs, session.context, session.log,
+                 [&](std::size_t job, const granular::Simulation* s, const granular::TableRow* row) {
+                     if (s)
+                         progress.update(job, *s, row);
+                     else
+                         progress.finish(job, simulated_seconds(jobs[job].of->plan));
+                 });
     StageEnd end = StageEnd::finished;
-    for (const Work& one : all)
+    for (const BedWork& one : all)
         end = worse(end, conclude(session, one));
     return end;
 }

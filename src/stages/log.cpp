@@ -59,4 +59,6 @@ Logger make_logger(const RunContext& context, const std::filesystem::path& run_l
     return logger;
 }
 
+Logger make_silent_logger() { return std::make_shared<spdlog::logger>("rodwake"); }
+
 } // namespace rodwake::stages

@@ -15,4 +15,7 @@ using Logger = std::shared_ptr<spdlog::logger>;
 /// Throws RunError if the file cannot be opened.
 Logger make_logger(const RunContext& context, const std::filesystem::path& run_log);
 
+/// For ranks, whose messages come home with their results.
+Logger make_silent_logger();
+
 } // namespace rodwake::stages

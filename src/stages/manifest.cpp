@@ -25,6 +25,7 @@ using nlohmann::ordered_json;
 /// Units of what a run writes: of its theory, and of the data that were fitted.
 struct ManifestUnits {
     assembly::OutputUnits output;
+    std::string scan_length, scan_time;
     std::string data; ///< length_unit of [fit]
     bool si = false;  ///< of the scene's keys
 };
@@ -32,8 +33,10 @@ struct ManifestUnits {
 ManifestUnits units_of(const fs::path& folder) {
     try {
         const scene::Scene scene = scene::read_scene(folder / "scene.toml");
-        return {assembly::output_units(scene), scene.fit ? scene.fit->length_unit : "",
-                scene.units == scene::UnitSystem::si};
+        const assembly::OutputUnits output = assembly::output_units(scene);
+        const bool beds = scan_subject(scene) == scene::ScanSubject::beds;
+        return {output, beds ? "a" : output.length_name, beds ? "s" : output.time_name,
+                scene.fit ? scene.fit->length_unit : "", scene.units == scene::UnitSystem::si};
     } catch (const InputError&) { // no scene yet
         return {};
     }
@@ -55,6 +58,10 @@ std::vector<std::string> header_of(const fs::path& file) {
 std::string unit_of(std::string_view unit, const ManifestUnits& units) {
     if (unit == "{length}")
         return units.output.length_name;
+    if (unit == "{scan length}")
+        return units.scan_length;
+    if (unit == "{scan time}")
+        return units.scan_time;
     if (unit == "{time}")
         return units.output.time_name;
     return unit == "{data}" ? units.data : std::string(unit);
@@ -108,8 +115,8 @@ std::string manifest_json(const fs::path& folder) {
     for (const FileEntry& file : files_of_run(folder)) {
         const FileKind* kind = kind_of(fs::path(file.name).filename().string());
         files[file.name] = {{"what", file.what}};
-        if (kind && kind->stage)
-            files[file.name]["stage"] = assembly::to_string(*kind->stage);
+        if (const auto stage = kind ? stage_of(*kind, file.name) : std::nullopt)
+            files[file.name]["stage"] = assembly::to_string(*stage);
         if (kind && !kind->columns.empty())
             files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
     }

@@ -1,6 +1,6 @@
 #include "measure_stage.hpp"
 
-#include "granular_run.hpp"
+#include "granular_task.hpp"
 #include "measure_frames.hpp"
 #include "measure_records.hpp"
 #include "progress.hpp"

@@ -1,6 +1,7 @@
 #include "rodwake/stages/run.hpp"
 
 #include "fit_stage.hpp"
+#include "granular_jobs.hpp"
 #include "measure_stage.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/stages/run_folder.hpp"
@@ -109,6 +110,13 @@ Plan plan_check(scene::Scene scene, const fs::path& folder, const RunContext& co
         inputs.fit = read_fit_inputs(scene, folder, OwnFiles::if_there);
     inputs.list = read_scan_list(scene);
     return assembly::make_plan(scene, assembly::stages_of(scene), std::move(inputs));
+}
+
+void serve(const Plan& plan, const fs::path& folder, const RunContext& context, scan::MpiJob& job) {
+    if (plan.has(Stage::scan))
+        serve_scan(plan, folder, context, job);
+    else
+        serve_beds(plan, folder, context, job);
 }
 
 StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context) {

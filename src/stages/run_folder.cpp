@@ -77,9 +77,14 @@ bool contains(std::span<const Stage> stages, Stage stage) {
     return std::ranges::find(stages, stage) != stages.end();
 }
 
-/// A bed that was finished with fewer runs is not finished for more of them.
+/// A bed, or a scan of beds, that was finished with fewer runs is not finished for more of them.
 bool grows(const scene::Scene& old, const scene::Scene& scene) {
     return old.granular && scene.granular && scene.granular->runs > old.granular->runs;
+}
+
+bool scan_grows(const scene::Scene& old, const scene::Scene& scene) {
+    const bool beds = scan_subject(scene) == scene::ScanSubject::beds;
+    return old.scan != scene.scan || (beds && grows(old, scene));
 }
 
 /// A fit that was finished before the scene wanted its medium.
@@ -104,7 +109,22 @@ void remove_empty_runs(const fs::path& runs) {
         fs::remove(runs, ignored);
 }
 
-/// Files of a run are in its folder, in variants/<name>/, in runs/<number>/ of either, and figures/.
+void remove_empty_points(const fs::path& points) {
+    std::error_code ignored;
+    std::vector<fs::path> folders;
+    for (const fs::directory_entry& entry : fs::directory_iterator(points, ignored))
+        folders.push_back(entry.path());
+    for (const fs::path& folder : folders) {
+        remove_empty_runs(folder / "runs");
+        if (fs::is_directory(folder, ignored) && fs::is_empty(folder, ignored))
+            fs::remove(folder, ignored);
+    }
+    if (fs::is_directory(points, ignored) && fs::is_empty(points, ignored))
+        fs::remove(points, ignored);
+}
+
+/// Files of a run are in its folder, in variants/<name>/, in points/<number>/, in runs/<number>/ of each, and
+/// figures/.
 std::vector<fs::path> files_of(const fs::path& folder) {
     std::vector<fs::path> files;
     const auto add = [&](const auto& entries) {
@@ -113,7 +133,7 @@ std::vector<fs::path> files_of(const fs::path& folder) {
                 files.push_back(entry.path());
     };
     add(fs::directory_iterator(folder));
-    for (const char* sub : {"figures", "variants", "runs"})
+    for (const char* sub : {"figures", "variants", "points", "runs"})
         if (fs::is_directory(folder / sub))
             add(fs::recursive_directory_iterator(folder / sub));
     return files;
@@ -228,7 +248,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         const bool light = (stage == Stage::measure || stage == Stage::fit) && !finished;
         const bool more = (stage == Stage::granular && alike && grows(*old, scene)) ||
                           lacks_medium(path_, scene, stage) ||
-                          (stage == Stage::scan && alike && (reopen_scan || old->scan != scene.scan));
+                          (stage == Stage::scan && alike && (reopen_scan || scan_grows(*old, scene)));
         if (asked && (light || (alike && (!finished || more)))) {
             stages_.push_back(stage);
             (finished ? extended_ : resumed_) = true;
@@ -304,14 +324,15 @@ void RunFolder::begin(const Provenance& provenance, std::string_view scene) cons
     write("provenance.json", provenance(records("unfinished")));
 }
 
-bool RunFolder::is_outdated(const FileKind& kind) const {
-    if (!kind.stage)
+bool RunFolder::is_outdated(const FileKind& kind, const std::string& name) const {
+    const std::optional<Stage> stage = stage_of(kind, name);
+    if (!stage)
         return kind.lifetime == Lifetime::result;
-    if (contains(dropped_, *kind.stage))
+    if (contains(dropped_, *stage))
         return true;
-    if (!contains(stages_, *kind.stage))
+    if (!contains(stages_, *stage))
         return false;
-    const bool goes_on = !anew_ && old_.contains(to_string(*kind.stage));
+    const bool goes_on = !anew_ && old_.contains(to_string(*stage));
     return !goes_on || kind.lifetime == Lifetime::result;
 }
 
@@ -324,7 +345,9 @@ void RunFolder::remove_outdated() const {
         const FileKind* kind = kind_of(name);
         const bool figure = file.parent_path() == path_ / "figures" && is_listed(manifest, "figures/" + name);
         const bool litter = is_temporary(name) && kind_of(name.substr(0, name.rfind(".tmp")));
-        if (!litter && !(had_run_ && (figure || (kind && is_outdated(*kind)))))
+        if (!litter &&
+            !(had_run_ &&
+              (figure || (kind && is_outdated(*kind, file.lexically_relative(path_).generic_string())))))
             continue;
         if (name == "result.h5" && keeps_datasets()) // it is replaced as a whole, with what is kept
             continue;
@@ -332,8 +355,10 @@ void RunFolder::remove_outdated() const {
             throw RunError(file.string() +
                            ": cannot remove this result of the earlier run: " + error.message());
     }
-    if (anew_)
+    if (anew_) {
         remove_empty_runs(path_ / "runs");
+        remove_empty_points(path_ / "points");
+    }
 }
 
 void RunFolder::write(std::string_view name, std::string_view content) const {

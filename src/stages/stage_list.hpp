@@ -1,6 +1,7 @@
 #pragma once
 // The stages of a run: each computes what the session's plan says and stores its results.
 
+#include "rodwake/scan/mpi.hpp"
 #include "session.hpp"
 
 #include <string>
@@ -29,8 +30,12 @@ StageEnd run_measure_stage(Session& session);
 /// medium.fitted.
 StageEnd run_fit_stage(Session& session);
 
-/// [scan]: ledger.sqlite, scan.csv, scan.h5, scan.json, cells.csv, boundary.csv.
+/// [scan]: ledger.sqlite, scan.csv, scan.h5, scan.json, cells.csv, boundary.csv; of beds scan_runs.csv, and
+/// the runs in points/.
 StageEnd run_scan_stage(Session& session);
+/// On a rank of an MPI job but the first: evaluates points of the plan's scan.
+void serve_scan(const assembly::Plan& plan, const std::filesystem::path& folder, const RunContext& context,
+                scan::MpiJob& job);
 
 /// Content of outcome.json. Lengths and times in the session's output units.
 std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,

@@ -3,30 +3,22 @@
 import signal
 
 import rodwake
-from ranks import RANKS, RankTest
+from ranks import ScanRanksTest
 
 
-@RANKS
-class SameTablesTest(RankTest):
+class SameTablesTest(ScanRanksTest):
     def test_any_number_of_ranks(self):
         self.scan("scan.toml", "whole", "--quiet")
         for ranks in (2, 3):
-            self.scan_on_ranks(ranks, f"run{ranks}")
+            self.ranks(ranks, "scan", "scan.toml", "-o", f"run{ranks}", "--quiet")
             self.assert_same(f"run{ranks}", "whole")
 
-    def test_other_verbs_are_refused(self):
-        done = self.on_ranks(2, "rods", rodwake.THEORY_PAIR)
-        self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertIn("under mpiexec", done.stderr)
-
     def test_a_wrong_scene_is_refused_on_all_ranks(self):
-        done = self.on_ranks(2, "scan", "scan.toml", "-o", "run", "-s", "scan.resolution=33")
-        self.assertEqual(done.returncode, 2, done.stderr)
+        done = self.ranks(2, "scan", "scan.toml", "-o", "run", "-s", "scan.resolution=33", code=2)
         self.assertIn("scan.resolution", done.stderr)
 
 
-@RANKS
-class DeathTest(RankTest):
+class DeathTest(ScanRanksTest):
     def test_a_rank_dies(self):
         self.scan("scan.toml", "whole", "--quiet")
         for rank in (0, 1):

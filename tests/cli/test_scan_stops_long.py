@@ -1,7 +1,7 @@
 """A hundred random kills of a scan on threads, a hundred of ranks under mpiexec, and chains of twenty. The moments: RODWAKE_TEST_SEED."""
 
 import rodwake
-from ranks import RANKS, RankTest
+from ranks import ScanRanksTest
 from scans import ANY, KILL, StoppedScanTest
 
 
@@ -15,8 +15,7 @@ class KillTest(StoppedScanTest):
         self.finish_often(30, 20, ANY, 0.2 * self.seconds)
 
 
-@RANKS
-class DeathTest(RankTest):
+class DeathTest(ScanRanksTest):
     def test_ranks(self):
         self.write("scan.toml", (self.folder / "scan.toml").read_text().replace("resolution = 32", "resolution = 64"))
         self.scan("scan.toml", "whole", "--quiet")

@@ -1,5 +1,6 @@
 // [scan]: reading, writing, and what does not fit.
 
+#include "rodwake/scene/scan_subject.hpp"
 #include "rodwake/scene/set.hpp"
 #include "rodwake/scene/write.hpp"
 #include "support.hpp"
@@ -8,7 +9,10 @@
 
 using namespace scene_test;
 using rodwake::scene::ScanDesign;
+using rodwake::scene::parse_scene;
+using rodwake::scene::scan_subject;
 using rodwake::scene::ScanSpacing;
+using rodwake::scene::ScanSubject;
 using rodwake::scene::Value;
 
 namespace {
@@ -99,8 +103,9 @@ TEST_CASE("scans that differ are not equal") {
 }
 
 TEST_CASE("a scan needs rods that can meet, and axes") {
-    CHECK(error_text(bed("[scan]\n" + kappa)).find("[scan] needs [[rods]] with [rods_run]") !=
-          std::string::npos);
+    CHECK(error_text("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [-1, 1]\ny = [-1, 1]\n[scan]\n" +
+                     kappa)
+              .find("[scan] needs [[rods]] with [rods_run], or [granular]") != std::string::npos);
     CHECK(error_text("schema = 1\n[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\n[scan]\n" +
                      axis("key = \"rods.0.heading\"\nfrom = 0\nto = 1"))
               .find("[scan] of rods needs two or more [[rods]]") != std::string::npos);
@@ -194,4 +199,31 @@ TEST_CASE("ends of an axis are set as they are written, and no nan") {
     CHECK(scene.scan->axes[0].from == Value("10 deg"));
     CHECK(from.set(scene, Value(std::nan(""))));
     CHECK(scene.scan->axes[0].from == Value("10 deg"));
+}
+
+TEST_CASE("a scan of beds varies the bed, by designs that take random outcomes") {
+    const std::string gamma = axis("key = \"granular.plates.gamma\"\nfrom = 1\nto = 7\ncount = 64");
+    CHECK(error_text(bed("[scan]\n" + gamma)).empty());
+    CHECK(scan_subject(parse_scene(bed("[scan]\n" + gamma), "x.toml")) == ScanSubject::beds);
+    const auto refused = [&](const std::string& lines, const std::string& why) {
+        INFO(lines);
+        CHECK(error_text(bed("[scan]\n" + lines)).find(why) != std::string::npos);
+    };
+    refused(kappa, "scan.axes[0]: coupling.kappa is not what a scan of beds can vary");
+    for (const std::string key : {"granular.output.frames", "granular.restart_from", "measure.order"})
+        refused(axis("key = \"" + key + "\"\nfrom = 1\nto = 2"),
+                key + " is not what a scan of beds can vary");
+    refused(axis("key = \"granular.runs\"\nfrom = 1\nto = 2"), "granular.runs is how many runs each point");
+    refused("design = \"adaptive\"\n" + gamma, "outcomes of beds are random: take grid, list, lhs or sobol");
+}
+
+TEST_CASE("of a scene with rods and a bed the axes tell what is scanned") {
+    const std::string both = scan("") + "[granular]\nphi_b = 0.5\nbox = \"20 a\"\nduration = \"1 s\"\n";
+    const auto subject = [&](const std::string& key) {
+        return scan_subject(
+            parse_scene(both + axis("key = \"" + key + "\"\nfrom = 0.1\nto = 0.2"), "x.toml"));
+    };
+    CHECK(subject("coupling.kappa") == ScanSubject::rods);
+    CHECK(subject("granular.phi_b") == ScanSubject::beds);
+    CHECK(scan_subject(Scene()) == ScanSubject::rods);
 }

@@ -1,4 +1,4 @@
-"""Scans on ranks under mpiexec, and ranks that are killed."""
+"""The program on the ranks of an MPI job, and ranks that are killed."""
 
 import contextlib
 import os
@@ -10,7 +10,7 @@ import time
 import unittest
 from pathlib import Path
 
-from rodwake import PROGRAM
+from rodwake import PROGRAM, ProgramTest
 from scans import ScanTest
 
 # Containers run tests as root and with fewer cores than ranks.
@@ -23,7 +23,8 @@ def has_ranks():
     return shutil.which("mpiexec") is not None and not any(line.split() == ["MPI", "none"] for line in told.splitlines())
 
 
-RANKS = unittest.skipUnless(has_ranks(), "built without MPI, or no mpiexec")
+def command(ranks, *arguments):
+    return ["mpiexec", "-n", str(ranks), PROGRAM, *map(str, arguments)]
 
 
 def rank_of(process):
@@ -44,27 +45,30 @@ def processes_below(parent):
     return found
 
 
-class RankTest(ScanTest):
+@unittest.skipUnless(has_ranks(), "built without MPI, or no mpiexec")
+class RanksTest(ProgramTest):
+    def on_ranks(self, count, *arguments):
+        """The finished job."""
+        return subprocess.run(command(count, *arguments), cwd=self.folder, env=ENVIRONMENT, capture_output=True, text=True,
+                              timeout=240, check=False)
+
+    def ranks(self, count, *arguments, code=0):
+        """The job, which must end with this code."""
+        done = self.on_ranks(count, *arguments)
+        self.assertEqual(done.returncode, code, f"{arguments}\nstdout: {done.stdout}\nstderr: {done.stderr}")
+        return done
+
+
+class ScanRanksTest(RanksTest, ScanTest):
     """The moments of deaths: RODWAKE_TEST_SEED."""
 
     def setUp(self):
         super().setUp()
         self.random = random.Random(os.environ.get("RODWAKE_TEST_SEED", "1"))
 
-    def command(self, ranks, *arguments):
-        return ["mpiexec", "-n", str(ranks), PROGRAM, *map(str, arguments)]
-
-    def on_ranks(self, ranks, *arguments):
-        return subprocess.run(self.command(ranks, *arguments), cwd=self.folder, env=ENVIRONMENT, capture_output=True, text=True,
-                              timeout=120, check=False)
-
-    def scan_on_ranks(self, ranks, run, scene="scan.toml"):
-        done = self.on_ranks(ranks, "scan", scene, "-o", run, "--quiet")
-        self.assertEqual(done.returncode, 0, done.stderr)
-
     @contextlib.contextmanager
     def job(self, ranks, *arguments):
-        with subprocess.Popen(self.command(ranks, *arguments), cwd=self.folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL,
+        with subprocess.Popen(command(ranks, *arguments), cwd=self.folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL) as process:
             try:
                 yield process
@@ -90,7 +94,7 @@ class RankTest(ScanTest):
         """Scans in folders of their own in which this rank dies at a random moment, until there were so many; each is finished
         by threads, and is then as one that was left alone ("whole")."""
         started = time.monotonic()
-        self.scan_on_ranks(2, "timed")
+        self.ranks(2, "scan", "scan.toml", "-o", "timed", "--quiet")
         seconds = time.monotonic() - started
         shutil.rmtree(self.folder / "timed")
         died = runs = 0

@@ -1,11 +1,10 @@
 """The helpers of the tests of ranks must be able to fail."""
 
 import rodwake
-from ranks import RANKS, RankTest, rank_of
+from ranks import ScanRanksTest, rank_of
 
 
-@RANKS
-class RanksTest(RankTest):
+class RanksTest(ScanRanksTest):
     def test_a_rank_that_is_not_there_cannot_die(self):
         self.assertFalse(self.kill_rank(7, "run", 0.1))
         self.assertIsNone(rank_of(1))
@@ -15,9 +14,10 @@ class RanksTest(RankTest):
         with self.assertRaises(self.failureException):
             self.finish_after_deaths(1, 1)
 
-    def test_an_exit_code_is_seen(self):
+    def test_ranks_want_the_exit_code(self):
+        self.ranks(2, "scan", "none.toml", code=2)
         with self.assertRaises(self.failureException):
-            self.scan_on_ranks(2, "run", "nowhere.toml")
+            self.ranks(2, "scan", "none.toml")
 
 
 if __name__ == "__main__":

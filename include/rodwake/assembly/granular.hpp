@@ -28,6 +28,9 @@ double equilibration_time(const scene::Granular& bed, double phi_b);
 /// granular.order_cutoff, or granular::neighbour_cutoff, m. Nothing without beads.
 std::optional<double> order_cutoff(const scene::Granular& bed, double phi_b);
 
+/// What a run costs, in any unit: spheres times steps, equilibration included.
+double sphere_steps(const granular::GranularProblem& problem);
+
 /// Intervals of frames and of rows of the table, s.
 double frame_interval(const scene::Granular& bed);
 double table_interval(const scene::Granular& bed);

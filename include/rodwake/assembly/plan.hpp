@@ -20,7 +20,8 @@ namespace rodwake::assembly {
 enum class Stage { granular, measure, fit, field, rods, scan };
 const char* to_string(Stage stage);
 
-/// The stages a scene names: measures of a stored trajectory need no granular run.
+/// The stages a scene names: measures of a stored trajectory need no granular run, and a scan of beds takes
+/// the place of the bed as written and its measures.
 std::vector<Stage> stages_of(const scene::Scene& scene);
 
 /// One bed: the scene as written, or a variant of it.
@@ -41,7 +42,7 @@ struct RodsPlan {
 struct Plan {
     scene::Scene scene;
     std::vector<Stage> stages;
-    std::vector<BedPlan> beds;
+    std::vector<BedPlan> beds;  ///< of a scan of beds the scene as written, which its points vary
     std::vector<RodsPlan> rods; ///< with medium.fitted, those of the medium the scene starts with
     std::optional<FitInputs> fit;
     std::optional<FitPlan> fit_plan; ///< absent until all data are there

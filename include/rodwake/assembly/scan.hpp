@@ -3,6 +3,7 @@
 // values of its axes; values are as a scene file has them as plain numbers, in the unit of the key.
 
 #include "rodwake/scan/design.hpp"
+#include "rodwake/scene/scan_subject.hpp"
 #include "rodwake/scene/scene.hpp"
 #include "rodwake/scene/set.hpp"
 
@@ -28,12 +29,14 @@ struct ScanPlan {
         std::vector<scene::Value> words;
     };
 
-    scan::Design design;
+    scene::ScanSubject subject = scene::ScanSubject::rods;
+    scan::Design design; ///< of beds with granular.runs, and what a run costs
     scan::Columns columns;
     std::string description;   ///< what the results depend on, for the ledger
     scene::Scene base;         ///< the scene without what points do not need
     scene::ValueSetter setter; ///< of all keys, in the order of `keys`
     std::vector<VariedKey> keys;
+    std::vector<std::string> labels;  ///< of each axis, for figures; empty: that of the key
     std::optional<double> time_limit; ///< seconds a point
 };
 
@@ -44,7 +47,8 @@ ScanPlan plan_scan(const scene::Scene& scene, const std::optional<ScanList>& lis
 /// Puts a point's values into a copy of `base`; what is wrong, or nothing.
 std::optional<std::string> set_point(const ScanPlan& plan, scene::Scene& scene, const scan::Point& point);
 
-/// The part of a scene that the points of its scan depend on, as text: neither resolution nor what is stored.
+/// The part of a scene that the points of its scan depend on, as text: neither resolution, nor the number of
+/// runs, nor what is stored of a scan.
 std::string scan_key(const scene::Scene& scene);
 
 } // namespace rodwake::assembly

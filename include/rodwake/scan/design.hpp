@@ -4,6 +4,8 @@
 
 #include "rodwake/scan/point.hpp"
 
+#include <optional>
+
 namespace rodwake::scan {
 
 enum class Spacing { linear, log, listed };
@@ -41,24 +43,37 @@ struct Design {
     long audit = 0;                        ///< adaptive: points tried at random where nothing was refined
     std::vector<Driver> drivers;           ///< adaptive
     double boundary_tolerance = 0.0;       ///< adaptive, of the axis; 0: boundaries are not bisected
+    /// Not adaptive: each place is evaluated so many times, as runs that differ in their random numbers
+    /// (point.hpp has their ids); 0: once, and the id of a point is its place.
+    long runs = 0;
+    /// What a run at each place costs, in any unit: the dearest places come first, so that a scan does not
+    /// end with a long one. Empty: places come in their order.
+    std::vector<double> costs;
 };
 
-/// Points that the design asks for: of an adaptive one those of the full lattice at its resolution. Throws
+/// Places that the design asks for: of an adaptive one those of the full lattice at its resolution. Throws
 /// InputError if they cannot be counted in 62 bits.
+std::int64_t places(const Design& design);
+/// Points: places times runs. Throws as `places`.
 std::int64_t size(const Design& design);
 
-/// The points of a design that is not adaptive, by their number.
+/// The points of a design that is not adaptive, in the order in which they are evaluated.
 class PointList {
 public:
     explicit PointList(const Design& design);
 
     std::int64_t size() const { return size_; }
-    Point operator[](std::int64_t id) const;
+    Point operator[](std::int64_t number) const;
+    /// The number of the point of this id; nothing if the design has none.
+    std::optional<std::int64_t> number_of(std::int64_t id) const;
+    /// The point of a place, whose id is the place.
+    Point at_place(std::int64_t place) const;
 
 private:
     const Design& design_;
     std::int64_t size_ = 0;
-    std::vector<double> fractions_; ///< lhs, sobol: of each axis, point by point
+    std::vector<std::int64_t> order_, rank_; ///< by cost: the places, and where each stands; empty: in order
+    std::vector<double> fractions_;          ///< lhs, sobol: of each axis, place by place
 };
 
 } // namespace rodwake::scan

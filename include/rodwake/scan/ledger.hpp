@@ -22,6 +22,7 @@ struct LedgerHead {
     std::string description; ///< the scene as far as points depend on it
     std::vector<Axis> axes;
     Columns columns;
+    bool repeated = false; ///< points are runs (Design::runs): the table tells point and run of each, from 1
 };
 
 struct Counts {

@@ -17,9 +17,18 @@ namespace rodwake::scan {
 inline constexpr std::size_t max_axes = 6, max_observables = 20, max_cause = 128;
 
 struct Point {
-    std::int64_t id = 0;               ///< its place in the design: points are sorted by it
+    std::int64_t id = 0;               ///< points are sorted by it
     std::array<double, max_axes> at{}; ///< value on each axis; of an axis of words the index of the word
 };
+
+/// Where results are random, each place of a design is evaluated in several runs (Design::runs). The id of a
+/// run does not depend on how many there are, so that more of them go on with those that are known.
+inline constexpr int run_bits = 20;
+inline constexpr long max_runs = 1L << run_bits;
+constexpr std::int64_t id_of_run(std::int64_t place, std::int64_t run) { return (place << run_bits) + run; }
+/// Both from 0.
+constexpr std::int64_t place_of_run(std::int64_t id) { return id >> run_bits; }
+constexpr std::int64_t run_of(std::int64_t id) { return id & (max_runs - 1); }
 
 /// `stopped`: the scan was stopped while it was evaluated, and it is as if it had not been begun.
 enum class Status : std::int32_t { ok, failed, time_limit, not_finite, exception, stopped };

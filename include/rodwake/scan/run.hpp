@@ -9,8 +9,8 @@
 
 namespace rodwake::scan {
 
-/// A share of the points, for jobs that know nothing of each other: those whose number leaves the rest
-/// `index` when divided by `of`.
+/// A share of the points, for jobs that know nothing of each other: those whose number in the order of
+/// evaluation leaves the rest `index` when divided by `of`.
 struct Part {
     std::int64_t index = 0, of = 1;
 };
@@ -23,7 +23,7 @@ struct RunOptions {
 
 struct Summary {
     bool complete = false;      ///< false: it was stopped
-    std::int64_t requested = 0; ///< points of the design; adaptive: of the full lattice
+    std::int64_t requested = 0; ///< points of the design (places times runs); adaptive: of the full lattice
     std::int64_t evaluated = 0; ///< points in the ledger
     std::int64_t left = 0;      ///< known to be needed, and not there
     Audit audit;                ///< adaptive: its last round

@@ -21,6 +21,7 @@ struct ScanAxis {
     std::string key;               ///< empty: `keys`
     std::vector<std::string> keys; ///< tied: key k gets factor[k] times the axis
     std::vector<double> factor;    ///< empty: all 1
+    std::string label;             ///< in figures, TeX; empty: the symbol of the key
     std::optional<Value> from, to;
     ScanSpacing spacing = ScanSpacing::linear;
     long count = default_scan_count; ///< grid: points; adaptive: cells at the start

@@ -43,8 +43,10 @@ std::string expected_cost(const assembly::Plan& plan);
 /// results cannot be written.
 StageEnd run(const assembly::Plan& plan, const std::filesystem::path& folder, const RunContext& context);
 
-/// On a rank of an MPI job but the first: evaluates points of the plan's scan for it.
-void serve_scan(const assembly::Plan& plan, const RunContext& context, scan::MpiJob& job);
+/// On a rank of an MPI job but the first: evaluates points of the plan's scan, or runs its beds, for it. The
+/// plan is of one stage, granular or scan.
+void serve(const assembly::Plan& plan, const std::filesystem::path& folder, const RunContext& context,
+           scan::MpiJob& job);
 
 /// A file of a run folder, with its folder, and what it is.
 struct FileEntry {

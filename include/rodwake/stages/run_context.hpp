@@ -27,8 +27,6 @@ struct ScanRequest {
     scan::Part part;           ///< a share of the points
     bool merge = false;        ///< take over what shares of the scan have in the folders part-*-of-*
     bool rerun_failed = false; ///< points that failed are evaluated again
-    /// Who evaluates the points; empty: threads of this process.
-    std::function<scan::Execute(scan::Evaluate, std::function<bool()> stop)> executor;
 };
 
 struct RunContext {
@@ -42,6 +40,8 @@ struct RunContext {
     std::function<int()> checkpoint_requests; ///< how often a checkpoint was asked for; granular runs compare
 
     ScanRequest scan;
+    /// Who evaluates the points of a scan, and runs the beds; empty: threads of this process.
+    std::function<scan::Execute(scan::Evaluate, std::function<bool()> stop)> executor;
 
     /// `threads`, settled.
     std::size_t thread_count() const;

@@ -97,7 +97,7 @@ private:
     void drop_outdated(const scene::Scene& scene);
     /// Files of stages that are done again or dropped, and what killed runs left half written.
     void remove_outdated() const;
-    bool is_outdated(const FileKind& kind) const;
+    bool is_outdated(const FileKind& kind, const std::string& name) const;
 
     std::filesystem::path path_;
     FolderLock lock_;

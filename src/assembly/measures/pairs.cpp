@@ -3,6 +3,7 @@
 #include "rodwake/measure/pairs.hpp"
 
 #include "measure_parts.hpp"
+#include "pair_run.hpp"
 
 #include <fmt/format.h>
 
@@ -55,7 +56,8 @@ double contact_distance(const Scene& scene) {
     double longest = 0.0;
     for (const scene::GranularRod& rod : scene.granular->rods)
         longest = std::max(longest, rod.shape.length);
-    return scene.measure->contact_distance.value_or(0.5 * longest);
+    const double half = 0.5 * longest;
+    return scene.measure ? scene.measure->contact_distance.value_or(half) : half;
 }
 
 /// From t = 0 on: the rods are held before.
@@ -69,14 +71,30 @@ measure::PairTrack track_of(const RunTables& run) {
     return {kept[0], {kept[1], kept[4]}, {kept[2], kept[5]}, {kept[3], kept[6]}};
 }
 
-PairResult pairs_of(const MeasuredCase& data) {
+measure::PairRun followed(const Scene& scene, const RunTables& run) {
     measure::PairOptions options;
-    options.box = data.scene.granular->box;
-    options.contact_distance = contact_distance(data.scene);
-    std::vector<measure::PairRun> followed;
+    options.box = scene.granular->box;
+    options.contact_distance = contact_distance(scene);
+    return measure::follow_pair(track_of(run), options);
+}
+
+PairResult pairs_of(const MeasuredCase& data) {
+    std::vector<measure::PairRun> runs;
     for (const RunTables& run : data.tables)
-        followed.push_back(measure::follow_pair(track_of(run), options));
-    return measure::reduce(followed);
+        runs.push_back(followed(data.scene, run));
+    return measure::reduce(runs);
+}
+
+PairNumbers numbers_of(const measure::PairRun& p, double a) {
+    return {.separation = p.separation / a,
+            .half_box_change = p.half_box_change ? *p.half_box_change / a : std::nan(""),
+            .last_change = p.last_change / a,
+            .turn = {p.turn[0], p.turn[1]},
+            .non_reciprocity = p.non_reciprocity,
+            .min_separation = p.min_separation / a,
+            .outcome_time = p.ending_time,
+            .leader = p.leader,
+            .outcome = p.ending};
 }
 
 Values values_of(const PairResult& p, double to_a) {
@@ -91,19 +109,20 @@ Values values_of(const PairResult& p, double to_a) {
             {"undecided", count_value(p.undecided)}};
 }
 
-std::vector<double> row_of(const measure::PairRun& p, std::size_t number, double a) {
+std::vector<double> row_of(const measure::PairRun& run, std::size_t number, double a) {
+    const PairNumbers p = numbers_of(run, a);
     return {static_cast<double>(number),
-            p.separation / a,
-            p.half_box_change ? *p.half_box_change / a : std::nan(""),
-            p.last_change / a,
+            p.separation,
+            p.half_box_change,
+            p.last_change,
             p.turn[0],
             p.turn[1],
             static_cast<double>(p.leader),
             p.non_reciprocity,
-            p.min_separation / a,
-            static_cast<double>(p.ending),
-            p.ending_time,
-            p.perpendicular ? 1.0 : 0.0};
+            p.min_separation,
+            static_cast<double>(p.outcome),
+            p.outcome_time,
+            run.perpendicular ? 1.0 : 0.0};
 }
 
 MeasureTable table_of(const PairResult& pairs, double a) {
@@ -148,3 +167,11 @@ MeasureKind pairs() {
 }
 
 } // namespace rodwake::assembly::measures
+
+namespace rodwake::assembly {
+
+PairNumbers pair_numbers(const scene::Scene& scene, const RunTables& run) {
+    return measures::numbers_of(measures::followed(scene, run), scene.granular->bead_radius);
+}
+
+} // namespace rodwake::assembly

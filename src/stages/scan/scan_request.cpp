@@ -20,7 +20,7 @@ void require_ledger(const fs::path& file, const assembly::ScanPlan& plan) {
 } // namespace
 
 scan::LedgerHead ledger_head(const assembly::ScanPlan& plan) {
-    return {plan.description, plan.design.axes, plan.columns};
+    return {plan.description, plan.design.axes, plan.columns, plan.design.runs > 0};
 }
 
 std::vector<fs::path> shares_in(const fs::path& folder) {

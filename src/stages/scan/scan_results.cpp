@@ -4,6 +4,7 @@
 #include "rodwake/scene/document.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
+#include "scan_bed_results.hpp"
 #include "scan_rods.hpp"
 #include "scan_tables.hpp"
 
@@ -154,6 +155,8 @@ void write_h5(const std::filesystem::path& file, const ScanPlan& plan, const sce
     h5.commit();
 }
 
+bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
+
 const char* spacing_name(scan::Spacing spacing) {
     static constexpr const char* names[] = {"linear", "log", "listed"};
     return names[static_cast<std::size_t>(spacing)];
@@ -173,6 +176,7 @@ ordered_json axis_json(const ScanPlan& plan, std::size_t number) {
                         {"keys", keys},
                         {"factors", factors},
                         {"symbol", info.symbol},
+                        {"label", plan.labels[number]},
                         {"unit", si ? info.unit_si : info.unit_reduced},
                         {"spacing", spacing_name(axis.spacing)},
                         {"from", axis.from},
@@ -195,6 +199,25 @@ ordered_json boundary_json(const scan::Summary& summary, double tolerance) {
             {"points", points},
             {"tolerance", tolerance},
             {"gaps", summary.lost_crossings}};
+}
+
+ordered_json rods_json(const ScanPlan& plan) {
+    const assembly::OutputUnits units = assembly::output_units(plan.base);
+    return {{"subject", "rods"},
+            {"rods", plan.base.rods.size()},
+            {"units", {{"length", units.length_name}, {"time", units.time_name}}}};
+}
+
+/// What is requested, evaluated and failed there are runs.
+ordered_json bed_json(const ScanPlan& plan) {
+    const scene::Granular& bed = *plan.base.granular;
+    const bool varied = std::ranges::count(plan.keys, "granular.bead_radius", &ScanPlan::VariedKey::key) > 0;
+    return {{"subject", "beds"},
+            {"rods", bed.rods.size()},
+            {"points", scan::places(plan.design)},
+            {"runs", plan.design.runs},
+            {"bead_radius", varied ? ordered_json(nullptr) : ordered_json(bed.bead_radius)},
+            {"units", {{"length", "a"}, {"time", "s"}}}};
 }
 
 std::string scan_json(const ScanPlan& plan, const scan::Ledger& ledger, const scan::Summary& summary,
@@ -224,23 +247,32 @@ std::string scan_json(const ScanPlan& plan, const scan::Ledger& ledger, const sc
     for (const std::string& name : plan.columns.outcomes)
         out["outcomes"][name] = counts.outcomes.contains(name) ? counts.outcomes.at(name) : 0;
     out["causes"] = counts.causes;
-    out["rods"] = plan.base.rods.size();
     out["boundary"] = boundary_json(summary, plan.design.boundary_tolerance);
-    const assembly::OutputUnits units = assembly::output_units(plan.base);
-    out["units"] = {{"length", units.length_name}, {"time", units.time_name}};
+    if (of_beds(plan))
+        out.update(bed_json(plan));
+    else
+        out.update(rods_json(plan));
     return out.dump(2) + "\n";
 }
 
-} // namespace
-
-void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
-                const scan::Ledger& ledger, const scan::Summary& summary, double wall_seconds) {
+void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
+                       const scan::Ledger& ledger, const scan::Summary& summary) {
     write_points(folder / "scan.csv", plan, ledger);
     if (!summary.leaves.empty())
         write_cells(folder / "cells.csv", plan, summary);
     if (!summary.curves.empty())
         write_boundary(folder / "boundary.csv", plan, summary);
     write_h5(folder / "scan.h5", plan, keys, ledger);
+}
+
+} // namespace
+
+void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
+                const scan::Ledger& ledger, const scan::Summary& summary, double wall_seconds) {
+    if (of_beds(plan))
+        write_bed_results(folder, plan, ledger);
+    else
+        write_rod_results(folder, plan, keys, ledger, summary);
     // last: whoever finds it finds everything
     store::write_atomically(folder / "scan.json", scan_json(plan, ledger, summary, wall_seconds));
 }

@@ -4,6 +4,7 @@
 #include "../stage_list.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/stages/run.hpp"
+#include "scan_beds.hpp"
 #include "scan_request.hpp"
 #include "scan_results.hpp"
 #include "scan_rods.hpp"
@@ -19,10 +20,18 @@ namespace {
 namespace fs = std::filesystem;
 using assembly::ScanPlan;
 
-scan::Execute executor_of(const RunContext& context, const ScanPlan& plan) {
-    const auto evaluate = evaluate_rods(plan, context.stop);
-    if (context.scan.executor)
-        return context.scan.executor(evaluate, context.stop);
+bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
+
+scan::Evaluate evaluate_of(const ScanPlan& plan, const fs::path& folder, const RunContext& context,
+                           const Logger& log) {
+    return of_beds(plan) ? evaluate_beds(plan, folder, context, log) : evaluate_rods(plan, context.stop);
+}
+
+scan::Execute executor_of(const Session& session, const ScanPlan& plan) {
+    const RunContext& context = session.context;
+    const auto evaluate = evaluate_of(plan, session.directory.path(), context, session.log);
+    if (context.executor)
+        return context.executor(evaluate, context.stop);
     return scan::on_threads(evaluate, context.thread_count(), context.stop);
 }
 
@@ -62,11 +71,12 @@ void tell_audit(const Session& session, const scan::Summary& summary) {
 
 StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::Summary& summary) {
     const scan::Counts counts = ledger.counts();
+    const char* what = of_beds(*session.plan.scan) ? "runs" : "points";
     if (counts.points > summary.requested) // an adaptive scan of a higher resolution came before
-        session.log->info("scan: {} points in the ledger, of a finer scan too: {}", counts.points,
+        session.log->info("scan: {} {} in the ledger, of a finer scan too: {}", counts.points, what,
                           counts_text(counts));
     else
-        session.log->info("scan: {} of {} points evaluated: {}", counts.points, summary.requested,
+        session.log->info("scan: {} of {} {} evaluated: {}", counts.points, summary.requested, what,
                           counts_text(counts));
     tell_audit(session, summary);
     if (summary.lost_crossings > 0)
@@ -76,7 +86,7 @@ StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::
         return StageEnd::interrupted;
     if (counts.failed == 0)
         return StageEnd::finished;
-    session.log->warn("scan: {} points failed; --rerun-failed evaluates them again", counts.failed);
+    session.log->warn("scan: {} {} failed; --rerun-failed evaluates them again", counts.failed, what);
     for (const auto& [cause, points] : counts.causes)
         session.log->warn("scan:   {:>8}  {}", points, cause);
     return StageEnd::incomplete;
@@ -84,8 +94,9 @@ StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::
 
 } // namespace
 
-void serve_scan(const assembly::Plan& plan, const RunContext& context, scan::MpiJob& job) {
-    job.serve(evaluate_rods(*plan.scan, context.stop));
+void serve_scan(const assembly::Plan& plan, const fs::path& folder, const RunContext& context,
+                scan::MpiJob& job) {
+    job.serve(evaluate_of(*plan.scan, folder, context, make_silent_logger()));
 }
 
 StageEnd run_scan_stage(Session& session) {
@@ -93,13 +104,13 @@ StageEnd run_scan_stage(Session& session) {
     const ScanPlan& plan = *session.plan.scan;
     scan::Ledger ledger(session.directory.file("ledger.sqlite"), ledger_head(plan));
     prepare(session, ledger);
-    Progress progress(session.context, "scan", 0.0, "points");
+    Progress progress(session.context, "scan", 0.0, of_beds(plan) ? "runs" : "points");
     scan::RunOptions options;
     options.part = session.context.scan.part;
     options.on_progress = [&](std::int64_t done, std::int64_t total) {
         progress.update(static_cast<double>(done), static_cast<double>(total));
     };
-    const scan::Summary summary = scan::run(plan.design, ledger, executor_of(session.context, plan), options);
+    const scan::Summary summary = scan::run(plan.design, ledger, executor_of(session, plan), options);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     ledger.settle();
     write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, summary, took.count());

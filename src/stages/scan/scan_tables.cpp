@@ -14,42 +14,15 @@ namespace {
 
 using assembly::ScanPlan;
 
-/// Shortest digits that give the number back; nothing for what is none.
-void append(std::string& text, double value) {
-    if (std::isfinite(value))
-        fmt::format_to(std::back_inserter(text), "{}", value);
-}
-
-void append(std::string& text, const scan::Axis& axis, double value) {
-    if (axis.words.empty())
-        append(text, value);
-    else
-        text += axis.words[static_cast<std::size_t>(value)];
-}
-
-std::string axis_names(const ScanPlan& plan, const char* ending = "") {
-    std::string names;
-    for (const scan::Axis& axis : plan.design.axes)
-        names += fmt::format("{}{}{}", names.empty() ? "" : ",", axis.name, ending);
-    return names;
-}
-
 /// "time" stands before the status, the others after it.
-void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
-    for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
-        append(text, plan.design.axes[k], r.point.at[k]);
-        text += ',';
-    }
-    text += r.ok() ? plan.columns.outcomes[static_cast<std::size_t>(r.outcome)] : "";
-    text += ',';
-    append(text, r.ok() ? r.values[0] : std::nan(""));
-    text += ',';
-    text += scan::status_names[static_cast<std::size_t>(r.status)];
-    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k) {
-        text += ',';
-        append(text, r.ok() ? r.values[k] : std::nan(""));
-    }
-    fmt::format_to(std::back_inserter(text), ",{}\n", r.retries);
+std::string row(const ScanPlan& plan, const scan::Result& r) {
+    std::string line = place_text(plan, r.point);
+    line += fmt::format("{},{},{}", outcome_text(plan, r.ok() ? r.outcome : -1),
+                        r.ok() ? number_text(r.values[0]) : "",
+                        scan::status_names[static_cast<std::size_t>(r.status)]);
+    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k)
+        line += "," + (r.ok() ? number_text(r.values[k]) : "");
+    return line + fmt::format(",{}\n", r.retries);
 }
 
 std::string between(const ScanPlan& plan, const scan::Curve& curve) {
@@ -59,6 +32,31 @@ std::string between(const ScanPlan& plan, const scan::Curve& curve) {
 
 } // namespace
 
+/// Shortest digits that give the number back.
+std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+std::string axis_text(const scan::Axis& axis, double value) {
+    return axis.words.empty() ? number_text(value) : axis.words[static_cast<std::size_t>(value)];
+}
+
+std::string place_text(const ScanPlan& plan, const scan::Point& point) {
+    std::string text;
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
+        text += axis_text(plan.design.axes[k], point.at[k]) + ",";
+    return text;
+}
+
+std::string outcome_text(const ScanPlan& plan, std::int32_t outcome) {
+    return outcome < 0 ? "" : plan.columns.outcomes[static_cast<std::size_t>(outcome)];
+}
+
+std::string axis_names(const ScanPlan& plan) {
+    std::string names;
+    for (const scan::Axis& axis : plan.design.axes)
+        names += (names.empty() ? "" : ",") + axis.name;
+    return names;
+}
+
 void write_points(const std::filesystem::path& file, const ScanPlan& plan, const scan::Ledger& ledger) {
     store::PendingFile pending(file);
     std::string text = axis_names(plan) + ",outcome,time,status";
@@ -66,7 +64,7 @@ void write_points(const std::filesystem::path& file, const ScanPlan& plan, const
         text += "," + plan.columns.observables[k];
     text += ",retries\n";
     ledger.for_each([&](const scan::Result& result) {
-        append_row(text, plan, result);
+        text += row(plan, result);
         if (text.size() > 1 << 20) {
             pending.write(text);
             text.clear();
@@ -88,7 +86,7 @@ void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const 
             high[k] += leaf.side;
         const scan::Point from = lattice.point(leaf.low), to = lattice.point(high);
         for (std::size_t k = 0; k < lattice.axes(); ++k)
-            fmt::format_to(std::back_inserter(text), "{},{},", from.at[k], to.at[k]);
+            text += number_text(from.at[k]) + "," + number_text(to.at[k]) + ",";
         const bool named = !leaf.mixed && leaf.outcome >= 0;
         text += (leaf.mixed ? "mixed"
                  : named    ? plan.columns.outcomes[static_cast<std::size_t>(leaf.outcome)]
@@ -104,7 +102,7 @@ void write_boundary(const std::filesystem::path& file, const ScanPlan& plan, con
         for (const scan::BoundaryPoint& point : summary.curves[i].points) {
             text += fmt::format("{},{}", i, between(plan, summary.curves[i]));
             for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
-                fmt::format_to(std::back_inserter(text), ",{}", point.at[k]);
+                text += "," + number_text(point.at[k]);
             text += fmt::format(",{:.3g}\n", point.error);
         }
     store::write_atomically(file, text);

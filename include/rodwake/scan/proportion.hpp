@@ -1,0 +1,19 @@
+#pragma once
+// A proportion that was counted, with its interval of confidence.
+
+#include <cstdint>
+
+namespace rodwake::scan {
+
+struct Proportion {
+    std::int64_t count = 0, of = 0;
+
+    /// NaN if nothing was tried.
+    double value() const;
+    /// Ends of Clopper and Pearson's interval (1934): the true proportion is below `low`, or above `high`,
+    /// with a probability of at most `tail` each. 0 and 1 if nothing was tried.
+    double low(double tail) const;
+    double high(double tail) const;
+};
+
+} // namespace rodwake::scan

@@ -1,0 +1,68 @@
+#include "rodwake/scan/point_mean.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::scan {
+
+namespace {
+
+Estimate mean_value(std::span<const Result> runs, std::size_t observable) {
+    std::vector<double> values;
+    for (const Result& run : runs)
+        if (run.ok() && std::isfinite(run.values[observable]))
+            values.push_back(run.values[observable]);
+    return values.empty() ? Estimate{std::nan(""), unknown_error, 0} : mean_of(values);
+}
+
+std::int64_t count_of(std::span<const Result> runs, std::size_t outcome) {
+    return std::ranges::count_if(runs, [&](const Result& run) {
+        return run.ok() && run.outcome == static_cast<std::int32_t>(outcome);
+    });
+}
+
+std::int32_t most_frequent(const std::vector<Proportion>& outcomes) {
+    const auto most = std::ranges::max_element(outcomes, {}, &Proportion::count);
+    return static_cast<std::int32_t>(most - outcomes.begin());
+}
+
+} // namespace
+
+PointMean mean_of_runs(std::span<const Result> runs, const Columns& columns) {
+    if (runs.empty())
+        throw InputError("the mean of no runs");
+    PointMean mean;
+    mean.point = runs.front().point;
+    mean.point.id = place_of_run(mean.point.id);
+    mean.runs = std::ranges::count_if(runs, &Result::ok);
+    mean.failed = static_cast<std::int64_t>(runs.size()) - mean.runs;
+    mean.status = mean.runs > 0 ? Status::ok : runs.front().status;
+    for (std::size_t k = 0; k < columns.outcomes.size(); ++k)
+        mean.outcomes.push_back({count_of(runs, k), mean.runs});
+    if (mean.runs > 0)
+        mean.outcome = most_frequent(mean.outcomes);
+    for (std::size_t k = 0; k < columns.observables.size(); ++k)
+        mean.values.push_back(mean_value(runs, k));
+    return mean;
+}
+
+std::vector<PointMean> means_of(const Ledger& ledger) {
+    std::vector<PointMean> means;
+    std::vector<Result> runs;
+    const auto close = [&] {
+        if (!runs.empty())
+            means.push_back(mean_of_runs(runs, ledger.head().columns));
+        runs.clear();
+    };
+    ledger.for_each([&](const Result& result) {
+        if (!runs.empty() && place_of_run(runs.front().point.id) != place_of_run(result.point.id))
+            close();
+        runs.push_back(result);
+    });
+    close();
+    return means;
+}
+
+} // namespace rodwake::scan

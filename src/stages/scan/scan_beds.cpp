@@ -1,0 +1,103 @@
+#include "scan_beds.hpp"
+
+#include "../run_tables.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace rodwake::stages {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+class PointOfBeds {
+public:
+    PointOfBeds(const assembly::ScanPlan& plan, fs::path folder, RunContext context, Logger log)
+        : plan_(plan), folder_(std::move(folder)), context_(std::move(context)), log_(std::move(log)) {}
+
+    void evaluate(const scan::Point& point, scan::Result& result) const {
+        const auto start = Clock::now();
+        result.point = point;
+        try {
+            run(point, result, start);
+        } catch (const std::exception& error) {
+            result.status = scan::Status::exception;
+            result.set_cause(describe(error));
+        }
+        result.seconds = seconds_since(start);
+    }
+
+private:
+    static double seconds_since(Clock::time_point start) {
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    }
+
+    void run(const scan::Point& point, scan::Result& result, Clock::time_point start) const {
+        const assembly::BedPlan bed = assembly::scanned_bed(plan_, point);
+        const GranularPlan granular{bed, granular_key(bed.of.scene), {}};
+        const GranularTask task{static_cast<std::uint32_t>(scan::run_of(point.id)),
+                                bed_folder(folder_, point.id)};
+        if (!context_.force)
+            require_same_run(task, granular.scene_key);
+        const GranularResult end = execute_task(granular, task, limited(start), log_, 1, [](auto&&...) {});
+        if (end.end == StageEnd::finished)
+            return store(bed.of.scene, task.folder, result);
+        result.status = end.end == StageEnd::failed ? scan::Status::failed
+                        : context_.stopped()        ? scan::Status::stopped
+                                                    : scan::Status::time_limit;
+        result.set_cause(
+            result.status == scan::Status::time_limit
+                ? fmt::format("{:g} s were up at t = {:.4g} s", *plan_.time_limit, end.summary.simulated_time)
+                : end.message);
+    }
+
+    /// The context of a run whose time may be up.
+    RunContext limited(Clock::time_point start) const {
+        RunContext context = context_;
+        if (plan_.time_limit)
+            context.stop = [this, start] {
+                return context_.stopped() || seconds_since(start) > *plan_.time_limit;
+            };
+        return context;
+    }
+
+    void store(const scene::Scene& scene, const fs::path& folder, scan::Result& result) const {
+        const assembly::BedYield yield = assembly::yield_of(scene, run_tables(folder));
+        result.status = scan::Status::ok;
+        result.outcome = yield.outcome;
+        std::ranges::copy(yield.values, result.values.begin());
+        for (std::size_t k = 0; k < yield.values.size(); ++k)
+            if (std::isinf(yield.values[k])) {
+                result.status = scan::Status::not_finite;
+                result.set_cause(plan_.columns.observables[k] + " is not finite");
+            }
+    }
+
+    const assembly::ScanPlan& plan_;
+    fs::path folder_;
+    RunContext context_;
+    Logger log_;
+};
+
+} // namespace
+
+fs::path bed_folder(const fs::path& scan, std::int64_t id) {
+    return run_folder(scan / fmt::format("points/{:04}", scan::place_of_run(id) + 1), scan::run_of(id));
+}
+
+scan::Evaluate evaluate_beds(const assembly::ScanPlan& plan, fs::path folder, RunContext context,
+                             Logger log) {
+    return [one = PointOfBeds(plan, std::move(folder), std::move(context), std::move(log))](
+               std::span<const scan::Point> points, std::span<scan::Result> results) {
+        for (std::size_t i = 0; i < points.size(); ++i)
+            one.evaluate(points[i], results[i]);
+    };
+}
+
+} // namespace rodwake::stages
