@@ -28,10 +28,11 @@ double square_rate(State y, std::size_t a, std::size_t b, Offset d) {
     return 2.0 * (d.x * (std::cos(ta) - std::cos(tb)) + d.y * (std::sin(ta) - std::sin(tb)));
 }
 
-/// Cubic on [0, 1] with end values f0, f1 and end slopes g0 < 0 < g1.
+/// Cubic on [0, 1] with end values f0, f1 and end slopes g0, g1.
 struct Hermite {
     double f0, f1, g0, g1;
 
+    /// With g0 < 0 < g1.
     double minimum_at() const {
         const double a = 3.0 * (2.0 * (f0 - f1) + g0 + g1), b = 2.0 * (3.0 * (f1 - f0) - 2.0 * g0 - g1);
         const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a * g0));
@@ -116,6 +117,19 @@ std::optional<Approach> closest_approach(const integrate::Step& step, Box box) {
                 if (!best || approach->pair.distance < best->pair.distance)
                     best = approach;
     return best;
+}
+
+double fall_time(const integrate::Step& step, std::size_t a, std::size_t b, double distance) {
+    const double h = step.time - step.time_before;
+    const Offset d0 = plane_offset(step.state_before, a, b), d1 = plane_offset(step.state, a, b);
+    const Hermite curve{square(d0), square(d1), h * square_rate(step.state_before, a, b, d0),
+                        h * square_rate(step.state, a, b, d1)};
+    double outside = 0.0, inside = 1.0;
+    for (int k = 0; k < 53; ++k) {
+        const double middle = 0.5 * (outside + inside);
+        (curve.at(middle) > distance * distance ? outside : inside) = middle;
+    }
+    return step.time_before + inside * h;
 }
 
 } // namespace rodwake::rods

@@ -17,21 +17,39 @@ void keep_smaller(SeparationRecord& record, const Separation& pair, double time)
     }
 }
 
-void add_late(SeparationRecord& record, const integrate::Step& step, Box box) {
-    const integrate::State y = step.state;
-    const double duration = step.time - step.time_before;
+void add_late(SeparationRecord& record, integrate::State y, integrate::State ydot, Box box) {
     const std::size_t rods = y.size() / 3;
-    const auto turning = [&](std::size_t rod) {
-        return duration > 0.0 ? std::abs(y[3 * rod + 2] - step.state_before[3 * rod + 2]) / duration : 0.0;
-    };
     for (std::size_t a = 0; a < rods; ++a)
         for (std::size_t b = a + 1; b < rods; ++b) {
             const Offset d = offset(y, a, b, box);
             const double r = std::hypot(d.x, d.y);
             LatePart& range = record.late[a * rods + b];
             range = {std::min(range.min_separation, r), std::max(range.max_separation, r),
-                     std::max({range.max_turning, turning(a), turning(b)})};
+                     std::max({range.max_turning, std::abs(ydot[3 * a + 2]), std::abs(ydot[3 * b + 2])})};
         }
+}
+
+/// The state at a time inside a step, on the cubic through its ends and their rates.
+std::vector<double> state_at(double time, const integrate::Step& step, integrate::State rate_before,
+                             integrate::State rate) {
+    const double h = step.time - step.time_before, u = (time - step.time_before) / h, v = 1.0 - u;
+    std::vector<double> y(step.state.size());
+    for (std::size_t i = 0; i < y.size(); ++i)
+        y[i] = v * v * ((1.0 + 2.0 * u) * step.state_before[i] + u * h * rate_before[i]) +
+               u * u * ((1.0 + 2.0 * v) * step.state[i] - v * h * rate[i]);
+    return y;
+}
+
+void add_late_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {
+    std::vector<double> rate(step.state.size()), other(step.state.size());
+    rates(step.state, rate);
+    if (step.time_before < record.late_from && record.late_from < step.time) {
+        rates(step.state_before, other);
+        const auto y = state_at(record.late_from, step, other, rate);
+        rates(y, other);
+        add_late(record, y, other, box);
+    }
+    add_late(record, step.state, rate, box);
 }
 
 } // namespace
@@ -43,14 +61,14 @@ SeparationRecord start_record(integrate::State y, double late_from, Box box) {
     return {closest_pair(y, box), 0.0, late_from, std::vector<LatePart>(rods * rods, {infinity, 0.0, 0.0})};
 }
 
-void add_step(SeparationRecord& record, const integrate::Step& step, Box box) {
+void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {
     if (record.late.empty())
         return;
     keep_smaller(record, closest_pair(step.state, box), step.time);
     if (const auto approach = closest_approach(step, box))
         keep_smaller(record, approach->pair, approach->time);
     if (step.time >= record.late_from)
-        add_late(record, step, box);
+        add_late_step(record, step, rates, box);
 }
 
 } // namespace rodwake::rods

@@ -1,5 +1,6 @@
 #include "rodwake/rods/simulate.hpp"
 
+#include "outcome_text.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
@@ -55,29 +56,6 @@ std::vector<double> output_times(const RodProblem& problem) {
     if (times.empty() || times.back() < problem.t_end)
         times.push_back(problem.t_end);
     return times;
-}
-
-void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& status) {
-    if (!status.ok())
-        outcome.reason = "the integration stopped early";
-    else if (status.termination == integrate::Termination::interrupted)
-        outcome.reason = fmt::format("interrupted at t = {:.6g}", outcome.time);
-    else if (rods < 2)
-        outcome.reason = "a single rod has no partner";
-    else if (outcome.ending == Ending::contact)
-        outcome.reason = fmt::format("rods {} and {} came within {:.6g} at t = {:.6g}", outcome.pair.first,
-                                     outcome.pair.second, outcome.pair.distance, outcome.time);
-    else if (outcome.ending == Ending::pursuit)
-        outcome.reason = fmt::format("rods {} and {} share a heading and keep their distance of {:.6g}",
-                                     outcome.pair.first, outcome.pair.second, outcome.pair.distance);
-    else if (outcome.ending == Ending::escape)
-        outcome.reason = fmt::format("all rods part; rods {} and {} came closest, {:.6g} apart",
-                                     outcome.pair.first, outcome.pair.second, outcome.min_separation);
-    else
-        outcome.reason =
-            fmt::format("neither contact, locked pursuit nor parting by t = {:.6g}; a longer t_end may "
-                        "decide",
-                        outcome.time);
 }
 
 /// Ending of all pairs together; sets the pair it is about.
@@ -197,13 +175,15 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     ode.start_time = from.time;
     ode.initial_state = from.state;
     SeparationRecord record = from.record;
+    const RodModel model(problem.medium, problem.couplings, problem.rods.size(), problem.box);
+    const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
 
     integrate::OdeOptions solver = options.ode;
     solver.atol = std::min(solver.atol, 0.1 * solver.rtol); // of coordinates of order 1: more would undo rtol
     solver.segment_steps = std::min(solver.segment_steps, segment_steps(problem.rods.size()));
     solver.initial_step = first_step(options.ode);
     solver.on_step = [&](const integrate::Step& step) {
-        add_step(record, step, problem.box);
+        add_step(record, step, rates, problem.box);
         if (options.ode.on_step)
             options.ode.on_step(step);
     };
@@ -224,7 +204,6 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     result.solution = integrate::solve(ode, solver, std::span(times).subspan(from.outputs.size()));
     prepend(result.solution, from, times);
     explain_collision(result.solution, problem.box);
-    const RodModel model(problem.medium, problem.couplings, problem.rods.size(), problem.box);
     result.outcome = conclude(problem, model, result.solution, record, options.criteria);
     return result;
 }

@@ -23,6 +23,7 @@ BuildInfo build_info() {
             RODWAKE_COMPILER,
             RODWAKE_BUILD_FLAGS,
             {{"SUNDIALS", RODWAKE_SUNDIALS_VERSION},
+             {"NLopt", RODWAKE_NLOPT_VERSION},
              {"Eigen", dotted(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
              {"Boost", dotted(BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100)},
              {"HDF5", RODWAKE_HDF5_VERSION},
@@ -30,7 +31,9 @@ BuildInfo build_info() {
              {"CLI11", RODWAKE_CLI11_VERSION},
              {"fmt", RODWAKE_FMT_VERSION},
              {"spdlog", RODWAKE_SPDLOG_VERSION},
-             {"nlohmann-json", RODWAKE_JSON_VERSION}}};
+             {"nlohmann-json", RODWAKE_JSON_VERSION},
+             {"SQLite", RODWAKE_SQLITE_VERSION},
+             {"MPI", RODWAKE_MPI_VERSION}}};
 }
 
 std::string cpu_model() {

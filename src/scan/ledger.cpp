@@ -96,6 +96,8 @@ public:
         const bool begun = is_begun(connection); // before anything of a file that is not ours is changed
         if (begun)
             require_same();
+        if (!begun)
+            connection.run("PRAGMA page_size = 32768"); // a quarter of an insertion's time against 4096
         connection.run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA cache_size = -16000");
         if (!begun)
             create();
@@ -290,27 +292,30 @@ std::vector<Crossing> Ledger::crossings() const {
 
 namespace {
 
+/// Row by row: SQLite would sort the whole table to group it.
 Counts counts_in(const Connection& connection) {
     Counts counts;
-    Statement rows(connection,
-                   "SELECT outcome, status, CASE WHEN status = 'ok' THEN '' ELSE coalesce(cause, '') END AS "
-                   "why, count(*), total(seconds) FROM points GROUP BY outcome, status, why");
+    Statement rows(connection, "SELECT outcome, status, cause, seconds FROM points");
     while (rows.step()) {
-        const std::int64_t points = rows.integer(3);
-        counts.points += points;
-        counts.seconds += rows.real(4);
+        ++counts.points;
+        counts.seconds += rows.real(3);
         if (rows.text(1) == "ok") {
-            counts.outcomes[std::string(rows.text(0))] += points;
+            ++counts.outcomes[std::string(rows.text(0))];
             continue;
         }
-        counts.failed += points;
-        const std::string cause(rows.text(2));
-        counts.causes[std::string(rows.text(1)) + (cause.empty() ? "" : ": " + cause)] += points;
+        ++counts.failed;
+        const std::string_view cause = rows.text(2);
+        ++counts.causes[fmt::format("{}{}{}", rows.text(1), cause.empty() ? "" : ": ", cause)];
     }
     return counts;
 }
 
 } // namespace
+
+std::int64_t Ledger::points() const {
+    Statement count(database_->connection, "SELECT count(*) FROM points");
+    return count.step() ? count.integer(0) : 0;
+}
 
 Counts Ledger::counts() const { return counts_in(database_->connection); }
 

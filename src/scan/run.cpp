@@ -165,6 +165,8 @@ bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, c
         }
     }
     summary.curves = boundary_curves(refinement, edges);
+    summary.lost_crossings = std::ranges::count_if(
+        edges, [](const Crossing& edge) { return edge.outcome_low < 0 || edge.outcome_high < 0; });
     return true;
 }
 
@@ -202,7 +204,7 @@ Summary run(const Design& design, Ledger& ledger, const Execute& execute, const 
         run_list(design, ledger, evaluate, options.part, summary);
     else
         run_adaptive(design, ledger, execute, evaluate, summary);
-    summary.evaluated = ledger.counts().points;
+    summary.evaluated = ledger.points();
     return summary;
 }
 

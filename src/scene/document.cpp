@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
+
 namespace rodwake::scene {
 
 namespace {
@@ -99,6 +101,22 @@ std::vector<KeyInfo> scene_keys() {
     for (const auto& table : documented())
         keys.insert(keys.end(), table.keys.begin(), table.keys.end());
     return keys;
+}
+
+std::optional<KeyInfo> key_info(const std::string& key) {
+    std::vector<std::string> names;
+    std::istringstream segments(key);
+    for (std::string segment; std::getline(segments, segment, '.');)
+        if (segment.find_first_not_of("0123456789") != std::string::npos)
+            names.push_back(segment);
+        else if (!names.empty() && !segments.eof()) // a number at the end counts within a value
+            names.back() += "[]";
+    const std::string name = names.empty() ? "" : names.back();
+    const std::string table = fmt::format("{}", fmt::join(names.begin(), names.end() - !names.empty(), "."));
+    for (KeyInfo& info : scene_keys())
+        if (info.name == name && info.table == table)
+            return std::move(info);
+    return std::nullopt;
 }
 
 std::string scene_reference() {

@@ -3,6 +3,7 @@
 #include "catalogue.hpp"
 #include "rodwake/assembly/rods.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/scene/document.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/store/atomic_file.hpp"
@@ -18,6 +19,7 @@ namespace rodwake::stages {
 namespace {
 
 namespace fs = std::filesystem;
+using assembly::Stage;
 using nlohmann::ordered_json;
 
 /// Units of what a run writes: of its theory, and of the data that were fitted.
@@ -25,6 +27,7 @@ struct ManifestUnits {
     assembly::OutputUnits output;
     std::string scan_length, scan_time;
     std::string data; ///< length_unit of [fit]
+    bool si = false;  ///< of the scene's keys
 };
 
 ManifestUnits units_of(const fs::path& folder) {
@@ -33,7 +36,7 @@ ManifestUnits units_of(const fs::path& folder) {
         const assembly::OutputUnits output = assembly::output_units(scene);
         const bool beds = scan_subject(scene) == scene::ScanSubject::beds;
         return {output, beds ? "a" : output.length_name, beds ? "s" : output.time_name,
-                scene.fit ? scene.fit->length_unit : ""};
+                scene.fit ? scene.fit->length_unit : "", scene.units == scene::UnitSystem::si};
     } catch (const InputError&) { // no scene yet
         return {};
     }
@@ -64,12 +67,28 @@ std::string unit_of(std::string_view unit, const ManifestUnits& units) {
     return unit == "{data}" ? units.data : std::string(unit);
 }
 
+/// Columns of the axes of a scan are called as the keys that vary, in cells.csv with an ending.
+ordered_json axis_json(std::string key, const ManifestUnits& units) {
+    const std::string name = key;
+    for (const std::string ending : {"_from", "_to"})
+        if (key.ends_with(ending))
+            key.resize(key.size() - ending.size());
+    const auto info = scene::key_info(key);
+    if (!info)
+        return nullptr;
+    const std::string unit = units.si ? info->unit_si : info->unit_reduced;
+    return {{"name", name}, {"unit", unit.empty() ? "1" : unit}, {"meaning", info->meaning}};
+}
+
 ordered_json columns_json(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
     ordered_json columns = ordered_json::array();
     for (const std::string& name : header_of(file))
         if (const ColumnInfo* column = column_of(kind, name))
             columns.push_back(
                 {{"name", name}, {"unit", unit_of(column->unit, units)}, {"meaning", column->meaning}});
+        else if (const ordered_json axis = axis_json(name, units);
+                 kind.stage == Stage::scan && !axis.is_null())
+            columns.push_back(axis);
     return columns;
 }
 

@@ -105,6 +105,33 @@ Hdf5Handle write_dataset(hid_t file, const std::string& path, hid_t type, const 
     return Hdf5Handle(data, H5Dclose, "create " + path);
 }
 
+namespace {
+
+Hdf5Handle whole_dataset(hid_t file, const std::string& path, hsize_t rows) {
+    if (H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0)
+        return Hdf5Handle(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
+    const Hdf5Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose, "shape " + path);
+    const Hdf5Handle links = link_with_parents();
+    return Hdf5Handle(
+        H5Dcreate2(file, path.c_str(), H5T_IEEE_F64LE, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose, "create " + path);
+}
+
+} // namespace
+
+void write_part(hid_t file, const std::string& path, std::span<const double> values, hsize_t first,
+                hsize_t rows) {
+    const Hdf5Handle data = whole_dataset(file, path, rows);
+    if (values.empty())
+        return;
+    const hsize_t count = values.size();
+    const Hdf5Handle there(H5Dget_space(data.get()), H5Sclose, "read the shape of " + path);
+    const Hdf5Handle here(H5Screate_simple(1, &count, nullptr), H5Sclose, "shape a part of " + path);
+    if (H5Sselect_hyperslab(there.get(), H5S_SELECT_SET, &first, nullptr, &count, nullptr) < 0 ||
+        H5Dwrite(data.get(), H5T_NATIVE_DOUBLE, here.get(), there.get(), H5P_DEFAULT, values.data()) < 0)
+        throw RunError("HDF5: cannot write " + path + hdf5_reason());
+}
+
 void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
     const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose, "make a scalar");
     write_in_space(object, name, type, space.get(), value);

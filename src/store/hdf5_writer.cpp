@@ -20,6 +20,12 @@ void Hdf5Writer::dataset(const std::string& path, std::span<const double> values
     write_attribute(data.get(), "unit", unit);
 }
 
+void Hdf5Writer::part(const std::string& path, std::span<const double> values, std::size_t first,
+                      std::size_t rows) {
+    const Hdf5Guard guard;
+    write_part(file_->get(), path, values, first, rows);
+}
+
 void Hdf5Writer::attribute(const std::string& group, const std::string& name, double value) {
     const Hdf5Guard guard;
     write_attribute(open_group(file_->get(), group).get(), name, value);

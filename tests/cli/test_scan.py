@@ -39,8 +39,9 @@ class AdaptiveTest(ScanTest):
         self.assertEqual(set(files), names)
         for name in RESULTS:
             header = (self.folder / "out" / name).read_text().splitlines()[0].split(",")
-            told = [column for column in header if not column.startswith(tuple(AXES))]  # axes go by the names of their keys
-            self.assertEqual([column["name"] for column in files[name]["columns"]], told)
+            self.assertEqual([column["name"] for column in files[name]["columns"]], header)
+        units = {column["name"]: column["unit"] for column in files["cells.csv"]["columns"]}
+        self.assertEqual((units["coupling.kappa_from"], units["rods.1.position.0_to"]), ("mu v0/f", "f/mu"))
 
     def rows_are_as_the_summary_says(self):
         self.assertEqual(list(self.table[0]), AXES + COLUMNS)
@@ -73,7 +74,7 @@ class AdaptiveTest(ScanTest):
         """A bracket beyond each point of a curve the outcomes are those that the curve is between."""
         rows = self.rows("out", "boundary.csv")
         self.assertEqual(list(rows[0]), ["curve", "between", *AXES, "error"])
-        self.assertEqual(self.told["boundary"], {"curves": len({row["curve"] for row in rows}), "points": len(rows), "tolerance": 1e-4})
+        self.assertEqual(self.told["boundary"], {"curves": len({row["curve"] for row in rows}), "points": len(rows), "tolerance": 1e-4, "gaps": 0})
         self.assertTrue(all(float(row["error"]) <= 0.5e-4 for row in rows))
         row = next(row for row in rows if row["between"] == "contact|escape")
         found = set()
@@ -153,7 +154,7 @@ class DesignTest(ScanTest):
         self.write("points.csv", "# starts\ncoupling.kappa, rods.1.position.0\n0.5, -1.0\n50, 2.5\n0.1,0\n")
         self.write("list.toml", CROSSING + '[scan]\ndesign = "list"\nfile = "points.csv"\n')
         self.scan("list.toml", "out")
-        self.assertEqual([(row[AXES[0]], row[AXES[1]]) for row in self.rows("out")], [("0.5", "-1"), ("50", "2.5"), ("0.10000000000000001", "0")])
+        self.assertEqual([(row[AXES[0]], row[AXES[1]]) for row in self.rows("out")], [("0.5", "-1"), ("50", "2.5"), ("0.1", "0")])
 
     def test_words_and_ties(self):
         self.write("words.toml", CROSSING + '[scan]\n[[scan.axes]]\nkey = "rods_run.method"\nvalues = ["bdf", "adams", "erk"]\n'

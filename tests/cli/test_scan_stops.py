@@ -1,7 +1,6 @@
 """rodwake scan can be stopped anywhere, by anything, and goes on to the same tables."""
 
 import signal
-import sqlite3
 
 import rodwake
 from rodwake import wait_until
@@ -13,21 +12,13 @@ ENDLESS = ("-s", "scan.resolution=8192", "-s", "scan.trajectories=20")
 
 class RestartTest(StoppedScanTest):
     def test_kills(self):
-        stopped = sum(self.finish_after(f"run{k}", 1, KILL, self.seconds) for k in range(6))
-        self.assertGreaterEqual(stopped, 2)
+        self.finish_often(4, 1, KILL, self.seconds)
 
     def test_a_chain(self):
-        self.assertGreaterEqual(self.finish_after("run", 5, ANY, 0.5 * self.seconds), 2)
+        self.finish_often(3, 5, ANY, 0.5 * self.seconds)
 
 
 class SignalTest(ScanTest):
-    def points(self, run):
-        """In the ledger; 0 before there is one."""
-        try:
-            return len(self.ledger(run)[0])
-        except sqlite3.Error:
-            return 0
-
     def stop_at_work(self, number, run, *arguments):
         """Once some hundred points are there."""
         with self.started("scan", "scan.toml", "-o", run, *ENDLESS, *arguments) as process:
@@ -55,8 +46,9 @@ class SignalTest(ScanTest):
 
     def test_a_stop_before_the_first_point(self):
         for seconds in (0.0, 0.02, 0.05, 0.1):
-            self.interrupt(signal.SIGTERM, seconds, "scan", "grid.toml", "-o", "run", "--quiet")
-        if not (self.folder / "run/provenance.json").exists() or self.status("run") != "finished":
+            if not self.is_finished("run"):
+                self.interrupt(signal.SIGTERM, seconds, "scan", "grid.toml", "-o", "run", "--quiet")
+        if not self.is_finished("run"):
             self.scan("grid.toml", "run")
         self.scan("grid.toml", "whole")
         self.assert_same("run", "whole")
@@ -64,7 +56,7 @@ class SignalTest(ScanTest):
     def test_a_share_goes_on(self):
         part = ("scan", "grid.toml", "-o", "out", "-s", "scan.axes.0.count=60", "-s", "scan.axes.1.count=60")
         self.interrupt(signal.SIGTERM, 0.3, *part, "--part", "1/2", "--quiet")
-        if self.status("out/part-1-of-2") != "finished":
+        if not self.is_finished("out/part-1-of-2"):
             self.expect(0, *part, "--part", "1/2")
         self.assertEqual(self.json("out/part-1-of-2")["evaluated"], 1800)
 

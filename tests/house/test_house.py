@@ -36,7 +36,7 @@ ONLY_IN = {
     "core": re.compile(r"^Random123/"),
     "store|granular": re.compile(r"^xxhash\.h"),
     "scan": re.compile(r"^(sqlite3\.h|mpi\.h)"),
-    "granular|measure": re.compile(r"^hwy/"),
+    "elastic|rods|granular|measure": re.compile(r"^hwy/"),
 }
 NO_FILES = {"assembly": re.compile(r"^(fstream|iostream|ostream|cstdio)$")}  # what a part does without
 # A measure is known to its own part and to one file of assembly.

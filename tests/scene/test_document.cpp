@@ -70,6 +70,17 @@ TEST_CASE("the reference names every key once and every table") {
         CHECK(text.find("## `" + table + "`") != std::string::npos);
 }
 
+TEST_CASE("a key is found by the name that a scan or a setting has for it") {
+    using rodwake::scene::key_info;
+    const auto position = key_info("rods.1.position.0");
+    REQUIRE(position);
+    CHECK((position->table == "rods[]" && position->name == "position"));
+    CHECK(key_info("granular.rods.0.kind").value().table == "granular.rods[]");
+    CHECK(key_info("schema").value().table.empty());
+    for (const char* none : {"", "coupling", "coupling.kapa", "rods.kappa", "0", "position"})
+        CHECK_FALSE(key_info(none));
+}
+
 TEST_CASE("alternatives are documented as such, defaults that follow from other keys are not") {
     const std::string text = rodwake::scene::scene_reference();
     CHECK(text.find("Exactly one of: `xi`; `alpha`.") != std::string::npos);

@@ -69,6 +69,9 @@ class ScanTest(ProgramTest):
     def rows(self, run, name="scan.csv"):
         return rows_of(self.folder / run / name)
 
+    def is_finished(self, run):
+        return (self.folder / run / "provenance.json").exists() and self.status(run) == "finished"
+
     def json(self, run):
         return json.loads((self.folder / run / "scan.json").read_text())
 
@@ -86,6 +89,13 @@ class ScanTest(ProgramTest):
                     connection.execute("SELECT * FROM crossings ORDER BY id").fetchall())
         finally:
             connection.close()
+
+    def points(self, run):
+        """In the ledger; 0 before there is one."""
+        try:
+            return len(self.ledger(run)[0])
+        except sqlite3.Error:
+            return 0
 
     def change_ledger(self, run, sql):
         connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
@@ -128,11 +138,15 @@ class StoppedScanTest(ScanTest):
         self.assert_no_temporaries()
         return stopped
 
-    def is_finished(self, run):
-        return (self.folder / run / "provenance.json").exists() and self.status(run) == "finished"
-
-    def remove(self, run):
-        shutil.rmtree(self.folder / run)
+    def finish_often(self, stops, *chain):
+        """finish_after() in folders of their own until there were so many stops. Twice out of three a scan may end before
+        its stop: it does not always take the time that the first one took."""
+        stopped = runs = 0
+        while stopped < stops:
+            self.assertLess(runs, 3 * stops + 10, f"only {stopped} of {runs} scans were stopped")
+            stopped += self.finish_after("run", *chain)
+            shutil.rmtree(self.folder / "run")
+            runs += 1
 
 
 KILL = (signal.SIGKILL,)

@@ -11,7 +11,7 @@
 namespace rodwake::rods {
 
 /// Ending of the pair (a, b) from the final state and its time derivative; never `contact`.
-/// `late.max_turning` is a mean over each step. In a periodic box of the nearest images (separation.hpp).
+/// `late` as separation_record.hpp keeps it. In a periodic box of the nearest images (separation.hpp).
 Ending classify_pair(integrate::State y, integrate::State ydot, std::size_t a, std::size_t b,
                      const LatePart& late, const EndingCriteria& criteria = {},
                      std::optional<double> box = {});

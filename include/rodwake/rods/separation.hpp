@@ -43,4 +43,8 @@ struct Approach {
 };
 std::optional<Approach> closest_approach(const integrate::Step& step, Box box = {});
 
+/// For a pair that is farther apart than `distance` before the step and not after it: when it comes that
+/// close.
+double fall_time(const integrate::Step& step, std::size_t a, std::size_t b, double distance);
+
 } // namespace rodwake::rods

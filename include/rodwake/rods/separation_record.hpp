@@ -4,6 +4,7 @@
 #include "rodwake/rods/outcome.hpp"
 #include "rodwake/rods/separation.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace rodwake::rods {
@@ -18,6 +19,10 @@ struct SeparationRecord {
 };
 
 SeparationRecord start_record(integrate::State y, double late_from, Box box = {});
-void add_step(SeparationRecord& record, const integrate::Step& step, Box box = {});
+/// Time derivatives of a state.
+using StateRates = std::function<void(integrate::State y, std::span<double> ydot)>;
+/// The last part is looked at when it begins, on the cubic through the step and its rates, and at every step
+/// end after: so it hardly depends on where the steps end.
+void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box = {});
 
 } // namespace rodwake::rods

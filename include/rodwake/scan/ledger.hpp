@@ -66,6 +66,7 @@ public:
     void for_each_id(const std::function<void(std::int64_t)>& each) const;
     std::optional<Result> find(std::int64_t id) const;
     std::vector<Crossing> crossings() const;
+    std::int64_t points() const;
     Counts counts() const;
 
     /// Folds the write-ahead log into the file, so that it can be copied.

@@ -29,6 +29,9 @@ struct KeyInfo {
 /// Every key, in the order of the reference.
 std::vector<KeyInfo> scene_keys();
 
+/// The entry of a key as a scan or a setting names it: of "rods.1.position.0" that of position in rods[].
+std::optional<KeyInfo> key_info(const std::string& key);
+
 /// docs/scene.md: Markdown with a table for each scene table.
 std::string scene_reference();
 

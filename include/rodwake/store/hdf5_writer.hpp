@@ -27,6 +27,10 @@ public:
     void dataset(const std::string& path, std::span<const double> values,
                  const std::vector<std::size_t>& shape, const std::string& unit);
 
+    /// Rows from `first` of a one-dimensional dataset of `rows`, which the first call makes: for columns that
+    /// are longer than what one wants to hold. `unit` is left out.
+    void part(const std::string& path, std::span<const double> values, std::size_t first, std::size_t rows);
+
     /// Attribute of a group ("/" or "/medium"), which is made if missing.
     void attribute(const std::string& group, const std::string& name, double value);
     void attribute(const std::string& group, const std::string& name, std::int64_t value);

@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
-#include <sstream>
 
 namespace rodwake::stages {
 
@@ -53,13 +52,6 @@ std::vector<Stored> sample(const scan::Ledger& ledger, std::size_t count) {
     return found;
 }
 
-void write_column(store::Hdf5Writer& h5, const scan::Ledger& ledger, const std::string& name,
-                  const std::function<double(const scan::Result&)>& value) {
-    std::vector<double> column;
-    ledger.for_each([&](const scan::Result& r) { column.push_back(value(r)); });
-    h5.dataset("/points/" + name, column, {column.size()}, "");
-}
-
 template<class Names>
 std::string joined(const Names& names) {
     std::string text;
@@ -68,20 +60,53 @@ std::string joined(const Names& names) {
     return text;
 }
 
+/// A column of /points: where its numbers come from.
+struct Column {
+    std::string name;
+    std::function<double(const scan::Result&)> value;
+};
+
+std::vector<Column> columns_of(const ScanPlan& plan) {
+    std::vector<Column> columns;
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
+        columns.push_back({plan.design.axes[k].name, [k](const scan::Result& r) { return r.point.at[k]; }});
+    columns.push_back({"outcome", [](const scan::Result& r) { return r.ok() ? r.outcome : -1.0; }});
+    columns.push_back({"status", [](const scan::Result& r) { return static_cast<double>(r.status); }});
+    for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
+        columns.push_back({plan.columns.observables[k],
+                           [k](const scan::Result& r) { return r.ok() ? r.values[k] : std::nan(""); }});
+    return columns;
+}
+
+/// In one pass over the ledger, some rows at a time, so that memory does not grow with it.
 void write_columns(store::Hdf5Writer& h5, const ScanPlan& plan, const scan::Ledger& ledger) {
-    for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
-        const scan::Axis& axis = plan.design.axes[k];
-        write_column(h5, ledger, axis.name, [k](const scan::Result& r) { return r.point.at[k]; });
+    constexpr std::size_t rows_at_once = 1 << 14;
+    const std::vector<Column> columns = columns_of(plan);
+    const auto rows = static_cast<std::size_t>(ledger.points());
+    std::vector<std::vector<double>> block(columns.size());
+    std::size_t written = 0;
+    const auto flush = [&] {
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            h5.part("/points/" + columns[k].name, block[k], written, rows);
+        written += block.front().size();
+        for (std::vector<double>& column : block)
+            column.clear();
+    };
+    ledger.for_each([&](const scan::Result& result) {
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            block[k].push_back(columns[k].value(result));
+        if (block.front().size() == rows_at_once)
+            flush();
+    });
+    flush();
+}
+
+void write_names(store::Hdf5Writer& h5, const ScanPlan& plan) {
+    for (const scan::Axis& axis : plan.design.axes)
         if (!axis.words.empty())
             h5.attribute("/points", axis.name + "_names", joined(axis.words));
-    }
-    write_column(h5, ledger, "outcome", [](const scan::Result& r) { return r.ok() ? r.outcome : -1.0; });
-    write_column(h5, ledger, "status", [](const scan::Result& r) { return static_cast<double>(r.status); });
     h5.attribute("/points", "outcome_names", joined(plan.columns.outcomes));
     h5.attribute("/points", "status_names", joined(scan::status_names));
-    for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
-        write_column(h5, ledger, plan.columns.observables[k],
-                     [k](const scan::Result& r) { return r.ok() ? r.values[k] : std::nan(""); });
 }
 
 /// One column of the trajectories, [S][T] or [S][T][N].
@@ -123,6 +148,7 @@ void write_h5(const std::filesystem::path& file, const ScanPlan& plan, const sce
               const scan::Ledger& ledger) {
     store::Hdf5Writer h5(file);
     write_columns(h5, plan, ledger);
+    write_names(h5, plan);
     const std::vector<Stored> stored = sample(ledger, static_cast<std::size_t>(keys.trajectories));
     if (!stored.empty() && plan.base.rods_run)
         write_trajectories(h5, plan, stored);
@@ -131,25 +157,6 @@ void write_h5(const std::filesystem::path& file, const ScanPlan& plan, const sce
 
 bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
 
-/// Symbol and unit of a key, as the reference has them: that of "rods.1.position.0" is "position" of
-/// "rods[]".
-scene::KeyInfo info_of(const std::string& key) {
-    std::vector<std::string> names;
-    std::istringstream segments(key);
-    for (std::string segment; std::getline(segments, segment, '.');)
-        if (segment.find_first_not_of("0123456789") != std::string::npos)
-            names.push_back(segment);
-        else if (!segments.eof())
-            names.back() += "[]";
-    const std::string name = names.back();
-    names.pop_back();
-    const std::string table = fmt::format("{}", fmt::join(names, "."));
-    for (const scene::KeyInfo& info : scene::scene_keys())
-        if (info.name == name && info.table == table)
-            return info;
-    return {};
-}
-
 const char* spacing_name(scan::Spacing spacing) {
     static constexpr const char* names[] = {"linear", "log", "listed"};
     return names[static_cast<std::size_t>(spacing)];
@@ -157,8 +164,8 @@ const char* spacing_name(scan::Spacing spacing) {
 
 ordered_json axis_json(const ScanPlan& plan, std::size_t number) {
     const scan::Axis& axis = plan.design.axes[number];
-    const scene::KeyInfo info = info_of(axis.name);
-    const bool si = plan.base.units == scene::UnitSystem::si || of_beds(plan);
+    const scene::KeyInfo info = scene::key_info(axis.name).value_or(scene::KeyInfo{});
+    const bool si = plan.base.units == scene::UnitSystem::si;
     ordered_json keys = ordered_json::array(), factors = ordered_json::array();
     for (const ScanPlan::VariedKey& key : plan.keys)
         if (key.axis == number) {
@@ -188,7 +195,10 @@ ordered_json boundary_json(const scan::Summary& summary, double tolerance) {
     std::size_t points = 0;
     for (const scan::Curve& curve : summary.curves)
         points += curve.points.size();
-    return {{"curves", summary.curves.size()}, {"points", points}, {"tolerance", tolerance}};
+    return {{"curves", summary.curves.size()},
+            {"points", points},
+            {"tolerance", tolerance},
+            {"gaps", summary.lost_crossings}};
 }
 
 ordered_json rods_json(const ScanPlan& plan) {

@@ -56,6 +56,24 @@ private:
     double most_ = 0.0, ahead_x_ = 0.0, ahead_y_ = 0.0;
 };
 
+/// The ladder of retries: changes the options for the attempt after number `rung`; false: none left.
+bool next_rung(integrate::OdeOptions& ode, int rung) {
+    switch (rung) {
+    case 0:
+        ode.max_steps *= 10;
+        return true;
+    case 1:
+        ode.rtol = std::max(0.1 * ode.rtol, 1e-13);
+        ode.atol *= 0.1;
+        return true;
+    case 2:
+        ode.method = ode.method == Method::bdf ? Method::adams : Method::bdf;
+        return true;
+    default:
+        return false;
+    }
+}
+
 /// The order of assembly::ScanPlan's columns.
 class Values {
 public:
@@ -103,7 +121,6 @@ public:
     }
 
 private:
-    /// The ladder of retries.
     void climb(const rods::RodProblem& problem, scan::Result& result, Clock::time_point start) {
         rods::RodOptions options = assembly::rod_options(*scene_.rods_run, problem);
         options.ode.stop_requested = stop_condition(start);
@@ -113,30 +130,12 @@ private:
             const bool hopeless = result.status == scan::Status::ok ||
                                   result.status == scan::Status::time_limit ||
                                   result.status == scan::Status::stopped;
-            if (!result.ok())
+            if (!result.ok() && !causes.ends_with(result.cause_text())) // a retry may fail alike
                 causes += (causes.empty() ? "" : "; ") + std::string(result.cause_text());
             if (hopeless || !next_rung(options.ode, result.retries))
                 break;
         }
         result.set_cause(causes);
-    }
-
-    /// False: none left.
-    static bool next_rung(integrate::OdeOptions& ode, int rung) {
-        switch (rung) {
-        case 0:
-            ode.max_steps *= 10;
-            return true;
-        case 1:
-            ode.rtol = std::max(0.1 * ode.rtol, 1e-13);
-            ode.atol *= 0.1;
-            return true;
-        case 2:
-            ode.method = ode.method == Method::bdf ? Method::adams : Method::bdf;
-            return true;
-        default:
-            return false;
-        }
     }
 
     std::function<bool()> stop_condition(Clock::time_point start) const {
@@ -184,9 +183,10 @@ private:
                << static_cast<double>(run.solution.statistics.steps)
                << static_cast<double>(run.solution.statistics.rhs_evaluations);
         for (std::size_t k = 0; k < plan_.columns.observables.size(); ++k)
-            if (std::isinf(result.values[k])) {
+            if (const std::string& name = plan_.columns.observables[k];
+                !std::isfinite(result.values[k]) && name != "non_reciprocity") { // which may have no value
                 result.status = scan::Status::not_finite;
-                result.set_cause(plan_.columns.observables[k] + " is not finite");
+                result.set_cause(name + " is not finite");
             }
     }
 
@@ -231,7 +231,10 @@ rods::RodResult trajectory_of(const assembly::ScanPlan& plan, const scan::Result
     problem.output_times.clear();
     for (std::size_t i = 0; i + 1 < times; ++i)
         problem.output_times.push_back(end * static_cast<double>(i) / static_cast<double>(times - 1));
-    return rods::simulate(problem, assembly::rod_options(*scene.rods_run, problem));
+    rods::RodOptions options = assembly::rod_options(*scene.rods_run, problem);
+    for (int rung = 0; rung < result.retries; ++rung) // as the attempt that succeeded
+        next_rung(options.ode, rung);
+    return rods::simulate(problem, options);
 }
 
 } // namespace rodwake::stages

@@ -47,7 +47,7 @@ void prepare(const Session& session, scan::Ledger& ledger) {
         merge_shares(session, ledger);
     if (session.context.scan.rerun_failed)
         session.log->info("scan: {} points that failed are evaluated again", ledger.forget_failed());
-    if (const std::int64_t done = ledger.counts().points; done > 0)
+    if (const std::int64_t done = ledger.points(); done > 0)
         session.log->info("scan: {} points are in the ledger already", done);
 }
 
@@ -72,9 +72,16 @@ void tell_audit(const Session& session, const scan::Summary& summary) {
 StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::Summary& summary) {
     const scan::Counts counts = ledger.counts();
     const char* what = of_beds(*session.plan.scan) ? "runs" : "points";
-    session.log->info("scan: {} of {} {} evaluated: {}", counts.points, summary.requested, what,
-                      counts_text(counts));
+    if (counts.points > summary.requested) // an adaptive scan of a higher resolution came before
+        session.log->info("scan: {} {} in the ledger, of a finer scan too: {}", counts.points, what,
+                          counts_text(counts));
+    else
+        session.log->info("scan: {} of {} {} evaluated: {}", counts.points, summary.requested, what,
+                          counts_text(counts));
     tell_audit(session, summary);
+    if (summary.lost_crossings > 0)
+        session.log->warn("scan: the boundary has {} gaps, where points failed while it was traced",
+                          summary.lost_crossings);
     if (!summary.complete)
         return StageEnd::interrupted;
     if (counts.failed == 0)

@@ -32,7 +32,8 @@ std::string between(const ScanPlan& plan, const scan::Curve& curve) {
 
 } // namespace
 
-std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : ""; }
+/// Shortest digits that give the number back.
+std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 std::string axis_text(const scan::Axis& axis, double value) {
     return axis.words.empty() ? number_text(value) : axis.words[static_cast<std::size_t>(value)];

@@ -1,0 +1,79 @@
+#pragma once
+// Many independent pairs of rods at once, a pair a lane: for scans, whose points differ in couplings, medium
+// and start.
+//
+// Method: Dormand-Prince 5(4), each lane with its own step, error, step limit (encounter_step) and end; a
+// lane whose pair has ended takes the next one. Contact is located by shortening the step that passes it
+// until its end lies on it. Tolerances, endings and the record of separations are those of rods::simulate,
+// which remains the reference.
+//
+// Bits: a pair's result depends on this pair and the options, on nothing else: not on the other pairs, the
+// lanes of a vector or the instruction set.
+//
+// Explicit: a pair whose headings relax much faster than the rods walk would take tens of thousands of steps.
+// Such a pair, and one that leaves the range of the kernels (elastic/wake_kernel.hpp), is handed over: run it
+// through rods::simulate.
+
+#include "rodwake/rods/simulate.hpp"
+
+#include <array>
+#include <optional>
+#include <span>
+
+namespace rodwake::rods {
+
+/// Reduced units, infinite plane.
+struct PairProblem {
+    elastic::Medium medium; ///< eta < 0 is handed over
+    Couplings couplings;
+    std::array<Pose, 2> rods;
+    double t_end = 0.0;
+    double contact_distance = 0.0; ///< stop when the rods come this close; 0: never
+};
+
+/// The problem as a pair for the batch; nothing if it is none: not two rods, a periodic box, no medium or no
+/// coupling.
+std::optional<PairProblem> to_pair_problem(const RodProblem& problem);
+RodProblem to_rod_problem(const PairProblem& pair);
+
+struct PairOptions {
+    double rtol = 1e-8, atol = 1e-10; ///< as OdeOptions: atol counts up to rtol/10
+    EndingCriteria criteria = {};
+    long max_attempts = 3000; ///< steps, rejected ones included, before a pair is handed over
+};
+
+enum class PairEnding {
+    finished,
+    too_many_steps, ///< handed over: stiff, or endless turning
+    out_of_range    ///< handed over: beyond the kernels, or the steps became too small to add to the time
+};
+
+struct PairResult {
+    PairEnding end = PairEnding::finished;
+    Ending ending = Ending::undecided;
+    double time = 0.0;                     ///< of contact, else the time reached
+    std::array<double, 6> state{}, rate{}; ///< at that time, as in model.hpp, and its time derivative
+    double separation = 0.0;               ///< at that time
+    double min_separation = 0.0;           ///< at any time
+    double min_separation_time = 0.0;      ///< when
+    std::array<double, 2> turn{};          ///< theta(end) - theta(0), rad
+    double ahead_x = 0.0,
+           ahead_y = 0.0; ///< R_0 - R_1 less its start, at the step end when the rods had turned most
+    long steps = 0, rhs_evaluations = 0;
+
+    bool handed_over() const { return end != PairEnding::finished; }
+};
+
+/// Runs each pair to its t_end or to contact; results[i] is that of pairs[i]. Throws InputError as
+/// rods::simulate does for one of them, before any is run, and for spans of unlike lengths or illegal
+/// tolerances. Thread-safe.
+void simulate_pairs(std::span<const PairProblem> pairs, const PairOptions& options,
+                    std::span<PairResult> results);
+
+/// Throws InputError if simulate_pairs would for this pair.
+void validate(const PairProblem& pair);
+
+/// A finished pair as rods::simulate tells it, in words too.
+RodOutcome outcome_of(const PairResult& result);
+
+} // namespace rodwake::rods

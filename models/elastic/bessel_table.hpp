@@ -1,0 +1,43 @@
+#pragma once
+// K0 and K1 as short polynomials on many pieces, for the batched kernels (kernel_inl.hpp): a piece is found
+// from the bits of its argument, without a logarithm or a branch.
+//
+// A binade [2^e, 2^(e+1)) has 2^piece_bits pieces of equal width. With m the mantissa of z in [1, 2), m_i and
+// z_i those of the piece's middle and v = m - m_i, a row holds the coefficients in v of
+//
+//   z < 1:   e^z K0(z) + ln z - ln z_i     regular at 0 but for z ln z; ln(z/z_i) is a series in (z - z_i)/z
+//   z >= 1:  e^z K0(z)
+//
+// z K1 follows from the derivative, which is what the polynomials are fitted for.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace rodwake::elastic {
+
+/// Arguments the tables hold: 2^lowest_binade <= z < 2^end_binade.
+inline constexpr int lowest_binade = -44, end_binade = 20;
+
+/// Accuracy of a table: pieces a binade and coefficients a row, one cache line of doubles.
+struct TableShape {
+    int piece_bits, terms;
+};
+inline constexpr TableShape full_shape{5, 8};
+
+template<class Real>
+struct BesselTable {
+    std::vector<Real> coefficients; ///< rows of `terms`, from the lowest binade on
+
+    const Real* rows() const { return coefficients.data(); }
+};
+
+/// The table of a shape, in the working precision `Real`. Takes some milliseconds: ask for bessel_table
+/// instead.
+template<class Real>
+BesselTable<Real> make_bessel_table(TableShape shape);
+
+/// Made at the first call, thread-safe; a few milliseconds then, nothing later.
+const BesselTable<double>& bessel_table();
+
+} // namespace rodwake::elastic

@@ -1,0 +1,165 @@
+// Sums over sources, a target a lane. Compiled once for each instruction set (foreach_target includes this
+// file again).
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "wake_batch.cpp"
+#include <hwy/foreach_target.h> // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include "elastic/kernel_inl.hpp"
+#include "elastic/wake_kernel.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+HWY_BEFORE_NAMESPACE();
+namespace rodwake::elastic::HWY_NAMESPACE {
+
+using Lanes = hn::CappedTag<double, 8>;
+using V = hn::Vec<Lanes>;
+constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
+
+/// What a source gives at each lane, lab components.
+struct Parts {
+    V part[all_parts];
+};
+
+struct Units {
+    V strain, polar;
+};
+
+template<bool polar>
+HWY_INLINE Parts LabParts(const Wake<Lanes>& wake, V cosine, V sine, const Units& unit) {
+    const Lanes d;
+    const V cos2 = Fma(d, cosine, cosine, hn::Neg(hn::Mul(sine, sine))),
+            sin2 = hn::Mul(hn::Add(sine, sine), cosine);
+    // halves of trace, eps_yy - eps_xx and 2 eps_xy
+    const V half = hn::Mul(unit.strain, hn::Set(d, 0.5)), mean = hn::Mul(half, wake.trace);
+    const V own_across = hn::Mul(half, hn::Sub(wake.yy, wake.trace)), own_shear = hn::Mul(half, wake.shear);
+    const V across = Fma(d, own_across, cos2, hn::Mul(own_shear, sin2));
+    Parts parts;
+    parts.part[0] = hn::Sub(mean, across);
+    parts.part[1] = Fma(d, own_shear, cos2, hn::Neg(hn::Mul(own_across, sin2)));
+    parts.part[2] = hn::Add(mean, across);
+    if constexpr (polar) {
+        const V c = hn::Mul(unit.polar, cosine), s = hn::Mul(unit.polar, sine);
+        parts.part[3] = Fma(d, wake.laplacian_x, c, hn::Neg(hn::Mul(wake.laplacian_y, s)));
+        parts.part[4] = Fma(d, wake.laplacian_x, s, hn::Mul(wake.laplacian_y, c));
+        parts.part[5] = Fma(d, wake.gradient_x, c, hn::Neg(hn::Mul(wake.gradient_y, s)));
+        parts.part[6] = Fma(d, wake.gradient_x, s, hn::Mul(wake.gradient_y, c));
+    }
+    return parts;
+}
+
+/// Puts the exact field in the lanes that the kernel cannot do.
+template<bool polar>
+HWY_NOINLINE void Replace(Parts& parts, hn::Mask<Lanes> in_range, const Field& field,
+                          const KernelSource& source, const double* x, const double* y, std::size_t used) {
+    const Lanes d;
+    constexpr int count = polar ? all_parts : strain_parts;
+    HWY_ALIGN double stored[all_parts][lane_count], ok[lane_count];
+    hn::Store(hn::IfThenElseZero(in_range, hn::Set(d, 1.0)), d, ok);
+    for (int k = 0; k < count; ++k)
+        hn::Store(parts.part[k], d, stored[k]);
+    for (std::size_t lane = 0; lane < used; ++lane) {
+        double exact[all_parts];
+        if (ok[lane] != 0.0)
+            continue;
+        exact_parts(field, source, x[lane], y[lane], polar, exact);
+        for (int k = 0; k < count; ++k)
+            stored[k][lane] = exact[k];
+    }
+    for (int k = 0; k < count; ++k)
+        parts.part[k] = hn::Load(d, stored[k]);
+}
+
+/// Sums over the sources at one vector of targets, of which the first `used` count.
+template<bool polar>
+HWY_INLINE void SumBlock(const double* table, const LaneMedium<Lanes>& m, const Units& unit,
+                         const Field& field, std::span<const KernelSource> sources, const double* targets_x,
+                         const double* targets_y, std::size_t used, Parts& sum) {
+    const Lanes d;
+    constexpr int count = polar ? all_parts : strain_parts;
+    const V x = hn::LoadU(d, targets_x), y = hn::LoadU(d, targets_y);
+    for (int k = 0; k < count; ++k)
+        sum.part[k] = hn::Zero(d);
+    for (const KernelSource& source : sources) {
+        const V cosine = hn::Set(d, source.cosine), sine = hn::Set(d, source.sine);
+        const V dx = hn::Mul(hn::Sub(x, hn::Set(d, source.x)), m.c_shear),
+                dy = hn::Mul(hn::Sub(y, hn::Set(d, source.y)), m.c_shear);
+        const V X = Fma(d, cosine, dx, hn::Mul(sine, dy)), Y = Fma(d, cosine, dy, hn::Neg(hn::Mul(sine, dx)));
+        const Radial<Lanes> radial = RadialAt(d, table, hn::Sqrt(Fma(d, X, X, hn::Mul(Y, Y))), m);
+        Parts parts = LabParts<polar>(WakeAt<polar>(d, X, Y, radial, m), cosine, sine, unit);
+        if (HWY_UNLIKELY(!hn::AllTrue(d, radial.in_range)))
+            Replace<polar>(parts, radial.in_range, field, source, targets_x, targets_y, used);
+        for (int k = 0; k < count; ++k)
+            sum.part[k] = hn::Add(sum.part[k], parts.part[k]);
+    }
+}
+
+template<bool polar>
+HWY_INLINE void SumWakes(const KernelMedium& medium, const Field& field,
+                         std::span<const KernelSource> sources, const KernelTargets& targets) {
+    const Lanes d;
+    constexpr int count = polar ? all_parts : strain_parts;
+    const double* table = bessel_table().rows();
+    const LaneMedium<Lanes> m{hn::Set(d, medium.c_shear), hn::Set(d, medium.nu), hn::Set(d, medium.delta),
+                              hn::Set(d, medium.inverse_nu)};
+    const V second = hn::Mul(m.c_shear, hn::Set(d, 0.5 * std::numbers::inv_pi));
+    const Units unit{second, hn::Mul(second, m.c_shear)};
+    Parts sum;
+    std::size_t begin = 0;
+    for (; begin + lane_count <= targets.count; begin += lane_count) {
+        SumBlock<polar>(table, m, unit, field, sources, targets.x + begin, targets.y + begin, lane_count,
+                        sum);
+        for (int k = 0; k < count; ++k)
+            hn::StoreU(sum.part[k], d, targets.sum[k] + begin);
+    }
+    if (begin == targets.count)
+        return;
+    double x[lane_count], y[lane_count], last[lane_count]; // the rest, filled up with its last target
+    const std::size_t used = targets.count - begin;
+    for (std::size_t lane = 0; lane < lane_count; ++lane) {
+        x[lane] = targets.x[begin + (lane < used ? lane : used - 1)];
+        y[lane] = targets.y[begin + (lane < used ? lane : used - 1)];
+    }
+    SumBlock<polar>(table, m, unit, field, sources, x, y, used, sum);
+    for (int k = 0; k < count; ++k) {
+        hn::StoreU(sum.part[k], d, last);
+        std::copy(last, last + used, targets.sum[k] + begin);
+    }
+}
+
+void SumStrain(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
+               const KernelTargets& targets) {
+    SumWakes<false>(medium, field, sources, targets);
+}
+
+void SumStrainAndPolar(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
+                       const KernelTargets& targets) {
+    SumWakes<true>(medium, field, sources, targets);
+}
+
+const char* Target() { return hwy::TargetName(HWY_TARGET); }
+
+} // namespace rodwake::elastic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rodwake::elastic {
+
+HWY_EXPORT(SumStrain);
+HWY_EXPORT(SumStrainAndPolar);
+HWY_EXPORT(Target);
+
+void sum_wakes(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
+               const KernelTargets& targets) {
+    if (targets.sum[strain_parts] != nullptr)
+        HWY_DYNAMIC_DISPATCH(SumStrainAndPolar)(medium, field, sources, targets);
+    else
+        HWY_DYNAMIC_DISPATCH(SumStrain)(medium, field, sources, targets);
+}
+
+std::string wake_kernel_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }
+
+} // namespace rodwake::elastic
+#endif

@@ -1,0 +1,91 @@
+#include "rodwake/rods/pair_batch.hpp"
+
+#include "outcome_text.hpp"
+#include "pair_lanes.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <vector>
+
+namespace rodwake::rods {
+
+namespace {
+
+void require(bool legal, const char* name, double value, const char* range) {
+    if (!legal)
+        throw InputError(fmt::format("{} = {}: must be {}", name, value, range));
+}
+
+void validate(const PairOptions& options, std::size_t pairs, std::size_t results) {
+    require(options.rtol >= 1e-13 && options.rtol <= 0.1, "rtol", options.rtol, "in [1e-13, 0.1]");
+    require(options.atol > 0.0 && std::isfinite(options.atol), "atol", options.atol, "> 0 and finite");
+    if (pairs != results)
+        throw InputError(fmt::format("{} results for {} pairs: give as many", results, pairs));
+}
+
+} // namespace
+
+std::optional<PairProblem> to_pair_problem(const RodProblem& problem) {
+    if (problem.rods.size() != 2 || problem.box || !problem.medium || !problem.couplings.any())
+        return std::nullopt;
+    return PairProblem{*problem.medium,
+                       problem.couplings,
+                       {problem.rods[0], problem.rods[1]},
+                       problem.t_end,
+                       problem.contact_distance.value_or(0.0)};
+}
+
+RodProblem to_rod_problem(const PairProblem& pair) {
+    RodProblem problem{pair.medium, pair.couplings, {pair.rods[0], pair.rods[1]}, pair.t_end, {}, {}};
+    if (pair.contact_distance != 0.0)
+        problem.contact_distance = pair.contact_distance;
+    return problem;
+}
+
+void validate(const PairProblem& pair) {
+    const double r = std::hypot(pair.rods[0].x - pair.rods[1].x, pair.rods[0].y - pair.rods[1].y);
+    const double headings = std::abs(pair.rods[0].heading) + std::abs(pair.rods[1].heading);
+    elastic::validate(pair.medium);
+    if (!(pair.t_end > 0.0 && std::isfinite(pair.t_end) && r > 0.0 && pair.contact_distance < r))
+        to_ode(to_rod_problem(pair)); // says what is wrong
+    require(std::isfinite(r) && std::isfinite(headings), "a coordinate of the pair", r + headings, "finite");
+    require(pair.contact_distance >= 0.0, "contact_distance", pair.contact_distance, ">= 0");
+}
+
+void simulate_pairs(std::span<const PairProblem> pairs, const PairOptions& options,
+                    std::span<PairResult> results) {
+    validate(options, pairs.size(), results.size());
+    std::vector<std::size_t>
+        order[2]; // without and with polar couplings: a lane computes no more than its pair needs
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        validate(pairs[i]);
+        order[pairs[i].couplings.polar()].push_back(i);
+    }
+    for (const bool polar : {false, true}) {
+        if (order[polar].empty())
+            continue;
+        PairQueue queue(pairs, order[polar], options, results);
+        queue.fill(pair_lane_count());
+        run_pairs(queue, polar);
+    }
+}
+
+RodOutcome outcome_of(const PairResult& result) {
+    RodOutcome outcome;
+    outcome.ending = result.ending;
+    outcome.time = result.time;
+    const bool at_end = result.ending == Ending::contact || result.ending == Ending::pursuit;
+    outcome.pair = {0, 1, at_end ? result.separation : result.min_separation};
+    outcome.min_separation = result.min_separation;
+    outcome.min_separation_time = result.min_separation_time;
+    outcome.turn = {result.turn[0], result.turn[1]};
+    integrate::Status status;
+    if (result.handed_over())
+        status.termination = integrate::Termination::failed;
+    describe(outcome, 2, status);
+    return outcome;
+}
+
+} // namespace rodwake::rods

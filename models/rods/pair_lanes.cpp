@@ -1,0 +1,181 @@
+#include "pair_lanes.hpp"
+
+#include "elastic/wake_kernel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace rodwake::rods {
+
+namespace {
+
+using State6 = std::array<double, 6>;
+
+constexpr double first_step = 0.01; // f/(mu v0), as rods::simulate takes
+constexpr double ulp = std::numeric_limits<double>::epsilon();
+
+State6 numbers(const LaneNumbers (&of)[6], std::size_t lane) {
+    State6 all;
+    for (std::size_t k = 0; k < 6; ++k)
+        all[k] = of[k][lane];
+    return all;
+}
+
+double separation(const State6& y) { return std::hypot(y[0] - y[3], y[1] - y[4]); }
+
+/// dr/dt
+double separation_rate(const State6& y, const State6& rate) {
+    return ((y[0] - y[3]) * (rate[0] - rate[3]) + (y[1] - y[4]) * (rate[1] - rate[4])) / separation(y);
+}
+
+/// How well contact is met: what coordinates of this size resolve.
+double resolution(const State6& y) {
+    double largest = 0.0;
+    for (const double one : y)
+        largest = std::max(largest, std::abs(one));
+    return 1e-12 + 8.0 * ulp * largest;
+}
+
+} // namespace
+
+PairQueue::PairQueue(std::span<const PairProblem> pairs, std::span<const std::size_t> order,
+                     const PairOptions& options, std::span<PairResult> results)
+    : pairs_(pairs), order_(order), options_(options), results_(results) {}
+
+void PairQueue::fill(std::size_t count) {
+    for (std::size_t lane = 0; lane < count; ++lane) {
+        load(lane, pairs_[order_[0]]); // lanes without a pair compute something harmless
+        next(lane);
+    }
+}
+
+void PairQueue::next(std::size_t lane) {
+    if (lanes.active[lane] != 0.0)
+        --working_;
+    lanes.active[lane] = 0.0;
+    lanes.t_end[lane] = lanes.time[lane]; // an idle lane takes steps of length 0
+    if (next_ == order_.size())
+        return;
+    pair_[lane] = order_[next_++];
+    load(lane, pairs_[pair_[lane]]);
+    lanes.active[lane] = 1.0;
+    ++working_;
+    fresh_ = true;
+}
+
+bool PairQueue::take_fresh() { return std::exchange(fresh_, false); }
+
+void PairQueue::load(std::size_t lane, const PairProblem& pair) {
+    PairLanes& l = lanes;
+    const auto medium = elastic::KernelInternals::constants(elastic::Field(pair.medium));
+    l.c_shear[lane] = medium.c_shear;
+    l.nu[lane] = medium.nu;
+    l.delta[lane] = medium.delta;
+    l.inverse_nu[lane] = medium.inverse_nu;
+    const double unit = 0.5 * std::numbers::inv_pi * medium.c_shear;
+    l.kappa[lane] = 0.5 * unit * pair.couplings.kappa; // the kernels give twice the torque's parts
+    l.gamma1[lane] = unit * medium.c_shear * pair.couplings.gamma1;
+    l.gamma2[lane] = unit * medium.c_shear * pair.couplings.gamma2;
+    l.time[lane] = 0.0;
+    l.step[lane] = first_step;
+    l.t_end[lane] = pair.t_end;
+    l.forced[lane] = 0.0;
+    const double contact = pair.contact_distance;
+    l.contact_square[lane] = contact > 0.0 ? contact * contact : -1.0;
+    l.late_from[lane] = (1.0 - options_.criteria.steady_fraction) * pair.t_end;
+    for (std::size_t k = 0; k < 6; ++k) {
+        const Pose& rod = pair.rods[k / 3];
+        l.state[k][lane] = l.start[k][lane] = k % 3 == 0 ? rod.x : k % 3 == 1 ? rod.y : rod.heading;
+        l.rate[k][lane] = std::nan(""); // until the lanes evaluate it
+    }
+    start_record(lane);
+    search_[lane] = {};
+    contact_[lane] = false;
+}
+
+void PairQueue::start_record(std::size_t lane) {
+    PairLanes& l = lanes;
+    l.smallest[lane] = separation(numbers(l.state, lane));
+    l.late_least[lane] = std::numeric_limits<double>::infinity();
+    for (LaneNumbers* zero : {&l.smallest_time, &l.late_most, &l.late_turning, &l.most_turned, &l.ahead_x,
+                              &l.ahead_y, &l.attempts, &l.steps})
+        (*zero)[lane] = 0.0;
+}
+
+bool PairQueue::inspect(std::size_t lane) {
+    PairLanes& l = lanes;
+    LaneSearch& search = search_[lane];
+    const State6 before = numbers(l.state, lane), after = numbers(l.end_state, lane);
+    const integrate::Step step{l.time[lane], l.time[lane] + l.tried[lane], before, after};
+    const double contact = pairs_[pair_[lane]].contact_distance, gap = separation(after) - contact;
+    if (contact > 0.0 && (gap <= 0.0 || search.aim == LaneSearch::Aim::root)) {
+        if (search.aim != LaneSearch::Aim::root) {
+            search = {LaneSearch::Aim::root, 0.0, l.tried[lane], 0};
+            l.forced[lane] = fall_time(step, 0, 1, contact) - l.time[lane];
+            return false;
+        }
+        return approach_contact(lane, gap, separation_rate(after, numbers(l.end_rate, lane)));
+    }
+    const auto approach = closest_approach(step);
+    const bool looked = std::exchange(search.aim, LaneSearch::Aim::none) == LaneSearch::Aim::look;
+    if (approach && approach->pair.distance < contact && !looked) {
+        search.aim = LaneSearch::Aim::look;
+        l.forced[lane] = approach->time - l.time[lane];
+        return false;
+    }
+    if (approach && approach->pair.distance < l.smallest[lane]) {
+        l.smallest[lane] = approach->pair.distance;
+        l.smallest_time[lane] = approach->time;
+    }
+    l.forced[lane] = 0.0;
+    return true;
+}
+
+/// One more step towards contact by Newton's method, kept between a step that ends outside and one that ends
+/// inside.
+bool PairQueue::approach_contact(std::size_t lane, double gap, double rate) {
+    constexpr int most_tries = 60; // halvings of a step down to its last bit
+    LaneSearch& search = search_[lane];
+    const double length = lanes.tried[lane];
+    (gap > 0.0 ? search.outside : search.inside) = length;
+    if (std::abs(gap) <= resolution(numbers(lanes.end_state, lane)) || ++search.tries > most_tries) {
+        contact_[lane] = true;
+        lanes.forced[lane] = 0.0;
+        return true;
+    }
+    const double next = length - gap / rate;
+    const bool between = next > search.outside && next < search.inside;
+    lanes.forced[lane] = between ? next : 0.5 * (search.outside + search.inside);
+    return false;
+}
+
+void PairQueue::finish(std::size_t lane, PairEnding end) {
+    const PairLanes& l = lanes;
+    PairResult& result = results_[pair_[lane]];
+    result = {};
+    result.end = end;
+    result.time = l.time[lane];
+    result.state = numbers(l.state, lane);
+    result.rate = numbers(l.rate, lane);
+    result.separation = separation(result.state);
+    result.min_separation = contact_[lane] ? result.separation : l.smallest[lane];
+    result.min_separation_time = contact_[lane] ? result.time : l.smallest_time[lane];
+    result.turn = {result.state[2] - l.start[2][lane], result.state[5] - l.start[5][lane]};
+    result.ahead_x = l.ahead_x[lane];
+    result.ahead_y = l.ahead_y[lane];
+    result.steps = static_cast<long>(l.steps[lane]);
+    result.rhs_evaluations = 1 + 6 * static_cast<long>(l.attempts[lane]);
+    if (contact_[lane])
+        result.ending = Ending::contact;
+    else if (end == PairEnding::finished) {
+        const LatePart late{l.late_least[lane], l.late_most[lane], l.late_turning[lane]};
+        const Ending ending = classify_pair(result.state, result.rate, 0, 1, late, options_.criteria);
+        const bool alone = !pairs_[pair_[lane]].couplings.any(); // nobody follows whom he does not feel
+        result.ending = alone && ending == Ending::pursuit ? Ending::undecided : ending;
+    }
+    next(lane);
+}
+
+} // namespace rodwake::rods

@@ -1,0 +1,36 @@
+"""mpiexec -n N rodwake scan: the same tables as on threads, and nothing lost when ranks die."""
+
+import signal
+
+import rodwake
+from ranks import ScanRanksTest
+
+
+class SameTablesTest(ScanRanksTest):
+    def test_any_number_of_ranks(self):
+        self.scan("scan.toml", "whole", "--quiet")
+        for ranks in (2, 3):
+            self.ranks(ranks, "scan", "scan.toml", "-o", f"run{ranks}", "--quiet")
+            self.assert_same(f"run{ranks}", "whole")
+
+    def test_a_wrong_scene_is_refused_on_all_ranks(self):
+        done = self.ranks(2, "scan", "scan.toml", "-o", "run", "-s", "scan.resolution=33", code=2)
+        self.assertIn("scan.resolution", done.stderr)
+
+
+class DeathTest(ScanRanksTest):
+    def test_a_rank_dies(self):
+        self.scan("scan.toml", "whole", "--quiet")
+        for rank in (0, 1):
+            self.finish_after_deaths(rank, 2)
+
+    def test_a_signal_to_the_job_keeps_what_is_done(self):
+        with self.job(2, "scan", "scan.toml", "-o", "run", "--quiet", "-s", "scan.resolution=8192") as process:
+            self.assertTrue(rodwake.wait_until(lambda: self.points("run") > 500, 60))
+            process.send_signal(signal.SIGTERM)
+            process.wait(30)
+        self.assertGreater(self.points("run"), 500)
+
+
+if __name__ == "__main__":
+    rodwake.main()
