@@ -178,7 +178,8 @@ void describe_granular(const Plan& plan, Lines& lines) {
     add_rod_lines(problem, lines);
     add_order_line(bed, problem, lines);
     add_unused_lines(bed, lines);
-    describe_measures(plan.beds.front(), lines);
+    if (plan.has(Stage::granular) || plan.has(Stage::measure)) // else a scan varies the bed
+        describe_measures(plan.beds.front(), lines);
     add_idealisations(lines);
 }
 

@@ -109,7 +109,10 @@ void time_fields(Visitor& v, Granular& bed) {
       bed.stop_at_travel);
     v(key("seed").within(0, largest_seed).doc("of everything random; --seed replaces it").example("7"),
       bed.seed);
-    v(key("runs").within(1, 1e6).doc("number of runs that differ in their random start only").example("30"),
+    v(key("runs")
+          .within(1, 1e6)
+          .doc("number of runs that differ in their random start only; with [scan] of each point")
+          .example("30"),
       bed.runs);
     v(key("overlap_limit")
           .above(0.0, 1.0)

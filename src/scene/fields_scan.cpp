@@ -90,17 +90,20 @@ void fields(Visitor& v, Scan& scan) {
     v(key("time_limit")
           .above(0.0)
           .absent("none")
-          .doc("seconds that one point may take; one that takes longer is marked time_limit")
+          .doc(
+              "seconds that one point, of beds one run, may take; one that takes longer is marked time_limit")
           .example("10.0"),
       scan.time_limit);
     v(key("trajectories")
           .within(0, 100'000)
-          .doc("points spread over the scan whose trajectories are stored")
+          .doc("of rods: points spread over the scan whose trajectories are stored; of beds granular.output "
+               "says "
+               "what is")
           .example("256"),
       scan.trajectories);
     v(key("max_points")
           .within(1, 1e10)
-          .doc("a scan of more points is refused before it starts")
+          .doc("a scan of more points, of beds of more runs, is refused before it starts")
           .example("20000000"),
       scan.max_points);
     v.list(key("axes").items(0, max_scan_axes).doc("What varies."), scan.axes);

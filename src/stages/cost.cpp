@@ -162,12 +162,12 @@ std::string bed_scan_cost(const Plan& plan) {
     double all = 0.0;
     for (const double cost : design.costs)
         all += one * cost / assembly::sphere_steps(first.problem) * static_cast<double>(design.runs);
+    const bool ends_early = first.schedule.stop_at_travel > 0.0;
     return fmt::format(
-        "  scan: {:.2g} CPU seconds a run as written{}, {} runs, about {:.2g} CPU seconds ({:.2g} "
+        "  scan: {} runs, about {:.2g} CPU seconds each (the bed as written), {:.2g} in all ({:.2g} "
         "hours){}\n  output of a run: {}\n",
-        one, first.schedule.stop_at_travel > 0.0 ? " that goes on to its end" : "", scan::size(design), all,
-        all / 3600.0, first.schedule.stop_at_travel > 0.0 ? ", less where rods reach stop_at_travel" : "",
-        assembly::describe_output(first));
+        scan::size(design), one, all, all / 3600.0,
+        ends_early ? "; less, as far as runs end at stop_at_travel" : "", assembly::describe_output(first));
 }
 
 std::string scan_cost(const assembly::ScanPlan& plan) {

@@ -134,6 +134,8 @@ StageEnd run_granular_stage(Session& session) {
     std::vector<BedWork> all = beds_of(session.plan, session.directory.path(), session.log);
     const std::vector<GranularJob> jobs = jobs_of(all);
     announce(session, all);
+    if (session.context.executor && jobs.size() == 1)
+        session.log->warn("dem: there is one run, so one rank computes it on one thread and the others wait");
     Telling progress(session, jobs);
     execute_jobs(jobs, session.context, session.log,
                  [&](std::size_t job, const granular::Simulation* s, const granular::TableRow* row) {

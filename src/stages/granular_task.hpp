@@ -20,8 +20,10 @@ std::optional<GranularSummary> finished_before(const GranularPlan& plan, const G
 /// Throws InputError if the folder of a task holds a run of another scene, before anything of it is touched.
 void require_same_run(const GranularTask& task, const std::string& key);
 
-/// Executes a task unless an earlier command finished it; `context.force` does it anew.
+/// As run_granular tells it.
 using OnProgress = std::function<void(const granular::Simulation&, const granular::TableRow*)>;
+
+/// Executes a task unless an earlier command finished it; `context.force` does it anew.
 GranularResult execute_task(const GranularPlan& plan, const GranularTask& task, const RunContext& context,
                             const Logger& log, std::size_t threads, const OnProgress& on_progress);
 

@@ -122,7 +122,7 @@ class CheckTest(BedScanTest):
     def test_check_counts_points_and_runs_and_tells_the_cost(self):
         told = self.expect(0, "check", "beds.toml").stdout
         self.assertIn("6 points (grid) of 3 runs of the bed each, 18 runs in all", told)
-        self.assertRegex(told, r"scan: .* CPU seconds a run as written, 18 runs, about .* CPU seconds")
+        self.assertRegex(told, r"scan: 18 runs, about .* CPU seconds each \(the bed as written\), .* in all")
         self.assertIn("20 beads of radius", told)
 
     def test_refused(self):
