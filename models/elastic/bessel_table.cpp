@@ -12,7 +12,7 @@ namespace {
 // Long double throughout: what is rounded to a row of doubles is then good to their last bit.
 using Wide = long double;
 
-constexpr int order = 16; // of the Taylor series at a piece's middle: (1/32)^17 is far below the last bit
+constexpr int order = 13; // of the Taylor series at a piece's middle: (1/32)^14 is far below the last bit
 using Taylor = std::array<Wide, order + 1>;
 
 /// e^z K0(z) at z0 (1 + u), by powers of u: the trapezoidal rule on e^z K0 = int_0^inf exp(-z (cosh t - 1))
@@ -20,7 +20,7 @@ using Taylor = std::array<Wide, order + 1>;
 /// >= 1.
 Taylor scaled_k0(Wide z0) {
     const Wide step = 0.3L / std::sqrt(std::max(z0, 2.25L)); // cosh turns negative at i pi/2: 0.2 at most
-    constexpr Wide vanishing = 110.0L;                       // W^16 exp(-W)/16! = 1e-28
+    constexpr Wide vanishing = 110.0L;                       // W^13 exp(-W)/13! = 1e-31
     Taylor sum{};
     for (int node = 0;; ++node) {
         const Wide half = std::sinh(0.5L * step * static_cast<Wide>(node)), w = 2.0L * z0 * half * half;
@@ -118,22 +118,36 @@ void economise(Taylor& series, int terms) {
     }
 }
 
-/// Coefficients in v of the piece whose middle is m_i 2^binade.
+/// A series in u = t/(1 - t) by powers of t: u^j = sum_k C(k - 1, j - 1) t^k.
+Taylor by_powers_of_t(const Taylor& in_u) {
+    Taylor in_t{};
+    in_t[0] = in_u[0];
+    for (int j = 1; j <= order; ++j) {
+        Wide binomial = 1.0L;
+        for (int k = j; k <= order; ++k) {
+            in_t[k] += binomial * in_u[j];
+            binomial *= static_cast<Wide>(k) / static_cast<Wide>(k - j + 1);
+        }
+    }
+    return in_t;
+}
+
+/// Coefficients in t of the piece whose middle is m_i 2^binade.
 Taylor piece(const Ascending& ascending, int binade, Wide middle, Wide half_width, int terms) {
-    const Wide z = std::ldexp(middle, binade);
-    Taylor series = binade < 0 ? ascending.at(z) : scaled_k0(z);
+    const Wide z = std::ldexp(middle, binade), farthest = half_width / (middle - half_width); // |t|
+    Taylor series = by_powers_of_t(binade < 0 ? ascending.at(z) : scaled_k0(z));
     if (binade < 0)
         series[0] -= std::log(z);
     Wide scale = 1.0L;
     for (Wide& term : series) {
         term *= scale;
-        scale *= half_width / middle;
+        scale *= farthest;
     }
     economise(series, terms);
     scale = 1.0L;
     for (Wide& term : series) {
         term *= scale;
-        scale /= half_width;
+        scale /= farthest;
     }
     return series;
 }

@@ -2,13 +2,13 @@
 // K0 and K1 as short polynomials on many pieces, for the batched kernels (kernel_inl.hpp): a piece is found
 // from the bits of its argument, without a logarithm or a branch.
 //
-// A binade [2^e, 2^(e+1)) has 2^piece_bits pieces of equal width. With m the mantissa of z in [1, 2), m_i and
-// z_i those of the piece's middle and v = m - m_i, a row holds the coefficients in v of
+// A binade [2^e, 2^(e+1)) has 2^piece_bits pieces of equal width. With z_i the middle of the piece and
+// t = (z - z_i)/z, a row holds the coefficients in t of
 //
-//   z < 1:   e^z K0(z) + ln z - ln z_i     regular at 0 but for z ln z; ln(z/z_i) is a series in (z - z_i)/z
+//   z < 1:   e^z K0(z) + ln z - ln z_i     regular at 0 but for z ln z; ln(z/z_i) = -ln(1 - t)
 //   z >= 1:  e^z K0(z)
 //
-// z K1 follows from the derivative, which is what the polynomials are fitted for.
+// z K1 follows from the derivative z d/dz = (1 - t) d/dt, which is what the polynomials are fitted for.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,11 +19,12 @@ namespace rodwake::elastic {
 /// Arguments the tables hold: 2^lowest_binade <= z < 2^end_binade.
 inline constexpr int lowest_binade = -44, end_binade = 20;
 
-/// Accuracy of a table: pieces a binade and coefficients a row, one cache line of doubles.
+/// Accuracy of a table: pieces a binade and coefficients a row. `full_shape` has a cache line a row and
+/// errors below the last bit of K0 and K1; half its pieces would lose two digits of z K1 - 1 at small z.
 struct TableShape {
     int piece_bits, terms;
 };
-inline constexpr TableShape full_shape{5, 8};
+inline constexpr TableShape full_shape{6, 8};
 
 template<class Real>
 struct BesselTable {

@@ -78,46 +78,61 @@ struct ScaledBessel {
 /// 1/2, 1/3, ...: of (-ln(1 - t) - t)/t^2; |t| <= 1/64, so the next term is 6e-18.
 inline constexpr double log_series[] = {1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
 
-/// At z in the table's range; `inverse` is 1/z.
+/// Row of the table and middle of the piece that holds an argument.
+template<class D>
+struct Piece {
+    hn::VFromD<hn::RebindToSigned<D>> index;
+    hn::Vec<D> middle;
+};
+
 template<class D, class V = hn::Vec<D>>
-HWY_INLINE ScaledBessel<D> BesselAt(D d, const double* table, V z, V inverse) {
+HWY_INLINE Piece<D> PieceOf(D d, V z) {
     const hn::RebindToUnsigned<D> u;
     const hn::RebindToSigned<D> i;
     constexpr int shift = 52 - full_shape.piece_bits;
-    constexpr std::uint64_t piece_mask = ~((std::uint64_t{1} << shift) - 1),
-                            mantissa = (std::uint64_t{1} << 52) - 1;
+    constexpr std::uint64_t mask = ~((std::uint64_t{1} << shift) - 1), half = std::uint64_t{1} << (shift - 1);
     constexpr std::int64_t first = static_cast<std::int64_t>(1023 + lowest_binade) << full_shape.piece_bits;
-    const auto bits = hn::BitCast(u, z), one_bits = hn::Set(u, std::uint64_t{1023} << 52);
-    const auto middle_bits =
-        hn::Or(hn::And(bits, hn::Set(u, piece_mask)), hn::Set(u, std::uint64_t{1} << (shift - 1)));
-    const auto index =
-        hn::ShiftLeft<3>(hn::Sub(hn::BitCast(i, hn::ShiftRight<shift>(bits)), hn::Set(i, first)));
-    const Rows<D> rows = LoadRows(d, table, index);
+    const auto bits = hn::BitCast(u, z);
+    const auto number = hn::Sub(hn::BitCast(i, hn::ShiftRight<shift>(bits)), hn::Set(i, first));
+    return {hn::ShiftLeft<3>(number),
+            hn::BitCast(d, hn::Or(hn::And(bits, hn::Set(u, mask)), hn::Set(u, half)))};
+}
 
-    const auto to_mantissa = [&](auto of) HWY_ATTR {
-        return hn::BitCast(d, hn::Or(hn::And(of, hn::Set(u, mantissa)), one_bits));
-    };
-    const V m = to_mantissa(bits), v = hn::Sub(m, to_mantissa(middle_bits));
-    V p = rows.c[7], derivative = hn::Zero(d); // both by Horner's rule at once
-    derivative = p;
-    p = Fma(d, p, v, rows.c[6]);
-    for (int k = 5; k >= 0; --k) {
-        derivative = Fma(d, derivative, v, p);
-        p = Fma(d, p, v, rows.c[k]);
-    }
-    const V slope = hn::Mul(m, derivative); // z dP/dz
-
+/// At n arguments in the table's range; `inverse` is 1/z.
+template<std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void BesselAt(D d, const double* table, const V (&z)[n], const V (&inverse)[n],
+                         ScaledBessel<D> (&result)[n]) {
     const V one = hn::Set(d, 1.0);
-    const auto low = hn::Lt(z, one);
-    const V t = hn::Mul(hn::Sub(z, hn::BitCast(d, middle_bits)), inverse);
-    const V log = Fma(d, hn::Mul(t, t), Polynomial(d, t, log_series), t); // ln(z/z_i)
-    ScaledBessel<D> k;
-    k.k0 = hn::Sub(p, hn::IfThenElseZero(low, log));
-    k.zd = hn::Sub(hn::IfThenElseZero(low, one), slope);
-    const V sum = Fma(d, z, k.k0, hn::Neg(slope));
-    k.zk1_less = hn::Sub(sum, hn::IfThenZeroElse(low, one));
-    k.zk1 = hn::Add(sum, hn::IfThenElseZero(low, one));
-    return k;
+    Rows<D> rows[n];
+    V p[n], derivative[n], t[n], log[n];
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        const Piece<D> piece = PieceOf(d, z[i]);
+        rows[i] = LoadRows(d, table, piece.index);
+        t[i] = hn::Mul(hn::Sub(z[i], piece.middle), inverse[i]);
+        derivative[i] = rows[i].c[7];
+        p[i] = Fma(d, derivative[i], t[i], rows[i].c[6]);
+    }
+    RODWAKE_UNROLL
+    for (int k = 5; k >= 0; --k) // both by Horner's rule at once
+        RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        derivative[i] = Fma(d, derivative[i], t[i], p[i]);
+        p[i] = Fma(d, p[i], t[i], rows[i].c[k]);
+    }
+    Polynomials(d, t, log_series, log);
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        const V slope = Fma(d, hn::Neg(t[i]), derivative[i], derivative[i]); // z dP/dz
+        const auto low = hn::Lt(z[i], one);
+        const V ln = Fma(d, hn::Mul(t[i], t[i]), log[i], t[i]); // ln(z/z_i)
+        ScaledBessel<D>& k = result[i];
+        k.k0 = hn::Sub(p[i], hn::IfThenElseZero(low, ln));
+        k.zd = hn::Sub(hn::IfThenElseZero(low, one), slope);
+        const V sum = Fma(d, z[i], k.k0, hn::Neg(slope));
+        k.zk1_less = hn::Sub(sum, hn::IfThenZeroElse(low, one));
+        k.zk1 = hn::Add(sum, hn::IfThenElseZero(low, one));
+    }
 }
 
 /// A medium of 0 <= eta: reduced constants of each lane.
@@ -136,20 +151,28 @@ struct Radial {
     hn::Mask<D> in_range; ///< false: not finite, at the rod or beyond the table; the rest is then meaningless
 };
 
-/// Of a distance; lengths in units of 1/c_shear.
-template<class D, class V = hn::Vec<D>>
-HWY_INLINE Radial<D> RadialAt(D d, const double* table, V distance, const LaneMedium<D>& medium) {
-    const V low = hn::Set(d, std::ldexp(1.0, lowest_binade)), high = hn::Set(d, std::ldexp(1.0, end_binade));
-    Radial<D> at;
-    const V z = hn::Mul(distance, medium.nu);
-    at.in_range = hn::And(hn::Ge(z, low), hn::Lt(distance, high));
-    const V one = hn::Set(d, 1.0);
-    at.s = hn::IfThenElse(at.in_range, distance, one);
-    at.inverse = hn::Div(one, at.s);
-    at.shear = BesselAt(d, table, at.s, at.inverse);
-    at.longitudinal =
-        BesselAt(d, table, hn::IfThenElse(at.in_range, z, one), hn::Mul(at.inverse, medium.inverse_nu));
-    return at;
+/// Of n distances; lengths in units of 1/c_shear.
+template<std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void RadialAt(D d, const double* table, const V (&distance)[n], const LaneMedium<D>& medium,
+                         Radial<D> (&at)[n]) {
+    const V low = hn::Set(d, 1.0 / static_cast<double>(std::uint64_t{1} << -lowest_binade)),
+            high = hn::Set(d, static_cast<double>(std::uint64_t{1} << end_binade)), one = hn::Set(d, 1.0);
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        const V longitudinal = hn::Mul(distance[i], medium.nu);
+        at[i].in_range = hn::And(hn::Ge(longitudinal, low), hn::Lt(distance[i], high));
+        at[i].s = hn::IfThenElse(at[i].in_range, distance[i], one);
+        at[i].inverse = hn::Div(one, at[i].s);
+    }
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        const V z[2] = {at[i].s, hn::IfThenElse(at[i].in_range, hn::Mul(at[i].s, medium.nu), one)};
+        const V inverse[2] = {at[i].inverse, hn::Mul(at[i].inverse, medium.inverse_nu)};
+        ScaledBessel<D> k[2];
+        BesselAt(d, table, z, inverse, k);
+        at[i].shear = k[0];
+        at[i].longitudinal = k[1];
+    }
 }
 
 /// The field in the rod's frame but for its unit: strain times 2 pi/c_shear, polar vectors times 2
@@ -161,20 +184,46 @@ struct Wake {
     hn::Vec<D> gradient_x, gradient_y;   ///< grad div U
 };
 
-/// At (X, Y), lengths in units of 1/c_shear; `at` is that of sqrt(X^2 + Y^2).
-template<bool polar, class D, class V = hn::Vec<D>>
-HWY_INLINE Wake<D> WakeAt(D d, V X, V Y, const Radial<D>& at, const LaneMedium<D>& m) {
-    const V one = hn::Set(d, 1.0), two = hn::Set(d, 2.0);
-    // w = s + X, behind the rod by Y^2/(s - X)
-    const V far = hn::Add(at.s, hn::Abs(X)), near = hn::Div(hn::Mul(Y, Y), far);
-    const V w = hn::IfThenElse(hn::Ge(X, hn::Zero(d)), far, near);
-    const V c = hn::Mul(X, at.inverse), q = hn::Mul(Y, at.inverse), p = hn::Mul(w, at.inverse);
-    const ScaledBessel<D>&t = at.shear, &l = at.longitudinal;
-    const V e_l = ExpMinus(d, hn::Mul(m.nu, w)).value;
-    const Exponential<D> ratio = ExpMinus(d, hn::Mul(m.delta, w));
-    const V e_t = hn::Mul(e_l, ratio.value);
+/// Where a point is, in units of 1/c_shear, and what decays there.
+template<class D>
+struct Bearing {
+    hn::Vec<D> c, q, p;        ///< X/s, Y/s, 1 + c
+    hn::Vec<D> e_l, e_t;       ///< exp(-nu (s + X)), exp(-(s + X))
+    hn::Vec<D> ratio_less_one; ///< e_t/e_l - 1
+};
 
-    const V core = hn::Mul(e_l, Fma(d, ratio.less_one, t.zk1, hn::Sub(t.zk1_less, l.zk1_less)));
+template<std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void BearingsOf(D d, const V (&X)[n], const V (&Y)[n], const Radial<D>* const (&at)[n],
+                           const LaneMedium<D>& m, Bearing<D> (&result)[n]) {
+    V exponent[2 * n];
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        // w = s + X, behind the rod by Y^2/(s - X)
+        const V far = hn::Add(at[i]->s, hn::Abs(X[i])), near = hn::Div(hn::Mul(Y[i], Y[i]), far);
+        const V w = hn::IfThenElse(hn::Ge(X[i], hn::Zero(d)), far, near);
+        result[i].c = hn::Mul(X[i], at[i]->inverse);
+        result[i].q = hn::Mul(Y[i], at[i]->inverse);
+        result[i].p = hn::Mul(w, at[i]->inverse);
+        exponent[2 * i] = hn::Mul(m.nu, w);
+        exponent[2 * i + 1] = hn::Mul(m.delta, w);
+    }
+    Exponential<D> e[2 * n];
+    ExpMinus(d, exponent, e);
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        result[i].e_l = e[2 * i].value;
+        result[i].e_t = hn::Mul(e[2 * i].value, e[2 * i + 1].value);
+        result[i].ratio_less_one = e[2 * i + 1].less_one;
+    }
+}
+
+/// The field at a point from its parts.
+template<bool polar, class D, class V = hn::Vec<D>>
+HWY_INLINE Wake<D> WakeFrom(D d, const Bearing<D>& b, const Radial<D>& at, const LaneMedium<D>& m) {
+    const V one = hn::Set(d, 1.0), two = hn::Set(d, 2.0);
+    const V &c = b.c, &q = b.q, &p = b.p, &e_l = b.e_l, &e_t = b.e_t;
+    const ScaledBessel<D>&t = at.shear, &l = at.longitudinal;
+    const V core = hn::Mul(e_l, Fma(d, b.ratio_less_one, t.zk1, hn::Sub(t.zk1_less, l.zk1_less)));
     const V M_l = hn::Mul(e_l, l.zk1), plain = Fma(d, e_t, t.zk1, hn::Neg(M_l));
     const V n = hn::Mul(hn::IfThenElse(hn::Lt(at.s, one), core, plain), hn::Mul(at.inverse, at.inverse));
     const V t0 = hn::Mul(e_t, t.k0);
@@ -200,6 +249,17 @@ HWY_INLINE Wake<D> WakeAt(D d, V X, V Y, const Radial<D>& at, const LaneMedium<D
         wake.gradient_y = Fma(d, cq2, hn::Mul(m.nu, m_l), l_xy);
     }
     return wake;
+}
+
+/// The field at n points (X, Y), lengths in units of 1/c_shear; at[i] is that of sqrt(X^2 + Y^2).
+template<bool polar, std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void WakeAt(D d, const V (&X)[n], const V (&Y)[n], const Radial<D>* const (&at)[n],
+                       const LaneMedium<D>& m, Wake<D> (&wake)[n]) {
+    Bearing<D> bearing[n];
+    BearingsOf(d, X, Y, at, m, bearing);
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i)
+        wake[i] = WakeFrom<polar>(d, bearing[i], *at[i], m);
 }
 
 } // namespace rodwake::elastic::HWY_NAMESPACE

@@ -4,6 +4,9 @@
 // roots, each correctly rounded, so lanes do not know each other and every instruction set gives the same
 // bits. Without fused products in hardware (x86 before 2013) they come from std::fma: the same bits, slowly.
 // Bracketed on paper: the compiler must not contract (RODWAKE_FLAGS).
+//
+// Functions take several vectors at a time and go through them operation by operation: one alone would wait
+// for its own results most of the time.
 
 #if defined(RODWAKE_ELASTIC_VECTOR_MATH_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef RODWAKE_ELASTIC_VECTOR_MATH_INL
@@ -14,6 +17,10 @@
 
 #include <cmath>
 #include <hwy/highway.h>
+
+// Left to itself the compiler keeps loops over a few vectors, and then those vectors in memory.
+#undef RODWAKE_UNROLL
+#define RODWAKE_UNROLL _Pragma("GCC unroll 16")
 
 HWY_BEFORE_NAMESPACE();
 namespace rodwake::elastic::HWY_NAMESPACE {
@@ -36,20 +43,32 @@ HWY_INLINE V Fma([[maybe_unused]] D d, V a, V b, V c) {
 #endif
 }
 
-/// c[0] + c[1] x + ... for all lanes, even and odd powers apart: half the latency of one chain.
-template<class D, std::size_t terms, class V = hn::Vec<D>>
-HWY_INLINE V Polynomial(D d, V x, const double (&c)[terms]) {
+/// c[0] + c[1] x + ... of each of n vectors, even and odd powers apart: half the latency of one chain.
+template<std::size_t n, class D, std::size_t terms, class V = hn::Vec<D>>
+HWY_INLINE void Polynomials(D d, const V (&x)[n], const double (&c)[terms], V (&result)[n]) {
     static_assert(terms >= 4);
     const auto constant = [&](std::size_t k)
                               HWY_ATTR { return hn::Set(d, static_cast<hn::TFromD<D>>(c[k])); };
-    const V square = hn::Mul(x, x);
-    V sum = constant(terms - 1), other = constant(terms - 2);
-    for (std::size_t k = terms - 2; k-- > 0;) {
-        const V next = Fma(d, sum, square, constant(k));
-        sum = other;
-        other = next;
-    } // `other` ends at power 0, `sum` at power 1
-    return Fma(d, sum, x, other);
+    constexpr std::size_t even = (terms - 1) / 2 * 2, odd = (terms - 2) / 2 * 2 + 1; // highest powers
+    V square[n], evens[n], odds[n];
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        square[i] = hn::Mul(x[i], x[i]);
+        evens[i] = constant(even);
+        odds[i] = constant(odd);
+    }
+    RODWAKE_UNROLL
+    for (std::size_t k = 2; k < terms; k += 2)
+        RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        if (k <= even)
+            evens[i] = Fma(d, evens[i], square[i], constant(even - k));
+        if (k <= odd)
+            odds[i] = Fma(d, odds[i], square[i], constant(odd - k));
+    }
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i)
+        result[i] = Fma(d, odds[i], x[i], evens[i]);
 }
 
 /// 1/2!, 1/3!, ...: of (e^r - 1 - r)/r^2. |r| <= ln 2/2: the next term is 4e-18 of e^r.
@@ -64,20 +83,30 @@ struct Exponential {
 };
 
 /// Of x >= 0. Both to about an ulp; the value is 0 for x > 708, where it nears the smallest double.
-template<class D, class V = hn::Vec<D>>
-HWY_INLINE Exponential<D> ExpMinus(D d, V x) {
+template<std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void ExpMinus(D d, const V (&x)[n], Exponential<D> (&result)[n]) {
     const hn::RebindToUnsigned<D> bits;
-    const V largest = hn::Set(d, 708.0), round = hn::Set(d, 0x1.8p52);
-    const V shifted = Fma(d, hn::Min(x, largest), hn::Set(d, -1.4426950408889634), round);
-    const V k = hn::Sub(shifted, round); // nearest integer to -x/ln 2; its bits are the last of `shifted`
-    V r = Fma(d, k, hn::Set(d, -0x1.62e42fefa39efp-1), hn::Neg(hn::Min(x, largest)));
-    r = Fma(d, k, hn::Set(d, -0x1.abc9e3b39803fp-56), r);
-    const V p = Fma(d, hn::Mul(r, r), Polynomial(d, r, exponential_series), r);
-    const V one = hn::Set(d, 1.0);
-    const V power =
-        hn::BitCast(d, hn::Add(hn::BitCast(bits, one), hn::ShiftLeft<52>(hn::BitCast(bits, shifted))));
-    const V value = Fma(d, power, p, power);
-    return {hn::IfThenElseZero(hn::Le(x, largest), value), Fma(d, power, p, hn::Sub(power, one))};
+    const V largest = hn::Set(d, 708.0), round = hn::Set(d, 0x1.8p52), one = hn::Set(d, 1.0);
+    V shifted[n], r[n], q[n];
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        const V limited = hn::Min(x[i], largest);
+        shifted[i] = Fma(d, limited, hn::Set(d, -1.4426950408889634), round);
+        const V k =
+            hn::Sub(shifted[i], round); // nearest integer to -x/ln 2; its bits are the last of `shifted`
+        r[i] = Fma(d, k, hn::Set(d, -0x1.62e42fefa39efp-1), hn::Neg(limited));
+        r[i] = Fma(d, k, hn::Set(d, -0x1.abc9e3b39803fp-56), r[i]);
+    }
+    Polynomials(d, r, exponential_series, q);
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        const V p = Fma(d, hn::Mul(r[i], r[i]), q[i], r[i]);
+        const auto exponent = hn::ShiftLeft<52>(hn::BitCast(bits, shifted[i]));
+        const V power = hn::BitCast(d, hn::Add(hn::BitCast(bits, one), exponent));
+        const V value = Fma(d, power, p, power);
+        result[i].value = hn::IfThenElseZero(hn::Le(x[i], largest), value);
+        result[i].less_one = Fma(d, power, p, hn::Sub(power, one));
+    }
 }
 
 /// Taylor series of sin r/r and cos r by powers of r^2, |r| <= pi/4.
@@ -101,26 +130,34 @@ struct SineCosine {
 
 /// Of |x| < largest_angle: absolute error about an ulp of 1.
 inline constexpr double largest_angle = 1e5;
-template<class D, class V = hn::Vec<D>>
-HWY_INLINE SineCosine<D> SinCos(D d, V x) {
+template<std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void SinCos(D d, const V (&x)[n], SineCosine<D> (&result)[n]) {
     const hn::RebindToUnsigned<D> bits;
-    const V round = hn::Set(d, 0x1.8p52);
-    const V shifted = Fma(d, x, hn::Set(d, 0.63661977236758134), round);
-    const V k = hn::Sub(shifted, round);
-    V r = Fma(d, k, hn::Set(d, -0x1.921fb54442d18p+0), x);
-    r = Fma(d, k, hn::Set(d, -0x1.1a62633145c07p-54), r);
-    const V square = hn::Mul(r, r);
-    const V s = hn::Mul(r, Polynomial(d, square, sine_series)), c = Polynomial(d, square, cosine_series);
-    const auto quadrant = hn::BitCast(bits, shifted);
-    const auto odd = hn::ShiftLeft<63>(quadrant), half = hn::ShiftLeft<62>(quadrant);
-    const auto sign = hn::SignBit(d);
-    // quadrants 0 1 2 3: sine s c -s -c, cosine c -s -c s
-    const auto swap = hn::MaskFromVec(hn::BroadcastSignBit(hn::BitCast(hn::RebindToSigned<D>(), odd)));
-    const auto swapped = hn::RebindMask(d, swap);
-    const V sine_sign = hn::And(hn::BitCast(d, half), sign);
-    const V cosine_sign = hn::Xor(sine_sign, hn::And(hn::BitCast(d, odd), sign));
-    return {hn::Xor(hn::IfThenElse(swapped, c, s), sine_sign),
-            hn::Xor(hn::IfThenElse(swapped, s, c), cosine_sign)};
+    const hn::RebindToSigned<D> integers;
+    const V round = hn::Set(d, 0x1.8p52), sign = hn::SignBit(d);
+    V shifted[n], r[n], square[n], s[n], c[n];
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        shifted[i] = Fma(d, x[i], hn::Set(d, 0.63661977236758134), round);
+        const V k = hn::Sub(shifted[i], round);
+        r[i] = Fma(d, k, hn::Set(d, -0x1.921fb54442d18p+0), x[i]);
+        r[i] = Fma(d, k, hn::Set(d, -0x1.1a62633145c07p-54), r[i]);
+        square[i] = hn::Mul(r[i], r[i]);
+    }
+    Polynomials(d, square, sine_series, s);
+    Polynomials(d, square, cosine_series, c);
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) { // quadrants 0 1 2 3: sine s c -s -c, cosine c -s -c s
+        const V sine = hn::Mul(r[i], s[i]);
+        const auto quadrant = hn::BitCast(bits, shifted[i]);
+        const auto odd = hn::ShiftLeft<63>(quadrant), half = hn::ShiftLeft<62>(quadrant);
+        const auto swap =
+            hn::RebindMask(d, hn::MaskFromVec(hn::BroadcastSignBit(hn::BitCast(integers, odd))));
+        const V sine_sign = hn::And(hn::BitCast(d, half), sign);
+        const V cosine_sign = hn::Xor(sine_sign, hn::And(hn::BitCast(d, odd), sign));
+        result[i].sine = hn::Xor(hn::IfThenElse(swap, c[i], sine), sine_sign);
+        result[i].cosine = hn::Xor(hn::IfThenElse(swap, sine, c[i]), cosine_sign);
+    }
 }
 
 } // namespace rodwake::elastic::HWY_NAMESPACE

@@ -72,27 +72,64 @@ HWY_NOINLINE void Replace(Parts& parts, hn::Mask<Lanes> in_range, const Field& f
         parts.part[k] = hn::Load(d, stored[k]);
 }
 
-/// Sums over the sources at one vector of targets, of which the first `used` count.
-template<bool polar>
-HWY_INLINE void SumBlock(const double* table, const LaneMedium<Lanes>& m, const Units& unit,
-                         const Field& field, std::span<const KernelSource> sources, const double* targets_x,
-                         const double* targets_y, std::size_t used, Parts& sum) {
+/// What all targets share.
+struct Setting {
+    const double* table;
+    LaneMedium<Lanes> medium;
+    Units unit;
+    const Field* field;
+    std::span<const KernelSource> sources;
+};
+
+/// A vector of targets, of which the first `used` count.
+struct Targets {
+    const double *x, *y;
+    std::size_t used;
+};
+
+/// Sums over the sources at some vectors of targets. Two at a time hide each other's latency, which for one
+/// is longer than its work.
+template<bool polar, std::size_t vectors>
+HWY_INLINE void SumBlock(const Setting& with, const Targets (&targets)[vectors], Parts (&sum)[vectors]) {
     const Lanes d;
     constexpr int count = polar ? all_parts : strain_parts;
-    const V x = hn::LoadU(d, targets_x), y = hn::LoadU(d, targets_y);
-    for (int k = 0; k < count; ++k)
-        sum.part[k] = hn::Zero(d);
-    for (const KernelSource& source : sources) {
-        const V cosine = hn::Set(d, source.cosine), sine = hn::Set(d, source.sine);
-        const V dx = hn::Mul(hn::Sub(x, hn::Set(d, source.x)), m.c_shear),
-                dy = hn::Mul(hn::Sub(y, hn::Set(d, source.y)), m.c_shear);
-        const V X = Fma(d, cosine, dx, hn::Mul(sine, dy)), Y = Fma(d, cosine, dy, hn::Neg(hn::Mul(sine, dx)));
-        const Radial<Lanes> radial = RadialAt(d, table, hn::Sqrt(Fma(d, X, X, hn::Mul(Y, Y))), m);
-        Parts parts = LabParts<polar>(WakeAt<polar>(d, X, Y, radial, m), cosine, sine, unit);
-        if (HWY_UNLIKELY(!hn::AllTrue(d, radial.in_range)))
-            Replace<polar>(parts, radial.in_range, field, source, targets_x, targets_y, used);
+    const LaneMedium<Lanes>& m = with.medium;
+    V x[vectors], y[vectors];
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < vectors; ++i) {
+        x[i] = hn::LoadU(d, targets[i].x);
+        y[i] = hn::LoadU(d, targets[i].y);
         for (int k = 0; k < count; ++k)
-            sum.part[k] = hn::Add(sum.part[k], parts.part[k]);
+            sum[i].part[k] = hn::Zero(d);
+    }
+    for (const KernelSource& source : with.sources) {
+        const V cosine = hn::Set(d, source.cosine), sine = hn::Set(d, source.sine);
+        V X[vectors], Y[vectors], distance[vectors];
+        RODWAKE_UNROLL
+        for (std::size_t i = 0; i < vectors; ++i) {
+            const V dx = hn::Mul(hn::Sub(x[i], hn::Set(d, source.x)), m.c_shear),
+                    dy = hn::Mul(hn::Sub(y[i], hn::Set(d, source.y)), m.c_shear);
+            X[i] = Fma(d, cosine, dx, hn::Mul(sine, dy));
+            Y[i] = Fma(d, cosine, dy, hn::Neg(hn::Mul(sine, dx)));
+            distance[i] = hn::Sqrt(Fma(d, X[i], X[i], hn::Mul(Y[i], Y[i])));
+        }
+        Radial<Lanes> radial[vectors];
+        RadialAt(d, with.table, distance, m, radial);
+        const Radial<Lanes>* at[vectors];
+        RODWAKE_UNROLL
+        for (std::size_t i = 0; i < vectors; ++i)
+            at[i] = &radial[i];
+        Wake<Lanes> wake[vectors];
+        WakeAt<polar>(d, X, Y, at, m, wake);
+        RODWAKE_UNROLL
+        for (std::size_t i = 0; i < vectors; ++i) {
+            Parts parts = LabParts<polar>(wake[i], cosine, sine, with.unit);
+            if (HWY_UNLIKELY(!hn::AllTrue(d, radial[i].in_range)))
+                Replace<polar>(parts, radial[i].in_range, *with.field, source, targets[i].x, targets[i].y,
+                               targets[i].used);
+            for (int k = 0; k < count; ++k)
+                sum[i].part[k] = hn::Add(sum[i].part[k], parts.part[k]);
+        }
     }
 }
 
@@ -101,31 +138,37 @@ HWY_INLINE void SumWakes(const KernelMedium& medium, const Field& field,
                          std::span<const KernelSource> sources, const KernelTargets& targets) {
     const Lanes d;
     constexpr int count = polar ? all_parts : strain_parts;
-    const double* table = bessel_table().rows();
-    const LaneMedium<Lanes> m{hn::Set(d, medium.c_shear), hn::Set(d, medium.nu), hn::Set(d, medium.delta),
-                              hn::Set(d, medium.inverse_nu)};
-    const V second = hn::Mul(m.c_shear, hn::Set(d, 0.5 * std::numbers::inv_pi));
-    const Units unit{second, hn::Mul(second, m.c_shear)};
-    Parts sum;
+    const V c_shear = hn::Set(d, medium.c_shear),
+            second = hn::Mul(c_shear, hn::Set(d, 0.5 * std::numbers::inv_pi));
+    const Setting with{
+        bessel_table().rows(),
+        {c_shear, hn::Set(d, medium.nu), hn::Set(d, medium.delta), hn::Set(d, medium.inverse_nu)},
+        {second, hn::Mul(second, c_shear)},
+        &field,
+        sources};
     std::size_t begin = 0;
-    for (; begin + lane_count <= targets.count; begin += lane_count) {
-        SumBlock<polar>(table, m, unit, field, sources, targets.x + begin, targets.y + begin, lane_count,
-                        sum);
-        for (int k = 0; k < count; ++k)
-            hn::StoreU(sum.part[k], d, targets.sum[k] + begin);
+    for (; begin + 2 * lane_count <= targets.count; begin += 2 * lane_count) {
+        const double *x = targets.x + begin, *y = targets.y + begin;
+        Parts sum[2];
+        SumBlock<polar, 2>(with, {{x, y, lane_count}, {x + lane_count, y + lane_count, lane_count}}, sum);
+        for (int k = 0; k < count; ++k) {
+            hn::StoreU(sum[0].part[k], d, targets.sum[k] + begin);
+            hn::StoreU(sum[1].part[k], d, targets.sum[k] + begin + lane_count);
+        }
     }
-    if (begin == targets.count)
-        return;
-    double x[lane_count], y[lane_count], last[lane_count]; // the rest, filled up with its last target
-    const std::size_t used = targets.count - begin;
-    for (std::size_t lane = 0; lane < lane_count; ++lane) {
-        x[lane] = targets.x[begin + (lane < used ? lane : used - 1)];
-        y[lane] = targets.y[begin + (lane < used ? lane : used - 1)];
-    }
-    SumBlock<polar>(table, m, unit, field, sources, x, y, used, sum);
-    for (int k = 0; k < count; ++k) {
-        hn::StoreU(sum.part[k], d, last);
-        std::copy(last, last + used, targets.sum[k] + begin);
+    for (; begin < targets.count; begin += lane_count) { // the rest, filled up with its last target
+        double x[lane_count], y[lane_count], last[lane_count];
+        const std::size_t used = std::min(targets.count - begin, lane_count);
+        for (std::size_t lane = 0; lane < lane_count; ++lane) {
+            x[lane] = targets.x[begin + std::min(lane, used - 1)];
+            y[lane] = targets.y[begin + std::min(lane, used - 1)];
+        }
+        Parts sum[1];
+        SumBlock<polar, 1>(with, {{x, y, used}}, sum);
+        for (int k = 0; k < count; ++k) {
+            hn::StoreU(sum[0].part[k], d, last);
+            std::copy(last, last + used, targets.sum[k] + begin);
+        }
     }
 }
 

@@ -64,12 +64,10 @@ struct Rates {
     M in_range;
 };
 
-/// Rate of turn in the wake of a rod that sees the turned one at (X, Y), at the angle of this cosine and
-/// sine.
+/// Rate of turn in a wake, at the angle of this cosine and sine to its rod.
 template<bool polar>
-HWY_INLINE V Torque(V X, V Y, V cosine, V sine, const Radial<Lanes>& radial, const Constants& c) {
+HWY_INLINE V Torque(const Wake<Lanes>& wake, V cosine, V sine, const Constants& c) {
     const Lanes d;
-    const Wake<Lanes> wake = WakeAt<polar>(d, X, Y, radial, c.medium);
     const V cos2 = Fma(d, cosine, cosine, hn::Neg(hn::Mul(sine, sine))),
             sin2 = hn::Mul(hn::Add(sine, sine), cosine);
     V rate = hn::Mul(c.kappa, Fma(d, wake.shear, cos2, hn::Mul(hn::Sub(wake.yy, wake.trace), sin2)));
@@ -85,19 +83,27 @@ HWY_INLINE V Torque(V X, V Y, V cosine, V sine, const Radial<Lanes>& radial, con
 template<bool polar>
 HWY_NOINLINE Rates RatesAt(const Relative& at, const Constants& c) {
     const Lanes d;
-    const auto n0 = SinCos(d, at.heading[0]), n1 = SinCos(d, at.heading[1]);
+    elastic::HWY_NAMESPACE::SineCosine<Lanes> n[2];
+    SinCos(d, at.heading, n);
     const V x = hn::Mul(at.x, c.medium.c_shear), y = hn::Mul(at.y, c.medium.c_shear);
-    const Radial<Lanes> radial = RadialAt(d, c.table, hn::Sqrt(Fma(d, x, x, hn::Mul(y, y))), c.medium);
-    const V cosine = Fma(d, n0.cosine, n1.cosine, hn::Mul(n0.sine, n1.sine));
-    const V sine = Fma(d, n0.sine, n1.cosine, hn::Neg(hn::Mul(n0.cosine, n1.sine)));
-    const auto along = [&](const auto& n) HWY_ATTR { return Fma(d, n.cosine, x, hn::Mul(n.sine, y)); };
-    const auto across = [&](const auto& n)
-                            HWY_ATTR { return Fma(d, n.cosine, y, hn::Neg(hn::Mul(n.sine, x))); };
-    const V turn0 = Torque<polar>(along(n1), across(n1), cosine, sine, radial, c);
-    const V turn1 = Torque<polar>(hn::Neg(along(n0)), hn::Neg(across(n0)), cosine, hn::Neg(sine), radial, c);
+    const V distance[1] = {hn::Sqrt(Fma(d, x, x, hn::Mul(y, y)))};
+    Radial<Lanes> radial[1];
+    RadialAt(d, c.table, distance, c.medium, radial);
+    // rod 0 as rod 1 sees it, and rod 1 as rod 0 does
+    const V X[2] = {Fma(d, n[1].cosine, x, hn::Mul(n[1].sine, y)),
+                    hn::Neg(Fma(d, n[0].cosine, x, hn::Mul(n[0].sine, y)))};
+    const V Y[2] = {Fma(d, n[1].cosine, y, hn::Neg(hn::Mul(n[1].sine, x))),
+                    hn::Neg(Fma(d, n[0].cosine, y, hn::Neg(hn::Mul(n[0].sine, x))))};
+    Wake<Lanes> wake[2];
+    WakeAt<polar>(d, X, Y, {&radial[0], &radial[0]}, c.medium, wake);
+    const V cosine = Fma(d, n[0].cosine, n[1].cosine, hn::Mul(n[0].sine, n[1].sine));
+    const V sine = Fma(d, n[0].sine, n[1].cosine, hn::Neg(hn::Mul(n[0].cosine, n[1].sine)));
+    const V turn0 = Torque<polar>(wake[0], cosine, sine, c);
+    const V turn1 = Torque<polar>(wake[1], cosine, hn::Neg(sine), c);
     const V largest = hn::Set(d, elastic::HWY_NAMESPACE::largest_angle);
     const M small = hn::And(hn::Lt(hn::Abs(at.heading[0]), largest), hn::Lt(hn::Abs(at.heading[1]), largest));
-    return {{n0.cosine, n0.sine, turn0, n1.cosine, n1.sine, turn1}, hn::And(small, radial.in_range)};
+    return {{n[0].cosine, n[0].sine, turn0, n[1].cosine, n[1].sine, turn1},
+            hn::And(small, radial[0].in_range)};
 }
 
 constexpr double stage_weights[7][6] = {
@@ -177,11 +183,14 @@ HWY_INLINE V StepFactor(V error_square) {
     const V m = hn::BitCast(
         d, hn::Or(hn::And(bits, hn::Set(u, (std::uint64_t{1} << 52) - 1)), hn::BitCast(u, hn::Set(d, 1.0))));
     constexpr double log_of_mantissa[] = {-1.7417939, 2.8212026, -1.4699568, 0.44717955, -0.056570851};
-    const V log =
-        Fma(d, exponent, hn::Set(d, 0.69314718), elastic::HWY_NAMESPACE::Polynomial(d, m, log_of_mantissa));
+    V log[1];
+    elastic::HWY_NAMESPACE::Polynomials(d, {m}, log_of_mantissa, log);
+    log[0] = Fma(d, exponent, hn::Set(d, 0.69314718), log[0]);
     // ln(5/0.8) + ln(error)/5
-    const V below = hn::Max(Fma(d, log, hn::Set(d, 0.1), hn::Set(d, 1.8325814637483101)), hn::Zero(d));
-    const V factor = hn::Max(hn::Mul(hn::Set(d, 5.0), ExpMinus(d, below).value), hn::Set(d, 0.2));
+    const V below = hn::Max(Fma(d, log[0], hn::Set(d, 0.1), hn::Set(d, 1.8325814637483101)), hn::Zero(d));
+    elastic::HWY_NAMESPACE::Exponential<Lanes> fall[1];
+    ExpMinus(d, {below}, fall);
+    const V factor = hn::Max(hn::Mul(hn::Set(d, 5.0), fall[0].value), hn::Set(d, 0.2));
     return hn::IfThenElse(hn::Lt(error_square, hn::Set(d, 1e300)), factor,
                           hn::Set(d, 0.2)); // not a number: 1/5
 }

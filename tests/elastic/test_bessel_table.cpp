@@ -26,15 +26,15 @@ Scaled from_table(const BesselTable<Real>& table, TableShape shape, double z) {
     const int binade = exponent - 1, pieces = 1 << shape.piece_bits;
     const int i = static_cast<int>((m - 1.0) * pieces);
     const Real* row = table.rows() + ((binade - lowest_binade) * pieces + i) * shape.terms;
-    const double middle = 1.0 + (2.0 * i + 1.0) / (2.0 * pieces), v = m - middle;
+    const double middle = 1.0 + (2.0 * i + 1.0) / (2.0 * pieces), t = (m - middle) / m;
     double p = 0.0, derivative = 0.0;
     for (int k = shape.terms - 1; k >= 0; --k) {
-        derivative = derivative * v + p;
-        p = p * v + row[k];
+        derivative = derivative * t + p;
+        p = p * t + row[k];
     }
     const bool low = z < 1.0;
-    const double k0 = low ? p - std::log1p((m - middle) / middle) : p;
-    return {k0, k0 + ((low ? 1.0 : 0.0) - m * derivative) / z};
+    const double k0 = low ? p + std::log1p(-t) : p;
+    return {k0, k0 + ((low ? 1.0 : 0.0) - (1.0 - t) * derivative) / z};
 }
 
 Scaled accurate(double z) {
