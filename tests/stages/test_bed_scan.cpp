@@ -55,12 +55,12 @@ std::vector<double> column(const fs::path& file, const std::string& name) {
     return *store::read_csv(file, names).find(name);
 }
 
-/// Files and columns that the manifest does not tell of; axes have the names of their keys.
-std::set<std::string> untold_of_scan(const fs::path& folder) {
-    std::set<std::string> missing = untold(folder);
-    std::erase_if(missing,
-                  [](const std::string& one) { return one.find(":granular.") != std::string::npos; });
-    return missing;
+/// Of a column in the manifest's entry of a file.
+std::string unit_of(const nlohmann::json& file, const std::string& name) {
+    for (const auto& column : file.at("columns"))
+        if (column.at("name") == name)
+            return column.at("unit");
+    return "no such column";
 }
 
 } // namespace
@@ -77,12 +77,12 @@ TEST_CASE("A scan of beds has a row a point and a row a run, and the manifest te
     CHECK(column(scratch / "scan/scan.csv", "runs") == std::vector<double>(4, 2.0));
     CHECK(column(scratch / "scan/scan_runs.csv", "run") == std::vector<double>{1, 2, 1, 2, 1, 2, 1, 2});
     CHECK(column(scratch / "scan/scan_runs.csv", "point") == std::vector<double>{1, 1, 2, 2, 3, 3, 4, 4});
-    CHECK(untold_of_scan(scratch / "scan").empty());
+    CHECK(untold(scratch / "scan").empty());
     const auto files = json_of(scratch / "scan/manifest.json").at("files");
     CHECK(files.at("points/0004/runs/0002/tracks.csv").at("stage") == "scan");
-    for (const auto& one : files.at("scan.csv").at("columns"))
-        if (one.at("name") == "min_separation")
-            CHECK(one.at("unit") == "a");
+    CHECK(unit_of(files.at("scan.csv"), "min_separation") == "a");
+    CHECK(unit_of(files.at("scan.csv"), "time_error") == "s");
+    CHECK(unit_of(files.at("scan_runs.csv"), "granular.rods.0.position.1") == "m");
 }
 
 TEST_CASE("A run of a point is that of the ensemble of its scene") {
@@ -192,5 +192,5 @@ TEST_CASE("A bed without a pair has the means of its bed and rods") {
     CHECK(has(header, "mean_speed0,mean_speed0_error"));
     CHECK_FALSE(has(header, "contact"));
     CHECK(json_of(scratch / "scan/scan.json").at("outcomes").at("finished") == 4);
-    CHECK(untold_of_scan(scratch / "scan").empty());
+    CHECK(untold(scratch / "scan").empty());
 }
