@@ -4,11 +4,11 @@
 //
 //   build/release/bench/bench_field --benchmark_min_time=0.5
 
+#include "plain_field.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/elastic/field.hpp"
 
 #include <benchmark/benchmark.h>
-#include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -18,11 +18,8 @@ namespace {
 using rodwake::RandomStream;
 using namespace rodwake::elastic;
 
-constexpr Medium medium{.eta = 1.3, .xi = 1.0};
+constexpr Medium medium = plain_medium;
 
-struct Place {
-    double x, y;
-};
 using Places = std::vector<Place>;
 
 constexpr int points = 4096; // fits the first cache, far beyond what a branch predictor remembers
@@ -53,48 +50,6 @@ Places box(double left, double right, double half_height) {
 
 Places mid_points() { return box(-5.0, 5.0, 5.0); }
 Places wake_points() { return box(-1e3, -10.0, 30.0); }
-
-using NoPromotion = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-using Promotion = boost::math::policies::policy<>;
-
-/// K0 and K1 of both potentials with their exponentials, as printed.
-template<class Policy>
-struct Plain {
-    double nu = medium.nu(), c = 0.5 / medium.xi, r, t0, t1, l0, l1;
-    explicit Plain(Place p) : r(std::hypot(p.x, p.y)) {
-        const double shear = std::exp(-c * p.x), longitudinal = std::exp(-nu * c * p.x);
-        t0 = shear * boost::math::cyl_bessel_k(0, c * r, Policy());
-        t1 = shear * boost::math::cyl_bessel_k(1, c * r, Policy());
-        l0 = longitudinal * boost::math::cyl_bessel_k(0, nu * c * r, Policy());
-        l1 = longitudinal * boost::math::cyl_bessel_k(1, nu * c * r, Policy());
-    }
-};
-
-constexpr double unit = 0.5 * std::numbers::inv_pi;
-
-template<class Policy>
-double plain_displacement(Place p) {
-    const Plain<Policy> k(p);
-    const double spread = k.t1 - k.nu * k.l1;
-    const double ux = 0.5 * (k.t0 + k.nu * k.l0 - p.x / k.r * spread), uy = -0.5 * p.y / k.r * spread;
-    return unit * (ux + uy);
-}
-
-template<class Policy>
-double plain_strain(Place p) {
-    const Plain<Policy> k(p);
-    const double cosine = p.x / k.r, sine = p.y / k.r, cc = cosine * cosine, ss = sine * sine;
-    const auto yy = [&](double c, double k0, double k1) {
-        return c * c * ss * k0 + (ss - cc) * c * k1 / k.r;
-    };
-    const auto xy = [&](double c, double k0, double k1) {
-        return c * c * sine * k1 + cosine * sine * (c * c * k0 + 2.0 * c * k1 / k.r);
-    };
-    const double cl = k.nu * k.c, d_yy = yy(k.c, k.t0, k.t1) - yy(cl, k.l0, k.l1);
-    const double d_xy = xy(k.c, k.t0, k.t1) - xy(cl, k.l0, k.l1);
-    const double eyy = medium.xi * d_yy, exx = -k.nu * cl * (k.l0 + cosine * k.l1) - eyy;
-    return unit * (exx + eyy + 0.5 * (-k.c * sine * k.t1 + 2.0 * medium.xi * d_xy));
-}
 
 using Formula = double (*)(Place);
 

@@ -90,18 +90,15 @@ struct Targets {
 /// Sums over the sources at some vectors of targets. Two at a time hide each other's latency, which for one
 /// is longer than its work.
 template<bool polar, std::size_t vectors>
-HWY_INLINE void SumBlock(const Setting& with, const Targets (&targets)[vectors], Parts (&sum)[vectors]) {
+HWY_INLINE void SumBlock(const Setting& with, const V (&x)[vectors], const V (&y)[vectors],
+                         const Targets (&targets)[vectors], Parts (&sum)[vectors]) {
     const Lanes d;
     constexpr int count = polar ? all_parts : strain_parts;
     const LaneMedium<Lanes>& m = with.medium;
-    V x[vectors], y[vectors];
     RODWAKE_UNROLL
-    for (std::size_t i = 0; i < vectors; ++i) {
-        x[i] = hn::LoadU(d, targets[i].x);
-        y[i] = hn::LoadU(d, targets[i].y);
+    for (std::size_t i = 0; i < vectors; ++i)
         for (int k = 0; k < count; ++k)
             sum[i].part[k] = hn::Zero(d);
-    }
     for (const KernelSource& source : with.sources) {
         const V cosine = hn::Set(d, source.cosine), sine = hn::Set(d, source.sine);
         V X[vectors], Y[vectors], distance[vectors];
@@ -133,43 +130,64 @@ HWY_INLINE void SumBlock(const Setting& with, const Targets (&targets)[vectors],
     }
 }
 
+HWY_INLINE Setting SettingOf(const KernelMedium& medium, const Field& field,
+                             std::span<const KernelSource> sources) {
+    const Lanes d;
+    const V c_shear = hn::Set(d, medium.c_shear),
+            second = hn::Mul(c_shear, hn::Set(d, 0.5 * std::numbers::inv_pi));
+    return {bessel_table().rows(),
+            {c_shear, hn::Set(d, medium.nu), hn::Set(d, medium.delta), hn::Set(d, medium.inverse_nu)},
+            {second, hn::Mul(second, c_shear)},
+            &field,
+            sources};
+}
+
+/// The last targets, less than a vector or two of them: filled up with the last one.
+template<bool polar>
+HWY_NOINLINE void SumRest(const Setting& with, const KernelTargets& targets, std::size_t begin) {
+    const Lanes d;
+    double x[lane_count], y[lane_count], last[lane_count];
+    const std::size_t used = std::min(targets.count - begin, lane_count);
+    for (std::size_t lane = 0; lane < lane_count; ++lane) {
+        x[lane] = targets.x[begin + std::min(lane, used - 1)];
+        y[lane] = targets.y[begin + std::min(lane, used - 1)];
+    }
+    Parts sum[1];
+    SumBlock<polar, 1>(with, {hn::LoadU(d, x)}, {hn::LoadU(d, y)}, {{x, y, used}}, sum);
+    for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
+        hn::StoreU(sum[0].part[k], d, last);
+        std::copy(last, last + used, targets.sum[k] + begin);
+    }
+}
+
 template<bool polar>
 HWY_INLINE void SumWakes(const KernelMedium& medium, const Field& field,
                          std::span<const KernelSource> sources, const KernelTargets& targets) {
     const Lanes d;
-    constexpr int count = polar ? all_parts : strain_parts;
-    const V c_shear = hn::Set(d, medium.c_shear),
-            second = hn::Mul(c_shear, hn::Set(d, 0.5 * std::numbers::inv_pi));
-    const Setting with{
-        bessel_table().rows(),
-        {c_shear, hn::Set(d, medium.nu), hn::Set(d, medium.delta), hn::Set(d, medium.inverse_nu)},
-        {second, hn::Mul(second, c_shear)},
-        &field,
-        sources};
+    const Setting with = SettingOf(medium, field, sources);
     std::size_t begin = 0;
     for (; begin + 2 * lane_count <= targets.count; begin += 2 * lane_count) {
-        const double *x = targets.x + begin, *y = targets.y + begin;
+        const double *x0 = targets.x + begin, *y0 = targets.y + begin, *x1 = x0 + lane_count,
+                     *y1 = y0 + lane_count;
+        const V x[2] = {hn::LoadU(d, x0), hn::LoadU(d, x1)}, y[2] = {hn::LoadU(d, y0), hn::LoadU(d, y1)};
         Parts sum[2];
-        SumBlock<polar, 2>(with, {{x, y, lane_count}, {x + lane_count, y + lane_count, lane_count}}, sum);
-        for (int k = 0; k < count; ++k) {
+        SumBlock<polar, 2>(with, x, y, {{x0, y0, lane_count}, {x1, y1, lane_count}}, sum);
+        for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
             hn::StoreU(sum[0].part[k], d, targets.sum[k] + begin);
             hn::StoreU(sum[1].part[k], d, targets.sum[k] + begin + lane_count);
         }
     }
-    for (; begin < targets.count; begin += lane_count) { // the rest, filled up with its last target
-        double x[lane_count], y[lane_count], last[lane_count];
-        const std::size_t used = std::min(targets.count - begin, lane_count);
-        for (std::size_t lane = 0; lane < lane_count; ++lane) {
-            x[lane] = targets.x[begin + std::min(lane, used - 1)];
-            y[lane] = targets.y[begin + std::min(lane, used - 1)];
-        }
-        Parts sum[1];
-        SumBlock<polar, 1>(with, {{x, y, used}}, sum);
-        for (int k = 0; k < count; ++k) {
-            hn::StoreU(sum[0].part[k], d, last);
-            std::copy(last, last + used, targets.sum[k] + begin);
-        }
-    }
+    for (; begin < targets.count; begin += lane_count)
+        SumRest<polar>(with, targets, begin);
+}
+
+SymmetricTensor StrainAt(const KernelMedium& medium, const Field& field, const KernelSource& source, double x,
+                         double y) {
+    const Lanes d;
+    Parts sum[1];
+    SumBlock<false, 1>(SettingOf(medium, field, {&source, 1}), {hn::Set(d, x)}, {hn::Set(d, y)},
+                       {{&x, &y, 1}}, sum);
+    return {hn::GetLane(sum[0].part[0]), hn::GetLane(sum[0].part[1]), hn::GetLane(sum[0].part[2])};
 }
 
 void SumStrain(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
@@ -190,6 +208,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rodwake::elastic {
 
+HWY_EXPORT(StrainAt);
 HWY_EXPORT(SumStrain);
 HWY_EXPORT(SumStrainAndPolar);
 HWY_EXPORT(Target);
@@ -200,6 +219,11 @@ void sum_wakes(const KernelMedium& medium, const Field& field, std::span<const K
         HWY_DYNAMIC_DISPATCH(SumStrainAndPolar)(medium, field, sources, targets);
     else
         HWY_DYNAMIC_DISPATCH(SumStrain)(medium, field, sources, targets);
+}
+
+SymmetricTensor strain_at(const KernelMedium& medium, const Field& field, const KernelSource& source,
+                          double x, double y) {
+    return HWY_DYNAMIC_DISPATCH(StrainAt)(medium, field, source, x, y);
 }
 
 std::string wake_kernel_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }

@@ -95,10 +95,7 @@ void WakeKernel::strain_and_polar(std::span<const Source> sources, Places target
 }
 
 SymmetricTensor WakeKernel::strain(const Source& source, double x, double y) const {
-    const KernelSource one = kernel_source(source);
-    SymmetricTensor sum;
-    sum_wakes(constants_, field_, {&one, 1}, {&x, &y, 1, {&sum.xx, &sum.xy, &sum.yy}});
-    return sum;
+    return strain_at(constants_, field_, kernel_source(source), x, y);
 }
 
 } // namespace rodwake::elastic

@@ -33,6 +33,10 @@ struct KernelTargets {
 void sum_wakes(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
                const KernelTargets& targets);
 
+/// One source at one target: the same bits.
+SymmetricTensor strain_at(const KernelMedium& medium, const Field& field, const KernelSource& source,
+                          double x, double y);
+
 /// One source at one target by the field itself.
 void exact_parts(const Field& field, const KernelSource& source, double x, double y, bool polar,
                  double* parts);

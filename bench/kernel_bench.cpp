@@ -1,0 +1,106 @@
+// Strain of one source at many targets: the scalar field, the batched kernel, one point of it at a time, and
+// the closed form in Boost's Bessel functions; all in one run. Counter s_per_point: time a source and target.
+//
+//   build/release/bench/bench_kernel --benchmark_min_time=0.5
+
+#include "plain_field.hpp"
+#include "rodwake/core/rng.hpp"
+#include "rodwake/elastic/wake_kernel.hpp"
+
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+namespace {
+
+using namespace rodwake::elastic;
+
+constexpr std::size_t points = 4096; // fits the first cache, far beyond what a branch predictor remembers
+
+struct Targets {
+    std::vector<double> x, y;
+
+    Targets() : x(points), y(points) { // within 5 of the rod, r/xi
+        rodwake::RandomStream random(2);
+        for (std::size_t k = 0; k < points; ++k) {
+            x[k] = random.uniform(-5.0, 5.0);
+            y[k] = random.uniform(-5.0, 5.0);
+        }
+    }
+};
+
+void per_point(benchmark::State& state) {
+    using benchmark::Counter;
+    state.counters["s_per_point"] =
+        Counter(static_cast<double>(points), Counter::kIsIterationInvariantRate | Counter::kInvert);
+}
+
+/// Every point by itself.
+template<class At>
+void each(benchmark::State& state, const At& at) {
+    const Targets targets;
+    for (auto _ : state)
+        for (std::size_t k = 0; k < points; ++k)
+            benchmark::DoNotOptimize(at(targets.x[k], targets.y[k]));
+    per_point(state);
+}
+
+void scalar_field(benchmark::State& state) {
+    const Field field(plain_medium);
+    each(state, [&](double x, double y) { return field.at(x, y, {.strain = true}).strain; });
+}
+
+void boost_formula(benchmark::State& state) {
+    each(state, [](double x, double y) { return plain_strain<Promotion>({x, y}); });
+}
+
+void boost_formula_in_double(benchmark::State& state) {
+    each(state, [](double x, double y) { return plain_strain<NoPromotion>({x, y}); });
+}
+
+void kernel_one_point(benchmark::State& state) {
+    const WakeKernel kernel(plain_medium);
+    each(state, [&](double x, double y) { return kernel.strain({}, x, y); });
+}
+
+struct Sums {
+    std::vector<double> part[7];
+
+    Sums() {
+        for (auto& one : part)
+            one.resize(points);
+    }
+    StrainSums strain() { return {part[0], part[1], part[2]}; }
+    PolarSums polar() { return {part[3], part[4], part[5], part[6]}; }
+};
+
+void kernel_batch(benchmark::State& state) {
+    const WakeKernel kernel(plain_medium);
+    const Targets targets;
+    const Source source;
+    Sums sums;
+    for (auto _ : state)
+        kernel.strain({&source, 1}, {targets.x, targets.y}, sums.strain());
+    per_point(state);
+    state.SetLabel(wake_kernel_target());
+}
+
+void kernel_batch_polar(benchmark::State& state) {
+    const WakeKernel kernel(plain_medium);
+    const Targets targets;
+    const Source source;
+    Sums sums;
+    for (auto _ : state)
+        kernel.strain_and_polar({&source, 1}, {targets.x, targets.y}, sums.strain(), sums.polar());
+    per_point(state);
+    state.SetLabel(wake_kernel_target());
+}
+
+BENCHMARK(scalar_field);
+BENCHMARK(kernel_batch);
+BENCHMARK(kernel_batch_polar);
+BENCHMARK(kernel_one_point);
+BENCHMARK(boost_formula);
+BENCHMARK(boost_formula_in_double);
+
+} // namespace

@@ -1,0 +1,93 @@
+// Right-hand side of many pairs, a pair a lane (include after foreach_target.h).
+
+#if defined(RODWAKE_RODS_PAIR_RATES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RODWAKE_RODS_PAIR_RATES_INL
+#undef RODWAKE_RODS_PAIR_RATES_INL
+#else
+#define RODWAKE_RODS_PAIR_RATES_INL
+#endif
+
+#include "elastic/kernel_inl.hpp"
+#include "pair_lanes.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace rodwake::rods::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using elastic::HWY_NAMESPACE::Fma;
+using elastic::HWY_NAMESPACE::LaneMedium;
+using elastic::HWY_NAMESPACE::Radial;
+using elastic::HWY_NAMESPACE::RadialAt;
+using elastic::HWY_NAMESPACE::SinCos;
+using elastic::HWY_NAMESPACE::Wake;
+using elastic::HWY_NAMESPACE::WakeAt;
+
+using Lanes = hn::CappedTag<double, most_lanes>;
+using V = hn::Vec<Lanes>;
+using M = hn::Mask<Lanes>;
+constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
+
+/// What the lanes do not change in a step.
+struct Constants {
+    const double* table;
+    LaneMedium<Lanes> medium;
+    V kappa, gamma1, gamma2;
+};
+
+/// Where the torque comes from: R_0 - R_1 and both headings.
+struct Relative {
+    V x, y, heading[2];
+};
+
+/// Derivatives of the six coordinates.
+struct Rates {
+    V of[6];
+    M in_range;
+};
+
+/// Rate of turn in a wake, at the angle of this cosine and sine to its rod.
+template<bool polar>
+HWY_INLINE V Torque(const Wake<Lanes>& wake, V cosine, V sine, const Constants& c) {
+    const Lanes d;
+    const V cos2 = Fma(d, cosine, cosine, hn::Neg(hn::Mul(sine, sine))),
+            sin2 = hn::Mul(hn::Add(sine, sine), cosine);
+    V rate = hn::Mul(c.kappa, Fma(d, wake.shear, cos2, hn::Mul(hn::Sub(wake.yy, wake.trace), sin2)));
+    if constexpr (polar) {
+        const V x = Fma(d, c.gamma1, wake.laplacian_x, hn::Mul(c.gamma2, wake.gradient_x));
+        const V y = Fma(d, c.gamma1, wake.laplacian_y, hn::Mul(c.gamma2, wake.gradient_y));
+        rate = hn::Add(rate, Fma(d, cosine, y, hn::Neg(hn::Mul(sine, x))));
+    }
+    return rate;
+}
+
+/// Not inlined: seven copies would cost more to load and to compile than the calls do.
+template<bool polar>
+HWY_NOINLINE Rates RatesAt(const Relative& at, const Constants& c) {
+    const Lanes d;
+    elastic::HWY_NAMESPACE::SineCosine<Lanes> n[2];
+    SinCos(d, at.heading, n);
+    const V x = hn::Mul(at.x, c.medium.c_shear), y = hn::Mul(at.y, c.medium.c_shear);
+    const V distance[1] = {hn::Sqrt(Fma(d, x, x, hn::Mul(y, y)))};
+    Radial<Lanes> radial[1];
+    RadialAt(d, c.table, distance, c.medium, radial);
+    // rod 0 as rod 1 sees it, and rod 1 as rod 0 does
+    const V X[2] = {Fma(d, n[1].cosine, x, hn::Mul(n[1].sine, y)),
+                    hn::Neg(Fma(d, n[0].cosine, x, hn::Mul(n[0].sine, y)))};
+    const V Y[2] = {Fma(d, n[1].cosine, y, hn::Neg(hn::Mul(n[1].sine, x))),
+                    hn::Neg(Fma(d, n[0].cosine, y, hn::Neg(hn::Mul(n[0].sine, x))))};
+    Wake<Lanes> wake[2];
+    WakeAt<polar>(d, X, Y, {&radial[0], &radial[0]}, c.medium, wake);
+    const V cosine = Fma(d, n[0].cosine, n[1].cosine, hn::Mul(n[0].sine, n[1].sine));
+    const V sine = Fma(d, n[0].sine, n[1].cosine, hn::Neg(hn::Mul(n[0].cosine, n[1].sine)));
+    const V turn0 = Torque<polar>(wake[0], cosine, sine, c);
+    const V turn1 = Torque<polar>(wake[1], cosine, hn::Neg(sine), c);
+    const V largest = hn::Set(d, elastic::HWY_NAMESPACE::largest_angle);
+    const M small = hn::And(hn::Lt(hn::Abs(at.heading[0]), largest), hn::Lt(hn::Abs(at.heading[1]), largest));
+    return {{n[0].cosine, n[0].sine, turn0, n[1].cosine, n[1].sine, turn1},
+            hn::And(small, radial[0].in_range)};
+}
+
+} // namespace rodwake::rods::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
