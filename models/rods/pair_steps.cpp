@@ -1,12 +1,12 @@
-// One step of all lanes: Dormand-Prince 5(4) (Hairer, Norsett, Wanner I, table II.5.2). Compiled once for
-// each instruction set (foreach_target includes this file again).
+// The lanes step by step, until the queue is empty. Compiled once for each instruction set (foreach_target
+// includes this file again).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pair_steps.cpp"
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
 #include "pair_lanes.hpp"
-#include "pair_rates_inl.hpp"
+#include "pair_trial_inl.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -31,72 +31,6 @@ Constants LoadConstants(const PairLanes& l) {
             Load(l.kappa),
             Load(l.gamma1),
             Load(l.gamma2)};
-}
-
-constexpr double stage_weights[7][6] = {
-    {},
-    {1.0 / 5},
-    {3.0 / 40, 9.0 / 40},
-    {44.0 / 45, -56.0 / 15, 32.0 / 9},
-    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
-    {35.0 / 384, 0.0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
-constexpr double error_weights[7] = {71.0 / 57600,      0.0,        -71.0 / 16695, 71.0 / 1920,
-                                     -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
-
-/// Sum over the stages of weight and rate of a coordinate.
-template<std::size_t stages>
-HWY_INLINE V Weighted(const double* weights, const Rates* k, std::size_t coordinate) {
-    const Lanes d;
-    V sum = hn::Mul(hn::Set(d, weights[0]), k[0].of[coordinate]);
-    for (std::size_t s = 1; s < stages; ++s)
-        if (s != 1 || stages < 6) // the second stage counts in neither the solution nor its error
-            sum = Fma(d, hn::Set(d, weights[s]), k[s].of[coordinate], sum);
-    return sum;
-}
-
-/// Headings and separation at an inner stage: all its rates need.
-template<std::size_t stage>
-HWY_INLINE Relative StageAt(const V (&y)[6], V h, const Rates* k) {
-    const Lanes d;
-    const auto sum = [&](std::size_t i) HWY_ATTR { return Weighted<stage>(stage_weights[stage], k, i); };
-    const V x = hn::Sub(sum(0), sum(3)), across = hn::Sub(sum(1), sum(4));
-    return {Fma(d, h, x, hn::Sub(y[0], y[3])),
-            Fma(d, h, across, hn::Sub(y[1], y[4])),
-            {Fma(d, h, sum(2), y[2]), Fma(d, h, sum(5), y[5])}};
-}
-
-struct Attempt {
-    V end[6];
-    V error_square; ///< of the error over the tolerance
-    M in_range;
-};
-
-template<bool polar>
-HWY_INLINE Attempt TryStep(const V (&y)[6], V h, Rates* k, const Constants& c, double rtol, double atol) {
-    const Lanes d;
-    k[1] = RatesAt<polar>(StageAt<1>(y, h, k), c);
-    k[2] = RatesAt<polar>(StageAt<2>(y, h, k), c);
-    k[3] = RatesAt<polar>(StageAt<3>(y, h, k), c);
-    k[4] = RatesAt<polar>(StageAt<4>(y, h, k), c);
-    k[5] = RatesAt<polar>(StageAt<5>(y, h, k), c);
-    Attempt result;
-    for (std::size_t i = 0; i < 6; ++i)
-        result.end[i] = Fma(d, h, Weighted<6>(stage_weights[6], k, i), y[i]);
-    const V(&end)[6] = result.end;
-    k[6] = RatesAt<polar>({hn::Sub(end[0], end[3]), hn::Sub(end[1], end[4]), {end[2], end[5]}}, c);
-    result.error_square = hn::Zero(d);
-    for (std::size_t i = 0; i < 6; ++i) {
-        const V error = hn::Mul(h, Weighted<7>(error_weights, k, i));
-        const V size =
-            hn::Min(hn::Max(hn::Abs(y[i]), hn::Abs(end[i])), hn::Set(d, 1.0)); // OdeProblem::relative_cap
-        const V part = hn::Div(error, Fma(d, hn::Set(d, rtol), size, hn::Set(d, atol)));
-        result.error_square = Fma(d, part, part, result.error_square);
-    }
-    result.in_range = k[1].in_range;
-    for (std::size_t s = 2; s < 7; ++s)
-        result.in_range = hn::And(result.in_range, k[s].in_range);
-    return result;
 }
 
 /// Factor for the next step: 0.8 error^(-1/5), between 1/5 and 5. The logarithm is good to 1e-3.
@@ -190,80 +124,123 @@ HWY_INLINE M FromBits(std::uint32_t bits) {
     return hn::Ne(hn::Load(d, ones), hn::Zero(d));
 }
 
+/// How far the lanes may go: as error control wants, to the late part or the end, or to where a meeting is
+/// looked for.
+struct Bounds {
+    V time, wanted, forced, to_late, rest;
+};
+
+HWY_INLINE Bounds BoundsOf(const PairLanes& l) {
+    const V time = Load(l.time), late_from = Load(l.late_from), rest = hn::Sub(Load(l.t_end), time);
+    const V to_late =
+        hn::IfThenElse(hn::Lt(time, late_from), hn::Sub(late_from, time), rest); // a step ends there
+    return {time, Load(l.step), Load(l.forced), to_late, rest};
+}
+
+HWY_INLINE V StepOf(const Bounds& bounds, const V (&y)[6], const Rates& rate) {
+    const V free = hn::Min(bounds.wanted, EncounterStep(y, rate)), end = hn::Min(bounds.to_late, bounds.rest);
+    return hn::IfThenElse(hn::Gt(bounds.forced, hn::Zero(Lanes())), bounds.forced, hn::Min(free, end));
+}
+
+/// Lanes whose step is taken, of those that passed: the others go back for a step that lands on a meeting.
+HWY_INLINE M InspectLanes(PairQueue& queue, M passed, std::uint32_t look, V h, const Attempt& attempt,
+                          const Rates& end_rate) {
+    PairLanes& l = queue.lanes;
+    if (HWY_LIKELY(look == 0))
+        return passed;
+    Store(h, l.tried);
+    for (std::size_t i = 0; i < 6; ++i) {
+        Store(attempt.end[i], l.end_state[i]);
+        Store(end_rate.of[i], l.end_rate[i]);
+    }
+    std::uint32_t taken = Bits(passed);
+    for (; look != 0; look &= look - 1) {
+        const int lane = std::countr_zero(look);
+        if (!queue.inspect(static_cast<std::size_t>(lane)))
+            taken &= ~(1u << lane);
+    }
+    return FromBits(taken);
+}
+
+/// Lanes that are through, for one reason or another; `looked`: those that may have met.
+struct Ended {
+    std::uint32_t at_end, lost, tired, looked;
+};
+
+HWY_INLINE void FinishLanes(PairQueue& queue, const Ended& ended) {
+    std::uint32_t left = ended.at_end | ended.lost | ended.tired | ended.looked;
+    for (; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        const std::uint32_t bit = 1u << lane;
+        if ((ended.at_end & bit) != 0 || queue.in_contact(lane))
+            queue.finish(lane, PairEnding::finished);
+        else if ((ended.lost & bit) != 0)
+            queue.finish(lane, PairEnding::out_of_range);
+        else if ((ended.tired & bit) != 0)
+            queue.finish(lane, PairEnding::too_many_steps);
+    }
+}
+
+/// Lanes that may have met or passed each other in the step: in contact, or closer in between than at both
+/// ends.
+HWY_INLINE M MayMeet(const PairLanes& l, const V (&y)[6], const Rates& rate, const Attempt& attempt,
+                     const Rates& end_rate, V square) {
+    const V zero = hn::Zero(Lanes());
+    const M turns =
+        hn::And(hn::Lt(SquareRate(y, rate), zero), hn::Gt(SquareRate(attempt.end, end_rate), zero));
+    return hn::Or(turns, hn::Le(square, Load(l.contact_square)));
+}
+
+/// Time, step and counts after an attempt; the time at its end is returned.
+HWY_INLINE V Advance(PairLanes& l, M taken, M active, const Bounds& bounds, V h, V error_square) {
+    const Lanes d;
+    const M to_end = hn::Ge(h, bounds.rest), cut = hn::AndNot(to_end, hn::Ge(h, bounds.to_late));
+    V time = hn::IfThenElse(to_end, Load(l.t_end), hn::Add(bounds.time, h));
+    time = hn::IfThenElse(cut, Load(l.late_from), time);
+    StoreIf(taken, time, l.time);
+    // a step that only looks for a meeting tells nothing of the next one's length, one cut short little
+    const V next = hn::Mul(h, StepFactor(error_square));
+    const V step = hn::IfThenElse(hn::And(cut, taken), hn::Max(next, bounds.wanted), next);
+    StoreIf(hn::AndNot(hn::Gt(bounds.forced, hn::Zero(d)), active), step, l.step);
+    Store(hn::Add(Load(l.attempts), hn::Set(d, 1.0)), l.attempts);
+    StoreIf(taken, hn::Add(Load(l.steps), hn::Set(d, 1.0)), l.steps);
+    return time;
+}
+
 /// One step of every lane that has a pair, and what follows from it.
 template<bool polar>
 HWY_INLINE void StepLanes(PairQueue& queue, double rtol, double atol) {
     const Lanes d;
     PairLanes& l = queue.lanes;
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0), time = Load(l.time), forced = Load(l.forced);
-    const M active = hn::Gt(Load(l.active), zero), is_forced = hn::Gt(forced, zero);
+    const Bounds bounds = BoundsOf(l);
     V y[6];
     Rates k[7];
     for (std::size_t i = 0; i < 6; ++i) {
         y[i] = Load(l.state[i]);
         k[0].of[i] = Load(l.rate[i]);
     }
-    const V rest = hn::Sub(Load(l.t_end), time);
-    const V late_from = Load(l.late_from), wanted = Load(l.step);
-    const V to_late =
-        hn::IfThenElse(hn::Lt(time, late_from), hn::Sub(late_from, time), rest); // a step ends there
-    V h = hn::Min(hn::Min(wanted, EncounterStep(y, k[0])), hn::Min(to_late, rest));
-    h = hn::IfThenElse(is_forced, forced, h);
+    const V h = StepOf(bounds, y, k[0]);
     const Attempt attempt = TryStep<polar>(y, h, k, LoadConstants(l), rtol, atol);
 
-    const M passed = hn::And(attempt.in_range, hn::Or(is_forced, hn::Le(attempt.error_square, one)));
-    const M accepted = hn::And(active, passed);
+    const M active = hn::Gt(Load(l.active), hn::Zero(d)), forced = hn::Gt(bounds.forced, hn::Zero(d));
+    const M good = hn::Or(forced, hn::Le(attempt.error_square, hn::Set(d, 1.0)));
+    const M passed = hn::And(active, hn::And(attempt.in_range, good));
     const V x = hn::Sub(attempt.end[0], attempt.end[3]), across = hn::Sub(attempt.end[1], attempt.end[4]);
     const V square = Fma(d, x, x, hn::Mul(across, across));
-    const M turns = hn::And(hn::Lt(SquareRate(y, k[0]), zero), hn::Gt(SquareRate(attempt.end, k[6]), zero));
-    const M close = hn::Le(square, Load(l.contact_square));
-    std::uint32_t taken_bits = Bits(accepted);
-    const std::uint32_t look = Bits(hn::And(accepted, hn::Or(is_forced, hn::Or(turns, close))));
-    if (HWY_UNLIKELY(look != 0)) {
-        Store(h, l.tried);
-        for (std::size_t i = 0; i < 6; ++i) {
-            Store(attempt.end[i], l.end_state[i]);
-            Store(k[6].of[i], l.end_rate[i]);
-        }
-        for (std::uint32_t left = look; left != 0; left &= left - 1) {
-            const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-            if (!queue.inspect(lane))
-                taken_bits &= ~(1u << lane);
-        }
-    }
-    const M taken = FromBits(taken_bits);
-    const M to_end = hn::Ge(h, rest), cut = hn::AndNot(to_end, hn::Ge(h, to_late));
-    V end_time = hn::IfThenElse(to_end, Load(l.t_end), hn::Add(time, h));
-    end_time = hn::IfThenElse(cut, late_from, end_time);
-    Record(l, taken, end_time, attempt.end, k[6], square);
+    const M near = hn::Or(forced, MayMeet(l, y, k[0], attempt, k[6], square));
+    const std::uint32_t look = Bits(hn::And(passed, near));
+    const M taken = InspectLanes(queue, passed, look, h, attempt, k[6]);
+
+    const V time = Advance(l, taken, active, bounds, h, attempt.error_square);
+    Record(l, taken, time, attempt.end, k[6], square);
     for (std::size_t i = 0; i < 6; ++i) {
         StoreIf(taken, attempt.end[i], l.state[i]);
         StoreIf(taken, k[6].of[i], l.rate[i]);
     }
-    StoreIf(taken, end_time, l.time);
-    // a step that only looks for a meeting tells nothing of the next one's length, one cut short little
-    const V next = hn::Mul(h, StepFactor(attempt.error_square));
-    StoreIf(hn::AndNot(is_forced, active), hn::IfThenElse(hn::And(cut, taken), hn::Max(next, wanted), next),
-            l.step);
-    const V attempts = hn::Add(Load(l.attempts), one);
-    Store(attempts, l.attempts);
-    StoreIf(taken, hn::Add(Load(l.steps), one), l.steps);
-
-    const M at_end = hn::And(taken, hn::Ge(end_time, Load(l.t_end)));
-    const M lost = hn::And(active, hn::Or(hn::Not(attempt.in_range), hn::Le(hn::Add(time, h), time)));
-    const M tired =
-        hn::And(active, hn::Ge(attempts, hn::Set(d, static_cast<double>(queue.options().max_attempts))));
-    std::uint32_t ended = Bits(hn::Or(at_end, hn::Or(lost, tired))) | (look & taken_bits);
-    for (; ended != 0; ended &= ended - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(ended));
-        const std::uint32_t bit = 1u << lane;
-        if ((Bits(at_end) & bit) != 0 || queue.in_contact(lane))
-            queue.finish(lane, PairEnding::finished);
-        else if ((Bits(lost) & bit) != 0)
-            queue.finish(lane, PairEnding::out_of_range);
-        else if ((Bits(tired) & bit) != 0)
-            queue.finish(lane, PairEnding::too_many_steps);
-    }
+    const V most = hn::Set(d, static_cast<double>(queue.options().max_attempts));
+    const M lost = hn::Or(hn::Not(attempt.in_range), hn::Le(hn::Add(bounds.time, h), bounds.time));
+    FinishLanes(queue, {Bits(hn::And(taken, hn::Ge(time, Load(l.t_end)))), Bits(hn::And(active, lost)),
+                        Bits(hn::And(active, hn::Ge(Load(l.attempts), most))), look & Bits(taken)});
 }
 
 template<bool polar>
