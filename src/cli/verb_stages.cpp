@@ -107,6 +107,19 @@ stages::RunContext context_of(const Options& options, scan::MpiJob* job) {
     return context;
 }
 
+/// On a rank that rank 0 hands points to, which speaks for all.
+int serve(const Options& options, const scene::Scene& scene, std::span<const Stage> stages,
+          const stages::RunContext& context, scan::MpiJob& job) {
+    try {
+        const assembly::Plan plan = stages::plan_run(scene, stages, output_folder(options), context);
+        stages::serve(plan, output_folder(options), context, job);
+    } catch (const std::exception& error) {
+        job.fail(describe(error));
+        return 1;
+    }
+    return stop_signal() ? signal_exit_code(stop_signal()) : 0;
+}
+
 } // namespace
 
 int verb_stages(const Options& options) {
@@ -116,11 +129,9 @@ int verb_stages(const Options& options) {
         return verb_check(options);
     const auto job = job_of(options);
     const stages::RunContext context = context_of(options, job.get());
+    if (job && job->rank() > 0)
+        return serve(options, scene, stages, context, *job);
     const assembly::Plan plan = stages::plan_run(scene, stages, output_folder(options), context);
-    if (job && job->rank() > 0) {
-        stages::serve(plan, output_folder(options), context, *job);
-        return stop_signal() ? signal_exit_code(stop_signal()) : 0;
-    }
     return finish(options, stages::run(plan, output_folder(options), context));
 }
 

@@ -2,6 +2,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/mpi.hpp"
 
+#include <fmt/format.h>
 #include <mpi.h>
 
 #include <chrono>
@@ -12,7 +13,7 @@ namespace rodwake::scan {
 
 namespace {
 
-enum Tag : int { points_tag = 1, results_tag = 2, home_tag = 3 };
+enum Tag : int { points_tag = 1, results_tag = 2, home_tag = 3, failure_tag = 4 };
 
 /// MPI waits by spinning; ranks that share cores with computing ones must not.
 void wait_for_message(int from, MPI_Status& status) {
@@ -44,6 +45,7 @@ void send(std::span<const T> items, int to, Tag tag) {
 struct MpiJob::Workers {
     std::vector<int> idle;
     int busy = 0;
+    std::string failure; ///< of the first rank that told of one
 
     /// Gives every idle rank a chunk, as long as there are any.
     void hand_out(Dispenser& dispenser) {
@@ -61,13 +63,25 @@ struct MpiJob::Workers {
     bool collect(std::vector<Result>& results) {
         MPI_Status status;
         int there = 0;
-        MPI_Iprobe(MPI_ANY_SOURCE, results_tag, MPI_COMM_WORLD, &there, &status);
+        MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status);
         if (there == 0)
             return false;
+        if (status.MPI_TAG == failure_tag) {
+            take_failure(status);
+            return false;
+        }
         results = receive<Result>(status);
         idle.push_back(status.MPI_SOURCE);
         --busy;
         return true;
+    }
+
+    /// The rank is gone, with a chunk or without.
+    void take_failure(const MPI_Status& status) {
+        const std::vector<char> text = receive<char>(status);
+        if (failure.empty())
+            failure = fmt::format("rank {}: {}", status.MPI_SOURCE, std::string(text.begin(), text.end()));
+        busy -= std::erase(idle, status.MPI_SOURCE) == 0;
     }
 };
 
@@ -114,6 +128,8 @@ Execute MpiJob::executor(Evaluate evaluate, std::function<bool()> stop) {
                 workers_->hand_out(dispenser);
                 if (workers_->collect(results))
                     dispenser.take(results);
+                else if (!workers_->failure.empty())
+                    throw RunError(workers_->failure);
                 else
                     std::this_thread::sleep_for(std::chrono::microseconds(50));
             } while (workers_->busy > 0 ||
@@ -140,6 +156,10 @@ void MpiJob::serve(const Evaluate& evaluate) {
         evaluate(points, results);
         send(std::span<const Result>(results), 0, results_tag);
     }
+}
+
+void MpiJob::fail(const std::string& why) {
+    send(std::span<const char>(why.data(), std::min<std::size_t>(why.size(), 2000)), 0, failure_tag);
 }
 
 } // namespace rodwake::scan

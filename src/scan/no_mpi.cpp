@@ -23,5 +23,6 @@ Execute MpiJob::executor(Evaluate evaluate, std::function<bool()> stop) {
 }
 
 void MpiJob::serve(const Evaluate&) {}
+void MpiJob::fail(const std::string&) {}
 
 } // namespace rodwake::scan

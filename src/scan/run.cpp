@@ -135,6 +135,15 @@ void take_known(std::vector<Crossing>& edges, const Ledger& ledger) {
     }
 }
 
+/// Points that brackets cost: each halved one.
+std::int64_t traced(std::span<const Crossing> whole, std::span<const Crossing> brackets) {
+    double halvings = 0.0;
+    for (std::size_t i = 0; i < whole.size(); ++i)
+        halvings += std::round(
+            std::log2((whole[i].u_high - whole[i].u_low) / (brackets[i].u_high - brackets[i].u_low)));
+    return static_cast<std::int64_t>(halvings);
+}
+
 bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, const Execute& execute,
            Evaluation& evaluate, Summary& summary) {
     std::vector<Crossing> edges = crossed_edges(refinement);
@@ -165,6 +174,7 @@ bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, c
         }
     }
     summary.curves = boundary_curves(refinement, edges);
+    summary.traced = traced(crossed_edges(refinement), edges);
     summary.lost_crossings = std::ranges::count_if(
         edges, [](const Crossing& edge) { return edge.outcome_low < 0 || edge.outcome_high < 0; });
     return true;

@@ -7,7 +7,12 @@ void work(Dispenser& dispenser, const Evaluate& evaluate) {
     std::vector<Result> results;
     for (auto points = dispenser.next(); !points.empty(); points = dispenser.next()) {
         results.assign(points.size(), {});
-        evaluate(points, results);
+        try {
+            evaluate(points, results);
+        } catch (...) {
+            dispenser.stop(); // nobody need go on
+            throw;
+        }
         dispenser.take(results);
     }
 }

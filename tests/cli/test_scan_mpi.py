@@ -1,9 +1,10 @@
 """mpiexec -n N rodwake scan: the same tables as on threads, and nothing lost when ranks die."""
 
 import signal
+import subprocess
 
 import rodwake
-from ranks import ScanRanksTest
+from ranks import ENVIRONMENT, ScanRanksTest, command
 
 
 class SameTablesTest(ScanRanksTest):
@@ -16,6 +17,15 @@ class SameTablesTest(ScanRanksTest):
     def test_a_wrong_scene_is_refused_on_all_ranks(self):
         done = self.ranks(2, "scan", "scan.toml", "-o", "run", "-s", "scan.resolution=33", code=2)
         self.assertIn("scan.resolution", done.stderr)
+
+    def test_a_rank_that_cannot_go_on_ends_the_job(self):
+        other = ["-s", "scan.max_points=1"]  # of the second rank alone, as a file that only one node has
+        whole = ("scan", "scan.toml", "-o", "run", "--quiet", "-s", "scan.resolution=8192")
+        done = subprocess.run([*command(1, *whole), ":", *command(1, *whole, *other)[1:]], cwd=self.folder, env=ENVIRONMENT,
+                              capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("rank 1: ", done.stderr)
+        self.assertIn("scan.max_points", done.stderr)
 
 
 class DeathTest(ScanRanksTest):

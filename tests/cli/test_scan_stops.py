@@ -18,6 +18,15 @@ class RestartTest(StoppedScanTest):
         self.finish_often(3, 5, ANY, 0.5 * self.seconds)
 
 
+class SlowPointsTest(StoppedScanTest):
+    """A point that is stopped half way is as if it had not been begun."""
+
+    SETTINGS = (*StoppedScanTest.SETTINGS, "-s", "rods_run.method=bdf", "-s", "rods_run.rtol=1e-12", "-s", "scan.resolution=16")
+
+    def test_signals(self):
+        self.finish_often(6, 3, (signal.SIGTERM, signal.SIGINT), 0.5 * self.seconds)
+
+
 class SignalTest(ScanTest):
     def stop_at_work(self, number, run, *arguments):
         """Once some hundred points are there."""

@@ -7,6 +7,7 @@
 #include "rodwake/scan/execute.hpp"
 
 #include <memory>
+#include <string>
 
 namespace rodwake::scan {
 
@@ -32,6 +33,8 @@ public:
     Execute executor(Evaluate evaluate, std::function<bool()> stop);
     /// Of the others: evaluates chunks until rank 0 has no more.
     void serve(const Evaluate& evaluate);
+    /// Of the others: tells rank 0, whose scan ends with this error, and leaves the job.
+    void fail(const std::string& why);
 
 private:
     MpiJob();

@@ -57,7 +57,8 @@ struct Columns {
     std::vector<std::string> observables; ///< at most max_observables
 };
 
-/// Results of points, one for one. Called from several threads at once; never throws.
+/// Results of points, one for one. Called from several threads at once. Failures of points are results; what
+/// it throws ends the scan.
 using Evaluate = std::function<void(std::span<const Point>, std::span<Result>)>;
 
 } // namespace rodwake::scan

@@ -31,6 +31,7 @@ struct Summary {
     std::int64_t found_by_audit = 0; ///< adaptive: places missed in all rounds, refined since
     std::vector<Leaf> leaves;        ///< adaptive
     std::vector<Curve> curves;       ///< with boundary_tolerance
+    std::int64_t traced = 0;         ///< points evaluated to bisect them; the ledger keeps brackets only
     std::int64_t lost_crossings = 0; ///< edges where a point of the bisection failed: gaps of the curves
 };
 

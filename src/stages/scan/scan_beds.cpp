@@ -26,6 +26,8 @@ public:
         result.point = point;
         try {
             run(point, result, start);
+        } catch (const RunError&) {
+            throw; // nothing can be written: what runs are left would fail alike
         } catch (const std::exception& error) {
             result.status = scan::Status::exception;
             result.set_cause(describe(error));
@@ -51,10 +53,9 @@ private:
         result.status = end.end == StageEnd::failed ? scan::Status::failed
                         : context_.stopped()        ? scan::Status::stopped
                                                     : scan::Status::time_limit;
-        result.set_cause(
-            result.status == scan::Status::time_limit
-                ? fmt::format("{:g} s were up at t = {:.4g} s", *plan_.time_limit, end.summary.simulated_time)
-                : end.message);
+        result.set_cause(result.status == scan::Status::time_limit
+                             ? fmt::format("more than {:g} s", *plan_.time_limit)
+                             : end.message);
     }
 
     /// The context of a run whose time may be up.

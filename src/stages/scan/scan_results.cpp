@@ -145,12 +145,12 @@ void write_trajectories(store::Hdf5Writer& h5, const ScanPlan& plan, const std::
 }
 
 void write_h5(const std::filesystem::path& file, const ScanPlan& plan, const scene::Scan& keys,
-              const scan::Ledger& ledger) {
+              const scan::Ledger& ledger, bool complete) {
     store::Hdf5Writer h5(file);
     write_columns(h5, plan, ledger);
     write_names(h5, plan);
     const std::vector<Stored> stored = sample(ledger, static_cast<std::size_t>(keys.trajectories));
-    if (!stored.empty() && plan.base.rods_run)
+    if (!stored.empty() && plan.base.rods_run && complete)
         write_trajectories(h5, plan, stored);
     h5.commit();
 }
@@ -198,6 +198,7 @@ ordered_json boundary_json(const scan::Summary& summary, double tolerance) {
     return {{"curves", summary.curves.size()},
             {"points", points},
             {"tolerance", tolerance},
+            {"evaluated", summary.traced},
             {"gaps", summary.lost_crossings}};
 }
 
@@ -262,7 +263,7 @@ void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan
         write_cells(folder / "cells.csv", plan, summary);
     if (!summary.curves.empty())
         write_boundary(folder / "boundary.csv", plan, summary);
-    write_h5(folder / "scan.h5", plan, keys, ledger);
+    write_h5(folder / "scan.h5", plan, keys, ledger, summary.complete);
 }
 
 } // namespace

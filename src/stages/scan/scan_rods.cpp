@@ -40,9 +40,14 @@ bool next_rung(integrate::OdeOptions& ode, int rung) {
     }
 }
 
+/// What a pair of a batch takes at most, s, with a good margin: it asks nobody before it is done.
+constexpr double longest_in_batch = 0.1;
+
 /// Whoever may choose the method, and would choose an explicit one, takes many pairs at once.
-bool suits_batch(const scene::RodsRun& run, const rods::RodOptions& options) {
-    return !run.method && options.ode.method == Method::erk;
+bool suits_batch(const scene::RodsRun& run, const rods::RodOptions& options,
+                 std::optional<double> time_limit) {
+    return !run.method && options.ode.method == Method::erk &&
+           time_limit.value_or(HUGE_VAL) > longest_in_batch;
 }
 
 rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
@@ -100,7 +105,7 @@ private:
             return;
         const rods::RodOptions options = assembly::rod_options(*scene_.rods_run, problem);
         const auto pair = rods::to_pair_problem(problem);
-        if (!pair || !suits_batch(*scene_.rods_run, options))
+        if (!pair || !suits_batch(*scene_.rods_run, options, plan_.time_limit))
             return climb(problem, options, result, start);
         rods::validate(*pair);
         Batch& batch = batch_of(pair_options(options.ode));
@@ -126,9 +131,15 @@ private:
             result.seconds += each;
             guarded(result, [&](Clock::time_point began) {
                 if (!ends[k].handed_over())
-                    return store(end_of(batch.pairs[k], ends[k]), plan_, units_, result);
+                    store(end_of(batch.pairs[k], ends[k]), plan_, units_, result);
+                if (!ends[k].handed_over() && result.ok())
+                    return;
                 const rods::RodProblem problem = problem_of(result.point);
-                climb(problem, assembly::rod_options(*scene_.rods_run, problem), result, began);
+                rods::RodOptions options = assembly::rod_options(*scene_.rods_run, problem);
+                const bool limit_of_batch = batch.options.max_attempts < options.ode.max_steps;
+                if (ends[k].end == rods::PairEnding::too_many_steps && limit_of_batch)
+                    options.ode.method = Method::bdf; // faster from there on
+                climb(problem, options, result, began);
             });
         }
     }
@@ -138,7 +149,12 @@ private:
         options.ode.stop_requested = stop_condition(start);
         std::string causes;
         for (result.retries = 0;; ++result.retries) {
-            attempt(problem, options, result, start);
+            try {
+                attempt(problem, options, result, start);
+            } catch (const std::exception& error) {
+                result.status = scan::Status::exception;
+                result.set_cause(describe(error));
+            }
             const bool hopeless = result.status == scan::Status::ok ||
                                   result.status == scan::Status::time_limit ||
                                   result.status == scan::Status::stopped;
@@ -164,13 +180,12 @@ private:
             options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
         const rods::RodResult run = rods::simulate(problem, options);
         const integrate::Status& status = run.solution.status;
-        if (status.ok())
-            return store(end_of(problem, run, leader.ahead()), plan_, units_, result);
         if (status.termination == Termination::interrupted) {
             const bool late = seconds_since(start) > plan_.time_limit.value_or(HUGE_VAL);
             result.status = late ? scan::Status::time_limit : scan::Status::stopped;
-            result.set_cause(fmt::format("{:g} s were up at t = {:.4g}", plan_.time_limit.value_or(0.0),
-                                         status.reached * units_.time));
+            result.set_cause(fmt::format("more than {:g} s", plan_.time_limit.value_or(0.0)));
+        } else if (status.ok()) {
+            store(end_of(problem, run, leader.ahead()), plan_, units_, result);
         } else {
             result.status = scan::Status::failed;
             result.set_cause(status.flag + ": " + status.cause);

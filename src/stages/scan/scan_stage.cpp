@@ -80,12 +80,13 @@ StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::
                           counts_text(counts));
     tell_audit(session, summary);
     if (summary.lost_crossings > 0)
-        session.log->warn("scan: the boundary has {} gaps, where points failed while it was traced",
+        session.log->warn("scan: the boundary has {} gaps, where points failed while it was traced; "
+                          "--rerun-failed tries them again",
                           summary.lost_crossings);
     if (!summary.complete)
         return StageEnd::interrupted;
     if (counts.failed == 0)
-        return StageEnd::finished;
+        return summary.lost_crossings > 0 ? StageEnd::incomplete : StageEnd::finished;
     session.log->warn("scan: {} {} failed; --rerun-failed evaluates them again", counts.failed, what);
     for (const auto& [cause, points] : counts.causes)
         session.log->warn("scan:   {:>8}  {}", points, cause);
