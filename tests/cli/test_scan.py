@@ -101,7 +101,7 @@ class AdaptiveTest(ScanTest):
             self.assertTrue(np.all(np.diff(paths["t"]) >= 0.0))
             for one, t, x, y, theta in zip(chosen, paths["t"], paths["x"], paths["y"], paths["theta"]):
                 self.assertEqual(t[0], 0.0)
-        self.assertAlmostEqual(t[-1], float(one["time"]), delta=1e-5)
+                self.assertAlmostEqual(t[-1], float(one["time"]), delta=1e-5)
                 self.assertEqual((x[0][1], y[0][1], theta[0][0]), (float(one[AXES[1]]), -4.0, 0.0))
                 separation = np.hypot(x[-1][0] - x[-1][1], y[-1][0] - y[-1][1])
                 # outputs are interpolated, the table holds the solver's own last step: its tolerance is 1e-8
