@@ -119,10 +119,11 @@ class AdaptiveTest(ScanTest):
         for row in self.table[:: len(self.table) // 4]:
             single = self.single_run(row[AXES[0]], row[AXES[1]])
             self.assertEqual(single["outcome"], row["outcome"])
-            found = [float(row[name]) for name in ("time", "min_separation", "min_separation_time", "turn0", "turn1")]
-            alone = [single["time"], single["min_separation"], single["min_separation_time"], *single["turn"]]
-            for one, other in zip(found, alone):  # by another integrator, both at rtol = 1e-8
-                self.assertAlmostEqual(one, other, delta=1e-5)
+            found = [float(row[name]) for name in ("time", "min_separation", "turn0", "turn1")]
+            for one, other in zip(found, [single["time"], single["min_separation"], *single["turn"]]):
+                self.assertAlmostEqual(one, other, delta=1e-5)  # by another integrator, both at rtol = 1e-8
+            # a minimum is as flat as its place is uncertain: the root of the error
+            self.assertAlmostEqual(float(row["min_separation_time"]), single["min_separation_time"], delta=1e-3)
 
     def single_run(self, kappa, x):
         # the point of a scan has no outputs on its way
