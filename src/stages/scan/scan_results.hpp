@@ -13,6 +13,7 @@ namespace rodwake::stages {
 /// scan.csv, scan.h5 (with the sample of trajectories), scan.json; cells.csv and boundary.csv where there are
 /// cells and boundaries; of beds what scan_bed_results.hpp says. Throws RunError.
 void write_scan(const std::filesystem::path& folder, const assembly::ScanPlan& plan, const scene::Scan& keys,
-                const scan::Ledger& ledger, const scan::Summary& summary, double wall_seconds);
+                const scan::Ledger& ledger, const scan::Counts& counts, const scan::Summary& summary,
+                double wall_seconds);
 
 } // namespace rodwake::stages

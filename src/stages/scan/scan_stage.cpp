@@ -69,8 +69,7 @@ void tell_audit(const Session& session, const scan::Summary& summary) {
                           : "");
 }
 
-StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::Summary& summary) {
-    const scan::Counts counts = ledger.counts();
+StageEnd report(const Session& session, const scan::Counts& counts, const scan::Summary& summary) {
     const char* what = of_beds(*session.plan.scan) ? "runs" : "points";
     if (counts.points > summary.requested) // an adaptive scan of a higher resolution came before
         session.log->info("scan: {} {} in the ledger, of a finer scan too: {}", counts.points, what,
@@ -114,8 +113,10 @@ StageEnd run_scan_stage(Session& session) {
     const scan::Summary summary = scan::run(plan.design, ledger, executor_of(session, plan), options);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     ledger.settle();
-    write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, summary, took.count());
-    return report(session, ledger, summary);
+    const scan::Counts counts = ledger.counts();
+    write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, counts, summary,
+               took.count());
+    return report(session, counts, summary);
 }
 
 } // namespace rodwake::stages

@@ -14,15 +14,25 @@ namespace {
 
 using assembly::ScanPlan;
 
+/// Shortest digits that give the number back.
+void append(std::string& text, double value) {
+    if (std::isfinite(value))
+        fmt::format_to(std::back_inserter(text), "{}", value);
+}
+
 /// "time" stands before the status, the others after it.
-std::string row(const ScanPlan& plan, const scan::Result& r) {
-    std::string line = place_text(plan, r.point);
-    line += fmt::format("{},{},{}", outcome_text(plan, r.ok() ? r.outcome : -1),
-                        r.ok() ? number_text(r.values[0]) : "",
-                        scan::status_names[static_cast<std::size_t>(r.status)]);
-    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k)
-        line += "," + (r.ok() ? number_text(r.values[k]) : "");
-    return line + fmt::format(",{}\n", r.retries);
+void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
+    text += place_text(plan, r.point);
+    text += outcome_text(plan, r.ok() ? r.outcome : -1);
+    text += ',';
+    append(text, r.ok() ? r.values[0] : std::nan(""));
+    text += ',';
+    text += scan::status_names[static_cast<std::size_t>(r.status)];
+    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k) {
+        text += ',';
+        append(text, r.ok() ? r.values[k] : std::nan(""));
+    }
+    fmt::format_to(std::back_inserter(text), ",{}\n", r.retries);
 }
 
 std::string between(const ScanPlan& plan, const scan::Curve& curve) {
@@ -32,8 +42,11 @@ std::string between(const ScanPlan& plan, const scan::Curve& curve) {
 
 } // namespace
 
-/// Shortest digits that give the number back.
-std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+std::string number_text(double value) {
+    std::string text;
+    append(text, value);
+    return text;
+}
 
 std::string axis_text(const scan::Axis& axis, double value) {
     return axis.words.empty() ? number_text(value) : axis.words[static_cast<std::size_t>(value)];
@@ -57,21 +70,27 @@ std::string axis_names(const ScanPlan& plan) {
     return names;
 }
 
-void write_points(const std::filesystem::path& file, const ScanPlan& plan, const scan::Ledger& ledger) {
-    store::PendingFile pending(file);
-    std::string text = axis_names(plan) + ",outcome,time,status";
+PointTable::PointTable(const std::filesystem::path& file, const ScanPlan& plan)
+    : pending_(file), plan_(plan), text_(axis_names(plan) + ",outcome,time,status") {
     for (std::size_t k = 1; k < plan.columns.observables.size(); ++k)
-        text += "," + plan.columns.observables[k];
-    text += ",retries\n";
-    ledger.for_each([&](const scan::Result& result) {
-        text += row(plan, result);
-        if (text.size() > 1 << 20) {
-            pending.write(text);
-            text.clear();
-        }
-    });
-    pending.write(text);
-    pending.commit();
+        text_ += "," + plan.columns.observables[k];
+    text_ += ",retries\n";
+}
+
+void PointTable::add(const scan::Result& result) {
+    append_row(text_, plan_, result);
+    if (text_.size() > 1 << 20)
+        flush();
+}
+
+void PointTable::flush() {
+    pending_.write(text_);
+    text_.clear();
+}
+
+void PointTable::commit() {
+    flush();
+    pending_.commit();
 }
 
 void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary) {

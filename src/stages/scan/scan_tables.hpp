@@ -2,6 +2,7 @@
 
 #include "rodwake/assembly/scan.hpp"
 #include "rodwake/scan/run.hpp"
+#include "rodwake/store/atomic_file.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -18,8 +19,22 @@ std::string outcome_text(const assembly::ScanPlan& plan, std::int32_t outcome);
 /// With commas between them.
 std::string axis_names(const assembly::ScanPlan& plan);
 
-void write_points(const std::filesystem::path& file, const assembly::ScanPlan& plan,
-                  const scan::Ledger& ledger);
+/// scan.csv of rods, point by point. The plan must outlive it; the file appears at commit.
+class PointTable {
+public:
+    PointTable(const std::filesystem::path& file, const assembly::ScanPlan& plan);
+
+    void add(const scan::Result& result);
+    void commit();
+
+private:
+    void flush();
+
+    store::PendingFile pending_;
+    const assembly::ScanPlan& plan_;
+    std::string text_; ///< not written yet
+};
+
 void write_cells(const std::filesystem::path& file, const assembly::ScanPlan& plan,
                  const scan::Summary& summary);
 void write_boundary(const std::filesystem::path& file, const assembly::ScanPlan& plan,
