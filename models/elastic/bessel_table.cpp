@@ -160,7 +160,8 @@ BesselTable<Real> make_bessel_table(TableShape shape) {
     const int pieces = 1 << shape.piece_bits;
     const Wide half_width = 0.5L / static_cast<Wide>(pieces);
     BesselTable<Real> table;
-    table.coefficients.reserve(static_cast<std::size_t>((end_binade - lowest_binade) * pieces * shape.terms));
+    const auto rows = static_cast<std::size_t>(end_binade - lowest_binade) * static_cast<std::size_t>(pieces);
+    table.coefficients.reserve(rows * static_cast<std::size_t>(shape.terms));
     for (int binade = lowest_binade; binade < end_binade; ++binade)
         for (int i = 0; i < pieces; ++i) {
             const Wide middle = 1.0L + half_width * static_cast<Wide>(2 * i + 1);

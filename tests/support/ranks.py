@@ -87,8 +87,16 @@ class ScanRanksTest(RanksTest, ScanTest):
             for one in victims:
                 with contextlib.suppress(OSError):
                     os.kill(one, signal.SIGKILL)
-            process.wait(60)
+            self.await_end(process)
         return bool(victims)
+
+    def await_end(self, process):
+        """Of a job whose rank was killed. mpiexec itself may hang in its own clean-up; the ranks must not."""
+        try:
+            process.wait(60)
+        except subprocess.TimeoutExpired:
+            left = [one for one in processes_below(process.pid) if rank_of(one) is not None]
+            self.assertEqual(left, [], "ranks that outlive the one that was killed")
 
     def finish_after_deaths(self, rank, deaths):
         """Scans in folders of their own in which this rank dies at a random moment, until there were so many; each is finished
