@@ -110,7 +110,7 @@ class InstallTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_a_part_asks_for_no_library_of_another(self):
-        others = ("HDF5", "HDF5C", "NLopt", "tomlplusplus", "nlohmann_json", "Boost", "hwy", "CLI11", "spdlog")
+        others = ("HDF5", "HDF5C", "NLopt", "tomlplusplus", "nlohmann_json", "Boost", "CLI11", "spdlog")
         absent = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=TRUE" for name in others]
         done = self.build("rods_alone", *absent, source=EXAMPLES / "pair")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
