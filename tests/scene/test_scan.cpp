@@ -8,9 +8,9 @@
 #include <catch2/catch.hpp>
 
 using namespace scene_test;
-using rodwake::scene::ScanDesign;
 using rodwake::scene::parse_scene;
 using rodwake::scene::scan_subject;
+using rodwake::scene::ScanDesign;
 using rodwake::scene::ScanSpacing;
 using rodwake::scene::ScanSubject;
 using rodwake::scene::Value;

@@ -39,8 +39,8 @@ RodProblem to_rod_problem(const PairProblem& pair);
 struct PairOptions {
     double rtol = 1e-8, atol = 1e-10; ///< as OdeOptions: atol counts up to rtol/10
     EndingCriteria criteria = {};
-    /// Steps, rejected ones included, before a pair is handed over. At rtol 1e-6 the longest of 400 pairs takes 160 at
-    /// kappa = 100 and 3700 at 1e4; from about 10000 on BDF is faster.
+    /// Steps, rejected ones included, before a pair is handed over. At rtol 1e-6 the longest of 400 pairs
+    /// takes 160 at kappa = 100 and 3700 at 1e4; from about 10000 on BDF is faster.
     long max_attempts = 10'000;
 };
 
