@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Validation of scans: the numbers of docs/validation.md, "Scans", that come from whole scans.
 
-    tools/validate_scan.py [--program build/release/rodwake] [--only cells,large,memory,stiff,maps] [-j 2] [--keep DIR]
+    tools/validate_scan.py [--program build/release/rodwake] [--only memory,cells,large,stiff,maps] [-j 2] [--keep DIR]
 
 Runs scenes of scenes/ with other settings and prints Markdown. --keep DIR keeps the results and takes up what is there. Times are of
 whole commands, from the scene to the written files; take them on idle cores.
@@ -144,7 +144,7 @@ def large(lab):
 
 
 def memory(lab):
-    """10^6 points that cost next to nothing: encounters that end at once."""
+    """10^6 points that cost next to nothing: encounters that end at once. First, since a child begins with its parent's memory."""
     out, seconds = lab.scan(PERPENDICULAR, "memory", *grid(999), "rods_run.t_end=1e-3")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
     print(f"\n10^6 points that end at t = 0.001: {told(out)['evaluated']} points in {seconds:.1f} s, "
@@ -197,7 +197,7 @@ def maps(lab):
     table("The diagrams of scenes/", ("scene", "points", "of", "failed", "audit: missed, at most (95 %)", "share of the plane"), lines)
 
 
-PARTS = {"cells": cells, "large": large, "memory": memory, "stiff": stiff, "maps": maps}
+PARTS = {"memory": memory, "cells": cells, "large": large, "stiff": stiff, "maps": maps}
 
 
 def main():
