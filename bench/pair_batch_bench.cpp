@@ -57,7 +57,7 @@ rods::RodResult simulated(const rods::PairProblem& pair, double rtol) {
 
 End with_odeint(const rods::PairProblem& pair, double rtol) {
     namespace odeint = boost::numeric::odeint;
-    const rods::RodModel model(pair.medium, pair.couplings, 2);
+    const rods::RodModel model(elastic::exact_field(pair.medium), pair.couplings, 2);
     const std::vector<double> start = rods::to_state(pair.rods);
     State y{};
     std::copy_n(start.begin(), 6, y.begin());

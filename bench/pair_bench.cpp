@@ -54,7 +54,7 @@ State final_state(const Encounter& encounter, integrate::Method method, double r
 
 State odeint_state(const Encounter& encounter, double tolerance, long& evaluations) {
     namespace odeint = boost::numeric::odeint;
-    const rods::RodModel model(elastic::Medium{1.0, 1.0}, {.kappa = encounter.kappa}, 2);
+    const rods::RodModel model(elastic::exact_field({1.0, 1.0}), {.kappa = encounter.kappa}, 2);
     State y = rods::to_state(encounter.start);
     evaluations = 0;
     const auto rhs = [&](const State& at, State& ydot, double) {

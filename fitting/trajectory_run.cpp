@@ -86,8 +86,7 @@ integrate::SensitivitySolution solve(const rods::RodProblem& rods, const Columns
 
 Eigen::VectorXd slope_at_end(const rods::RodProblem& problem, const integrate::Solution& solution) {
     Eigen::VectorXd slope(static_cast<Column>(solution.final_state.size()));
-    rods::RodModel(problem.medium, problem.couplings, problem.rods.size())
-        .rhs(solution.final_state, {slope.data(), solution.final_state.size()});
+    rods::model_of(problem).rhs(solution.final_state, {slope.data(), solution.final_state.size()});
     return slope;
 }
 

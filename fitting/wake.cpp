@@ -65,7 +65,7 @@ void check_singularity(const WakeModel& model, const WakeTerms& terms, const std
     if (!terms.field() || terms.x0 >= 0)
         return;
     for (const Point& point : points) {
-        if (!is_singular(model, point.x, point.y))
+        if (!elastic::is_singular(point.x, point.y, model.box, model.heading))
             continue;
         if (!model.box || std::hypot(point.x, point.y) < 0.5 * *model.box)
             throw InputError(
@@ -201,7 +201,7 @@ Prediction predict(const WakeModel& model, const Profile& line, std::span<const 
     for (Eigen::Index i = 0; i < rows; ++i) {
         const auto [x, y] = coordinates(line, places[static_cast<std::size_t>(i)]);
         const double x0 = terms.x0 < 0 ? 0.0 : values[static_cast<std::size_t>(terms.x0)];
-        if (terms.field() && is_singular(model, x - x0, y)) {
+        if (terms.field() && elastic::is_singular(x - x0, y, model.box, model.heading)) {
             out.value.push_back(nan);
             continue;
         }

@@ -59,38 +59,13 @@ double screening_length(const WakeTerms& terms, std::span<const double> values) 
     return terms.xi >= 0 ? value(terms.xi) : value(terms.f_over_mu) / value(terms.alpha);
 }
 
-bool is_singular(const WakeModel& model, double s, double y) {
-    if (!model.box)
-        return s == 0.0 && y == 0.0;
-    const double side = *model.box, c = std::cos(model.heading), n = std::sin(model.heading);
-    const auto off = [](double sides) { return std::abs(sides - std::nearbyint(sides)); };
-    constexpr double rounding = 1e-9; // of places given in decimal digits, turned by the heading
-    return off((c * s - n * y) / side) < rounding && off((n * s + c * y) / side) < rounding;
-}
-
-SteadyField::SteadyField(const WakeModel& model, const elastic::Medium& medium)
-    : field_(elastic::Field(medium)) {
-    if (model.box)
-        field_ = elastic::PeriodicField(medium, *model.box, model.heading);
-}
-
-elastic::FieldValues SteadyField::at(double x, double y, elastic::FieldRequest request) const {
-    return std::visit([&](const auto& field) { return field.at(x, y, request); }, field_);
-}
-
-elastic::MediumDerivatives SteadyField::by_medium(double x, double y, elastic::FieldRequest request) const {
-    if (const auto* plane = std::get_if<elastic::Field>(&field_))
-        return elastic::medium_derivatives(*plane, x, y, request);
-    return std::get<elastic::PeriodicField>(field_).medium_derivatives(x, y, request);
-}
-
 WakeValues::WakeValues(const WakeModel& model, const WakeTerms& terms, std::span<const double> values)
     : terms_(terms), values_(values) {
     request_ = {.displacement = terms.f_over_mu >= 0, .dipole = terms.f2d_over_mu >= 0};
     if (!terms.field())
         return;
     xi_ = screening_length(terms, values);
-    field_.emplace(model, elastic::Medium{value_of(terms.eta), xi_});
+    wake_ = elastic::exact_field({value_of(terms.eta), xi_}, model.box)->wake(model.heading);
 }
 
 double WakeValues::offset(Component component) const {
@@ -104,11 +79,11 @@ double WakeValues::combined(const elastic::FieldValues& of, Component component)
 
 /// Monopole and dipole at s from where the force acts.
 double WakeValues::field_at(Component component, double s, double y) const {
-    return combined(field_->at(s, y, request_), component);
+    return combined(wake_->at(s, y, request_), component);
 }
 
 double WakeValues::at(Component component, double x, double y) const {
-    return (field_ ? field_at(component, x - value_of(terms_.x0), y) : 0.0) + offset(component);
+    return (wake_ ? field_at(component, x - value_of(terms_.x0), y) : 0.0) + offset(component);
 }
 
 /// Fourth-order differences: the strain lacks the rotation that d U_y/dx needs. The field is smooth on the
@@ -129,11 +104,11 @@ double WakeValues::at(Component component, double x, double y,
             gradient[term] = value;
     };
     set(component == Component::Ux ? terms_.offset : terms_.offset_y, 1.0);
-    if (!field_)
+    if (!wake_)
         return offset(component);
     const double s = x - value_of(terms_.x0), f = value_of(terms_.f_over_mu);
-    const elastic::FieldValues field = field_->at(s, y, request_);
-    const elastic::MediumDerivatives medium = field_->by_medium(s, y, request_);
+    const elastic::FieldValues field = wake_->at(s, y, request_);
+    const elastic::MediumDerivatives medium = wake_->by_medium(s, y, request_);
     const double by_xi = combined(medium.by_xi, component);
     set(terms_.f_over_mu, part(field.displacement, component) + (terms_.alpha >= 0 ? by_xi * xi_ / f : 0.0));
     set(terms_.f2d_over_mu, part(field.dipole, component));

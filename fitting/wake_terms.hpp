@@ -2,12 +2,10 @@
 // Which terms of the wake take part, and the field they need: the model of wake.hpp at one set of parameter
 // values.
 
-#include "rodwake/elastic/field.hpp"
-#include "rodwake/elastic/medium_derivatives.hpp"
-#include "rodwake/elastic/periodic.hpp"
+#include "rodwake/elastic/wake_field.hpp"
 #include "rodwake/fitting/wake.hpp"
 
-#include <variant>
+#include <memory>
 
 namespace rodwake::fitting {
 
@@ -23,21 +21,6 @@ WakeTerms wake_terms(const std::vector<Parameter>& parameters);
 
 /// Screening length of these values: xi itself or f_over_mu/alpha.
 double screening_length(const WakeTerms& terms, std::span<const double> values);
-
-/// Whether the field is singular at s, y from where the force acts: there, or at one of its images in the
-/// box.
-bool is_singular(const WakeModel& model, double s, double y);
-
-/// The steady field in the plane or in the periodic box, whichever the model asks for.
-class SteadyField {
-public:
-    SteadyField(const WakeModel& model, const elastic::Medium& medium);
-    elastic::FieldValues at(double x, double y, elastic::FieldRequest request) const;
-    elastic::MediumDerivatives by_medium(double x, double y, elastic::FieldRequest request) const;
-
-private:
-    std::variant<elastic::Field, elastic::PeriodicField> field_;
-};
 
 /// The model at one set of values.
 class WakeValues {
@@ -61,7 +44,7 @@ private:
     std::span<const double> values_;
     double xi_ = 0.0;
     elastic::FieldRequest request_;
-    std::optional<SteadyField> field_;
+    std::shared_ptr<const elastic::Wake> wake_; ///< none: no term needs it
 };
 
 } // namespace rodwake::fitting

@@ -89,7 +89,8 @@ bool meets(const Point& point, const Rhs& rhs) {
 bool meets(const Point& point, bool is_plain) {
     if (is_plain)
         return meets(point, plain);
-    const rodwake::rods::RodModel model(rodwake::elastic::Medium{eta, alpha}, {.kappa = point.kappa}, 2);
+    const rodwake::rods::RodModel model(rodwake::elastic::exact_field({eta, alpha}), {.kappa = point.kappa},
+                                        2);
     return meets(point, [&](const State& s, State& rate, double) { model.rhs(s, rate); });
 }
 

@@ -210,6 +210,11 @@ MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldReq
     return d;
 }
 
+MediumDerivatives PeriodicField::own_place_by_medium(FieldRequest request) const {
+    check(request);
+    return impl_->rest_derivatives(0.0, 0.0, request);
+}
+
 const Medium& PeriodicField::medium() const { return impl_->medium; }
 double PeriodicField::box() const { return impl_->box; }
 double PeriodicField::heading() const { return impl_->heading; }

@@ -31,16 +31,16 @@ Eigen::MatrixXd difference_jacobian(const RodModel& model, std::vector<double> y
 } // namespace
 
 double stiffness(const RodProblem& problem) {
-    const RodModel model(problem.medium, problem.couplings, problem.rods.size(), problem.box);
+    const RodModel model = model_of(problem);
     if (!model.interacting())
         return 0.0;
     const auto y = to_state(problem.rods);
     const auto size = static_cast<Eigen::Index>(y.size());
     Eigen::MatrixXd jacobian(size, size);
-    if (problem.box)
-        jacobian = difference_jacobian(model, y);
-    else
+    if (model.has_jacobian())
         model.jacobian(y, jacobian);
+    else
+        jacobian = difference_jacobian(model, y);
     double fastest = 0.0;
     for (Eigen::Index row = 2; row < size; row += 3)
         for (Eigen::Index column = 2; column < size; column += 3)

@@ -1,18 +1,49 @@
 #include "rodwake/rods/model.hpp"
 
 #include "interaction.hpp"
-#include "rodwake/core/error.hpp"
-#include "rodwake/elastic/periodic.hpp"
 
 #include <array>
+#include <utility>
 
 namespace rodwake::rods {
 
-RodModel::RodModel(std::optional<elastic::Medium> medium, const Couplings& couplings, std::size_t rods,
-                   std::optional<double> box)
-    : box_(box), couplings_(couplings), rods_(rods) {
-    if (medium && couplings.any() && (rods > 1 || box))
-        field_.emplace(*medium);
+namespace {
+
+/// Sources and sums of a right-hand side: of few rods, as most are, without a call for memory.
+class Wakes {
+public:
+    explicit Wakes(integrate::State y) {
+        const std::size_t rods = y.size() / 3;
+        if (rods > few) {
+            many_rods_.resize(rods);
+            many_sums_.resize(rods);
+        }
+        for (std::size_t a = 0; a < rods; ++a)
+            rods_of(rods)[a] = {y[3 * a], y[3 * a + 1], y[3 * a + 2]};
+    }
+
+    std::span<elastic::Source> rods_of(std::size_t rods) {
+        return {rods > few ? many_rods_.data() : few_rods_.data(), rods};
+    }
+    std::span<elastic::FieldValues> sums_of(std::size_t rods) {
+        return {rods > few ? many_sums_.data() : few_sums_.data(), rods};
+    }
+
+private:
+    static constexpr std::size_t few = 2;
+    std::array<elastic::Source, few> few_rods_;
+    std::array<elastic::FieldValues, few> few_sums_;
+    std::vector<elastic::Source> many_rods_;
+    std::vector<elastic::FieldValues> many_sums_;
+};
+
+} // namespace
+
+RodModel::RodModel(std::shared_ptr<const elastic::WakeField> field, const Couplings& couplings,
+                   std::size_t rods)
+    : couplings_(couplings), rods_(rods) {
+    if (field && couplings.any() && (rods > 1 || field->box()))
+        field_ = std::move(field);
 }
 
 void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
@@ -24,65 +55,56 @@ void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
     }
     if (!field_)
         return;
-    if (box_) {
-        add_periodic_turning(y, ydot);
-        return;
-    }
-    const elastic::FieldRequest request = request_of(couplings_, false);
+    Wakes wakes(y);
+    const auto sums = wakes.sums_of(rods_);
+    field_->mutual(wakes.rods_of(rods_), request_of(couplings_, false), sums);
     for (std::size_t a = 0; a < rods_; ++a)
-        for (std::size_t b = 0; b < rods_; ++b) {
-            if (a == b)
-                continue;
-            const View at = view(y, a, b, {ydot[3 * a], ydot[3 * a + 1]}, {ydot[3 * b], ydot[3 * b + 1]});
-            ydot[3 * a + 2] += turning_rate(field_->at(at.x, at.y, request), couplings_, at.heading);
-        }
-}
-
-/// Sources outside: a periodic field is built for one heading.
-void RodModel::add_periodic_turning(integrate::State y, std::span<double> ydot) const {
-    const elastic::FieldRequest request = request_of(couplings_, false);
-    for (std::size_t b = 0; b < rods_; ++b) {
-        const elastic::PeriodicField field(field_->medium(), *box_, y[3 * b + 2]);
-        ydot[3 * b + 2] += turning_rate(field.at_own_place(request), couplings_, {1.0, 0.0});
-        for (std::size_t a = 0; a < rods_; ++a) {
-            if (a == b)
-                continue;
-            const View at = view(y, a, b, {ydot[3 * a], ydot[3 * a + 1]}, {ydot[3 * b], ydot[3 * b + 1]});
-            ydot[3 * a + 2] += turning_rate(field.at(at.x, at.y, request), couplings_, at.heading);
-        }
-    }
+        ydot[3 * a + 2] = turning_rate(sums[a], couplings_, {ydot[3 * a], ydot[3 * a + 1]});
 }
 
 void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
-    if (box_ && field_)
-        throw InputError("rods in a periodic box have no analytic Jacobian; use difference quotients");
     jacobian.setZero();
     for (std::size_t a = 0; a < rods_; ++a) {
         const Direction na = direction(y, a);
         const auto row = static_cast<Eigen::Index>(3 * a);
         jacobian(row, row + 2) = -na.sine;
         jacobian(row + 1, row + 2) = na.cosine;
-        if (!field_)
+    }
+    for (std::size_t b = 0; field_ && b < rods_; ++b)
+        add_by_source(y, b, jacobian);
+}
+
+/// What the wake of rod b adds to the rows of the others, and that of its images to its own.
+void RodModel::add_by_source(integrate::State y, std::size_t b, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
+    const Direction nb = direction(y, b);
+    const auto column = static_cast<Eigen::Index>(3 * b);
+    const auto wake = field_->wake(y[3 * b + 2]);
+    const bool images = field_->box().has_value();
+    const elastic::FieldRequest values = request_of(couplings_, false);
+    if (images)
+        jacobian(column + 2, column + 2) +=
+            turning_rate(wake->own_place_by_heading(values), couplings_, {1.0, 0.0});
+    for (std::size_t a = 0; a < rods_; ++a) {
+        if (a == b)
             continue;
-        for (std::size_t b = 0; b < rods_; ++b) {
-            if (a == b)
-                continue;
-            const Direction nb = direction(y, b);
-            const View at = view(y, a, b, na, nb);
-            const auto rate = turning_rate_derivatives(field_->at(at.x, at.y, request_of(couplings_, true)),
-                                                       couplings_, at.heading);
-            const auto column = static_cast<Eigen::Index>(3 * b);
-            // The gradient in b's frame, turned to the lab; moving a one way is moving b the other.
-            const double by_x = nb.cosine * rate.by_x - nb.sine * rate.by_y;
-            const double by_y = nb.sine * rate.by_x + nb.cosine * rate.by_y;
-            jacobian(row + 2, row) += by_x;
-            jacobian(row + 2, row + 1) += by_y;
-            jacobian(row + 2, row + 2) += rate.by_phi;
-            jacobian(row + 2, column) -= by_x;
-            jacobian(row + 2, column + 1) -= by_y;
-            // Turning b carries its frame along: d(x, y)/d theta_b = (y, -x), d phi/d theta_b = -1.
-            jacobian(row + 2, column + 2) += at.y * rate.by_x - at.x * rate.by_y - rate.by_phi;
-        }
+        const View at = view(y, a, b, direction(y, a), nb);
+        const auto row = static_cast<Eigen::Index>(3 * a);
+        const auto rate = turning_rate_derivatives(wake->at(at.x, at.y, request_of(couplings_, true)),
+                                                   couplings_, at.heading);
+        // The gradient in b's frame, turned to the lab; moving a one way is moving b the other.
+        const double by_x = nb.cosine * rate.by_x - nb.sine * rate.by_y;
+        const double by_y = nb.sine * rate.by_x + nb.cosine * rate.by_y;
+        jacobian(row + 2, row) += by_x;
+        jacobian(row + 2, row + 1) += by_y;
+        jacobian(row + 2, row + 2) += rate.by_phi;
+        jacobian(row + 2, column) -= by_x;
+        jacobian(row + 2, column + 1) -= by_y;
+        // Turning b carries its frame along: d(x, y)/d theta_b = (y, -x), d phi/d theta_b = -1; and it turns
+        // b against the box.
+        jacobian(row + 2, column + 2) += at.y * rate.by_x - at.x * rate.by_y - rate.by_phi;
+        if (images)
+            jacobian(row + 2, column + 2) +=
+                turning_rate(wake->by_heading(at.x, at.y, values), couplings_, at.heading);
     }
 }
 

@@ -3,7 +3,6 @@
 #include "interaction.hpp"
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/elastic/medium_derivatives.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,27 +28,30 @@ Couplings unit_coupling(Parameter p) {
 /// Derivatives of the right-hand side by couplings and medium.
 class ParameterDerivatives {
 public:
-    ParameterDerivatives(const elastic::Medium& medium, const Couplings& couplings,
-                         std::span<const Parameter> parameters);
+    ParameterDerivatives(const RodProblem& problem, std::span<const Parameter> parameters);
     void operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
 
 private:
-    void add_pair(const View& at, Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> rates) const;
+    using Rates = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
+    void add_pair(const elastic::Wake& wake, const View& at, Rates rates) const;
+    void add_own_images(const elastic::Wake& wake, Rates rates) const;
+    void add(const elastic::FieldValues& field, const elastic::MediumDerivatives& derivatives,
+             RelativeHeading heading, Rates rates) const;
 
-    elastic::Field field_;
+    std::shared_ptr<const elastic::WakeField> field_;
     Couplings couplings_;
     std::vector<Parameter> parameters_;
     elastic::FieldRequest request_; ///< by the couplings among the parameters
     bool medium_wanted_ = false;    ///< eta or xi among them
 };
 
-ParameterDerivatives::ParameterDerivatives(const elastic::Medium& medium, const Couplings& couplings,
-                                           std::span<const Parameter> parameters)
-    : field_(medium), couplings_(couplings), parameters_(parameters.begin(), parameters.end()) {
+ParameterDerivatives::ParameterDerivatives(const RodProblem& problem, std::span<const Parameter> parameters)
+    : field_(wakes_of(problem)), couplings_(problem.couplings),
+      parameters_(parameters.begin(), parameters.end()) {
     for (const Parameter p : parameters_) {
         request_.strain |= p == Parameter::kappa;
         request_.polar |= p == Parameter::gamma1 || p == Parameter::gamma2;
-        medium_wanted_ |= of_medium(p) && couplings.any();
+        medium_wanted_ |= of_medium(p) && couplings_.any();
     }
 }
 
@@ -59,39 +61,59 @@ void ParameterDerivatives::operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_pa
     for (std::size_t a = 0; a < rods; ++a)
         n.push_back(direction(y, a));
     const auto columns = static_cast<Column>(parameters_.size());
-    for (std::size_t a = 0; a < rods; ++a)
-        for (std::size_t b = 0; b < rods; ++b)
+    const auto row = [&](std::size_t a) {
+        return by_parameter.row(static_cast<Column>(3 * a + 2)).head(columns);
+    };
+    for (std::size_t b = 0; b < rods; ++b) {
+        const auto wake = field_->wake(y[3 * b + 2]);
+        if (field_->box())
+            add_own_images(*wake, row(b));
+        for (std::size_t a = 0; a < rods; ++a)
             if (a != b)
-                add_pair(view(y, a, b, n[a], n[b]),
-                         by_parameter.row(static_cast<Column>(3 * a + 2)).head(columns));
+                add_pair(*wake, view(y, a, b, n[a], n[b]), row(a));
+    }
 }
 
-void ParameterDerivatives::add_pair(const View& at,
-                                    Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> rates) const {
+void ParameterDerivatives::add_pair(const elastic::Wake& wake, const View& at, Rates rates) const {
     elastic::FieldValues field;
     elastic::MediumDerivatives derivatives;
     if (request_.strain || request_.polar)
-        field = field_.at(at.x, at.y, request_);
+        field = wake.at(at.x, at.y, request_);
     if (medium_wanted_)
-        derivatives = elastic::medium_derivatives(field_, at.x, at.y, request_of(couplings_, false));
+        derivatives = wake.by_medium(at.x, at.y, request_of(couplings_, false));
+    add(field, derivatives, at.heading, rates);
+}
+
+void ParameterDerivatives::add_own_images(const elastic::Wake& wake, Rates rates) const {
+    elastic::FieldValues field;
+    elastic::MediumDerivatives derivatives;
+    if (request_.strain || request_.polar)
+        field = wake.at_own_place(request_);
+    if (medium_wanted_)
+        derivatives = wake.own_place_by_medium(request_of(couplings_, false));
+    add(field, derivatives, {1.0, 0.0}, rates);
+}
+
+void ParameterDerivatives::add(const elastic::FieldValues& field,
+                               const elastic::MediumDerivatives& derivatives, RelativeHeading heading,
+                               Rates rates) const {
     for (std::size_t j = 0; j < parameters_.size(); ++j) {
         const Parameter p = parameters_[j];
         rates(static_cast<Column>(j)) +=
-            !of_medium(p) ? turning_rate(field, unit_coupling(p), at.heading)
+            !of_medium(p) ? turning_rate(field, unit_coupling(p), heading)
                           : turning_rate(p == Parameter::eta ? derivatives.by_eta : derivatives.by_xi,
-                                         couplings_, at.heading);
+                                         couplings_, heading);
     }
 }
 
 /// Of the separation of the closest pair.
-Eigen::VectorXd contact_gradient(State y) {
-    const Separation pair = closest_pair(y);
+Eigen::VectorXd contact_gradient(State y, Box box) {
+    const Separation pair = closest_pair(y, box);
+    const Offset d = offset(y, pair.first, pair.second, box);
     const auto a = static_cast<Column>(3 * pair.first), b = static_cast<Column>(3 * pair.second);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(static_cast<Column>(y.size()));
-    for (const Column k : {0, 1}) {
-        gradient[a + k] = (y[a + k] - y[b + k]) / pair.distance;
-        gradient[b + k] = -gradient[a + k];
-    }
+    gradient.segment<2>(a) = Eigen::Vector2d(d.x, d.y) / pair.distance;
+    gradient.segment<2>(b) = -gradient.segment<2>(a);
     return gradient;
 }
 
@@ -99,9 +121,13 @@ void check(const RodProblem& problem, std::span<const Parameter> parameters,
            std::span<const std::size_t> headings) {
     if (!parameters.empty() && !problem.medium)
         throw InputError("sensitivities to couplings and medium need a medium; there is none");
-    if (problem.box)
-        throw InputError(
-            "sensitivities of trajectories in a periodic box are not available: leave the box out");
+    const auto field = wakes_of(problem);
+    const elastic::FieldCapabilities can = field ? field->capabilities() : elastic::FieldCapabilities{};
+    if (!can.gradients)
+        throw InputError("sensitivities need a field with gradients");
+    if (!can.medium_derivatives && std::ranges::any_of(parameters, of_medium))
+        throw InputError("sensitivities to eta and xi need a field that can be differentiated by them: "
+                         "the exact one");
     for (const std::size_t rod : headings)
         if (rod >= problem.rods.size())
             throw InputError(
@@ -149,15 +175,14 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
     integrate::SensitivityProblem result;
     result.ode = to_ode(problem);
     if (problem.rods.size() > 1)
-        result.ode.step_limit = [](double, State y) { return encounter_step(y); };
+        result.ode.step_limit = [box = problem.box](double, State y) { return encounter_step(y, box); };
     result.parameters = parameters.size() + headings.size();
     // NOLINTBEGIN(performance-unnecessary-value-param): an Eigen::Ref is a view, and the signature is the
     // problem's
     result.by_parameter = [](double, State, Eigen::Ref<Eigen::MatrixXd>) {
     }; // headings act at the start alone
     if (!parameters.empty()) {
-        const auto derivatives =
-            std::make_shared<const ParameterDerivatives>(*problem.medium, problem.couplings, parameters);
+        const auto derivatives = std::make_shared<const ParameterDerivatives>(problem, parameters);
         result.by_parameter = [derivatives](double, State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) {
             (*derivatives)(y, by_parameter);
         };
@@ -168,7 +193,7 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
         result.parameter_scale.push_back(std::max(1.0, std::abs(value(problem, p))));
     result.parameter_scale.resize(result.parameters, 1.0);
     result.event_gradient.assign(result.ode.events.size(),
-                                 [](double, State y) { return contact_gradient(y); });
+                                 [box = problem.box](double, State y) { return contact_gradient(y, box); });
     return result;
 }
 

@@ -102,14 +102,28 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
 
 } // namespace
 
+std::shared_ptr<const elastic::WakeField> wakes_of(const RodProblem& problem) {
+    if (!problem.medium)
+        return nullptr;
+    if (!problem.field)
+        return elastic::exact_field(*problem.medium, problem.box);
+    const elastic::Medium& of = problem.field->medium();
+    if (of.eta != problem.medium->eta || of.xi != problem.medium->xi || problem.field->box() != problem.box)
+        throw InputError("the field of a problem with rods is that of another medium or box");
+    return problem.field;
+}
+
+RodModel model_of(const RodProblem& problem) {
+    return {problem.couplings.any() ? wakes_of(problem) : nullptr, problem.couplings, problem.rods.size()};
+}
+
 integrate::OdeProblem to_ode(const RodProblem& problem) {
     validate(problem);
-    const auto model =
-        std::make_shared<const RodModel>(problem.medium, problem.couplings, problem.rods.size(), problem.box);
+    const auto model = std::make_shared<const RodModel>(model_of(problem));
     integrate::OdeProblem ode;
     ode.initial_state = to_state(problem.rods);
     ode.rhs = [model](double, State y, std::span<double> ydot) { model->rhs(y, ydot); };
-    if (!problem.box) // else difference quotients
+    if (model->has_jacobian()) // else difference quotients
         ode.jacobian = [model](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { model->jacobian(y, j); };
     ode.component_name = RodModel::component_name;
     if (model->interacting() && model->rods() > 1)
@@ -175,7 +189,7 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     ode.start_time = from.time;
     ode.initial_state = from.state;
     SeparationRecord record = from.record;
-    const RodModel model(problem.medium, problem.couplings, problem.rods.size(), problem.box);
+    const RodModel model = model_of(problem);
     const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
 
     integrate::OdeOptions solver = options.ode;

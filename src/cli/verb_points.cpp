@@ -4,8 +4,7 @@
 // others with it.
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/elastic/field.hpp"
-#include "rodwake/elastic/periodic.hpp"
+#include "rodwake/elastic/wake_field.hpp"
 #include "rodwake/store/csv.hpp"
 #include "verbs.hpp"
 
@@ -14,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <optional>
 
 namespace rodwake::cli {
@@ -43,28 +43,34 @@ std::vector<Point> read_points(const std::string& file) {
     return points;
 }
 
-/// Rows of one medium and box follow each other: its field is built once.
-class Fields {
+/// Rows of one medium and box follow each other: its wake is built once.
+class Wakes {
 public:
     elastic::FieldValues at(const Point& point) {
         constexpr elastic::FieldRequest all{
             .displacement = true, .strain = true, .polar = true, .dipole = true};
-        if (std::isnan(point.box))
-            return elastic::Field(point.medium).at(point.x, point.y, all);
-        if (!periodic_ || periodic_->box() != point.box || periodic_->medium().eta != point.medium.eta ||
-            periodic_->medium().xi != point.medium.xi)
-            periodic_.emplace(point.medium, point.box);
-        return periodic_->at(point.x, point.y, all);
+        if (!wake_ || !same_wake(point, last_)) {
+            const std::optional<double> box = std::isnan(point.box) ? std::nullopt : std::optional(point.box);
+            wake_ = elastic::exact_field(point.medium, box)->wake(0.0);
+            last_ = point;
+        }
+        return wake_->at(point.x, point.y, all);
     }
 
 private:
-    std::optional<elastic::PeriodicField> periodic_;
+    static bool same_wake(const Point& a, const Point& b) {
+        return a.medium.eta == b.medium.eta && a.medium.xi == b.medium.xi &&
+               (a.box == b.box || (std::isnan(a.box) && std::isnan(b.box)));
+    }
+
+    Point last_{};
+    std::shared_ptr<const elastic::Wake> wake_; ///< of last_
 };
 
 using Row = std::array<double, 15>;
 
-Row row(const Point& point, Fields& fields) {
-    const elastic::FieldValues f = fields.at(point);
+Row row(const Point& point, Wakes& wakes) {
+    const elastic::FieldValues f = wakes.at(point);
     return {point.x,
             point.y,
             point.medium.xi,
@@ -101,12 +107,12 @@ int verb_field_points(const Options& options) {
     const std::vector<Point> points = read_points(options.points);
     fmt::memory_buffer out;
     out.append(std::string_view(header));
-    Fields fields;
+    Wakes wakes;
     std::vector<std::string> failed;
     for (const Point& point : points) {
         Row values = row_without_field(point);
         try {
-            values = row(point, fields);
+            values = row(point, wakes);
         } catch (const InputError& error) {
             failed.push_back(fmt::format("{}:{}:1: {}", name_of(options.points), point.line, error.what()));
         }

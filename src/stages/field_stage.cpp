@@ -1,13 +1,13 @@
 #include "rodwake/core/parallel.hpp"
-#include "rodwake/elastic/periodic.hpp"
 #include "rodwake/elastic/tensor.hpp"
+#include "rodwake/elastic/wake_field.hpp"
 #include "rodwake/store/csv.hpp"
 #include "stage_list.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
+#include <memory>
 #include <optional>
 
 namespace rodwake::stages {
@@ -26,37 +26,21 @@ std::vector<double> evenly_spaced(double from, double to, std::size_t count) {
     return values;
 }
 
-/// The field of a rod in the infinite plane, or of all its images in a periodic box.
+/// Of one rod, heading along x.
 class RodField {
 public:
-    explicit RodField(const scene::Medium& medium) : plane_({medium.eta, medium.xi}) {
-        if (medium.periodic)
-            periodic_.emplace(elastic::Medium{medium.eta, medium.xi}, *medium.periodic);
-    }
+    explicit RodField(const scene::Medium& medium)
+        : box_(medium.periodic), wake_(elastic::exact_field({medium.eta, medium.xi}, box_)->wake(0.0)) {}
 
+    /// NaN at the rod itself, where the field is singular: figures leave that point out.
     FieldValues at(double x, double y, elastic::FieldRequest request) const {
-        return periodic_ ? periodic_->at(x, y, request) : plane_.at(x, y, request);
-    }
-
-    /// At the rod or an image.
-    bool singular(double x, double y) const {
-        if (!periodic_)
-            return x == 0.0 && y == 0.0;
-        return std::remainder(x, periodic_->box()) == 0.0 && std::remainder(y, periodic_->box()) == 0.0;
+        return elastic::is_singular(x, y, box_) ? elastic::unrequested() : wake_->at(x, y, request);
     }
 
 private:
-    elastic::Field plane_;
-    std::optional<elastic::PeriodicField> periodic_;
+    std::optional<double> box_;
+    std::shared_ptr<const elastic::Wake> wake_;
 };
-
-/// The field, NaN at the rod itself, where it is singular: figures leave that point out.
-FieldValues field_or_nan(const RodField& field, double x, double y, elastic::FieldRequest request) {
-    if (!field.singular(x, y))
-        return field.at(x, y, request);
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    return {{nan, nan}, {nan, nan, nan}, {nan, nan}, {nan, nan}, {nan, nan}, {}, {}, {}, {}, {}, {}};
-}
 
 /// A stored quantity of the grid: name, power of the length unit it scales with, and how to get it.
 struct Quantity {
@@ -103,7 +87,7 @@ std::vector<FieldValues> evaluate_grid(const RodField& field, const std::vector<
     parallel_for(y.size(), context.thread_count(), [&](std::size_t row) {
         for (std::size_t column = 0; column < x.size() && !context.stopped(); ++column)
             values[row * x.size() + column] =
-                field_or_nan(field, x[column], y[row], {.displacement = true, .strain = true, .polar = true});
+                field.at(x[column], y[row], {.displacement = true, .strain = true, .polar = true});
     });
     return values;
 }
@@ -134,7 +118,7 @@ void store_cut(Session& session, const RodField& field, std::size_t index) {
     std::vector<double> ux, uy;
     for (const double value : s) {
         const auto [x, y] = cut.along == "x" ? std::pair(value, cut.at) : std::pair(cut.at, value);
-        const FieldValues f = field_or_nan(field, x, y, {.displacement = true});
+        const FieldValues f = field.at(x, y, {.displacement = true});
         ux.push_back(f.displacement.x * units.length);
         uy.push_back(f.displacement.y * units.length);
     }

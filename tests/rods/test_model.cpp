@@ -24,7 +24,8 @@ std::vector<double> random_state(RandomStream& random, std::size_t rods) {
 
 rods::RodModel random_model(RandomStream& random, std::size_t rods) {
     const rods::Couplings couplings{random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5)};
-    return {elastic::Medium{random.uniform(-0.5, 4.0), random.log_uniform(0.1, 10.0)}, couplings, rods};
+    return {elastic::exact_field({random.uniform(-0.5, 4.0), random.log_uniform(0.1, 10.0)}), couplings,
+            rods};
 }
 
 /// Fourth-order central difference of the right-hand side by component j.
@@ -87,7 +88,7 @@ TEST_CASE("the turning rate is z.[n x (kappa eps.n + gamma1 lap u + gamma2 grad 
         const rods::Couplings c{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
         const auto y = random_state(random, 2);
         std::vector<double> ydot(6);
-        rods::RodModel(medium, c, 2).rhs(y, ydot);
+        rods::RodModel(elastic::exact_field(medium), c, 2).rhs(y, ydot);
         const auto f = elastic::lab_field(elastic::Field(medium), {y[3], y[4], y[5]}, y[0], y[1],
                                           {.strain = true, .polar = true});
         const double nx = std::cos(y[2]), ny = std::sin(y[2]);
@@ -129,10 +130,10 @@ TEST_CASE("terms that a scene leaves out are not evaluated") {
     CHECK_FALSE(rods::request_of({.kappa = 1.0}, false).gradients);
     CHECK_FALSE(rods::request_of({.gamma1 = 1.0}, false).strain);
     CHECK_FALSE(rods::request_of({.gamma2 = 1.0}, true).dipole);
-    CHECK_FALSE(rods::RodModel(elastic::Medium{}, {.kappa = 1.0}, 1).interacting());
-    CHECK_FALSE(rods::RodModel(elastic::Medium{}, {}, 5).interacting());
-    CHECK_FALSE(rods::RodModel(std::nullopt, {.kappa = 1.0}, 5).interacting());
-    CHECK(rods::RodModel(elastic::Medium{}, {.kappa = 1.0}, 2).interacting());
+    CHECK_FALSE(rods::RodModel(elastic::exact_field({}), {.kappa = 1.0}, 1).interacting());
+    CHECK_FALSE(rods::RodModel(elastic::exact_field({}), {}, 5).interacting());
+    CHECK_FALSE(rods::RodModel(nullptr, {.kappa = 1.0}, 5).interacting());
+    CHECK(rods::RodModel(elastic::exact_field({}), {.kappa = 1.0}, 2).interacting());
 }
 
 TEST_CASE("a single rod walks straight") {

@@ -26,7 +26,7 @@ std::vector<double> rates(const std::vector<Pose>& poses, std::optional<double> 
                           const Couplings& couplings = all, elastic::Medium of = medium) {
     const auto y = rods::to_state(poses);
     std::vector<double> ydot(y.size());
-    RodModel(of, couplings, poses.size(), box).rhs(y, ydot);
+    RodModel(elastic::exact_field(of, box), couplings, poses.size()).rhs(y, ydot);
     return ydot;
 }
 
@@ -165,13 +165,14 @@ TEST_CASE("rods that part in the plane but approach each other's images have not
 TEST_CASE("what a periodic box does not offer is said") {
     const auto y = rods::to_state(std::vector<Pose>{{0, 0, 0}, {1, 1, 0}});
     Eigen::MatrixXd jacobian(6, 6);
-    CHECK_THROWS_WITH(RodModel(medium, all, 2, 5.0).jacobian(y, jacobian), Catch::Contains("difference"));
+    CHECK_THROWS_WITH(RodModel(elastic::exact_field(medium, 5.0), all, 2).jacobian(y, jacobian),
+                      Catch::Contains("difference"));
     for (const double box : {0.0, -2.0, std::nan("")})
         CHECK_THROWS_WITH(run(pair({{0, 0, 0}, {1, 1, 0}}, box, 1.0)), Catch::Contains("box ="));
     const rods::Parameter kappa[] = {rods::Parameter::kappa};
     CHECK_THROWS_WITH(rods::to_sensitivity_problem(pair({{0, 0, 0}, {1, 1, 0}}, 5.0, 1.0), kappa, {}),
-                      Catch::Contains("periodic box"));
-    CHECK(RodModel(medium, all, 1, 5.0).interacting());
+                      Catch::Contains("gradients"));
+    CHECK(RodModel(elastic::exact_field(medium, 5.0), all, 1).interacting());
     const auto alone = run(pair({{0, 0, 0.3}}, 3.0, 1.0));
     CHECK(alone.solution.status.ok());
     CHECK(alone.outcome.turn[0] != 0.0);

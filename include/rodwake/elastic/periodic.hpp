@@ -39,6 +39,8 @@ public:
 
     /// d/d eta and d/d xi at fixed place and box, of what is asked for (not gradients).
     MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const;
+    /// The same of what the images alone make at the rod's own place.
+    MediumDerivatives own_place_by_medium(FieldRequest request) const;
 
     const Medium& medium() const;
     double box() const;

@@ -18,7 +18,7 @@ double value(const RodProblem& problem, Parameter parameter);
 /// Columns: `parameters`, then the initial headings of the rods named. With a contact distance the contact is
 /// a terminal event, its gradient that of the closest pair. A coupling that is 0 but a parameter is
 /// differentiated like any other. Throws InputError as simulate(), for parameters without a medium, for rods
-/// that are not there, and for a periodic box.
+/// that are not there, and for a field without the derivatives needed.
 integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
                                                      std::span<const Parameter> parameters,
                                                      std::span<const std::size_t> headings);

@@ -7,6 +7,7 @@
 #include "rodwake/rods/separation_record.hpp"
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,7 +23,15 @@ struct RodProblem {
     std::vector<double> output_times;       ///< increasing, in [0, t_end]; t_end is added if missing
     std::optional<double> contact_distance; ///< stop when two rods come this close
     std::optional<double> box = {}; ///< side of the periodic box along x and y; absent: infinite plane
+    /// How the wakes of this medium in this domain are worked out; absent: exactly.
+    std::shared_ptr<const elastic::WakeField> field = nullptr;
 };
+
+/// The wakes a problem's rods move in; none without a medium. Throws InputError if problem.field is of
+/// another medium or box.
+std::shared_ptr<const elastic::WakeField> wakes_of(const RodProblem& problem);
+/// The equations of motion of a problem.
+RodModel model_of(const RodProblem& problem);
 
 /// Where a run can be taken up again; going on from here repeats the uninterrupted run to the bit.
 struct RodCheckpoint {

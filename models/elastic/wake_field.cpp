@@ -1,0 +1,84 @@
+#include "rodwake/elastic/wake_field.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <cmath>
+
+namespace rodwake::elastic {
+
+namespace {
+
+constexpr FieldValues nothing{};
+
+void add(Vector& sum, const Vector& v) {
+    sum.x += v.x;
+    sum.y += v.y;
+}
+
+void add(SymmetricTensor& sum, const SymmetricTensor& t) {
+    sum.xx += t.xx;
+    sum.xy += t.xy;
+    sum.yy += t.yy;
+}
+
+void add(FieldValues& sum, const FieldValues& f) {
+    add(sum.displacement, f.displacement);
+    add(sum.strain, f.strain);
+    add(sum.laplacian, f.laplacian);
+    add(sum.gradient_of_trace, f.gradient_of_trace);
+    add(sum.dipole, f.dipole);
+}
+
+/// What source b makes at every rod.
+void add_wake(const WakeField& field, std::span<const Source> rods, std::size_t b, FieldRequest request,
+              std::span<FieldValues> sums) {
+    const Source& source = rods[b];
+    const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
+    const auto wake = field.wake(source.heading);
+    for (std::size_t a = 0; a < rods.size(); ++a) {
+        const Vector at = turned(Vector{rods[a].x - source.x, rods[a].y - source.y}, cosine, -sine);
+        if (a != b)
+            add(sums[a], turned(wake->at(at.x, at.y, request), cosine, sine));
+        else if (field.box())
+            add(sums[a], turned(wake->at_own_place(request), cosine, sine));
+    }
+}
+
+} // namespace
+
+FieldValues Wake::by_heading(double, double, FieldRequest) const { return nothing; }
+FieldValues Wake::at_own_place(FieldRequest) const { return nothing; }
+FieldValues Wake::own_place_by_heading(FieldRequest) const { return nothing; }
+MediumDerivatives Wake::own_place_by_medium(FieldRequest) const { return {nothing, nothing}; }
+
+void WakeField::mutual(std::span<const Source> rods, FieldRequest request,
+                       std::span<FieldValues> sums) const {
+    if (rods.size() != sums.size())
+        throw InputError("sums over rods: as many results as rods are needed");
+    request.gradients = false;
+    for (FieldValues& sum : sums)
+        sum = nothing;
+    for (std::size_t b = 0; b < rods.size(); ++b)
+        add_wake(*this, rods, b, request, sums);
+}
+
+bool is_singular(double x, double y, std::optional<double> box, double heading) {
+    if (!box)
+        return x == 0.0 && y == 0.0;
+    const Vector lab = turned(Vector{x / *box, y / *box}, std::cos(heading), std::sin(heading));
+    const auto off = [](double sides) { return std::abs(sides - std::nearbyint(sides)); };
+    constexpr double rounding = 1e-9;
+    return off(lab.x) < rounding && off(lab.y) < rounding;
+}
+
+FieldValues turned(const FieldValues& field, double cosine, double sine) {
+    FieldValues f = unrequested();
+    f.displacement = turned(field.displacement, cosine, sine);
+    f.strain = turned(field.strain, cosine, sine);
+    f.laplacian = turned(field.laplacian, cosine, sine);
+    f.gradient_of_trace = turned(field.gradient_of_trace, cosine, sine);
+    f.dipole = turned(field.dipole, cosine, sine);
+    return f;
+}
+
+} // namespace rodwake::elastic
