@@ -43,14 +43,14 @@ public:
         return field_.at(x, y, request);
     }
     FieldValues by_heading(double x, double y, FieldRequest request) const override {
-        return Wake::by_heading(x, y, request); // MERGE
+        return field_.by_heading(x, y, request);
     }
     MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
         return field_.medium_derivatives(x, y, request);
     }
     FieldValues at_own_place(FieldRequest request) const override { return field_.at_own_place(request); }
     FieldValues own_place_by_heading(FieldRequest request) const override {
-        return Wake::own_place_by_heading(request); // MERGE
+        return field_.own_place_by_heading(request);
     }
     MediumDerivatives own_place_by_medium(FieldRequest request) const override {
         return field_.own_place_by_medium(request);
@@ -65,7 +65,6 @@ public:
     BoxField(const Medium& medium, double box) : medium_(medium), box_(box) { validate(medium); }
 
     const Medium& medium() const override { return medium_; }
-    FieldCapabilities capabilities() const override { return {.gradients = false}; } // MERGE
     std::optional<double> box() const override { return box_; }
     std::shared_ptr<const Wake> wake(double heading) const override {
         return std::make_shared<const PeriodicWake>(medium_, box_, heading);

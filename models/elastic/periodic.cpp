@@ -1,10 +1,9 @@
 #include "rodwake/elastic/periodic.hpp"
 
-#include "periodic_potential.hpp"
+#include "periodic_impl.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/superposition.hpp"
 
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -20,12 +19,6 @@ constexpr double smallest_ratio = 1e-100;
 /// Below it G_T - G_L is an integral over c: subtraction would lose 1/c.
 constexpr double small_c = 1e-2;
 
-/// U = (1/2 pi) [A xhat + grad B], div U = (1/2 pi) d_x C: A = G_T, B = xi (G_T - G_L), C = nu G_L, or their
-/// derivatives by the medium. Rod's axes, box side 1.
-struct Parts {
-    Jet a, b, c;
-};
-
 [[noreturn]] void refuse(const char* name, double value, const std::string& why) {
     std::ostringstream message;
     message << name << " = " << value << ": " << why;
@@ -38,7 +31,40 @@ struct Parts {
     throw InputError(message.str());
 }
 
-/// `uniform`: 1 for the field itself, whose Laplacian holds the counterforce; 0 for derivatives.
+void add_gradients(FieldValues& f, const Parts& p, FieldRequest request, double third, double fourth,
+                   double shear_decay) {
+    const auto& [a, b, c] = p;
+    if (request.strain) {
+        f.strain_x = {third * (a.xx + b.xxx), third * (0.5 * a.xy + b.xxy), third * b.xyy};
+        f.strain_y = {third * (a.xy + b.xxy), third * (0.5 * a.yy + b.xyy), third * b.yyy};
+    }
+    if (request.polar) {
+        f.laplacian_x = {fourth * (c.xxx - a.xxx - shear_decay * a.xx), fourth * (c.xxy - a.xxy)};
+        f.laplacian_y = {fourth * (c.xxy - a.xxy - shear_decay * a.xy), fourth * (c.xyy - a.xyy)};
+        f.gradient_of_trace_x = {fourth * c.xxx, fourth * c.xxy};
+        f.gradient_of_trace_y = {fourth * c.xxy, fourth * c.xyy};
+    }
+}
+
+void add(Vector& a, const Vector& b) {
+    a.x += b.x;
+    a.y += b.y;
+}
+
+void add(SymmetricTensor& a, const SymmetricTensor& b) {
+    a.xx += b.xx;
+    a.xy += b.xy;
+    a.yy += b.yy;
+}
+
+void check(FieldRequest request) {
+    if (request.gradients)
+        throw InputError(
+            "gradients of the derivatives by the medium are not available; use finite differences");
+}
+
+} // namespace
+
 FieldValues assembled(const Parts& p, FieldRequest request, double box, double shear_decay, double uniform) {
     const double unit = 0.5 * std::numbers::inv_pi, second = unit / box, third = second / box;
     FieldValues f = unrequested();
@@ -53,110 +79,88 @@ FieldValues assembled(const Parts& p, FieldRequest request, double box, double s
                        third * (p.c.xy - p.a.xy)};
         f.gradient_of_trace = {third * p.c.xx, third * p.c.xy};
     }
+    if (request.gradients)
+        add_gradients(f, p, request, third, third / box, shear_decay);
     return f;
-}
-
-void add(Vector& a, const Vector& b) {
-    a.x += b.x;
-    a.y += b.y;
 }
 
 void add(FieldValues& sum, const FieldValues& f) {
     add(sum.displacement, f.displacement);
-    sum.strain.xx += f.strain.xx;
-    sum.strain.xy += f.strain.xy;
-    sum.strain.yy += f.strain.yy;
+    add(sum.strain, f.strain);
     add(sum.laplacian, f.laplacian);
     add(sum.gradient_of_trace, f.gradient_of_trace);
     add(sum.dipole, f.dipole);
+    add(sum.strain_x, f.strain_x);
+    add(sum.strain_y, f.strain_y);
+    add(sum.laplacian_x, f.laplacian_x);
+    add(sum.laplacian_y, f.laplacian_y);
+    add(sum.gradient_of_trace_x, f.gradient_of_trace_x);
+    add(sum.gradient_of_trace_y, f.gradient_of_trace_y);
 }
 
-void check(FieldRequest request) {
-    if (request.gradients)
-        throw InputError(
-            "gradients of the field of a periodic box are not available; use finite differences");
+Needed needed_for(FieldRequest request) {
+    return {.second = request.strain || request.dipole || request.polar, .third = request.gradients};
 }
 
-/// A place in the box's axes and side, in the cell about the nearest of the rod and its images; and its
-/// offset from that one in the rod's axes and the caller's unit.
-struct Place {
-    double x, y;
-    Vector offset;
-};
+PeriodicField::Impl::Impl(const Medium& m, double side, double angle)
+    : medium(m), box(side), heading(angle), cosine(std::cos(angle)), sine(std::sin(angle)), field(m),
+      xi(m.xi / side), nu(m.nu()), shear(WaveVector::by_c(0.5 / xi, cosine, sine)),
+      longitudinal(WaveVector::by_c(nu * 0.5 / xi, cosine, sine)) {
+    const double node = 0.5 / std::sqrt(3.0), mean = 0.5 * (1.0 + nu), span = 1.0 - nu;
+    const auto potential = [&](double share) {
+        return PeriodicPotential(WaveVector::by_c(share * 0.5 / xi, cosine, sine));
+    };
+    if (0.5 / xi * std::max(1.0, nu) < small_c)
+        between = {potential(mean - node * span), potential(mean + node * span)};
+}
 
-} // namespace
+NearestImage PeriodicField::Impl::nearest(double x, double y) const {
+    if (!std::isfinite(x) || !std::isfinite(y))
+        refuse_place(x, y, "the place must be finite");
+    const Vector lab = turned(Vector{x / box, y / box}, cosine, sine);
+    const double i = std::nearbyint(lab.x), j = std::nearbyint(lab.y);
+    const Vector shift = turned(Vector{i * box, j * box}, cosine, -sine);
+    const Vector offset{x - shift.x, y - shift.y};
+    if (offset.x == 0.0 && offset.y == 0.0)
+        refuse_place(x, y, "the rod or one of its images is there, and the field singular: move the point");
+    return {lab.x - i, lab.y - j, shift, offset};
+}
 
-struct PeriodicField::Impl {
-    Medium medium;
-    double box, heading, cosine, sine;
-    Field field;
-    double xi, nu; ///< xi over the box
-    PeriodicPotential shear, longitudinal;
-    std::optional<std::array<PeriodicPotential, 2>> between; ///< at the nodes of the integral over c
+Parts PeriodicField::Impl::parts(double x, double y, Needed needed) const {
+    needed.by_c = false;
+    const Jet t = to_rod(shear.at(x, y, needed).g), l = to_rod(longitudinal.at(x, y, needed).g);
+    return {t, between ? b_between(x, y, needed) : xi * (t + -1.0 * l), nu * l};
+}
 
-    Impl(const Medium& m, double side, double angle)
-        : medium(m), box(side), heading(angle), cosine(std::cos(angle)), sine(std::sin(angle)), field(m),
-          xi(m.xi / side), nu(m.nu()), shear(0.5 / xi, cosine, sine),
-          longitudinal(nu * 0.5 / xi, cosine, sine) {
-        const double node = 0.5 / std::sqrt(3.0), mean = 0.5 * (1.0 + nu), span = 1.0 - nu;
-        if (0.5 / xi * std::max(1.0, nu) < small_c)
-            between = {PeriodicPotential((mean - node * span) * 0.5 / xi, cosine, sine),
-                       PeriodicPotential((mean + node * span) * 0.5 / xi, cosine, sine)};
-    }
+/// xi (G_T - G_L) = xi int dG/dc dc from c_L to c_T; 2-point Gauss-Legendre, error below c^4/4320.
+Jet PeriodicField::Impl::b_between(double x, double y, Needed needed) const {
+    needed.by_c = needed.without_log = true;
+    Jet sum;
+    for (const PeriodicPotential& node : *between)
+        sum += 0.25 * (1.0 - nu) * to_rod(node.at(x, y, needed).by_c);
+    if (is_near(x, y))
+        sum += xi * (logarithm(shear.c(), x, y, needed.third) +
+                     -1.0 * logarithm(longitudinal.c(), x, y, needed.third));
+    return sum;
+}
 
-    Place place(double x, double y) const {
-        if (!std::isfinite(x) || !std::isfinite(y))
-            refuse_place(x, y, "the place must be finite");
-        const Vector lab = turned(Vector{x / box, y / box}, cosine, sine);
-        const double i = std::nearbyint(lab.x), j = std::nearbyint(lab.y);
-        const Vector shift = turned(Vector{i * box, j * box}, cosine, -sine);
-        const Vector offset{x - shift.x, y - shift.y};
-        if (offset.x == 0.0 && offset.y == 0.0)
-            refuse_place(x, y,
-                         "the rod or one of its images is there, and the field singular: move the point");
-        return {lab.x - i, lab.y - j, offset};
-    }
+/// ln(c) (exp(-c x) I0(c r) - 1) in the rod's axes; the 1 has no gradient.
+Jet PeriodicField::Impl::logarithm(double c, double x, double y, bool third) const {
+    const Vector at = turned(Vector{x, y}, cosine, -sine);
+    Jet f = c * c * std::numbers::inv_pi * uniform_part(c, at.x, at.y, third).g;
+    f.v -= c * at.x;
+    f.x -= c;
+    return std::log(c) * f;
+}
 
-    Jet to_rod(const Jet& box_axes) const { return from_axes(cosine, -sine, box_axes); }
-
-    /// Of the whole field where it is summed as rows, of the rest near the rod.
-    Parts parts(double x, double y, FieldRequest request) const {
-        const bool second = request.strain || request.dipole || request.polar;
-        const Jet t = to_rod(shear.at(x, y, {.second = second}).g),
-                  l = to_rod(longitudinal.at(x, y, {.second = second}).g);
-        return {t, between ? b_between(x, y, second) : xi * (t + -1.0 * l), nu * l};
-    }
-
-    /// xi (G_T - G_L) = xi int dG/dc dc from c_L to c_T; 2-point Gauss-Legendre, error below c^4/4320.
-    Jet b_between(double x, double y, bool second) const {
-        const Needed needed{.second = second, .by_c = true, .without_log = true};
-        Jet sum;
-        for (const PeriodicPotential& node : *between)
-            sum += 0.25 * (1.0 - nu) * to_rod(node.at(x, y, needed).by_c);
-        if (is_near(x, y))
-            sum += xi * (logarithm(shear.c(), x, y) + -1.0 * logarithm(longitudinal.c(), x, y));
-        return sum;
-    }
-
-    /// ln(c) (exp(-c x) I0(c r) - 1) in the rod's axes; the 1 has no gradient.
-    Jet logarithm(double c, double x, double y) const {
-        const Vector at = turned(Vector{x, y}, cosine, -sine);
-        Jet f = c * c * std::numbers::inv_pi * uniform_part(c, at.x, at.y).g;
-        f.v -= c * at.x;
-        f.x -= c;
-        return std::log(c) * f;
-    }
-
-    FieldValues rest(double x, double y, FieldRequest request) const {
-        return assembled(parts(x, y, request), request, box, 1.0 / xi, 1.0);
-    }
-
-    MediumDerivatives rest_derivatives(double x, double y, FieldRequest request) const;
-};
+FieldValues PeriodicField::Impl::rest(double x, double y, FieldRequest request) const {
+    return assembled(parts(x, y, needed_for(request)), request, box, 1.0 / xi, 1.0);
+}
 
 /// dc_T/dxi = -c_T/xi, dc_L/deta = -nu^2 c_T; xi in units of the box.
 MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, FieldRequest request) const {
-    const Needed needed{.second = request.strain || request.dipole || request.polar, .by_c = true};
+    Needed needed = needed_for(request);
+    needed.by_c = true;
     const Jets t = shear.at(x, y, needed), l = longitudinal.at(x, y, needed);
     const Jet gt = to_rod(t.g), gl = to_rod(l.g), ct = shear.c() * to_rod(t.by_c),
               cl = longitudinal.c() * to_rod(l.by_c);
@@ -184,22 +188,18 @@ PeriodicField::PeriodicField(const Medium& medium, double box, double heading) {
 }
 
 FieldValues PeriodicField::at(double x, double y, FieldRequest request) const {
-    check(request);
-    const Place p = impl_->place(x, y);
+    const NearestImage p = impl_->nearest(x, y);
     FieldValues f = impl_->rest(p.x, p.y, request);
     if (is_near(p.x, p.y))
         add(f, impl_->field.at(p.offset.x, p.offset.y, request));
     return f;
 }
 
-FieldValues PeriodicField::at_own_place(FieldRequest request) const {
-    check(request);
-    return impl_->rest(0.0, 0.0, request);
-}
+FieldValues PeriodicField::at_own_place(FieldRequest request) const { return impl_->rest(0.0, 0.0, request); }
 
 MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldRequest request) const {
     check(request);
-    const Place p = impl_->place(x, y);
+    const NearestImage p = impl_->nearest(x, y);
     MediumDerivatives d = impl_->rest_derivatives(p.x, p.y, request);
     if (is_near(p.x, p.y)) {
         const MediumDerivatives own =

@@ -113,15 +113,23 @@ struct LocalRest::Basis {
 struct LocalRest::Sums {
     Complex f, up, down, up2, down2;
     Complex h, up_h, up2_h; ///< up/c and its derivatives, finite for c = 0
+    Complex down3, up3_h;   ///< where third derivatives are needed
+
+    void add_third(const Coefficients& a, const Basis& basis, double c);
 
     Jet real(double c) const {
-        const double both = 2.0 * c * c * f.real();
+        const double cc = c * c, both = 2.0 * cc * f.real();
+        const Complex up3 = c * up2_h, sum3 = up3 + down3, less3 = up3 - down3;
         return {f.real(),
                 0.5 * (up + down).real(),
                 0.5 * (up - down).imag(),
                 0.25 * ((up2 + down2).real() + both),
                 0.25 * (up2 - down2).imag(),
-                0.25 * (both - (up2 + down2).real())};
+                0.25 * (both - (up2 + down2).real()),
+                0.125 * (sum3 + 3.0 * cc * (up + down)).real(),
+                0.125 * (less3 + cc * (up - down)).imag(),
+                0.125 * (cc * (up + down) - sum3).real(),
+                0.125 * (3.0 * cc * (up - down) - less3).imag()};
     }
     /// Re(conj(w) h): the derivative of the psi_m by c.
     Jet by_c_of_basis(double c, double x, double y) const {
@@ -129,12 +137,36 @@ struct LocalRest::Sums {
         const Complex hx = 0.5 * (up_h + down_h), hy = -0.5 * i * (up_h - down_h),
                       hxx = 0.25 * (up2_h + both + down2_h), hxy = -0.25 * i * (up2_h - down2_h),
                       hyy = 0.25 * (both - up2_h - down2_h);
-        return times_line(x, 1.0, 0.0, {h.real(), hx.real(), hy.real(), hxx.real(), hxy.real(), hyy.real()}) +
-               times_line(y, 0.0, 1.0, {h.imag(), hx.imag(), hy.imag(), hxx.imag(), hxy.imag(), hyy.imag()});
+        const Complex down3_h = c * down2, sum3 = 0.125 * (up3_h + down3_h),
+                      less3 = -0.125 * i * (up3_h - down3_h);
+        const Complex hxxx = sum3 + 0.75 * c * c * hx, hxxy = less3 + 0.25 * c * c * hy,
+                      hxyy = 0.25 * c * c * hx - sum3, hyyy = 0.75 * c * c * hy - less3;
+        return times_line(x, 1.0, 0.0,
+                          {h.real(), hx.real(), hy.real(), hxx.real(), hxy.real(), hyy.real(), hxxx.real(),
+                           hxxy.real(), hxyy.real(), hyyy.real()}) +
+               times_line(y, 0.0, 1.0,
+                          {h.imag(), hx.imag(), hy.imag(), hxx.imag(), hxy.imag(), hyy.imag(), hxxx.imag(),
+                           hxxy.imag(), hxyy.imag(), hyyy.imag()});
     }
 };
 
-LocalRest::Sums LocalRest::sums(const Coefficients& a, const Basis& basis, double c) {
+/// What third derivatives take: down^3 of the first three psi_m goes on to the conjugate ones.
+void LocalRest::Sums::add_third(const Coefficients& a, const Basis& basis, double c) {
+    const double cc = c * c;
+    const auto& psi = basis.psi;
+    for (int m = 0; m < terms; ++m) {
+        const double n = m;
+        if (m > 2)
+            down3 += 8.0 * n * (n - 1.0) * (n - 2.0) * times(a[m], psi[m - 3]);
+        if (m + 4 < terms + 3)
+            up3_h += times(a[m], psi[m + 4]) *
+                     (cc * cc * cc * c / (16.0 * (n + 1.0) * (n + 2.0) * (n + 3.0) * (n + 4.0)));
+    }
+    down3 += 4.0 * cc * a[2] * std::conj(psi[1]) + 0.25 * cc * cc * a[1] * std::conj(psi[2]) +
+             cc * cc * cc / 48.0 * a[0] * std::conj(psi[3]);
+}
+
+LocalRest::Sums LocalRest::sums(const Coefficients& a, const Basis& basis, double c, Needed needed) {
     Sums s{};
     const double cc = c * c;
     const auto& psi = basis.psi;
@@ -154,20 +186,25 @@ LocalRest::Sums LocalRest::sums(const Coefficients& a, const Basis& basis, doubl
     s.down2 += cc * a[1] * std::conj(psi[1]) + 0.125 * cc * cc * a[0] * std::conj(psi[2]);
     s.up = c * s.h;
     s.up2 = c * s.up_h;
+    if (needed.third)
+        s.add_third(a, basis, c);
     return s;
 }
 
-LocalRest::LocalRest(double c, double ux, double uy, const Rows& columns, const Rows& rows)
-    : c_(c), ux_(ux), uy_(uy) {
+LocalRest::LocalRest(const WaveVector& wave, const Rows& columns, const Rows& rows) : c_(wave) {
+    const double c = wave.c, along = wave.along(), across = wave.across() / c;
     const auto potential = on_circle(columns, rows);
     const CentralPotential centre(c);
     std::array<double, samples> v, v_by_c;
     for (int j = 0; j < samples; ++j) {
-        const double x = ux * circle()[j].x + uy * circle()[j].y, growth = std::exp(c * x);
-        const UniformValue p = uniform_value(c, x, radius * radius);
+        const auto [at_x, at_y] = circle()[j];
+        const double x = wave.ux * at_x + wave.uy * at_y, y = wave.ux * at_y - wave.uy * at_x,
+                     growth = std::exp(c * x);
+        const UniformValue p = uniform_value(c, x, y);
         const double whole = growth * (potential[j].g - p.g);
         v[j] = whole - centre.g;
-        v_by_c[j] = growth * (potential[j].by_c - p.by_c) + x * whole - centre.by_c;
+        v_by_c[j] = growth * (potential[j].by_c - along * p.by_c + across * p.by_angle) +
+                    (wave.wx * at_x + wave.wy * at_y) * whole - along * centre.by_c;
     }
     const double z = c * radius, t = 0.25 * z * z;
     for (int m = 0; m < terms; ++m) {
@@ -177,30 +214,32 @@ LocalRest::LocalRest(double c, double ux, double uy, const Rows& columns, const 
             sum_by_c += v_by_c[j] * transform()[m][j];
         }
         const double ratio = bessel_ratio(m, t),
-                     ratio_c = bessel_ratio(m + 1, t) * 0.5 * z * radius / (m + 1.0);
+                     ratio_c = along * bessel_ratio(m + 1, t) * 0.5 * z * radius / (m + 1.0);
         a_[m] = sum / ratio;
         a_by_c_[m] = (sum_by_c - a_[m] * ratio_c) / ratio;
     }
 }
 
 void LocalRest::add(Jets& sum, double x, double y, Needed needed) const {
-    const double along = ux_ * x + uy_ * y, across = ux_ * y - uy_ * x, decay = std::exp(-c_ * along);
-    const double cx = c_ * ux_, cy = c_ * uy_;
-    const Jets uniform = uniform_part(c_, along, across);
-    const Basis basis(c_, x, y);
+    const auto [c, ux, uy, wx, wy] = c_;
+    const double along = ux * x + uy * y, across = ux * y - uy * x, decay = std::exp(-c * along);
+    const Jets uniform = uniform_part(c, along, across, needed.third);
+    const Basis basis(c, x, y);
     Coefficients a = a_, a_by_c = a_by_c_;
     if (!needed.without_log) {
-        a[0] += std::log(c_);
-        a_by_c[0] += 1.0 / c_;
+        a[0] += std::log(c);
+        a_by_c[0] += c_.along() / c;
     }
-    const Sums s = sums(a, basis, c_);
-    const Jet f = s.real(c_);
-    sum.g += times_decay(decay, cx, cy, f) + from_axes(ux_, uy_, uniform.g);
+    const Sums s = sums(a, basis, c, needed);
+    const Jet f = s.real(c);
+    sum.g += times_decay(decay, c * ux, c * uy, f) + from_axes(ux, uy, uniform.g);
     if (!needed.by_c)
         return;
-    const Jet slope =
-        sums(a_by_c, basis, c_).real(c_) + s.by_c_of_basis(c_, x, y) + times_line(-along, -ux_, -uy_, f);
-    sum.by_c += times_decay(decay, cx, cy, slope) + from_axes(ux_, uy_, uniform.by_c);
+    const Jet slope = sums(a_by_c, basis, c, needed).real(c) + c_.along() * s.by_c_of_basis(c, x, y) +
+                      times_line(-(wx * x + wy * y), -wx, -wy, f);
+    sum.by_c +=
+        times_decay(decay, c * ux, c * uy, slope) +
+        from_axes(ux, uy, c_.along() * uniform.by_c + -c_.across() / c * by_angle(along, across, uniform.g));
 }
 
 } // namespace rodwake::elastic

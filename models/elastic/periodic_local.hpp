@@ -21,7 +21,7 @@ public:
     static constexpr double largest_c = 6.0;
 
     /// `columns` along y, `rows` along x (built with exchanged axes).
-    LocalRest(double c, double ux, double uy, const Rows& columns, const Rows& rows);
+    LocalRest(const WaveVector& c, const Rows& columns, const Rows& rows);
 
     void add(Jets& sum, double x, double y, Needed needed) const;
 
@@ -31,9 +31,9 @@ private:
     using Coefficients = std::array<Complex, terms>;
     struct Basis;
     struct Sums;
-    static Sums sums(const Coefficients& a, const Basis& psi, double c);
+    static Sums sums(const Coefficients& a, const Basis& psi, double c, Needed needed);
 
-    double c_, ux_, uy_;
+    WaveVector c_;
     Coefficients a_{}, a_by_c_{};
 };
 
@@ -41,14 +41,14 @@ private:
 //
 //   lap P + 2 c d_x P = 2 pi,   P = (pi/c^2) (c x - 1 + exp(-c x) I0(c r)),   x along the heading
 
-/// P and its derivative by c at (x, y), second derivatives and all. For |c| r <= 5.
-Jets uniform_part(double c, double x, double y);
+/// P and its derivative by c at (x, y), second derivatives and all; third ones if needed. For |c| r <= 5.
+Jets uniform_part(double c, double x, double y, bool third = false);
 
-/// The same without derivatives by place.
+/// The same without derivatives by place; by_angle = (x d_y - y d_x) P.
 struct UniformValue {
-    double g, by_c;
+    double g, by_c, by_angle;
 };
-UniformValue uniform_value(double c, double x, double r_square);
+UniformValue uniform_value(double c, double x, double y);
 
 /// (I0(2 sqrt t) - 1)/t.
 double bessel_rest(double t);

@@ -12,45 +12,56 @@ namespace {
 
 constexpr double cutoff = 40.0;
 
-/// Of a function of u = r^2/2 with two derivatives.
-Jet radial(double f, double f1, double f2, double x, double y) {
-    return {f, x * f1, y * f1, f1 + x * x * f2, x * y * f2, f1 + y * y * f2};
+/// Of a function of u = r^2/2 with three derivatives.
+Jet radial(double f, double f1, double f2, double f3, double x, double y) {
+    return {f,
+            x * f1,
+            y * f1,
+            f1 + x * x * f2,
+            x * y * f2,
+            f1 + y * y * f2,
+            x * (3.0 * f2 + x * x * f3),
+            y * (f2 + x * x * f3),
+            x * (f2 + y * y * f3),
+            y * (3.0 * f2 + y * y * f3)};
 }
 
 // Near the rod, for wave numbers c of 6 over the box and more: the infinite plane's potentials of the images
 // in the rod's own column, exp(-c.r) K0(c r) each.
 
-/// One source at the origin, heading (ux, uy); c r > 0.5.
-void add_source(Jets& sum, double c, double ux, double uy, double x, double y, Needed needed) {
-    const double r = std::hypot(x, y), z = c * r, along = ux * x + uy * y, cx = c * ux, cy = c * uy;
-    const double decay = std::exp(-c * (r + along));
-    const Bessel k = scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z)));
-    const double first = -c * k.k1 / r, k2 = k.k0 + 2.0 * k.k1 / z;
-    const Jet k0 = radial(k.k0, first, c * c * k2 / (r * r), x, y);
+/// One source at the origin; c r > 0.5.
+void add_source(Jets& sum, const WaveVector& c, double x, double y, Needed needed) {
+    const double r = std::hypot(x, y), k = c.c, z = k * r, cx = k * c.ux, cy = k * c.uy;
+    const double decay = std::exp(-k * (r + c.ux * x + c.uy * y));
+    const Bessel b = scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z)));
+    const double per_r = 1.0 / r, s = k * per_r, k2 = b.k0 + 2.0 * b.k1 / z, k3 = b.k1 + 4.0 * k2 / z;
+    const Jet k0 = radial(b.k0, -s * b.k1, s * s * k2, -s * s * s * k3, x, y);
     sum.g += times_decay(decay, cx, cy, k0);
     if (!needed.by_c)
         return;
-    const Jet rk1 = radial(r * k.k1, -c * k.k0, c * c * k.k1 / r, x, y);
-    sum.by_c += times_decay(-decay, cx, cy, times_line(along, ux, uy, k0) + rk1);
+    const Jet rk1 = radial(r * b.k1, -k * b.k0, k * s * b.k1, -k * s * s * k2, x, y);
+    sum.by_c +=
+        times_decay(-decay, cx, cy, times_line(c.wx * x + c.wy * y, c.wx, c.wy, k0) + c.along() * rk1);
 }
 
 /// Those at (0, j), j != 0, as far as they exceed e^-40; |ux| >= |uy|, so that none lies in the wake of all.
-void add_column_images(Jets& sum, double c, double ux, double uy, double x, double y, Needed needed) {
+void add_column_images(Jets& sum, const WaveVector& c, double x, double y, Needed needed) {
     for (const double side : {-1.0, 1.0})
         for (double j = side;; j += side) {
             const double dy = y - j;
-            if (c * (std::hypot(x, dy) + ux * x + uy * dy) > cutoff)
+            if (c.c * (std::hypot(x, dy) + c.ux * x + c.uy * dy) > cutoff)
                 break;
-            add_source(sum, c, ux, uy, x, dy, needed);
+            add_source(sum, c, x, dy, needed);
         }
 }
 
 } // namespace
 
-PeriodicPotential::PeriodicPotential(double c, double ux, double uy)
-    : c_(c), ux_(ux), uy_(uy), columns_(c, ux, uy, near_rod), rows_(c, uy, ux, near_rod) {
-    if (c <= LocalRest::largest_c)
-        local_.emplace(c, ux, uy, columns_, rows_);
+PeriodicPotential::PeriodicPotential(const WaveVector& c)
+    : c_(c), columns_(c.c * c.ux, c.c * c.uy, c.wx, c.wy, near_rod),
+      rows_(c.c * c.uy, c.c * c.ux, c.wy, c.wx, near_rod) {
+    if (c.c <= LocalRest::largest_c)
+        local_.emplace(c, columns_, rows_);
 }
 
 Jets PeriodicPotential::at(double x, double y, Needed needed) const {
@@ -74,13 +85,13 @@ Jets PeriodicPotential::near(double x, double y, Needed needed) const {
         local_->add(sum, x, y, needed);
         return sum;
     }
-    if (std::abs(ux_) >= std::abs(uy_)) {
+    if (std::abs(c_.ux) >= std::abs(c_.uy)) {
         columns_.add_others(sum, x, y, needed);
-        add_column_images(sum, c_, ux_, uy_, x, y, needed);
+        add_column_images(sum, c_, x, y, needed);
         return sum;
     }
     rows_.add_others(sum, y, x, needed);
-    add_column_images(sum, c_, uy_, ux_, y, x, needed);
+    add_column_images(sum, c_.exchanged(), y, x, needed);
     return {exchanged(sum.g), exchanged(sum.by_c)};
 }
 

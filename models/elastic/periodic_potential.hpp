@@ -20,18 +20,18 @@ inline bool is_near(double x, double y) { return std::max(std::abs(x), std::abs(
 
 class PeriodicPotential {
 public:
-    PeriodicPotential(double c, double ux, double uy);
+    explicit PeriodicPotential(const WaveVector& c);
 
     /// Far: the whole potential; near: without the infinite plane's.
     Jets at(double x, double y, Needed needed) const;
 
-    double c() const { return c_; }
+    double c() const { return c_.c; }
 
 private:
     Jets far(double x, double y, Needed needed) const;
     Jets near(double x, double y, Needed needed) const;
 
-    double c_, ux_, uy_;
+    WaveVector c_;
     Rows columns_, rows_; ///< rows: with x and y exchanged
     std::optional<LocalRest> local_;
 };

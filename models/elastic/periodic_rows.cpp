@@ -108,13 +108,16 @@ Complex one_minus_exp(Complex a) {
     return {-less + 2.0 * e * half * half, -e * std::sin(a.imag())};
 }
 
-void add(Jets& sum, const Mean& m, double by_c) {
+/// xxx = -z xx by the equation.
+void add(Jets& sum, const Mean& m, double z, double by_c) {
     sum.g.v += m.g;
     sum.g.x += m.x;
     sum.g.xx += m.xx;
+    sum.g.xxx -= z * m.xx;
     sum.by_c.v += by_c * m.z;
     sum.by_c.x += by_c * m.xz;
     sum.by_c.xx += by_c * m.xxz;
+    sum.by_c.xxx -= by_c * (m.xx + z * m.xxz);
 }
 
 void add_term(Jet& sum, Complex t, Complex tx, Complex txx, double q, bool second) {
@@ -128,20 +131,26 @@ void add_term(Jet& sum, Complex t, Complex tx, Complex txx, double q, bool secon
     sum.yy -= q * q * t.real();
 }
 
+void add_third(Jet& sum, Complex t, Complex tx, Complex txx, Complex txxx, double q) {
+    sum.xxx += txxx.real();
+    sum.xxy -= q * txx.imag();
+    sum.xyy -= q * q * tx.real();
+    sum.yyy += q * q * q * t.imag();
+}
+
 } // namespace
 
 /// One column gives (pi/s) e^(k u); `towards` -1 for k-, 1 for k+. Twice the real part is both n and -n.
 Rows::Term Rows::term(Complex k, Complex s, double q, double towards) const {
-    const Complex per_s = inverse(s), slope = -towards * times(ux_ * k + Complex(0.0, uy_ * q), per_s);
-    const Complex s_slope = times(Complex(c_ * ux_ * ux_, -uy_ * q), per_s);
+    const Complex per_s = inverse(s), slope = -towards * times(wx_ * k + Complex(0.0, wy_ * q), per_s);
+    const Complex s_slope = times(Complex(cx_ * wx_, -wy_ * q), per_s);
     const Complex open = one_minus_exp(-towards * k), per_open = inverse(open);
     const Complex weight = two_pi * times(per_s, per_open);
     const Complex closing = -towards * times(slope, times(1.0 - open, per_open));
     return {k, weight, slope, times(weight, closing - times(s_slope, per_s))};
 }
 
-Rows::Rows(double c, double ux, double uy, double nearest) : c_(c), ux_(ux), uy_(uy) {
-    const double cx = c * ux, cy = c * uy;
+Rows::Rows(double cx, double cy, double wx, double wy, double nearest) : cx_(cx), wx_(wx), wy_(wy) {
     for (double q = two_pi;; q += two_pi) {
         const Complex product(q * q, -2.0 * cy * q), s = root(cx * cx + product);
         const Complex large = std::abs(cx) + s, small = times(product, inverse(large));
@@ -161,12 +170,16 @@ void Rows::add_side(Jets& sum, const std::vector<Term>& terms, double u, double 
         if (std::abs(one.k.real() * u) > cutoff)
             break;
         const Complex e = times(phase, exponential(one.k * u)), t = times(one.weight, e);
-        const Complex tx = times(one.k, t);
-        add_term(sum.g, t, tx, times(one.k, tx), q, needed.second);
+        const Complex tx = times(one.k, t), txx = times(one.k, tx);
+        add_term(sum.g, t, tx, txx, q, needed.second);
+        if (needed.third)
+            add_third(sum.g, t, tx, txx, times(one.k, txx), q);
         if (needed.by_c) {
             const Complex f = times(one.weight_c, e) + u * times(one.k_c, t), g = times(one.k_c, t);
-            const Complex fx = times(one.k, f) + g;
-            add_term(sum.by_c, f, fx, times(one.k, fx + g), q, needed.second);
+            const Complex fx = times(one.k, f) + g, fxx = times(one.k, fx + g);
+            add_term(sum.by_c, f, fx, fxx, q, needed.second);
+            if (needed.third)
+                add_third(sum.by_c, f, fx, fxx, times(one.k, fxx + times(one.k, g)), q);
         }
         phase = times(phase, turn);
         q += two_pi;
@@ -174,20 +187,20 @@ void Rows::add_side(Jets& sum, const std::vector<Term>& terms, double u, double 
 }
 
 void Rows::add_all(Jets& sum, double x, double y, Needed needed) const {
-    add(sum, mean_of_all(2.0 * c_ * ux_, x), 2.0 * ux_);
+    add(sum, mean_of_all(2.0 * cx_, x), 2.0 * cx_, 2.0 * wx_);
     add_side(sum, behind_, x, y, needed);
     add_side(sum, ahead_, x - 1.0, y, needed);
 }
 
 void Rows::add_others(Jets& sum, double x, double y, Needed needed) const {
-    add(sum, mean_of_others(2.0 * c_ * ux_, x), 2.0 * ux_);
+    add(sum, mean_of_others(2.0 * cx_, x), 2.0 * cx_, 2.0 * wx_);
     add_side(sum, behind_, x + 1.0, y, needed);
     add_side(sum, ahead_, x - 1.0, y, needed);
 }
 
 Rows::Mirrored Rows::values(double x, double y) const {
-    const Mean mean = mean_of_all(2.0 * c_ * ux_, x);
-    Mirrored sum{{mean.g, 2.0 * ux_ * mean.z}, {mean.g, 2.0 * ux_ * mean.z}};
+    const Mean mean = mean_of_all(2.0 * cx_, x);
+    Mirrored sum{{mean.g, 2.0 * wx_ * mean.z}, {mean.g, 2.0 * wx_ * mean.z}};
     const Complex turn(std::cos(two_pi * y), std::sin(two_pi * y));
     for (const bool front : {false, true}) {
         const double u = front ? x - 1.0 : x;

@@ -1,10 +1,12 @@
 #pragma once
 // The periodic potential as columns of sources at x = 0, +-1, ...: a Fourier series along the columns (y),
-// exact exponentials across them. Unit of length: the box's side. The rod heads along (ux, uy).
+// exact exponentials across them. Unit of length: the box's side.
 //
-//   g'' - q^2 g + 2 cx g' + 2 i cy q g = -2 pi (delta_per(x) - [q = 0]),    q = 2 pi n,  (cx, cy) = c (ux,
-//   uy) k = -cx +- s,  s = sqrt(cx^2 + q^2 - 2 i cy q) 0 < x < 1:  g = (pi/s) [ e^(k- x)/(1 - e^(k-)) + e^(k+
-//   (x-1))/(1 - e^(-k+)) ]
+//   g'' - q^2 g + 2 cx g' + 2 i cy q g = -2 pi (delta_per(x) - [q = 0]),    q = 2 pi n
+//
+//   0 < x < 1:  g = (pi/s) [ e^(k- x)/(1 - e^(k-)) + e^(k+ (x-1))/(1 - e^(-k+)) ]
+//
+//   k = -cx +- s,    s = sqrt(cx^2 + q^2 - 2 i cy q)
 //
 // The first is all columns at x <= 0, the second all at x >= 1. n = 0: the mean over y (periodic_rows.cpp).
 // The sum over n converges as e^(-Re k d), d the distance of the nearest column that takes part; terms below
@@ -46,14 +48,16 @@ inline Complex root(Complex a) {
 
 class Rows {
 public:
-    /// For points at least `nearest` away from the columns that take part.
-    Rows(double c, double ux, double uy, double nearest);
+    /// Wave vector (cx, cy); derivatives by it are along (wx, wy). For points at least `nearest` away from
+    /// the columns that take part.
+    Rows(double cx, double cy, double wx, double wy, double nearest);
 
     /// All columns; nearest <= x <= 1 - nearest.
     void add_all(Jets& sum, double x, double y, Needed needed) const;
     /// All but the column at 0; |x| <= 1/2.
     void add_others(Jets& sum, double x, double y, Needed needed) const;
-    /// Values alone, at (x, y) and (x, -y), of the potential and its derivative by c.
+    /// Values alone, at (x, y) and (x, -y), of the potential and its derivative by the wave
+    /// vector.
     struct Values {
         double g, by_c;
     };
@@ -63,14 +67,14 @@ public:
     Mirrored values(double x, double y) const;
 
 private:
-    /// weight e^(k u) with the derivatives by c of both.
+    /// weight e^(k u) with the derivatives of both by the wave vector.
     struct Term {
         Complex k, weight, k_c, weight_c;
     };
     Term term(Complex k, Complex s, double q, double towards) const;
     void add_side(Jets& sum, const std::vector<Term>& terms, double u, double y, Needed needed) const;
 
-    double c_, ux_, uy_;
+    double cx_, wx_, wy_;
     std::vector<Term> behind_, ahead_; ///< k-, k+; n = 1, 2, ...
 };
 

@@ -37,14 +37,7 @@ Norms distances(const FieldValues& a, const FieldValues& b) {
 }
 
 Norms largest_at(const elastic::PeriodicField& field, double r) {
-    Norms largest{};
-    for (int k = 0; k < 24; ++k) {
-        const double angle = std::numbers::pi * k / 12.0;
-        const Norms n = norms(field.at(r * std::cos(angle), r * std::sin(angle), plain));
-        for (std::size_t q = 0; q < n.size(); ++q)
-            largest[q] = std::max(largest[q], n[q]);
-    }
-    return largest;
+    return largest_on_circle(r, [&](double x, double y) { return norms(field.at(x, y, plain)); });
 }
 
 double worst(const Norms& distances, const Norms& scale) {

@@ -5,6 +5,10 @@
 
 #include "rodwake/elastic/periodic.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 namespace rodwake::oracle {
 
 inline constexpr elastic::FieldRequest plain{true, true, true, true, false};
@@ -16,6 +20,18 @@ Norms norms(const elastic::FieldValues& f);
 Norms distances(const elastic::FieldValues& got, const elastic::FieldValues& wanted);
 /// The largest at 24 places at the distance r from the rod.
 Norms largest_at(const elastic::PeriodicField& field, double r);
+/// The same of anything, from its norms at a place of the circle in the rod's frame.
+template<class NormsAt>
+Norms largest_on_circle(double r, NormsAt norms_at) {
+    Norms largest{};
+    for (int k = 0; k < 24; ++k) {
+        const double angle = std::numbers::pi * k / 12.0;
+        const Norms n = norms_at(r * std::cos(angle), r * std::sin(angle));
+        for (std::size_t q = 0; q < n.size(); ++q)
+            largest[q] = std::max(largest[q], n[q]);
+    }
+    return largest;
+}
 /// The largest of distances/scale.
 double worst(const Norms& distances, const Norms& scale);
 

@@ -107,6 +107,23 @@ elastic::FieldValues periodic_field(const BoxPoint& at) {
     f.laplacian = {value(ux(2, 0) + ux(0, 2)), value(uy(2, 0) + uy(0, 2))};
     f.gradient_of_trace = {value(ux(2, 0) + uy(1, 1)), value(ux(1, 1) + uy(0, 2))};
     f.dipole = {-value(uy(0, 1)), -value(vy(0, 1))};
+    const auto strain = [&](int i, int j) {
+        return elastic::SymmetricTensor{value(ux(1 + i, j)), value((ux(i, 1 + j) + uy(1 + i, j)) / 2),
+                                        value(uy(i, 1 + j))};
+    };
+    const auto laplacian = [&](int i, int j) {
+        return elastic::Vector{value(ux(2 + i, j) + ux(i, 2 + j)), value(uy(2 + i, j) + uy(i, 2 + j))};
+    };
+    const auto trace = [&](int i, int j) {
+        return elastic::Vector{value(ux(2 + i, j) + uy(1 + i, 1 + j)),
+                               value(ux(1 + i, 1 + j) + uy(i, 2 + j))};
+    };
+    f.strain_x = strain(1, 0);
+    f.strain_y = strain(0, 1);
+    f.laplacian_x = laplacian(1, 0);
+    f.laplacian_y = laplacian(0, 1);
+    f.gradient_of_trace_x = trace(1, 0);
+    f.gradient_of_trace_y = trace(0, 1);
     return f;
 }
 

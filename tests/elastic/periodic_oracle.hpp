@@ -33,7 +33,7 @@ private:
     std::array<std::array<long double, 5>, 5> table_{};
 };
 
-/// All plain quantities: displacement, strain, polar, dipole.
+/// All quantities: displacement, strain, polar, dipole, gradients.
 elastic::FieldValues periodic_field(const BoxPoint& at);
 
 } // namespace rodwake::oracle

@@ -204,8 +204,8 @@ TEST_CASE("bad boxes and places are errors") {
     CHECK_THROWS_WITH(field.at(2.0, -4.0, {.displacement = true}),
                       Catch::Contains("x = 2, y = -4") && Catch::Contains("images"));
     CHECK_THROWS_WITH(field.at(nan, 0.0, {.displacement = true}), Catch::Contains("finite"));
-    CHECK_THROWS_WITH(field.at(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
-    CHECK_THROWS_WITH(field.at_own_place({.gradients = true}), Catch::Contains("gradients"));
+    CHECK_THROWS_WITH(field.by_heading(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
+    CHECK_THROWS_WITH(field.own_place_by_heading({.gradients = true}), Catch::Contains("gradients"));
     CHECK_THROWS_WITH(field.medium_derivatives(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
 }
 
