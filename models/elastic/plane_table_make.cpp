@@ -17,7 +17,7 @@ namespace {
 
 /// Levels of 2^e xi from below 1e-4 to beyond 200.
 constexpr int lowest_level = -14, end_level = 8;
-constexpr std::int32_t cells_per_unit[] = {2, 3, 4, 6, 8, 12, 16, 24, 32};
+constexpr std::int32_t cells_per_unit[] = {2, 3, 4, 6, 8, 12, 16, 24};
 /// Of the tolerance: cells are checked at points, between which the error may be larger.
 constexpr double margin = 0.5;
 
@@ -182,7 +182,7 @@ Level best_level(const CellFit<components>& fit, int exponent, std::size_t threa
 }
 
 /// Measured: with fewer terms the cells become so many that they fall out of the caches.
-int degree_for(double tolerance) { return tolerance >= 3e-5 ? 3 : tolerance >= 1e-8 ? 5 : 7; }
+int degree_for(double tolerance) { return tolerance >= 3e-5 ? 3 : tolerance >= 1e-7 ? 5 : 7; }
 
 void append(CellTable& table, const Level& level, std::size_t& polynomials) {
     table.cells_per_unit.push_back(level.n);

@@ -28,7 +28,8 @@ void validate(const PairOptions& options, std::size_t pairs, std::size_t results
 } // namespace
 
 std::optional<PairProblem> to_pair_problem(const RodProblem& problem) {
-    if (problem.rods.size() != 2 || problem.box || !problem.medium || !problem.couplings.any())
+    if (problem.rods.size() != 2 || problem.box || problem.field || !problem.medium ||
+        !problem.couplings.any())
         return std::nullopt;
     return PairProblem{*problem.medium,
                        problem.couplings,

@@ -15,6 +15,9 @@ void add_medium_lines(const scene::Scene& scene, Lines& lines) {
     lines.push_back({m.periodic.has_value(),
                      m.periodic ? fmt::format("periodic box of {:g} for rods and field", *m.periodic)
                                 : "periodic images of rods: no medium.periodic, infinite plane"});
+    if (m.field == scene::FieldBackend::table)
+        lines.push_back({true, fmt::format("field from a table, relative error {:g}",
+                                           m.table.value_or(scene::FieldTable{}).tolerance)});
 }
 
 void add_field_lines(const scene::Scene& scene, Lines& lines) {
@@ -86,7 +89,7 @@ void add_scan_lines(const Plan& plan, Lines& lines) {
 
 /// What the scene names and this version leaves out.
 void add_unused_lines(const scene::Scene& scene, Lines& lines) {
-    if (scene.medium && scene.medium->table)
+    if (scene.medium && scene.medium->table && scene.medium->field == scene::FieldBackend::exact)
         lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
     if (scene.noise)
         lines.push_back({false, "noise: rotational_diffusion is 0"});

@@ -72,8 +72,14 @@ void add_field(CLI::App& app, Options& options) {
     field->add_option(
         "--points", options.points,
         "CSV with columns x,y,xi,eta (- for standard input); the field goes to standard output");
-    field->add_option("--backend", options.backend, "evaluation of --points: exact")
-        ->check(CLI::IsMember({"exact"}));
+    field
+        ->add_option(
+            "--backend", options.backend,
+            "evaluation of --points: exact, or table: from tables to --table-tolerance, made for each "
+            "eta of a thousand points or more (fewer, and boxes, are exact)")
+        ->check(CLI::IsMember({"exact", "table"}));
+    field->add_option("--table-tolerance", options.table_tolerance, "relative error of tables, 1e-12 to 0.1")
+        ->check(CLI::Range(1e-12, 0.1));
 }
 
 void add_scan(CLI::App& app, Options& options) {
@@ -190,6 +196,9 @@ void check_field_options(const CLI::App& app, const Options& options) {
     const CLI::App& field = *app.get_subcommand("field");
     if (options.points.empty() && field.count("--backend") > 0)
         throw CLI::ValidationError("--backend", "is for --points; a scene says medium.field");
+    if (field.count("--table-tolerance") > 0 && options.backend != "table")
+        throw CLI::ValidationError("--table-tolerance", "is for --points with --backend table; a scene says "
+                                                        "medium.table.tolerance");
     if (!options.points.empty() && !options.output.empty())
         throw CLI::ValidationError(
             "--output", "field --points writes to standard output and makes no folder; use > FILE");

@@ -26,6 +26,7 @@ struct Options {
     // verb-specific
     std::string points;            ///< field --points; "-": standard input
     std::string backend = "exact"; ///< field --backend
+    double table_tolerance = 1e-8; ///< field --table-tolerance
     std::string cases;             ///< impact --cases; "-": standard input
     std::string part;              ///< scan --part i/n
     bool merge = false;            ///< scan --merge

@@ -5,6 +5,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/wake_field.hpp"
+#include "rodwake/stages/wake_tables.hpp"
 #include "rodwake/store/csv.hpp"
 #include "verbs.hpp"
 
@@ -13,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -46,23 +48,45 @@ std::vector<Point> read_points(const std::string& file) {
 /// Rows of one medium and box follow each other: its wake is built once.
 class Wakes {
 public:
+    Wakes(const Options& options, const std::vector<Point>& points)
+        : tolerance_(options.table_tolerance), tables_(context_) {
+        if (options.backend == "table")
+            for (const Point& point : points)
+                ++count_[point.medium.eta];
+    }
+
     elastic::FieldValues at(const Point& point) {
         constexpr elastic::FieldRequest all{
             .displacement = true, .strain = true, .polar = true, .dipole = true};
         if (!wake_ || !same_wake(point, last_)) {
-            const std::optional<double> box = std::isnan(point.box) ? std::nullopt : std::optional(point.box);
-            wake_ = elastic::exact_field(point.medium, box)->wake(0.0);
+            wake_ = field(point)->wake(0.0);
             last_ = point;
         }
         return wake_->at(point.x, point.y, all);
     }
 
 private:
+    /// Making a table takes as long as some million points.
+    static constexpr std::size_t worth_a_table = 1000;
+
     static bool same_wake(const Point& a, const Point& b) {
         return a.medium.eta == b.medium.eta && a.medium.xi == b.medium.xi &&
                (a.box == b.box || (std::isnan(a.box) && std::isnan(b.box)));
     }
 
+    std::shared_ptr<const elastic::WakeField> field(const Point& point) {
+        if (!std::isnan(point.box))
+            return elastic::exact_field(point.medium, point.box);
+        const auto count = count_.find(point.medium.eta);
+        if (count == count_.end() || count->second < worth_a_table)
+            return elastic::exact_field(point.medium);
+        return elastic::table_field(tables_.plane(point.medium.eta, tolerance_), point.medium);
+    }
+
+    double tolerance_;
+    stages::RunContext context_;
+    stages::WakeTables tables_;
+    std::map<double, std::size_t> count_; ///< points of each eta, if tables are wanted
     Point last_{};
     std::shared_ptr<const elastic::Wake> wake_; ///< of last_
 };
@@ -107,7 +131,7 @@ int verb_field_points(const Options& options) {
     const std::vector<Point> points = read_points(options.points);
     fmt::memory_buffer out;
     out.append(std::string_view(header));
-    Wakes wakes;
+    Wakes wakes(options, points);
     std::vector<std::string> failed;
     for (const Point& point : points) {
         Row values = row_without_field(point);

@@ -105,7 +105,7 @@ bool refuse_given(Visitor& v, const EtaForms& k, const std::optional<double>& xi
 } // namespace
 
 void fields(Visitor& v, FieldTable& table) {
-    v(key("tolerance").within(1e-14, 1e-1).doc("relative error of the tabulated field").example("1e-8"),
+    v(key("tolerance").within(1e-12, 1e-1).doc("relative error of the tabulated field").example("1e-6"),
       table.tolerance);
 }
 
@@ -130,11 +130,12 @@ void fields(Visitor& v, Medium& medium) {
           .example("1.0"),
       alpha);
     v(key("field")
-          .one_of({"exact"})
-          .not_yet({"table", "measured", "dynamic"})
-          .doc("how the field is evaluated")
+          .one_of({"exact", "table"})
+          .not_yet({"measured", "dynamic"})
+          .doc("how the field is evaluated; a table of it is made once, to table.tolerance, and kept in the "
+               "user's cache folder")
           .example("\"exact\""),
-      choice(medium.field, {{"exact", FieldBackend::exact}}));
+      choice(medium.field, {{"exact", FieldBackend::exact}, {"table", FieldBackend::table}}));
     v(key("periodic")
           .unit(length)
           .above(0.0)

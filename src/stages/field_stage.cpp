@@ -1,6 +1,7 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/elastic/tensor.hpp"
 #include "rodwake/elastic/wake_field.hpp"
+#include "rodwake/stages/wake_tables.hpp"
 #include "rodwake/store/csv.hpp"
 #include "stage_list.hpp"
 
@@ -29,8 +30,7 @@ std::vector<double> evenly_spaced(double from, double to, std::size_t count) {
 /// Of one rod, heading along x.
 class RodField {
 public:
-    explicit RodField(const scene::Medium& medium)
-        : box_(medium.periodic), wake_(elastic::exact_field({medium.eta, medium.xi}, box_)->wake(0.0)) {}
+    explicit RodField(const elastic::WakeField& field) : box_(field.box()), wake_(field.wake(0.0)) {}
 
     /// NaN at the rod itself, where the field is singular: figures leave that point out.
     FieldValues at(double x, double y, elastic::FieldRequest request) const {
@@ -138,7 +138,8 @@ void store_cut(Session& session, const RodField& field, std::size_t index) {
 
 StageEnd run_field_stage(Session& session) {
     const scene::Field& table = *session.plan.scene.field;
-    const RodField field(*session.modelled().medium);
+    WakeTables tables(session.context);
+    const RodField field(*wake_field(*session.modelled().medium, tables));
     if (!table.x.empty())
         store_grid(session, field);
     for (std::size_t i = 0; i < table.cuts.size() && !session.context.stopped(); ++i)

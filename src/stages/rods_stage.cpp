@@ -1,6 +1,7 @@
 #include "progress.hpp"
 #include "rods_checkpoint.hpp"
 #include "rodwake/core/parallel.hpp"
+#include "rodwake/stages/wake_tables.hpp"
 #include "rodwake/store/csv.hpp"
 #include "stage_list.hpp"
 
@@ -15,6 +16,7 @@ using assembly::OutputUnits;
 /// A plan on its way.
 struct Work {
     const assembly::RodsPlan* plan;
+    rods::RodProblem problem; ///< the plan's, with its field
     rods::RodOptions options;
     rods::RodResult result;
 
@@ -41,7 +43,7 @@ void solve(const Session& session, Work& one, bool show_progress) {
         session.directory.write(one.checkpoint_file(), checkpoint_json(checkpoint, one.of().scene));
     };
     resume(session, one);
-    one.result = rods::simulate(one.plan->problem, one.options);
+    one.result = rods::simulate(one.problem, one.options);
     const integrate::Status& status = one.result.solution.status;
     if (status.ok() &&
         status.termination != integrate::Termination::interrupted) // a higher limit may follow a failure
@@ -134,15 +136,23 @@ StageEnd report(const Session& session, const Work& one) {
                                                                      : StageEnd::finished;
 }
 
+rods::RodProblem problem_of(const assembly::RodsPlan& plan, WakeTables& tables) {
+    rods::RodProblem problem = plan.problem;
+    if (problem.medium && problem.couplings.any() && problem.rods.size() > 1)
+        problem.field = wake_field(*plan.of.scene.medium, tables);
+    return problem;
+}
+
 } // namespace
 
 StageEnd run_rods_stage(Session& session) {
     // a medium from [fit] is known only now
     const std::vector<assembly::RodsPlan> fitted =
         session.fitted() ? assembly::plan_rods(session.modelled()) : std::vector<assembly::RodsPlan>{};
+    WakeTables tables(session.context);
     std::vector<Work> cases;
     for (const assembly::RodsPlan& plan : session.fitted() ? fitted : session.plan.rods)
-        cases.push_back({&plan, plan.options, {}});
+        cases.push_back({&plan, problem_of(plan, tables), plan.options, {}});
     parallel_for(cases.size(), session.context.thread_count(),
                  [&](std::size_t i) { solve(session, cases[i], i == 0); });
     StageEnd end = StageEnd::finished;

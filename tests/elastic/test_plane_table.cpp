@@ -27,17 +27,16 @@ double norm(const SymmetricTensor& t) { return off(t, {}); }
 } // namespace
 
 TEST_CASE("a table keeps its tolerance at points it was not made from") {
-    for (const double eta : {0.3, 1.0, 30.0})
-        for (const double tolerance : {1e-3, 1e-6}) {
-            const auto table = table_of(eta, tolerance);
-            CAPTURE(eta, tolerance);
-            CHECK(table->strain_error <= tolerance);
-            CHECK(table->gradient_error <= tolerance);
-            const TableErrors others = plane_table_errors(*table, 200'000, 7, 2);
-            CHECK(others.strain <= tolerance);
-            CHECK(others.gradient <= tolerance);
-            CHECK(others.strain > 1e-3 * tolerance); // it is a table, and the comparison sees it
-        }
+    for (const auto& [eta, tolerance] : {std::pair{0.3, 1e-3}, {30.0, 1e-4}}) {
+        const auto table = table_of(eta, tolerance);
+        CAPTURE(eta, tolerance);
+        CHECK(table->strain_error <= tolerance);
+        CHECK(table->gradient_error <= tolerance);
+        const TableErrors others = plane_table_errors(*table, 200'000, 7, 2);
+        CHECK(others.strain <= tolerance);
+        CHECK(others.gradient <= tolerance);
+        CHECK(others.strain > 1e-3 * tolerance); // it is a table, and the comparison sees it
+    }
 }
 
 TEST_CASE("an error in a table's numbers is seen") {

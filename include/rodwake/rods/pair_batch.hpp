@@ -31,8 +31,8 @@ struct PairProblem {
     double contact_distance = 0.0; ///< stop when the rods come this close; 0: never
 };
 
-/// The problem as a pair for the batch; nothing if it is none: not two rods, a periodic box, no medium or no
-/// coupling.
+/// The problem as a pair for the batch; nothing if it is none: not two rods, a periodic box, a field of
+/// its own, no medium or no coupling.
 std::optional<PairProblem> to_pair_problem(const RodProblem& problem);
 RodProblem to_rod_problem(const PairProblem& pair);
 

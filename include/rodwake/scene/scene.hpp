@@ -32,7 +32,7 @@ struct Scales {
     bool operator==(const Scales&) const = default;
 };
 
-enum class FieldBackend { exact };
+enum class FieldBackend { exact, table };
 enum class PolarBasis { laplacian, divergence };
 
 /// [medium.table]: for backends that interpolate the field. The exact one has no use for it.

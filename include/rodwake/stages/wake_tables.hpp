@@ -1,0 +1,46 @@
+#pragma once
+// The wakes a scene's medium asks for: exact, or from a table that is made once and kept for other runs.
+//
+// A table stands in $XDG_CACHE_HOME/rodwake (~/.cache/rodwake), its name a hash of what it was made from
+// and its bytes covered by checksums; a file that is damaged or of another version is made anew. Without a
+// writable cache folder a table is made for the run alone.
+
+#include "rodwake/elastic/plane_table.hpp"
+#include "rodwake/scene/scene.hpp"
+#include "rodwake/stages/run_context.hpp"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace rodwake::stages {
+
+/// Where tables are kept; empty if the environment names no place.
+std::filesystem::path table_folder();
+
+/// "plane-0123456789abcdef.rwt"
+std::string table_file_name(double eta, double tolerance);
+
+/// Thread-safe; a table is made or read at most once.
+class WakeTables {
+public:
+    explicit WakeTables(const RunContext& context, std::filesystem::path folder = table_folder())
+        : context_(context), folder_(std::move(folder)) {}
+
+    /// The plane's table of this eta. Throws InputError for an illegal eta or tolerance.
+    std::shared_ptr<const elastic::PlaneTable> plane(double eta, double tolerance);
+
+private:
+    std::shared_ptr<const elastic::PlaneTable> read_or_make(double eta, double tolerance) const;
+
+    const RunContext& context_;
+    std::filesystem::path folder_;
+    std::mutex mutex_;
+    std::map<std::pair<double, double>, std::shared_ptr<const elastic::PlaneTable>> tables_;
+};
+
+/// As medium.field says.
+std::shared_ptr<const elastic::WakeField> wake_field(const scene::Medium& medium, WakeTables& tables);
+
+} // namespace rodwake::stages
