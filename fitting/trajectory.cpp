@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 namespace rodwake::fitting {
@@ -27,7 +28,19 @@ struct Residuals {
 };
 
 double sigma_of(const Trajectory& one, std::size_t component) {
-    return component % 3 == 2 ? one.sigma_heading : one.sigma_position;
+    return (component % 3 == 2 ? one.sigma_heading : one.sigma_position) / std::sqrt(one.independent);
+}
+
+/// Of the residuals; a time of contact counts in full.
+double mean_independent(const std::vector<Trajectory>& all) {
+    double values = 0.0, residuals = 0.0;
+    for (const Trajectory& one : all) {
+        const Residuals size(one);
+        residuals += static_cast<double>(size.count());
+        values += static_cast<double>(size.contact) +
+                  one.independent * static_cast<double>(size.count() - size.contact);
+    }
+    return values / residuals;
 }
 
 std::string residual_name(const Trajectory& one, std::size_t i) {
@@ -157,6 +170,7 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     Problem problem;
     problem.parameters = std::move(parameters);
     problem.residuals = all->residuals();
+    problem.independent = mean_independent(trajectories);
     problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                              Eigen::MatrixXd* jacobian) { all->evaluate(p, r, jacobian); };
     problem.residual_name = [all](std::size_t i) { return all->name(i); };

@@ -46,15 +46,22 @@ void check_sigma(const Trajectory& one, const char* name, double sigma) {
             fmt::format("{} = {}: must be above 0 and finite", name, sigma));
 }
 
+void check_domain(const Trajectory& one) {
+    require(!one.box || (*one.box > 0.0 && std::isfinite(*one.box)), one.name,
+            fmt::format("box = {}: must be above 0 and finite", one.box.value_or(0.0)));
+    require(one.independent > 0.0 && one.independent <= 1.0, one.name,
+            fmt::format("independent = {}: a row is worth more than 0 and at most 1 row", one.independent));
+}
+
 void check_contact(const Trajectory& one) {
     require(!one.contact_time || one.contact_distance, one.name, "contact_time needs a contact_distance");
     require(!one.contact_time || (*one.contact_time > one.times.front() && std::isfinite(*one.contact_time)),
             one.name,
             fmt::format("contact_time = {}: must be finite and after the first row, {}",
                         one.contact_time.value_or(0.0), one.times.front()));
-    const double start = rods::closest_pair(one.states.front()).distance;
+    const double start = rods::closest_pair(one.states.front(), one.box).distance;
     for (std::size_t row = 0; row < one.states.size(); ++row)
-        require(rods::closest_pair(one.states[row]).distance > 0.0, row_name(one, row),
+        require(rods::closest_pair(one.states[row], one.box).distance > 0.0, row_name(one, row),
                 "two rods are in the same place");
     require(
         !one.contact_distance || (*one.contact_distance > 0.0 && *one.contact_distance < start), one.name,
@@ -74,6 +81,7 @@ void check_trajectories(const std::vector<Trajectory>& trajectories) {
         throw InputError("fit of trajectories: there are none");
     for (const Trajectory& one : trajectories) {
         check_shape(one);
+        check_domain(one);
         for (std::size_t row = 0; row < one.times.size(); ++row)
             check_row(one, row);
         check_sigma(one, "sigma_position", one.sigma_position);

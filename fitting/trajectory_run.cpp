@@ -108,16 +108,17 @@ void add_end(ModelRun& run, const rods::RodProblem& problem, const integrate::Se
 void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::SensitivitySolution& solved,
                  const Columns& columns, std::size_t parameters) {
     const bool met = solved.solution.status.termination == integrate::Termination::stopped_at_event;
-    const rods::Separation pair = rods::closest_pair(solved.solution.final_state);
+    const rods::Separation pair = rods::closest_pair(solved.solution.final_state, trajectory.box);
     run.contact_time =
         solved.solution.final_time + (met ? 0.0 : pair.distance - *trajectory.contact_distance);
     if (columns.parameter.empty())
         return;
     Eigen::MatrixXd by = solved.event_time_by_parameter.transpose();
     if (!met) {
-        const auto y = vector(solved.solution.final_state);
         const auto a = static_cast<Column>(3 * pair.first), b = static_cast<Column>(3 * pair.second);
-        const Eigen::RowVector2d axis = (y.segment<2>(a) - y.segment<2>(b)).transpose() / pair.distance;
+        const rods::Offset d =
+            rods::offset(solved.solution.final_state, pair.first, pair.second, trajectory.box);
+        const Eigen::RowVector2d axis = Eigen::RowVector2d(d.x, d.y) / pair.distance;
         by = axis * (solved.final_sensitivity.middleRows(a, 2) - solved.final_sensitivity.middleRows(b, 2));
     }
     run.contact_time_by_parameter = spread(columns, parameters, by).transpose();
@@ -129,7 +130,7 @@ void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::S
 double implied_contact(const Trajectory& trajectory) {
     double smallest = HUGE_VAL;
     for (const std::vector<double>& state : trajectory.states)
-        smallest = std::min(smallest, rods::closest_pair(state).distance);
+        smallest = std::min(smallest, rods::closest_pair(state, trajectory.box).distance);
     return 0.01 * smallest;
 }
 
@@ -166,6 +167,7 @@ rods::RodProblem rod_problem(const Trajectory& trajectory, std::size_t index, st
         else if (roles[j].trajectory == index)
             problem.rods[roles[j].rod].heading = values[j];
     }
+    problem.box = trajectory.box;
     problem.contact_distance = trajectory.contact_distance.value_or(implied_contact(trajectory));
     problem.t_end = times_to_solve(trajectory).back();
     return problem;

@@ -89,9 +89,9 @@ void model(const Fit& fit, const Report& report) {
             report(std::string("fit.") + name,
                    fmt::format("{} belongs to [[fit.profiles]]; there are none", name));
     };
-    of_profiles(fit.box.has_value(), "box");
     of_profiles(fit.core != unset.core, "core");
     of_profiles(fit.independent_spacing.has_value(), "independent_spacing");
+    of_profiles(fit.heading != unset.heading, "heading");
     if (fit.heading != unset.heading && !fit.box)
         report("fit.heading", "heading is that of the rod against the sides of box; there is no box");
     if (fit.search.loss_width != unset.search.loss_width && fit.search.loss == fitting::Loss::squares)

@@ -60,9 +60,8 @@ void model_fields(Visitor& v, Fit& fit) {
           .unit(length)
           .above(0.0)
           .absent("infinite plane")
-          .doc("side of the periodic box in which the profiles were measured: the rod's images count, and U "
-               "is "
-               "relative to its mean over the box")
+          .doc("side of the periodic box in which the data were measured, axes those of the files: images "
+               "count, and U of profiles is relative to its mean over the box")
           .example("\"78 a\""),
       fit.box);
     v(key("heading").unit(angle).doc("of the rod against the sides of box").example("\"30 deg\""),
@@ -232,6 +231,13 @@ void fields(Visitor& v, FitTrajectory& t, const FitUnits& units) {
       t.contact_time);
     v(key("sigma_contact").above(0.0).absent("1").doc("standard error of contact_time").example("0.01"),
       t.sigma_contact);
+    v(key("independent_time")
+          .above(0.0)
+          .absent("all rows are independent")
+          .doc("rows closer in time share noise: their sigmas are multiplied by "
+               "sqrt(independent_time/interval of the rows) if that is above 1; in the file's unit")
+          .example("1.5"),
+      t.independent_time);
     v.use_units(units.tracks);
     scale_fields(v, t, units.scales);
     v.use_units(units.profiles);

@@ -100,6 +100,15 @@ bool unwrap(std::vector<std::vector<double>>& states) {
     return changed;
 }
 
+/// Rods that came in again at the other side go on where they were.
+void unwrap_places(std::vector<std::vector<double>>& states, double box) {
+    for (std::size_t row = 1; row < states.size(); ++row)
+        for (std::size_t k = 0; k < states[row].size(); ++k)
+            if (k % 3 != 2)
+                states[row][k] =
+                    states[row - 1][k] + std::remainder(states[row][k] - states[row - 1][k], box);
+}
+
 void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
     out.sigma_known = keys.sigma_position.has_value();
     out.data.name = out.name;
@@ -197,7 +206,8 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
     return out;
 }
 
-FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& file) {
+FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& file,
+                            std::optional<double> box) {
     static const std::vector<std::string> required = {"t", "x0", "y0", "theta0"}, optional = more_rod_names();
     const store::Table table = store::read_csv(file, required, optional);
     const auto columns = rod_columns(table);
@@ -224,6 +234,14 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
     if (out.data.times.size() < 2)
         throw InputError(file.string() + ": a trajectory needs at least two rows from t = 0 on");
     out.unwrapped = unwrap(out.data.states);
+    if (box) {
+        out.data.box = *box / out.length;
+        unwrap_places(out.data.states, *out.data.box);
+    }
+    const double interval = (out.data.times.back() - out.data.times.front()) * out.time /
+                            static_cast<double>(out.data.times.size() - 1);
+    if (keys.independent_time)
+        out.data.independent = std::min(1.0, interval / *keys.independent_time);
     return out;
 }
 
@@ -244,7 +262,7 @@ assembly::FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& r
                                                   keys.independent_spacing);
     for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
         if (const scene::FitTrajectory& one = keys.trajectories[i]; !absent(one.file))
-            inputs.tracks[i] = read_fit_track(one, find_fit_file(one.file, scene, run_directory));
+            inputs.tracks[i] = read_fit_track(one, find_fit_file(one.file, scene, run_directory), keys.box);
     return inputs;
 }
 

@@ -123,6 +123,7 @@ ordered_json track_json(const assembly::FitPlan& plan, const FitResults& results
             {"file", plan.tracks[i].file.string()},
             {"rods", plan.tracks[i].rods},
             {"rows", plan.tracks[i].data.times.size()},
+            {"independent", plan.tracks[i].data.independent},
             {"data", fmt::format("fit_trajectory_{}.csv", i)},
             {"rms_position", number(results.tracks[i].rms_position)},
             {"rms_heading", number(results.tracks[i].rms_heading)}};

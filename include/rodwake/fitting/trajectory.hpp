@@ -30,6 +30,10 @@ struct Trajectory {
     std::optional<double> contact_time;     ///< a datum: when the rods met
     double sigma_contact = 1.0;
     std::vector<std::string> where; ///< each row's origin for messages
+    std::optional<double> box = {}; ///< side of the periodic box it was measured in, positions unwrapped;
+                                    ///< absent: infinite plane
+    double independent = 1.0; ///< independent rows a row is worth, in (0, 1]: below 1 if neighbours share
+                              ///< noise; sigmas of rows are enlarged by 1/sqrt(independent)
 };
 
 /// rtol 1e-10, as fits to 1e-6 need, and few steps, so that a search that strays to violent couplings turns

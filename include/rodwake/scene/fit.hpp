@@ -50,6 +50,7 @@ struct FitTrajectory {
     std::optional<double> sigma_position, sigma_heading; ///< absent: 1, and errors from the scatter
     bool free_headings = false;
     std::optional<double> contact_distance, contact_time, sigma_contact;
+    std::optional<double> independent_time; ///< rows closer than this share noise; absent: all independent
     double f_over_mu = 1.0, speed = 1.0; ///< what the reduced units are in the file's numbers; those of
                                          ///< [scales] by default in an SI scene
     std::string name;                    ///< empty: from the file's
