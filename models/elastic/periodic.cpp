@@ -128,7 +128,8 @@ NearestImage PeriodicField::Impl::nearest(double x, double y) const {
 
 Parts PeriodicField::Impl::parts(double x, double y, Needed needed) const {
     needed.by_c = false;
-    const Jet t = to_rod(shear.at(x, y, needed).g), l = to_rod(longitudinal.at(x, y, needed).g);
+    const Jet t = to_rod(shear.at(x, y, needed).g, needed.third),
+              l = to_rod(longitudinal.at(x, y, needed).g, needed.third);
     return {t, between ? b_between(x, y, needed) : xi * (t + -1.0 * l), nu * l};
 }
 
@@ -137,7 +138,7 @@ Jet PeriodicField::Impl::b_between(double x, double y, Needed needed) const {
     needed.by_c = needed.without_log = true;
     Jet sum;
     for (const PeriodicPotential& node : *between)
-        sum += 0.25 * (1.0 - nu) * to_rod(node.at(x, y, needed).by_c);
+        sum += 0.25 * (1.0 - nu) * to_rod(node.at(x, y, needed).by_c, needed.third);
     if (is_near(x, y))
         sum += xi * (logarithm(shear.c(), x, y, needed.third) +
                      -1.0 * logarithm(longitudinal.c(), x, y, needed.third));
@@ -162,8 +163,8 @@ MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, Fiel
     Needed needed = needed_for(request);
     needed.by_c = true;
     const Jets t = shear.at(x, y, needed), l = longitudinal.at(x, y, needed);
-    const Jet gt = to_rod(t.g), gl = to_rod(l.g), ct = shear.c() * to_rod(t.by_c),
-              cl = longitudinal.c() * to_rod(l.by_c);
+    const Jet gt = to_rod(t.g, false), gl = to_rod(l.g, false), ct = shear.c() * to_rod(t.by_c, false),
+              cl = longitudinal.c() * to_rod(l.by_c, false);
     const Parts by_eta{{}, xi * nu * cl, -nu * nu * (gl + cl)};
     const double per = 1.0 / box; // xi of the caller's over xi here
     const Parts by_xi{(-per / xi) * ct, per * (gt + -1.0 * gl + -1.0 * ct + cl), (-per * nu / xi) * cl};

@@ -43,7 +43,7 @@ struct PeriodicField::Impl {
     Impl(const Medium& m, double side, double angle);
 
     NearestImage nearest(double x, double y) const;
-    Jet to_rod(const Jet& box_axes) const { return from_axes(cosine, -sine, box_axes); }
+    Jet to_rod(const Jet& box_axes, bool third) const { return from_axes(cosine, -sine, box_axes, third); }
 
     /// Of the whole field where it is summed as rows, of the rest near the rod.
     Parts parts(double x, double y, Needed needed) const;

@@ -102,19 +102,22 @@ inline Jet times_decay(double scale, double cx, double cy, const Jet& f) {
 /// The same function with the axes exchanged.
 inline Jet exchanged(const Jet& f) { return {f.v, f.y, f.x, f.yy, f.xy, f.xx, f.yyy, f.xyy, f.xxy, f.xxx}; }
 
-/// From axes in which x runs along (ux, uy) to those in which (ux, uy) is given.
-inline Jet from_axes(double ux, double uy, const Jet& f) {
+/// From axes in which x runs along (ux, uy) to those in which (ux, uy) is given; third derivatives if needed.
+inline Jet from_axes(double ux, double uy, const Jet& f, bool third) {
     const double cc = ux * ux, cs = ux * uy, ss = uy * uy;
-    return {f.v,
-            ux * f.x - uy * f.y,
-            uy * f.x + ux * f.y,
-            cc * f.xx - 2.0 * cs * f.xy + ss * f.yy,
-            cs * (f.xx - f.yy) + (cc - ss) * f.xy,
-            ss * f.xx + 2.0 * cs * f.xy + cc * f.yy,
-            ux * (cc * f.xxx + 3.0 * ss * f.xyy) - uy * (3.0 * cc * f.xxy + ss * f.yyy),
-            uy * (cc * f.xxx + (ss - 2.0 * cc) * f.xyy) + ux * ((cc - 2.0 * ss) * f.xxy + ss * f.yyy),
-            ux * (ss * f.xxx + (cc - 2.0 * ss) * f.xyy) + uy * ((2.0 * cc - ss) * f.xxy - cc * f.yyy),
-            uy * (ss * f.xxx + 3.0 * cc * f.xyy) + ux * (3.0 * ss * f.xxy + cc * f.yyy)};
+    Jet g{f.v,
+          ux * f.x - uy * f.y,
+          uy * f.x + ux * f.y,
+          cc * f.xx - 2.0 * cs * f.xy + ss * f.yy,
+          cs * (f.xx - f.yy) + (cc - ss) * f.xy,
+          ss * f.xx + 2.0 * cs * f.xy + cc * f.yy};
+    if (!third)
+        return g;
+    g.xxx = ux * (cc * f.xxx + 3.0 * ss * f.xyy) - uy * (3.0 * cc * f.xxy + ss * f.yyy);
+    g.xxy = uy * (cc * f.xxx + (ss - 2.0 * cc) * f.xyy) + ux * ((cc - 2.0 * ss) * f.xxy + ss * f.yyy);
+    g.xyy = ux * (ss * f.xxx + (cc - 2.0 * ss) * f.xyy) + uy * ((2.0 * cc - ss) * f.xxy - cc * f.yyy);
+    g.yyy = uy * (ss * f.xxx + 3.0 * cc * f.xyy) + ux * (3.0 * ss * f.xxy + cc * f.yyy);
+    return g;
 }
 
 } // namespace rodwake::elastic
