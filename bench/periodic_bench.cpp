@@ -1,5 +1,5 @@
-// Time per point of the field in a periodic box and of its derivatives by the medium, and of building it
-// anew, which a fit does for each trial medium and rods in a box at each step.
+// Time per point of the field in a periodic box and of its derivatives by the medium, the place and the
+// heading, and of building it anew, which a fit does for each trial medium and rods in a box at each step.
 //
 //   build/release/bench/bench_periodic --benchmark_min_time=0.5
 
@@ -56,6 +56,17 @@ void displacement_derivatives(benchmark::State& state) {
     });
 }
 
+void gradients(benchmark::State& state) {
+    over_box(state, [](const PeriodicField& f, Vector p) {
+        return f.at(p.x, p.y, {.strain = true, .gradients = true});
+    });
+}
+
+void heading_derivatives(benchmark::State& state) {
+    over_box(state,
+             [](const PeriodicField& f, Vector p) { return f.by_heading(p.x, p.y, {.strain = true}); });
+}
+
 void media(benchmark::internal::Benchmark* b) {
     for (const long turned : {0, 7})
         for (const long ratio : {1, 100, 1000, 5000, 20000, 100000, 1000000})
@@ -66,5 +77,7 @@ BENCHMARK(construct)->Apply(media);
 BENCHMARK(displacement)->Apply(media);
 BENCHMARK(strain)->Apply(media);
 BENCHMARK(displacement_derivatives)->Apply(media);
+BENCHMARK(gradients)->Apply(media);
+BENCHMARK(heading_derivatives)->Apply(media);
 
 } // namespace
