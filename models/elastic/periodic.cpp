@@ -46,17 +46,6 @@ void add_gradients(FieldValues& f, const Parts& p, FieldRequest request, double 
     }
 }
 
-void add(Vector& a, const Vector& b) {
-    a.x += b.x;
-    a.y += b.y;
-}
-
-void add(SymmetricTensor& a, const SymmetricTensor& b) {
-    a.xx += b.xx;
-    a.xy += b.xy;
-    a.yy += b.yy;
-}
-
 void check(FieldRequest request) {
     if (request.gradients)
         throw InputError(
@@ -82,20 +71,6 @@ FieldValues assembled(const Parts& p, FieldRequest request, double box, double s
     if (request.gradients)
         add_gradients(f, p, request, third, third / box, shear_decay);
     return f;
-}
-
-void add(FieldValues& sum, const FieldValues& f) {
-    add(sum.displacement, f.displacement);
-    add(sum.strain, f.strain);
-    add(sum.laplacian, f.laplacian);
-    add(sum.gradient_of_trace, f.gradient_of_trace);
-    add(sum.dipole, f.dipole);
-    add(sum.strain_x, f.strain_x);
-    add(sum.strain_y, f.strain_y);
-    add(sum.laplacian_x, f.laplacian_x);
-    add(sum.laplacian_y, f.laplacian_y);
-    add(sum.gradient_of_trace_x, f.gradient_of_trace_x);
-    add(sum.gradient_of_trace_y, f.gradient_of_trace_y);
 }
 
 Needed needed_for(FieldRequest request) {
@@ -209,6 +184,17 @@ MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldReq
         add(d.by_xi, own.by_xi);
     }
     return d;
+}
+
+FieldValues PeriodicInternals::smooth_rest(const PeriodicField& field, double x, double y,
+                                           FieldRequest request) {
+    const PeriodicField::Impl& own = *field.impl_;
+    FieldValues rest = own.rest(x, y, request);
+    if (!is_near(x, y)) {
+        const Vector offset = turned(Vector{x * own.box, y * own.box}, own.cosine, -own.sine);
+        add_times(rest, -1.0, own.field.at(offset.x, offset.y, request));
+    }
+    return rest;
 }
 
 const Medium& PeriodicField::medium() const { return impl_->medium; }

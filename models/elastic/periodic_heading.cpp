@@ -32,7 +32,13 @@ std::array<Vector, 2> dipole_gradient(const Medium& medium, const FieldValues& f
                                        medium.nu() / medium.xi * (f.strain.xx + f.strain.yy)}};
 }
 
-/// (d.grad) of the infinite plane's field.
+void check(FieldRequest request) {
+    if (request.gradients)
+        throw InputError("gradients of the derivative by heading are not available");
+}
+
+} // namespace
+
 FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request) {
     const FieldValues f = field.at(at.x, at.y, {.strain = true, .polar = true, .gradients = true});
     FieldValues g = unrequested();
@@ -53,13 +59,6 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
         g.dipole = sum(d.x, dipole_x, d.y, dipole_y);
     return g;
 }
-
-void check(FieldRequest request) {
-    if (request.gradients)
-        throw InputError("gradients of the derivative by heading are not available");
-}
-
-} // namespace
 
 const PeriodicField::Impl::Turning& PeriodicField::Impl::turning() const {
     std::call_once(turning_once_, [this] {

@@ -53,6 +53,7 @@ public:
     double heading() const;
 
 private:
+    friend struct PeriodicInternals; ///< models/elastic/periodic_impl.hpp
     struct Impl;
     std::shared_ptr<const Impl> impl_; ///< shared: copies are cheap, calls independent and thread-safe
 };
