@@ -27,7 +27,7 @@ Pieces pieces_for(double c, double tolerance) {
     const auto count = [&](double n, std::size_t order) {
         return static_cast<std::size_t>(std::ceil(n * std::exp(decades / static_cast<double>(order))));
     };
-    return {count(std::max(6.0, 1.2 + 2.15 * std::sqrt(c)), place_nodes), count(0.32 * c, angle_nodes)};
+    return {count(std::max(7.0, 1.2 + 2.15 * std::sqrt(c)), place_nodes), count(0.3 + 0.3 * c, angle_nodes)};
 }
 
 std::array<double, 5> sizes(const FieldValues& f) {
