@@ -3,6 +3,7 @@
 
 #include "chebyshev_grid.hpp"
 #include "field_algebra.hpp"
+#include "rodwake/elastic/periodic.hpp"
 #include "rodwake/elastic/periodic_table.hpp"
 
 #include <array>
@@ -36,6 +37,8 @@ struct PeriodicTable::Impl {
 
 private:
     void fill(const Pieces& pieces, std::size_t angle);
+    void store(const ChebyshevGrid::Node& node, const FieldValues& f);
+    double error_at(const PeriodicField& exact, Vector lab) const;
     Rest in_first_eighth(double heading, double x, double y, FieldRequest request,
                          GridRequest derivatives) const;
 };
