@@ -80,23 +80,21 @@ inline Jet by_angle(double x, double y, const Jet& f) {
     return times_line(x, 1.0, 0.0, by_y(f)) + times_line(-y, 0.0, -1.0, by_x(f));
 }
 
-/// scale exp(-cx x - cy y) f, where `scale` is the exponential at the place.
-inline Jet times_decay(double scale, double cx, double cy, const Jet& f) {
+/// scale exp(-cx x - cy y) f, where `scale` is the exponential at the place; third derivatives if needed.
+inline Jet times_decay(double scale, double cx, double cy, const Jet& f, bool third) {
     const double x = f.x - cx * f.v, y = f.y - cy * f.v; // one factor (d - c) after the other
     const double x_x = f.xx - cx * f.x, x_y = f.xy - cx * f.y, y_y = f.yy - cy * f.y;
     const double xx = x_x - cx * x, xy = x_y - cy * x, yy = y_y - cy * y;
+    Jet g{scale * f.v, scale * x, scale * y, scale * xx, scale * xy, scale * yy};
+    if (!third)
+        return g;
     const double xx_x = f.xxx - cx * f.xx - cx * x_x, xx_y = f.xxy - cx * f.xy - cx * x_y,
                  yy_x = f.xyy - cy * f.xy - cy * (f.xy - cy * f.x), yy_y = f.yyy - cy * f.yy - cy * y_y;
-    return {scale * f.v,
-            scale * x,
-            scale * y,
-            scale * xx,
-            scale * xy,
-            scale * yy,
-            scale * (xx_x - cx * xx),
-            scale * (xx_y - cy * xx),
-            scale * (yy_x - cx * yy),
-            scale * (yy_y - cy * yy)};
+    g.xxx = scale * (xx_x - cx * xx);
+    g.xxy = scale * (xx_y - cy * xx);
+    g.xyy = scale * (yy_x - cx * yy);
+    g.yyy = scale * (yy_y - cy * yy);
+    return g;
 }
 
 /// The same function with the axes exchanged.

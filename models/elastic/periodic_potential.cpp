@@ -36,12 +36,12 @@ void add_source(Jets& sum, const WaveVector& c, double x, double y, double r, do
     const Bessel b = scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z)));
     const double per_r = 1.0 / r, s = k * per_r, k2 = b.k0 + 2.0 * b.k1 / z, k3 = b.k1 + 4.0 * k2 / z;
     const Jet k0 = radial(b.k0, -s * b.k1, s * s * k2, -s * s * s * k3, x, y);
-    sum.g += times_decay(decay, cx, cy, k0);
+    sum.g += times_decay(decay, cx, cy, k0, needed.third);
     if (!needed.by_c)
         return;
     const Jet rk1 = radial(r * b.k1, -k * b.k0, k * s * b.k1, -k * s * s * k2, x, y);
-    sum.by_c +=
-        times_decay(-decay, cx, cy, times_line(c.wx * x + c.wy * y, c.wx, c.wy, k0) + c.along() * rk1);
+    sum.by_c += times_decay(-decay, cx, cy, times_line(c.wx * x + c.wy * y, c.wx, c.wy, k0) + c.along() * rk1,
+                            needed.third);
 }
 
 /// Those at (0, j), j != 0, as far as they exceed e^-40; |ux| >= |uy|, so that none lies in the wake of all.
