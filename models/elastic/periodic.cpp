@@ -46,17 +46,6 @@ void add_gradients(FieldValues& f, const Parts& p, FieldRequest request, double 
     }
 }
 
-void add(Vector& a, const Vector& b) {
-    a.x += b.x;
-    a.y += b.y;
-}
-
-void add(SymmetricTensor& a, const SymmetricTensor& b) {
-    a.xx += b.xx;
-    a.xy += b.xy;
-    a.yy += b.yy;
-}
-
 void check(FieldRequest request) {
     if (request.gradients)
         throw InputError(
@@ -82,20 +71,6 @@ FieldValues assembled(const Parts& p, FieldRequest request, double box, double s
     if (request.gradients)
         add_gradients(f, p, request, third, third / box, shear_decay);
     return f;
-}
-
-void add(FieldValues& sum, const FieldValues& f) {
-    add(sum.displacement, f.displacement);
-    add(sum.strain, f.strain);
-    add(sum.laplacian, f.laplacian);
-    add(sum.gradient_of_trace, f.gradient_of_trace);
-    add(sum.dipole, f.dipole);
-    add(sum.strain_x, f.strain_x);
-    add(sum.strain_y, f.strain_y);
-    add(sum.laplacian_x, f.laplacian_x);
-    add(sum.laplacian_y, f.laplacian_y);
-    add(sum.gradient_of_trace_x, f.gradient_of_trace_x);
-    add(sum.gradient_of_trace_y, f.gradient_of_trace_y);
 }
 
 Needed needed_for(FieldRequest request) {
@@ -128,7 +103,8 @@ NearestImage PeriodicField::Impl::nearest(double x, double y) const {
 
 Parts PeriodicField::Impl::parts(double x, double y, Needed needed) const {
     needed.by_c = false;
-    const Jet t = to_rod(shear.at(x, y, needed).g), l = to_rod(longitudinal.at(x, y, needed).g);
+    const Jet t = to_rod(shear.at(x, y, needed).g, needed.third),
+              l = to_rod(longitudinal.at(x, y, needed).g, needed.third);
     return {t, between ? b_between(x, y, needed) : xi * (t + -1.0 * l), nu * l};
 }
 
@@ -137,7 +113,7 @@ Jet PeriodicField::Impl::b_between(double x, double y, Needed needed) const {
     needed.by_c = needed.without_log = true;
     Jet sum;
     for (const PeriodicPotential& node : *between)
-        sum += 0.25 * (1.0 - nu) * to_rod(node.at(x, y, needed).by_c);
+        sum += 0.25 * (1.0 - nu) * to_rod(node.at(x, y, needed).by_c, needed.third);
     if (is_near(x, y))
         sum += xi * (logarithm(shear.c(), x, y, needed.third) +
                      -1.0 * logarithm(longitudinal.c(), x, y, needed.third));
@@ -162,8 +138,8 @@ MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, Fiel
     Needed needed = needed_for(request);
     needed.by_c = true;
     const Jets t = shear.at(x, y, needed), l = longitudinal.at(x, y, needed);
-    const Jet gt = to_rod(t.g), gl = to_rod(l.g), ct = shear.c() * to_rod(t.by_c),
-              cl = longitudinal.c() * to_rod(l.by_c);
+    const Jet gt = to_rod(t.g, false), gl = to_rod(l.g, false), ct = shear.c() * to_rod(t.by_c, false),
+              cl = longitudinal.c() * to_rod(l.by_c, false);
     const Parts by_eta{{}, xi * nu * cl, -nu * nu * (gl + cl)};
     const double per = 1.0 / box; // xi of the caller's over xi here
     const Parts by_xi{(-per / xi) * ct, per * (gt + -1.0 * gl + -1.0 * ct + cl), (-per * nu / xi) * cl};
@@ -213,6 +189,17 @@ MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldReq
 MediumDerivatives PeriodicField::own_place_by_medium(FieldRequest request) const {
     check(request);
     return impl_->rest_derivatives(0.0, 0.0, request);
+}
+
+FieldValues PeriodicInternals::smooth_rest(const PeriodicField& field, double x, double y,
+                                           FieldRequest request) {
+    const PeriodicField::Impl& own = *field.impl_;
+    FieldValues rest = own.rest(x, y, request);
+    if (!is_near(x, y)) {
+        const Vector offset = turned(Vector{x * own.box, y * own.box}, own.cosine, -own.sine);
+        add_times(rest, -1.0, own.field.at(offset.x, offset.y, request));
+    }
+    return rest;
 }
 
 const Medium& PeriodicField::medium() const { return impl_->medium; }

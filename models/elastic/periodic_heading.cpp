@@ -32,7 +32,13 @@ std::array<Vector, 2> dipole_gradient(const Medium& medium, const FieldValues& f
                                        medium.nu() / medium.xi * (f.strain.xx + f.strain.yy)}};
 }
 
-/// (d.grad) of the infinite plane's field.
+void check(FieldRequest request) {
+    if (request.gradients)
+        throw InputError("gradients of the derivative by heading are not available");
+}
+
+} // namespace
+
 FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request) {
     const FieldValues f = field.at(at.x, at.y, {.strain = true, .polar = true, .gradients = true});
     FieldValues g = unrequested();
@@ -54,13 +60,6 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
     return g;
 }
 
-void check(FieldRequest request) {
-    if (request.gradients)
-        throw InputError("gradients of the derivative by heading are not available");
-}
-
-} // namespace
-
 const PeriodicField::Impl::Turning& PeriodicField::Impl::turning() const {
     std::call_once(turning_once_, [this] {
         const auto turned = [this](double c) {
@@ -77,8 +76,8 @@ FieldValues PeriodicField::Impl::rest_by_heading(const NearestImage& p, FieldReq
     const double x = (p.shift.x + p.offset.x) / box, y = (p.shift.y + p.offset.y) / box;
     Needed needed{.second = true, .third = needed_for(request).second, .by_c = true};
     const Jets t = turning().shear.at(p.x, p.y, needed), l = turning().longitudinal.at(p.x, p.y, needed);
-    const Jet t_wave = to_rod(t.by_c), l_wave = to_rod(l.by_c), t_place = by_angle(x, y, to_rod(t.g)),
-              l_place = by_angle(x, y, to_rod(l.g));
+    const Jet t_wave = to_rod(t.by_c, false), l_wave = to_rod(l.by_c, false),
+              t_place = by_angle(x, y, to_rod(t.g, true)), l_place = by_angle(x, y, to_rod(l.g, true));
     // The derivatives by the wave vector are of order c: no need of the integral over it
     const Jet b_place = between ? by_angle(x, y, parts(p.x, p.y, needed).b) : xi * (t_place + -1.0 * l_place);
     return assembled({t_wave + t_place, xi * (t_wave + -1.0 * l_wave) + b_place, nu * (l_wave + l_place)},

@@ -1,6 +1,7 @@
 #pragma once
 // What a periodic field is made of: two potentials, in the rod's axes, and the infinite plane's own field.
 
+#include "field_algebra.hpp"
 #include "periodic_potential.hpp"
 #include "rodwake/elastic/periodic.hpp"
 
@@ -20,8 +21,6 @@ struct Parts {
 /// derivatives.
 FieldValues assembled(const Parts& p, FieldRequest request, double box, double shear_decay, double uniform);
 
-void add(FieldValues& sum, const FieldValues& f);
-
 /// Which derivatives of the potentials a request takes.
 Needed needed_for(FieldRequest request);
 
@@ -31,6 +30,9 @@ struct NearestImage {
     double x, y;
     Vector shift, offset;
 };
+
+/// (d.grad) of the infinite plane's field.
+FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request);
 
 struct PeriodicField::Impl {
     Medium medium;
@@ -43,7 +45,7 @@ struct PeriodicField::Impl {
     Impl(const Medium& m, double side, double angle);
 
     NearestImage nearest(double x, double y) const;
-    Jet to_rod(const Jet& box_axes) const { return from_axes(cosine, -sine, box_axes); }
+    Jet to_rod(const Jet& box_axes, bool third) const { return from_axes(cosine, -sine, box_axes, third); }
 
     /// Of the whole field where it is summed as rows, of the rest near the rod.
     Parts parts(double x, double y, Needed needed) const;
@@ -63,6 +65,13 @@ private:
     const Turning& turning() const;
     mutable std::once_flag turning_once_;
     mutable std::optional<Turning> turning_;
+};
+
+/// For this part alone.
+struct PeriodicInternals {
+    /// The field without the infinite plane's field of the rod; |x|, |y| <= 1/2 in the box's axes and side.
+    /// Rod's frame. Smooth.
+    static FieldValues smooth_rest(const PeriodicField& field, double x, double y, FieldRequest request);
 };
 
 } // namespace rodwake::elastic

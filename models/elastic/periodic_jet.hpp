@@ -80,41 +80,42 @@ inline Jet by_angle(double x, double y, const Jet& f) {
     return times_line(x, 1.0, 0.0, by_y(f)) + times_line(-y, 0.0, -1.0, by_x(f));
 }
 
-/// scale exp(-cx x - cy y) f, where `scale` is the exponential at the place.
-inline Jet times_decay(double scale, double cx, double cy, const Jet& f) {
+/// scale exp(-cx x - cy y) f, where `scale` is the exponential at the place; third derivatives if needed.
+inline Jet times_decay(double scale, double cx, double cy, const Jet& f, bool third) {
     const double x = f.x - cx * f.v, y = f.y - cy * f.v; // one factor (d - c) after the other
     const double x_x = f.xx - cx * f.x, x_y = f.xy - cx * f.y, y_y = f.yy - cy * f.y;
     const double xx = x_x - cx * x, xy = x_y - cy * x, yy = y_y - cy * y;
+    Jet g{scale * f.v, scale * x, scale * y, scale * xx, scale * xy, scale * yy};
+    if (!third)
+        return g;
     const double xx_x = f.xxx - cx * f.xx - cx * x_x, xx_y = f.xxy - cx * f.xy - cx * x_y,
                  yy_x = f.xyy - cy * f.xy - cy * (f.xy - cy * f.x), yy_y = f.yyy - cy * f.yy - cy * y_y;
-    return {scale * f.v,
-            scale * x,
-            scale * y,
-            scale * xx,
-            scale * xy,
-            scale * yy,
-            scale * (xx_x - cx * xx),
-            scale * (xx_y - cy * xx),
-            scale * (yy_x - cx * yy),
-            scale * (yy_y - cy * yy)};
+    g.xxx = scale * (xx_x - cx * xx);
+    g.xxy = scale * (xx_y - cy * xx);
+    g.xyy = scale * (yy_x - cx * yy);
+    g.yyy = scale * (yy_y - cy * yy);
+    return g;
 }
 
 /// The same function with the axes exchanged.
 inline Jet exchanged(const Jet& f) { return {f.v, f.y, f.x, f.yy, f.xy, f.xx, f.yyy, f.xyy, f.xxy, f.xxx}; }
 
-/// From axes in which x runs along (ux, uy) to those in which (ux, uy) is given.
-inline Jet from_axes(double ux, double uy, const Jet& f) {
+/// From axes in which x runs along (ux, uy) to those in which (ux, uy) is given; third derivatives if needed.
+inline Jet from_axes(double ux, double uy, const Jet& f, bool third) {
     const double cc = ux * ux, cs = ux * uy, ss = uy * uy;
-    return {f.v,
-            ux * f.x - uy * f.y,
-            uy * f.x + ux * f.y,
-            cc * f.xx - 2.0 * cs * f.xy + ss * f.yy,
-            cs * (f.xx - f.yy) + (cc - ss) * f.xy,
-            ss * f.xx + 2.0 * cs * f.xy + cc * f.yy,
-            ux * (cc * f.xxx + 3.0 * ss * f.xyy) - uy * (3.0 * cc * f.xxy + ss * f.yyy),
-            uy * (cc * f.xxx + (ss - 2.0 * cc) * f.xyy) + ux * ((cc - 2.0 * ss) * f.xxy + ss * f.yyy),
-            ux * (ss * f.xxx + (cc - 2.0 * ss) * f.xyy) + uy * ((2.0 * cc - ss) * f.xxy - cc * f.yyy),
-            uy * (ss * f.xxx + 3.0 * cc * f.xyy) + ux * (3.0 * ss * f.xxy + cc * f.yyy)};
+    Jet g{f.v,
+          ux * f.x - uy * f.y,
+          uy * f.x + ux * f.y,
+          cc * f.xx - 2.0 * cs * f.xy + ss * f.yy,
+          cs * (f.xx - f.yy) + (cc - ss) * f.xy,
+          ss * f.xx + 2.0 * cs * f.xy + cc * f.yy};
+    if (!third)
+        return g;
+    g.xxx = ux * (cc * f.xxx + 3.0 * ss * f.xyy) - uy * (3.0 * cc * f.xxy + ss * f.yyy);
+    g.xxy = uy * (cc * f.xxx + (ss - 2.0 * cc) * f.xyy) + ux * ((cc - 2.0 * ss) * f.xxy + ss * f.yyy);
+    g.xyy = ux * (ss * f.xxx + (cc - 2.0 * ss) * f.xyy) + uy * ((2.0 * cc - ss) * f.xxy - cc * f.yyy);
+    g.yyy = uy * (ss * f.xxx + 3.0 * cc * f.xyy) + ux * (3.0 * ss * f.xxy + cc * f.yyy);
+    return g;
 }
 
 } // namespace rodwake::elastic

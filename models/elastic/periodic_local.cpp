@@ -232,14 +232,15 @@ void LocalRest::add(Jets& sum, double x, double y, Needed needed) const {
     }
     const Sums s = sums(a, basis, c, needed);
     const Jet f = s.real(c);
-    sum.g += times_decay(decay, c * ux, c * uy, f) + from_axes(ux, uy, uniform.g);
+    sum.g += times_decay(decay, c * ux, c * uy, f, needed.third) + from_axes(ux, uy, uniform.g, needed.third);
     if (!needed.by_c)
         return;
     const Jet slope = sums(a_by_c, basis, c, needed).real(c) + c_.along() * s.by_c_of_basis(c, x, y) +
                       times_line(-(wx * x + wy * y), -wx, -wy, f);
     sum.by_c +=
-        times_decay(decay, c * ux, c * uy, slope) +
-        from_axes(ux, uy, c_.along() * uniform.by_c + -c_.across() / c * by_angle(along, across, uniform.g));
+        times_decay(decay, c * ux, c * uy, slope, needed.third) +
+        from_axes(ux, uy, c_.along() * uniform.by_c + -c_.across() / c * by_angle(along, across, uniform.g),
+                  needed.third);
 }
 
 } // namespace rodwake::elastic

@@ -29,29 +29,29 @@ Jet radial(double f, double f1, double f2, double f3, double x, double y) {
 // Near the rod, for wave numbers c of 6 over the box and more: the infinite plane's potentials of the images
 // in the rod's own column, exp(-c.r) K0(c r) each.
 
-/// One source at the origin; c r > 0.5.
-void add_source(Jets& sum, const WaveVector& c, double x, double y, Needed needed) {
-    const double r = std::hypot(x, y), k = c.c, z = k * r, cx = k * c.ux, cy = k * c.uy;
-    const double decay = std::exp(-k * (r + c.ux * x + c.uy * y));
+/// One source at the origin; c r > 0.5, exponent = c r + c.r.
+void add_source(Jets& sum, const WaveVector& c, double x, double y, double r, double exponent,
+                Needed needed) {
+    const double k = c.c, z = k * r, cx = k * c.ux, cy = k * c.uy, decay = std::exp(-exponent);
     const Bessel b = scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z)));
     const double per_r = 1.0 / r, s = k * per_r, k2 = b.k0 + 2.0 * b.k1 / z, k3 = b.k1 + 4.0 * k2 / z;
     const Jet k0 = radial(b.k0, -s * b.k1, s * s * k2, -s * s * s * k3, x, y);
-    sum.g += times_decay(decay, cx, cy, k0);
+    sum.g += times_decay(decay, cx, cy, k0, needed.third);
     if (!needed.by_c)
         return;
     const Jet rk1 = radial(r * b.k1, -k * b.k0, k * s * b.k1, -k * s * s * k2, x, y);
-    sum.by_c +=
-        times_decay(-decay, cx, cy, times_line(c.wx * x + c.wy * y, c.wx, c.wy, k0) + c.along() * rk1);
+    sum.by_c += times_decay(-decay, cx, cy, times_line(c.wx * x + c.wy * y, c.wx, c.wy, k0) + c.along() * rk1,
+                            needed.third);
 }
 
 /// Those at (0, j), j != 0, as far as they exceed e^-40; |ux| >= |uy|, so that none lies in the wake of all.
 void add_column_images(Jets& sum, const WaveVector& c, double x, double y, Needed needed) {
     for (const double side : {-1.0, 1.0})
         for (double j = side;; j += side) {
-            const double dy = y - j;
-            if (c.c * (std::hypot(x, dy) + c.ux * x + c.uy * dy) > cutoff)
+            const double dy = y - j, r = std::hypot(x, dy), exponent = c.c * (r + c.ux * x + c.uy * dy);
+            if (exponent > cutoff)
                 break;
-            add_source(sum, c, x, dy, needed);
+            add_source(sum, c, x, dy, r, exponent, needed);
         }
 }
 
@@ -75,7 +75,7 @@ Jets PeriodicPotential::far(double x, double y, Needed needed) const {
         return sum;
     }
     rows_.add_all(sum, y < 0.0 ? y + 1.0 : y, x, needed);
-    return {exchanged(sum.g), exchanged(sum.by_c)};
+    return {exchanged(sum.g), needed.by_c ? exchanged(sum.by_c) : Jet{}};
 }
 
 /// Of the two directions of a column the one the rod heads across: wakes do not run along it.

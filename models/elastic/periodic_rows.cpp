@@ -50,9 +50,11 @@ std::array<double, orders> bernoulli_polynomials(double x) {
     std::array<double, orders> power{1.0}, b{};
     for (int n = 1; n < orders; ++n)
         power[n] = power[n - 1] * x / n;
-    for (int n = 0; n < orders; ++n)
-        for (int k = 0; k <= n; ++k)
+    for (int n = 0; n < orders; ++n) {
+        b[n] = n > 0 ? power[n] - 0.5 * power[n - 1] : 1.0;
+        for (int k = n - 2; k >= 0; k -= 2) // the odd Bernoulli numbers are 0
             b[n] += power[k] * bernoulli[n - k];
+    }
     return b;
 }
 
@@ -75,8 +77,9 @@ Mean by_series(double z, double x) {
 
 /// (2 pi/z) [line - 1/z + E(x)], E = e^(-z x)/(1 - e^-z), `line` rising as x.
 Mean closed(double z, double line, double x) {
-    const double e = z > 0.0 ? std::exp(-z * x) / -std::expm1(-z) : std::exp(z * (1.0 - x)) / std::expm1(z);
-    const double e_z = -e * (x + 1.0 / std::expm1(z)), scale = two_pi / z;
+    const double less = 1.0 / std::expm1(-std::abs(z)); // E = e^(z (1-x))/(e^z - 1)
+    const double e = z > 0.0 ? -std::exp(-z * x) * less : std::exp(z * (1.0 - x)) * less;
+    const double e_z = -e * (x + (z > 0.0 ? -1.0 - less : less)), scale = two_pi / z;
     const double g = scale * (line - 1.0 / z + e), g_x = scale * (1.0 - z * e);
     return {g,
             g_x,

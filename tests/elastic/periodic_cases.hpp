@@ -2,6 +2,7 @@
 // Comparisons of fields of a periodic box.
 
 #include "periodic_oracle.hpp"
+#include "stencil.hpp"
 
 #include "rodwake/elastic/periodic.hpp"
 
@@ -34,6 +35,33 @@ Norms largest_on_circle(double r, NormsAt norms_at) {
 }
 /// The largest of distances/scale.
 double worst(const Norms& distances, const Norms& scale);
+
+/// d/dh at h = 0 of each plain quantity of field_at(h), by difference quotients of that step.
+template<class FieldAt>
+elastic::FieldValues field_difference(FieldAt field_at, double step) {
+    using elastic::FieldValues;
+    std::array<FieldValues, 9> f;
+    for (int k = 0; k < 9; ++k)
+        f[k] = field_at((k - 4) * step);
+    const auto slope = [&](auto part) {
+        return difference_quotient([&](double k) { return part(f[static_cast<std::size_t>(k + 4.5)]); },
+                                   1.0) /
+               step;
+    };
+    FieldValues d;
+    d.displacement = {slope([](const auto& v) { return v.displacement.x; }),
+                      slope([](const auto& v) { return v.displacement.y; })};
+    d.strain = {slope([](const auto& v) { return v.strain.xx; }),
+                slope([](const auto& v) { return v.strain.xy; }),
+                slope([](const auto& v) { return v.strain.yy; })};
+    d.laplacian = {slope([](const auto& v) { return v.laplacian.x; }),
+                   slope([](const auto& v) { return v.laplacian.y; })};
+    d.gradient_of_trace = {slope([](const auto& v) { return v.gradient_of_trace.x; }),
+                           slope([](const auto& v) { return v.gradient_of_trace.y; })};
+    d.dipole = {slope([](const auto& v) { return v.dipole.x; }),
+                slope([](const auto& v) { return v.dipole.y; })};
+    return d;
+}
 
 /// From the box's axes to the rod's.
 elastic::Vector to_rod(double heading, double x, double y);

@@ -1,7 +1,6 @@
 // Derivative of the periodic field by the rod's heading.
 
 #include "periodic_cases.hpp"
-#include "stencil.hpp"
 
 #include "rodwake/core/rng.hpp"
 
@@ -31,32 +30,10 @@ double angle_of_change(const BoxPoint& p) {
     return std::min({1.0, 2.0 * pi * p.xi / p.box / fastest, nearest / std::hypot(p.x, p.y)});
 }
 
-/// Each number by difference quotients over a 100th of that, which errs by 9! 0.01^8/630 = 6e-14 if f^(n)
-/// grows as n!.
+/// By a 100th of that, which errs by 9! 0.01^8/630 = 6e-14 if f^(n) grows as n!.
 template<class FieldAt>
 FieldValues by_differences(FieldAt field_at, const BoxPoint& p) {
-    const double step = 0.01 * angle_of_change(p);
-    std::array<FieldValues, 9> f;
-    for (int k = 0; k < 9; ++k)
-        f[k] = field_at((k - 4) * step);
-    const auto slope = [&](auto part) {
-        return difference_quotient([&](double k) { return part(f[static_cast<std::size_t>(k + 4.5)]); },
-                                   1.0) /
-               step;
-    };
-    FieldValues d;
-    d.displacement = {slope([](const auto& v) { return v.displacement.x; }),
-                      slope([](const auto& v) { return v.displacement.y; })};
-    d.strain = {slope([](const auto& v) { return v.strain.xx; }),
-                slope([](const auto& v) { return v.strain.xy; }),
-                slope([](const auto& v) { return v.strain.yy; })};
-    d.laplacian = {slope([](const auto& v) { return v.laplacian.x; }),
-                   slope([](const auto& v) { return v.laplacian.y; })};
-    d.gradient_of_trace = {slope([](const auto& v) { return v.gradient_of_trace.x; }),
-                           slope([](const auto& v) { return v.gradient_of_trace.y; })};
-    d.dipole = {slope([](const auto& v) { return v.dipole.x; }),
-                slope([](const auto& v) { return v.dipole.y; })};
-    return d;
+    return field_difference(field_at, 0.01 * angle_of_change(p));
 }
 
 Norms largest_by_heading(const PeriodicField& field, double r) {

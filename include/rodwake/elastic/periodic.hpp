@@ -10,12 +10,14 @@
 // Error: below 1e-10 of the largest value of each quantity at the same distance from the rod, for L/xi in
 // [1e-3, 1e3], every eta and every heading (docs/validation.md); near the rod the field is the infinite
 // plane's, exact to its last digits, and a smooth rest. Derivatives by eta and xi agree with differences to
-// 1e-6, which is as far as those reach. Smaller and larger boxes are still right (derivatives by xi lose
-// (xi/L)^2 of 16 digits); L above 2e6 xi or 2e6 xi/nu throws InputError. Domain: finite x, y that are not a
-// place of the rod or an image; InputError otherwise.
+// 1e-6, which is as far as those reach. Gradients and derivatives by heading: below 1e-9 of their own largest
+// value at the same distance, the latter plus 1e-13 of the field, as they vanish for L/xi -> 0. Smaller and
+// larger boxes are still right (derivatives by xi lose (xi/L)^2 of 16 digits); L above 2e6 xi or 2e6 xi/nu
+// throws InputError. Domain: finite x, y that are not a place of the rod or an image; InputError otherwise.
 //
 // Cost: 6 to 50 microseconds to construct for L/xi from 0.1 up, 90 at 1e-3; about 1 microsecond a point, 2 at
-// 1e-3 (bench/periodic_bench.cpp).
+// 1e-3. With gradients a point costs 1.2 times as much. The first derivative by heading costs a second
+// construction, each of them 1.5 points (bench/periodic_bench.cpp).
 
 #include "rodwake/elastic/field.hpp"
 #include "rodwake/elastic/medium_derivatives.hpp"
@@ -53,6 +55,7 @@ public:
     double heading() const;
 
 private:
+    friend struct PeriodicInternals; ///< models/elastic/periodic_impl.hpp
     struct Impl;
     std::shared_ptr<const Impl> impl_; ///< shared: copies are cheap, calls independent and thread-safe
 };

@@ -1,0 +1,187 @@
+#include "rodwake/elastic/periodic_table.hpp"
+
+#include "periodic_impl.hpp"
+#include "periodic_table_impl.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::elastic {
+
+namespace {
+
+constexpr double quarter = 0.5 * std::numbers::pi;
+
+FieldValues combined(double a, const FieldValues& f, double b, const FieldValues& g) {
+    FieldValues sum{}; // 0 everywhere
+    add_times(sum, a, f);
+    add_times(sum, b, g);
+    return sum;
+}
+
+using Group = std::array<GridValue, ChebyshevGrid::most>;
+
+/// One group's functions into the quantities they are.
+void put(FieldValues& f, std::size_t group, const Group& v, double GridValue::*part) {
+    const auto vector = [&](std::size_t at) { return Vector{v[at].*part, v[at + 1].*part}; };
+    switch (group) {
+    case 0:
+        f.displacement = vector(0);
+        return;
+    case 1:
+        f.strain = {v[0].*part, v[1].*part, v[2].*part};
+        return;
+    case 2:
+        f.laplacian = vector(0);
+        f.gradient_of_trace = vector(2);
+        return;
+    default:
+        f.dipole = vector(0);
+    }
+}
+
+/// The nearest of the source and its images: its place in the box's side, and the offset from it in the lab.
+struct Nearest {
+    double x, y;
+    Vector offset;
+};
+
+Nearest nearest(const Source& source, double x, double y, double box) {
+    const Vector away{x - source.x, y - source.y};
+    if (!std::isfinite(away.x) || !std::isfinite(away.y))
+        throw InputError("field of a table: the place and the source must be finite");
+    const double i = std::nearbyint(away.x / box), j = std::nearbyint(away.y / box);
+    const Vector offset{away.x - i * box, away.y - j * box};
+    return {offset.x / box, offset.y / box, offset};
+}
+
+void refuse_gradients(FieldRequest request) {
+    if (request.gradients)
+        throw InputError("gradients of the derivative by heading are not available");
+}
+
+} // namespace
+
+/// 0 <= heading <= pi/4.
+PeriodicTable::Impl::Rest PeriodicTable::Impl::in_first_eighth(double heading, double x, double y,
+                                                               FieldRequest request,
+                                                               GridRequest derivatives) const {
+    const bool wanted[] = {request.displacement, request.strain, request.polar, request.dipole};
+    Rest rest;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (!wanted[g])
+            continue;
+        const bool own_place = x == 0.0 && y == 0.0 && !derivatives.by_place;
+        const Group v = own_place ? groups[g].at_centre(heading) : groups[g].at(x, y, heading, derivatives);
+        put(rest.value, g, v, &GridValue::v);
+        if (derivatives.by_place) {
+            put(rest.by_x, g, v, &GridValue::x);
+            put(rest.by_y, g, v, &GridValue::y);
+        }
+        if (derivatives.by_angle)
+            put(rest.by_heading, g, v, &GridValue::angle);
+    }
+    return rest;
+}
+
+/// By quarter turns of the box and its mirror symmetry.
+PeriodicTable::Impl::Rest PeriodicTable::Impl::rest(double heading, double x, double y, FieldRequest request,
+                                                    GridRequest derivatives) const {
+    if (!std::isfinite(heading))
+        throw InputError("field of a table: the heading must be finite");
+    const double quarters = std::nearbyint(heading / quarter), left = heading - quarters * quarter;
+    const double k = quarters - 4.0 * std::floor(0.25 * quarters); // 0 .. 3
+    const double cosine = k == 0.0   ? 1.0
+                          : k == 2.0 ? -1.0
+                                     : 0.0,
+                 sine = k == 1.0   ? 1.0
+                        : k == 3.0 ? -1.0
+                                   : 0.0;
+    const double mirror = left < 0.0 ? -1.0 : 1.0;
+    const Vector at = turned(Vector{x, y}, cosine, -sine);
+    Rest own = in_first_eighth(std::abs(left), at.x, mirror * at.y, request, derivatives);
+    const auto back = [&](const FieldValues& f) {
+        return turned(mirror < 0.0 ? mirrored(f) : f, cosine, sine);
+    };
+    Rest rest;
+    rest.value = back(own.value);
+    if (derivatives.by_place) {
+        const FieldValues by_x = back(own.by_x), by_y = back(own.by_y);
+        rest.by_x = combined(cosine, by_x, -sine * mirror, by_y);
+        rest.by_y = combined(sine, by_x, cosine * mirror, by_y);
+    }
+    if (derivatives.by_angle)
+        rest.by_heading = combined(mirror, back(own.by_heading), 0.0, own.value);
+    return rest;
+}
+
+FieldValues PeriodicTable::Impl::at(const Source& source, double x, double y, FieldRequest request) const {
+    const Nearest p = nearest(source, x, y, box);
+    const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
+    const Vector offset = turned(p.offset, cosine, -sine);
+    const FieldValues own = field.at(offset.x, offset.y, request);
+    const Rest smooth = rest(source.heading, p.x, p.y, request, {.by_place = request.gradients});
+    FieldValues f = turned(own, cosine, sine);
+    add(f, smooth.value);
+    if (!request.gradients)
+        return f;
+    const FieldValues along_x = turned(gradient_x(own), cosine, sine),
+                      along_y = turned(gradient_y(own), cosine, sine);
+    FieldValues by_x = combined(cosine, along_x, -sine, along_y),
+                by_y = combined(sine, along_x, cosine, along_y);
+    add_times(by_x, 1.0 / box, smooth.by_x);
+    add_times(by_y, 1.0 / box, smooth.by_y);
+    set_gradients(f, by_x, by_y);
+    return f;
+}
+
+/// The infinite plane's field turns, and the place turns back in the rod's frame.
+FieldValues PeriodicTable::Impl::by_heading(const Source& source, double x, double y,
+                                            FieldRequest request) const {
+    const Nearest p = nearest(source, x, y, box);
+    const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
+    const Vector offset = turned(p.offset, cosine, -sine);
+    FieldValues own = turning(field.at(offset.x, offset.y, request));
+    add(own, along(field, offset, {offset.y, -offset.x}, request));
+    FieldValues f = turned(own, cosine, sine);
+    add(f, rest(source.heading, p.x, p.y, request, {.by_angle = true}).by_heading);
+    return f;
+}
+
+std::size_t PeriodicTable::Impl::bytes() const {
+    std::size_t sum = 0;
+    for (const ChebyshevGrid& group : groups)
+        sum += group.bytes();
+    return sum;
+}
+
+FieldValues PeriodicTable::at(const Source& source, double x, double y, FieldRequest request) const {
+    return impl_->at(source, x, y, request);
+}
+
+FieldValues PeriodicTable::at_own_place(double heading, FieldRequest request) const {
+    const auto rest = impl_->rest(heading, 0.0, 0.0, request, {.by_place = request.gradients});
+    FieldValues f = rest.value;
+    if (request.gradients)
+        set_gradients(f, combined(1.0 / impl_->box, rest.by_x, 0.0, rest.by_x),
+                      combined(1.0 / impl_->box, rest.by_y, 0.0, rest.by_y));
+    return f;
+}
+
+FieldValues PeriodicTable::by_heading(const Source& source, double x, double y, FieldRequest request) const {
+    refuse_gradients(request);
+    return impl_->by_heading(source, x, y, request);
+}
+
+FieldValues PeriodicTable::own_place_by_heading(double heading, FieldRequest request) const {
+    refuse_gradients(request);
+    return impl_->rest(heading, 0.0, 0.0, request, {.by_angle = true}).by_heading;
+}
+
+const Medium& PeriodicTable::medium() const { return impl_->medium; }
+double PeriodicTable::box() const { return impl_->box; }
+double PeriodicTable::error() const { return impl_->error; }
+std::size_t PeriodicTable::bytes() const { return impl_->bytes(); }
+
+} // namespace rodwake::elastic
