@@ -1,5 +1,6 @@
 #include "rodwake/elastic/wake_field.hpp"
 
+#include "field_algebra.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <cmath>
@@ -9,25 +10,6 @@ namespace rodwake::elastic {
 namespace {
 
 constexpr FieldValues nothing{};
-
-void add(Vector& sum, const Vector& v) {
-    sum.x += v.x;
-    sum.y += v.y;
-}
-
-void add(SymmetricTensor& sum, const SymmetricTensor& t) {
-    sum.xx += t.xx;
-    sum.xy += t.xy;
-    sum.yy += t.yy;
-}
-
-void add(FieldValues& sum, const FieldValues& f) {
-    add(sum.displacement, f.displacement);
-    add(sum.strain, f.strain);
-    add(sum.laplacian, f.laplacian);
-    add(sum.gradient_of_trace, f.gradient_of_trace);
-    add(sum.dipole, f.dipole);
-}
 
 /// What source b makes at every rod.
 void add_wake(const WakeField& field, std::span<const Source> rods, std::size_t b, FieldRequest request,
@@ -69,16 +51,6 @@ bool is_singular(double x, double y, std::optional<double> box, double heading) 
     const auto off = [](double sides) { return std::abs(sides - std::nearbyint(sides)); };
     constexpr double rounding = 1e-9;
     return off(lab.x) < rounding && off(lab.y) < rounding;
-}
-
-FieldValues turned(const FieldValues& field, double cosine, double sine) {
-    FieldValues f = unrequested();
-    f.displacement = turned(field.displacement, cosine, sine);
-    f.strain = turned(field.strain, cosine, sine);
-    f.laplacian = turned(field.laplacian, cosine, sine);
-    f.gradient_of_trace = turned(field.gradient_of_trace, cosine, sine);
-    f.dipole = turned(field.dipole, cosine, sine);
-    return f;
 }
 
 } // namespace rodwake::elastic

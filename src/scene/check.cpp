@@ -49,9 +49,6 @@ public:
             add("field", "[field] needs [medium]");
         if (scene_.rods.size() > 1 && has("coupling") && !has("medium"))
             add("coupling", "[coupling] of two or more rods needs [medium]");
-        if (scene_.medium && scene_.medium->field == FieldBackend::table && scene_.medium->periodic)
-            add("medium.field", "medium.field = \"table\" is for the infinite plane; in a periodic box take "
-                                "\"exact\"");
         if (has("variants") && !rods && !bed)
             add("variants", "[[variants]] run the rods or the bed again: they need [[rods]] or [granular]");
         if (has("measure") && !bed)

@@ -138,7 +138,7 @@ StageEnd report(const Session& session, const Work& one) {
 
 rods::RodProblem problem_of(const assembly::RodsPlan& plan, WakeTables& tables) {
     rods::RodProblem problem = plan.problem;
-    if (problem.medium && problem.couplings.any() && problem.rods.size() > 1)
+    if (problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box))
         problem.field = wake_field(*plan.of.scene.medium, tables);
     return problem;
 }

@@ -104,10 +104,23 @@ std::string table_file_name(double eta, double tolerance) {
 
 std::shared_ptr<const PlaneTable> WakeTables::plane(double eta, double tolerance) {
     const std::scoped_lock lock(mutex_);
-    auto& table = tables_[{eta, tolerance}];
+    auto& table = planes_[{eta, tolerance}];
     if (!table)
         table = read_or_make(eta, tolerance);
     return table;
+}
+
+elastic::PeriodicTable WakeTables::periodic(const elastic::Medium& medium, double box, double tolerance) {
+    const std::scoped_lock lock(mutex_);
+    const std::array key{medium.eta, medium.xi, box, tolerance};
+    if (const auto known = boxes_.find(key); known != boxes_.end())
+        return known->second;
+    const elastic::PeriodicTable table(medium, box, tolerance, context_.thread_count());
+    if (context_.log)
+        context_.log(Severity::info,
+                     fmt::format("table of the wake in its box: tolerance {:g}, largest error {:.2g}",
+                                 tolerance, table.error()));
+    return boxes_.emplace(key, table).first->second;
 }
 
 std::shared_ptr<const PlaneTable> WakeTables::read_or_make(double eta, double tolerance) const {
@@ -142,6 +155,8 @@ std::shared_ptr<const elastic::WakeField> wake_field(const scene::Medium& medium
     if (medium.field == scene::FieldBackend::exact)
         return elastic::exact_field(of, medium.periodic);
     const double tolerance = medium.table.value_or(scene::FieldTable{}).tolerance;
+    if (medium.periodic)
+        return elastic::table_field(tables.periodic(of, *medium.periodic, tolerance));
     return elastic::table_field(tables.plane(medium.eta, tolerance), of);
 }
 

@@ -1,6 +1,7 @@
 // Trajectories in a tabulated field against those in the exact one.
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/elastic/periodic_table.hpp"
 #include "rodwake/elastic/plane_table.hpp"
 #include "rodwake/rods/simulate.hpp"
 
@@ -50,6 +51,28 @@ TEST_CASE("trajectories in a table of tolerance T agree with the exact ones to 1
                 CHECK(off > 0.0); // it did come from the table
             }
     }
+}
+
+TEST_CASE("in a periodic box too, Jacobian and sensitivities of the table included") {
+    rods::RodProblem problem = crossing(0.5);
+    problem.box = 9.0;
+    const auto exact = rods::model_of(problem);
+    rods::RodOptions options;
+    options.ode.rtol = 1e-8;
+    const auto truth = rods::simulate(problem, options);
+    problem.field = elastic::table_field(elastic::PeriodicTable(*problem.medium, 9.0, 1e-8, 2));
+    const auto from_table = rods::simulate(problem, options);
+    CHECK(worst(truth.solution.final_state, from_table.solution.final_state) < 1e-6); // 100 T
+    const auto y = rods::to_state(problem.rods);
+    std::vector<double> a(6), b(6);
+    exact.rhs(y, a);
+    rods::model_of(problem).rhs(y, b);
+    CHECK(worst(a, b) < 1e-7); // couplings of order 1, strain and second derivatives of order 0.1
+    CHECK(worst(a, b) > 0.0);
+    Eigen::MatrixXd by_exact(6, 6), by_table(6, 6);
+    exact.jacobian(y, by_exact);
+    rods::model_of(problem).jacobian(y, by_table);
+    CHECK((by_exact - by_table).cwiseAbs().maxCoeff() < 1e-5); // derivatives by heading 1e-6 of the largest
 }
 
 TEST_CASE("a field of another medium or domain is refused") {

@@ -19,8 +19,7 @@
 // Cost, L/xi 1 to 50: 0.1 to 2 s and 4 to 99 MB to build; 0.9 microseconds a strain, 0.2 at the own place
 // (bench/periodic_bench.cpp).
 
-#include "rodwake/elastic/field.hpp"
-#include "rodwake/elastic/superposition.hpp"
+#include "rodwake/elastic/wake_field.hpp"
 
 #include <cstddef>
 #include <memory>
@@ -57,5 +56,9 @@ private:
     struct Impl;
     std::shared_ptr<const Impl> impl_; ///< shared: copies are cheap, calls independent and thread-safe
 };
+
+/// The wakes of a medium in its box from the table; derivatives by the medium are exact, at the price of the
+/// exact field.
+std::shared_ptr<const WakeField> table_field(const PeriodicTable& table);
 
 } // namespace rodwake::elastic

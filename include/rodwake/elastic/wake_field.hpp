@@ -30,7 +30,8 @@ public:
     /// At (x, y) in the rod's frame. Throws InputError at the rod and, in a box, at its images.
     virtual FieldValues at(double x, double y, FieldRequest request) const = 0;
     /// What turning the medium's surroundings (a box) against the rod changes: the derivative by the rod's
-    /// heading at a fixed place in the rod's frame, components in that frame. Zero on the plane.
+    /// heading at a fixed place in the rod's frame, components in that frame, of strain and polar vectors.
+    /// Zero on the plane.
     virtual FieldValues by_heading(double x, double y, FieldRequest request) const;
     /// d/d eta and d/d xi at a fixed place.
     virtual MediumDerivatives by_medium(double x, double y, FieldRequest request) const = 0;
@@ -66,9 +67,5 @@ std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional
 /// Whether (x, y) in the frame of a rod is the rod's own place, or that of an image to 1e-9 of the box: of
 /// places given in decimal digits and turned by the heading more cannot be asked.
 bool is_singular(double x, double y, std::optional<double> box = {}, double heading = 0.0);
-
-/// The same values in axes turned by the angle of this cosine and sine: from a rod's frame to the lab's.
-/// Gradients, which are by place too, are left out (NaN).
-FieldValues turned(const FieldValues& field, double cosine, double sine);
 
 } // namespace rodwake::elastic

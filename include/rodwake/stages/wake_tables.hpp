@@ -1,14 +1,16 @@
 #pragma once
 // The wakes a scene's medium asks for: exact, or from a table that is made once and kept for other runs.
 //
-// A table stands in $XDG_CACHE_HOME/rodwake (~/.cache/rodwake), its name a hash of what it was made from
-// and its bytes covered by checksums; a file that is damaged or of another version is made anew. Without a
-// writable cache folder a table is made for the run alone.
+// A table of the plane stands in $XDG_CACHE_HOME/rodwake (~/.cache/rodwake), its name a hash of what it was
+// made from and its bytes covered by checksums; a file that is damaged or of another version is made anew.
+// Without a writable cache folder a table is made for the run alone.
 
+#include "rodwake/elastic/periodic_table.hpp"
 #include "rodwake/elastic/plane_table.hpp"
 #include "rodwake/scene/scene.hpp"
 #include "rodwake/stages/run_context.hpp"
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -30,6 +32,9 @@ public:
 
     /// The plane's table of this eta. Throws InputError for an illegal eta or tolerance.
     std::shared_ptr<const elastic::PlaneTable> plane(double eta, double tolerance);
+    /// The table of a medium in a box, for this run alone: it is made in a second or two. Throws InputError
+    /// for a box too large for the tolerance.
+    elastic::PeriodicTable periodic(const elastic::Medium& medium, double box, double tolerance);
 
 private:
     std::shared_ptr<const elastic::PlaneTable> read_or_make(double eta, double tolerance) const;
@@ -37,7 +42,8 @@ private:
     const RunContext& context_;
     std::filesystem::path folder_;
     std::mutex mutex_;
-    std::map<std::pair<double, double>, std::shared_ptr<const elastic::PlaneTable>> tables_;
+    std::map<std::pair<double, double>, std::shared_ptr<const elastic::PlaneTable>> planes_;
+    std::map<std::array<double, 4>, elastic::PeriodicTable> boxes_; ///< by eta, xi, box, tolerance
 };
 
 /// As medium.field says.
