@@ -33,10 +33,10 @@ public:
 
 private:
     using Rates = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
-    void add_pair(const elastic::Wake& wake, const View& at, Rates rates) const;
-    void add_own_images(const elastic::Wake& wake, Rates rates) const;
+    void add_pair(const elastic::Wake& wake, const View& at, Rates& rates) const;
+    void add_own_images(const elastic::Wake& wake, Rates& rates) const;
     void add(const elastic::FieldValues& field, const elastic::MediumDerivatives& derivatives,
-             RelativeHeading heading, Rates rates) const;
+             RelativeHeading heading, Rates& rates) const;
 
     std::shared_ptr<const elastic::WakeField> field_;
     Couplings couplings_;
@@ -62,19 +62,21 @@ void ParameterDerivatives::operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_pa
         n.push_back(direction(y, a));
     const auto columns = static_cast<Column>(parameters_.size());
     const auto row = [&](std::size_t a) {
-        return by_parameter.row(static_cast<Column>(3 * a + 2)).head(columns);
+        return Rates(by_parameter.row(static_cast<Column>(3 * a + 2)).head(columns));
     };
     for (std::size_t b = 0; b < rods; ++b) {
         const auto wake = field_->wake(y[3 * b + 2]);
-        if (field_->box())
-            add_own_images(*wake, row(b));
-        for (std::size_t a = 0; a < rods; ++a)
+        for (std::size_t a = 0; a < rods; ++a) {
+            Rates rates = row(a);
             if (a != b)
-                add_pair(*wake, view(y, a, b, n[a], n[b]), row(a));
+                add_pair(*wake, view(y, a, b, n[a], n[b]), rates);
+            else if (field_->box())
+                add_own_images(*wake, rates);
+        }
     }
 }
 
-void ParameterDerivatives::add_pair(const elastic::Wake& wake, const View& at, Rates rates) const {
+void ParameterDerivatives::add_pair(const elastic::Wake& wake, const View& at, Rates& rates) const {
     elastic::FieldValues field;
     elastic::MediumDerivatives derivatives;
     if (request_.strain || request_.polar)
@@ -84,7 +86,7 @@ void ParameterDerivatives::add_pair(const elastic::Wake& wake, const View& at, R
     add(field, derivatives, at.heading, rates);
 }
 
-void ParameterDerivatives::add_own_images(const elastic::Wake& wake, Rates rates) const {
+void ParameterDerivatives::add_own_images(const elastic::Wake& wake, Rates& rates) const {
     elastic::FieldValues field;
     elastic::MediumDerivatives derivatives;
     if (request_.strain || request_.polar)
