@@ -5,7 +5,7 @@
 
 #include "plain_field.hpp"
 #include "rodwake/core/rng.hpp"
-#include "rodwake/elastic/wake_kernel.hpp"
+#include "rodwake/elastic/mutual_wakes.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -74,8 +74,8 @@ struct Sums {
     PolarSums polar() { return {part[3], part[4], part[5], part[6]}; }
 };
 
-void kernel_batch(benchmark::State& state) {
-    const WakeKernel kernel(plain_medium);
+void kernel_batch(benchmark::State& state, Accuracy accuracy) {
+    const WakeKernel kernel(plain_medium, accuracy);
     const Targets targets;
     const Source source;
     Sums sums;
@@ -96,8 +96,43 @@ void kernel_batch_polar(benchmark::State& state) {
     state.SetLabel(wake_kernel_target());
 }
 
+/// All pairs of rods, 3 xi apart on average; with a tolerance those ahead of each other are left out. On one
+/// thread.
+void all_pairs(benchmark::State& state, Accuracy accuracy, double tolerance) {
+    rodwake::RandomStream random(3);
+    const auto rods = static_cast<std::size_t>(state.range(0));
+    const double side = 3.0 * std::sqrt(static_cast<double>(rods));
+    std::vector<Source> sources(rods);
+    for (Source& one : sources)
+        one = {random.uniform(0.0, side), random.uniform(0.0, side), random.uniform(0.0, 6.3)};
+    std::vector<double> xx(rods), xy(rods), yy(rods);
+    const MutualWakes wakes(plain_medium, {.accuracy = accuracy, .strain_tolerance = tolerance});
+    std::size_t done = 0;
+    for (auto _ : state)
+        done = wakes.strain(sources, {xx, xy, yy});
+    state.counters["share"] = static_cast<double>(done) / static_cast<double>(rods * (rods - 1));
+}
+
+#define ALL_PAIRS(accuracy)                                                                                  \
+    BENCHMARK_CAPTURE(all_pairs, accuracy, Accuracy::accuracy, 0.0)                                          \
+        ->Arg(1000)                                                                                          \
+        ->Arg(10000)                                                                                         \
+        ->Unit(benchmark::kMillisecond);                                                                     \
+    BENCHMARK_CAPTURE(all_pairs, accuracy##_tolerance_1e6, Accuracy::accuracy, 1e-6)                         \
+        ->Arg(1000)                                                                                          \
+        ->Arg(10000)                                                                                         \
+        ->Unit(benchmark::kMillisecond);                                                                     \
+    BENCHMARK_CAPTURE(all_pairs, accuracy##_tolerance_1e3, Accuracy::accuracy, 1e-3)                         \
+        ->Arg(1000)                                                                                          \
+        ->Arg(10000)                                                                                         \
+        ->Unit(benchmark::kMillisecond)
+ALL_PAIRS(full);
+ALL_PAIRS(fine);
+ALL_PAIRS(single);
 BENCHMARK(scalar_field);
-BENCHMARK(kernel_batch);
+BENCHMARK_CAPTURE(kernel_batch, full, Accuracy::full);
+BENCHMARK_CAPTURE(kernel_batch, fine, Accuracy::fine);
+BENCHMARK_CAPTURE(kernel_batch, single, Accuracy::single);
 BENCHMARK(kernel_batch_polar);
 BENCHMARK(kernel_one_point);
 BENCHMARK(boost_formula);

@@ -11,6 +11,7 @@
 // Range: any eta >= 0, distances of 2^-43 (1 + eta) xi to 2^21 xi. Points beyond, and media of eta < 0, are
 // passed to elastic::Field one by one: right and slow. Far ahead values below 1e-300 are 0.
 
+#include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/elastic/superposition.hpp"
 
 #include <span>
@@ -36,7 +37,7 @@ struct PolarSums {
 class WakeKernel {
 public:
     /// Throws InputError for an illegal medium (see validate).
-    explicit WakeKernel(const Medium& medium);
+    explicit WakeKernel(const Medium& medium, Accuracy accuracy = Accuracy::full);
 
     /// Overwrites the sums. Throws InputError if a target is at a source or not finite, and for spans of
     /// unlike lengths.
@@ -48,6 +49,7 @@ public:
     SymmetricTensor strain(const Source& source, double x, double y) const;
 
     const Medium& medium() const { return field_.medium(); }
+    Accuracy accuracy() const { return accuracy_; }
 
 private:
     friend struct KernelInternals; ///< models/elastic/wake_kernel.hpp
@@ -58,6 +60,7 @@ private:
 
     Field field_;
     Constants constants_;
+    Accuracy accuracy_;
 };
 
 /// The instruction set in use, "AVX2".
