@@ -66,6 +66,26 @@ HWY_INLINE void TransposeEight(D d, const float* table, const std::int32_t (&at)
 template<TableShape shape, class D, class Index>
 HWY_INLINE Rows<D, shape> LoadRows(D d, const hn::TFromD<D>* table, Index index) {
     Rows<D, shape> rows;
+    if constexpr (hn::MaxLanes(D()) == 1) {
+        const hn::TFromD<D>* const row = table + hn::GetLane(index);
+        RODWAKE_UNROLL
+        for (int k = 0; k < shape.terms; ++k)
+            rows.c[k] = hn::Set(d, row[k]);
+        return rows;
+    }
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (hn::MaxLanes(D()) == 2 && sizeof(hn::TFromD<D>) == 8) {
+        const hn::TFromD<D>*const first = table + hn::GetLane(index), *const second =
+                                                                          table + hn::ExtractLane(index, 1);
+        RODWAKE_UNROLL
+        for (int k = 0; k < shape.terms; k += 2) {
+            const auto r0 = hn::LoadU(d, first + k), r1 = hn::LoadU(d, second + k);
+            rows.c[k] = hn::InterleaveLower(d, r0, r1);
+            rows.c[k + 1] = hn::InterleaveUpper(d, r0, r1);
+        }
+        return rows;
+    }
+#endif
 #if HWY_MAX_BYTES >= 32
     constexpr bool single = sizeof(hn::TFromD<D>) == 4;
     if constexpr (hn::MaxLanes(D()) == (single ? 8 : 4)) {

@@ -18,10 +18,11 @@ HWY_BEFORE_NAMESPACE();
 namespace rodwake::elastic::HWY_NAMESPACE {
 
 /// An accuracy as the kernels see it: working precision and table.
-template<class T, TableShape table_shape>
+template<class T, TableShape table_shape, std::size_t most_lanes = 64 / sizeof(T)>
 struct Kind {
     using Real = T;
-    using Lanes = hn::CappedTag<T, 64 / sizeof(T)>;
+    using OneLane = Kind<T, table_shape, 1>;
+    using Lanes = hn::CappedTag<T, most_lanes>;
     using V = hn::Vec<Lanes>;
     static constexpr TableShape shape = table_shape;
     static constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
@@ -75,10 +76,10 @@ HWY_INLINE typename K::V Offset(const Coordinates<K>& a, const Coordinates<K>& b
     [[maybe_unused]] const typename K::Lanes d;
     if constexpr (!K::single) {
         return difference(0);
-    } else {
-#if HWY_TARGET == HWY_SCALAR
+    } else if constexpr (K::lane_count == 1) {
         return hn::DemoteTo(d, difference(0));
-#else
+    } else {
+#if HWY_TARGET != HWY_SCALAR
         const hn::Half<typename K::Lanes> half;
         return hn::Combine(d, hn::DemoteTo(half, difference(1)), hn::DemoteTo(half, difference(0)));
 #endif

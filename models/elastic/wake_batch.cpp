@@ -79,29 +79,45 @@ HWY_INLINE void SumBlock(const Setting<K>& with, std::span<const KernelSource> s
 /// Sources added up in single precision before they go to a sum in double.
 constexpr std::size_t single_run = 64;
 
-/// The sums of some vectors of targets, to result[part]; `used` numbers of the last vector.
+/// Puts the numbers of the lanes in, or adds them to, `used` doubles.
+template<class K>
+HWY_INLINE void Deliver(typename K::V v, double* to, std::size_t used, bool add) {
+    const typename K::Lanes d;
+    if (!K::single && !add && used == K::lane_count) {
+        if constexpr (!K::single)
+            hn::StoreU(v, d, to);
+        return;
+    }
+    HWY_ALIGN typename K::Real stored[K::lane_count];
+    hn::Store(v, d, stored);
+    for (std::size_t lane = 0; lane < used; ++lane)
+        to[lane] = (add ? to[lane] : 0.0) + static_cast<double>(stored[lane]);
+}
+
+/// The sums of some vectors of targets, from number `begin` on.
 template<bool polar, class K, std::size_t vectors>
 HWY_INLINE void SumTargets(const Setting<K>& with, std::span<const KernelSource> sources,
                            const Targets (&targets)[vectors], double* const (&sum)[all_parts],
                            std::size_t begin) {
-    const typename K::Lanes d;
-    constexpr int count = polar ? all_parts : strain_parts;
-    const std::size_t run = K::single ? single_run : sources.size();
-    for (int k = 0; k < count; ++k)
-        for (std::size_t i = 0; i < vectors; ++i)
-            std::fill_n(sum[k] + begin + i * K::lane_count, targets[i].used, 0.0);
-    for (std::size_t from = 0; from < sources.size(); from += run) {
-        Parts<K> part[vectors];
-        SumBlock<polar, K>(with, sources.subspan(from, std::min(run, sources.size() - from)), targets, part);
-        for (std::size_t i = 0; i < vectors; ++i)
-            for (int k = 0; k < count; ++k) {
-                HWY_ALIGN typename K::Real stored[K::lane_count];
-                hn::Store(part[i].part[k], d, stored);
-                double* const to = sum[k] + begin + i * K::lane_count;
-                for (std::size_t lane = 0; lane < targets[i].used; ++lane)
-                    to[lane] += static_cast<double>(stored[lane]);
-            }
-    }
+    std::size_t from = 0;
+    do {
+        const std::size_t left = sources.size() - from, run = K::single ? std::min(single_run, left) : left;
+        Parts<K> parts[vectors];
+        SumBlock<polar, K>(with, sources.subspan(from, run), targets, parts);
+        for (int k = 0; k < (polar ? all_parts : strain_parts); ++k)
+            for (std::size_t i = 0; i < vectors; ++i)
+                Deliver<K>(parts[i].part[k], sum[k] + begin + i * K::lane_count, targets[i].used, from > 0);
+        from += run;
+    } while (from < sources.size());
+}
+
+/// A single target does not wait for a vector.
+template<bool polar, class K>
+HWY_NOINLINE void SumOne(const KernelMedium& medium, const Field& field,
+                         std::span<const KernelSource> sources, const KernelTargets& targets,
+                         std::size_t at) {
+    SumTargets<polar, K, 1>(SettingOf<K>(medium, field), sources, {{targets.x + at, targets.y + at, 1}},
+                            targets.sum, at);
 }
 
 /// The last targets, less than a vector or two of them: filled up with the last one.
@@ -121,6 +137,8 @@ template<bool polar, class K>
 HWY_NOINLINE void SumWakes(const KernelMedium& medium, const Field& field,
                            std::span<const KernelSource> sources, const KernelTargets& targets) {
     constexpr std::size_t n = K::lane_count;
+    if (targets.count == 1)
+        return SumOne<polar, typename K::OneLane>(medium, field, sources, targets, 0);
     const Setting<K> with = SettingOf<K>(medium, field);
     std::size_t begin = 0;
     for (; begin + 2 * n <= targets.count; begin += 2 * n) {
