@@ -1,11 +1,13 @@
-// Strain of one source at many targets: the scalar field, the batched kernel, one point of it at a time, and
-// the closed form in Boost's Bessel functions; all in one run. Counter s_per_point: time a source and target.
+// Strain of one source at many targets: the scalar field, the batched kernel at each accuracy, one point of
+// it at a time, and the closed form in the Bessel functions of Boost and the GSL; all pairs of many rods; all
+// in one run. Counter s_per_point: time a source and target. bench/kernel_peers.py makes a table of it.
 //
 //   build/release/bench/bench_kernel --benchmark_min_time=0.5
 
+#include "elastic/geometry.hpp"
 #include "plain_field.hpp"
 #include "rodwake/core/rng.hpp"
-#include "rodwake/elastic/wake_kernel.hpp"
+#include "rodwake/elastic/mutual_wakes.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -50,6 +52,14 @@ void scalar_field(benchmark::State& state) {
     each(state, [&](double x, double y) { return field.at(x, y, {.strain = true}).strain; });
 }
 
+/// By the closed form alone, as Field::at does it where the faster route is not as accurate.
+void scalar_closed_form(benchmark::State& state) {
+    const Field field(plain_medium);
+    each(state, [&](double x, double y) {
+        return FieldInternals::by_potentials(field, x, y, {.strain = true}).strain;
+    });
+}
+
 void boost_formula(benchmark::State& state) {
     each(state, [](double x, double y) { return plain_strain<Promotion>({x, y}); });
 }
@@ -57,6 +67,12 @@ void boost_formula(benchmark::State& state) {
 void boost_formula_in_double(benchmark::State& state) {
     each(state, [](double x, double y) { return plain_strain<NoPromotion>({x, y}); });
 }
+
+#ifdef RODWAKE_BENCH_GSL
+void gsl_formula(benchmark::State& state) {
+    each(state, [](double x, double y) { return plain_strain<Gsl>({x, y}); });
+}
+#endif
 
 void kernel_one_point(benchmark::State& state) {
     const WakeKernel kernel(plain_medium);
@@ -74,8 +90,8 @@ struct Sums {
     PolarSums polar() { return {part[3], part[4], part[5], part[6]}; }
 };
 
-void kernel_batch(benchmark::State& state) {
-    const WakeKernel kernel(plain_medium);
+void kernel_batch(benchmark::State& state, Accuracy accuracy) {
+    const WakeKernel kernel(plain_medium, accuracy);
     const Targets targets;
     const Source source;
     Sums sums;
@@ -96,11 +112,52 @@ void kernel_batch_polar(benchmark::State& state) {
     state.SetLabel(wake_kernel_target());
 }
 
+/// All pairs of rods at one in (3 xi)^2, one thread; with a tolerance, far wakes are left out. Counter share:
+/// of the fields that were worked out.
+void all_pairs(benchmark::State& state, Accuracy accuracy, double tolerance) {
+    rodwake::RandomStream random(3);
+    const auto rods = static_cast<std::size_t>(state.range(0));
+    const double side = 3.0 * std::sqrt(static_cast<double>(rods));
+    std::vector<Source> sources(rods);
+    for (Source& one : sources)
+        one = {random.uniform(0.0, side), random.uniform(0.0, side), random.uniform(0.0, 6.3)};
+    std::vector<double> xx(rods), xy(rods), yy(rods);
+    const MutualWakes wakes(plain_medium, {.accuracy = accuracy, .strain_tolerance = tolerance});
+    std::size_t done = 0;
+    for (auto _ : state)
+        done = wakes.strain(sources, {xx, xy, yy});
+    state.counters["share"] = static_cast<double>(done) / static_cast<double>(rods * (rods - 1));
+}
+
+BENCHMARK_CAPTURE(all_pairs, full, Accuracy::full, 0.0)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(all_pairs, fine, Accuracy::fine, 0.0)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(all_pairs, single, Accuracy::single, 0.0)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(all_pairs, full_skipping, Accuracy::full, 1e-3)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(all_pairs, fine_skipping, Accuracy::fine, 1e-3)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(all_pairs, single_skipping, Accuracy::single, 1e-3)
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(scalar_field);
-BENCHMARK(kernel_batch);
+BENCHMARK(scalar_closed_form);
+BENCHMARK_CAPTURE(kernel_batch, full, Accuracy::full);
+BENCHMARK_CAPTURE(kernel_batch, fine, Accuracy::fine);
+BENCHMARK_CAPTURE(kernel_batch, single, Accuracy::single);
 BENCHMARK(kernel_batch_polar);
 BENCHMARK(kernel_one_point);
 BENCHMARK(boost_formula);
 BENCHMARK(boost_formula_in_double);
+#ifdef RODWAKE_BENCH_GSL
+BENCHMARK(gsl_formula);
+#endif
 
 } // namespace

@@ -1,11 +1,14 @@
 #pragma once
-// The closed form written straight from the paper with Boost's Bessel functions. It overflows far behind the
-// rod and cancels near it: compare the speed, not the digits.
+// The closed form written straight from the paper with Boost's or the GSL's Bessel functions. It overflows
+// far behind the rod and cancels near it: compare the speed, not the digits.
 
 #include "rodwake/elastic/medium.hpp"
 
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
+#ifdef RODWAKE_BENCH_GSL
+#include <gsl/gsl_sf_bessel.h>
+#endif
 #include <numbers>
 
 inline constexpr rodwake::elastic::Medium plain_medium{.eta = 1.3, .xi = 1.0};
@@ -17,16 +20,29 @@ struct Place {
 using NoPromotion = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 using Promotion = boost::math::policies::policy<>;
 
+/// K_n of a library: of Boost with a policy, or of the GSL.
+template<class Policy>
+inline double plain_bessel_k(int n, double z) {
+    return boost::math::cyl_bessel_k(n, z, Policy());
+}
+#ifdef RODWAKE_BENCH_GSL
+struct Gsl {};
+template<>
+inline double plain_bessel_k<Gsl>(int n, double z) {
+    return n == 0 ? gsl_sf_bessel_K0(z) : gsl_sf_bessel_K1(z);
+}
+#endif
+
 /// K0 and K1 of both potentials with their exponentials, as printed.
 template<class Policy>
 struct Plain {
     double nu = plain_medium.nu(), c = 0.5 / plain_medium.xi, r, t0, t1, l0, l1;
     explicit Plain(Place p) : r(std::hypot(p.x, p.y)) {
         const double shear = std::exp(-c * p.x), longitudinal = std::exp(-nu * c * p.x);
-        t0 = shear * boost::math::cyl_bessel_k(0, c * r, Policy());
-        t1 = shear * boost::math::cyl_bessel_k(1, c * r, Policy());
-        l0 = longitudinal * boost::math::cyl_bessel_k(0, nu * c * r, Policy());
-        l1 = longitudinal * boost::math::cyl_bessel_k(1, nu * c * r, Policy());
+        t0 = shear * plain_bessel_k<Policy>(0, c * r);
+        t1 = shear * plain_bessel_k<Policy>(1, c * r);
+        l0 = longitudinal * plain_bessel_k<Policy>(0, nu * c * r);
+        l1 = longitudinal * plain_bessel_k<Policy>(1, nu * c * r);
     }
 };
 

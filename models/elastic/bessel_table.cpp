@@ -161,13 +161,13 @@ BesselTable<Real> make_bessel_table(TableShape shape) {
     const Wide half_width = 0.5L / static_cast<Wide>(pieces);
     BesselTable<Real> table;
     const auto rows = static_cast<std::size_t>(end_binade - lowest_binade) * static_cast<std::size_t>(pieces);
-    table.coefficients.reserve(rows * static_cast<std::size_t>(shape.terms));
+    table.coefficients.reserve(rows * static_cast<std::size_t>(shape.stride()));
     for (int binade = lowest_binade; binade < end_binade; ++binade)
         for (int i = 0; i < pieces; ++i) {
             const Wide middle = 1.0L + half_width * static_cast<Wide>(2 * i + 1);
             const Taylor row = piece(ascending, binade, middle, half_width, shape.terms);
-            for (int k = 0; k < shape.terms; ++k)
-                table.coefficients.push_back(static_cast<Real>(row[k]));
+            for (int k = 0; k < shape.stride(); ++k)
+                table.coefficients.push_back(k < shape.terms ? static_cast<Real>(row[k]) : Real{0});
         }
     return table;
 }
@@ -177,6 +177,16 @@ template BesselTable<float> make_bessel_table<float>(TableShape);
 
 const BesselTable<double>& bessel_table() {
     static const BesselTable<double> table = make_bessel_table<double>(full_shape);
+    return table;
+}
+
+const BesselTable<double>& fine_bessel_table() {
+    static const BesselTable<double> table = make_bessel_table<double>(fine_shape);
+    return table;
+}
+
+const BesselTable<float>& single_bessel_table() {
+    static const BesselTable<float> table = make_bessel_table<float>(single_shape);
     return table;
 }
 

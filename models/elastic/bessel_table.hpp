@@ -20,15 +20,19 @@ namespace rodwake::elastic {
 inline constexpr int lowest_binade = -44, end_binade = 20;
 
 /// Accuracy of a table: pieces a binade and coefficients a row. `full_shape` has a cache line a row and
-/// errors below the last bit of K0 and K1; half its pieces would lose two digits of z K1 - 1 at small z.
+/// errors below the last bit of K0 and K1; half its pieces would lose two digits of z K1 - 1 at small z. The
+/// others are those of Accuracy::fine and Accuracy::single.
 struct TableShape {
     int piece_bits, terms;
+
+    /// Numbers from row to row, a power of two: what a row lacks are zeros.
+    constexpr int stride() const { return terms > 4 ? 8 : 4; }
 };
-inline constexpr TableShape full_shape{6, 8};
+inline constexpr TableShape full_shape{6, 8}, fine_shape{5, 6}, single_shape{5, 4};
 
 template<class Real>
 struct BesselTable {
-    std::vector<Real> coefficients; ///< rows of `terms`, from the lowest binade on
+    std::vector<Real> coefficients; ///< rows of `stride`, from the lowest binade on
 
     const Real* rows() const { return coefficients.data(); }
 };
@@ -40,5 +44,7 @@ BesselTable<Real> make_bessel_table(TableShape shape);
 
 /// Made at the first call, thread-safe; a few milliseconds then, nothing later.
 const BesselTable<double>& bessel_table();
+const BesselTable<double>& fine_bessel_table();
+const BesselTable<float>& single_bessel_table();
 
 } // namespace rodwake::elastic

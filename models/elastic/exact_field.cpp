@@ -1,7 +1,10 @@
 // The exact field behind elastic/wake_field.hpp: on the plane one wake for all headings, in a box one each.
 
+#include "rodwake/elastic/mutual_wakes.hpp"
 #include "rodwake/elastic/periodic.hpp"
 #include "rodwake/elastic/wake_field.hpp"
+
+#include <vector>
 
 namespace rodwake::elastic {
 
@@ -26,14 +29,57 @@ private:
 
 class PlaneField final : public WakeField {
 public:
-    explicit PlaneField(const Medium& medium) : wake_(std::make_shared<const PlaneWake>(medium)) {}
+    explicit PlaneField(const Medium& medium)
+        : wake_(std::make_shared<const PlaneWake>(medium)), kernels_(medium) {}
 
     const Medium& medium() const override { return wake_->medium(); }
     std::shared_ptr<const Wake> wake(double /*heading*/) const override { return wake_; }
+    void mutual(std::span<const Source> rods, FieldRequest request,
+                std::span<FieldValues> sums) const override;
 
 private:
     std::shared_ptr<const PlaneWake> wake_;
+    MutualWakes kernels_;
 };
+
+/// Columns of sums over rods, one after the other.
+class Columns {
+public:
+    explicit Columns(std::size_t rods) : rods_(rods), numbers_(7 * rods) {}
+
+    StrainSums strain() { return {column(0), column(1), column(2)}; }
+    PolarSums polar() { return {column(3), column(4), column(5), column(6)}; }
+    FieldValues row(std::size_t a, bool with_polar) const {
+        const auto number = [&](std::size_t k) { return numbers_[k * rods_ + a]; };
+        FieldValues f = unrequested();
+        f.strain = {number(0), number(1), number(2)};
+        if (with_polar) {
+            f.laplacian = {number(3), number(4)};
+            f.gradient_of_trace = {number(5), number(6)};
+        }
+        return f;
+    }
+
+private:
+    std::span<double> column(std::size_t k) { return std::span(numbers_).subspan(k * rods_, rods_); }
+
+    std::size_t rods_;
+    std::vector<double> numbers_;
+};
+
+void PlaneField::mutual(std::span<const Source> rods, FieldRequest request,
+                        std::span<FieldValues> sums) const {
+    constexpr std::size_t worth_kernels = 8; // fewer fill too little of a tile
+    if (rods.size() < worth_kernels || rods.size() != sums.size() || request.displacement || request.dipole)
+        return WakeField::mutual(rods, request, sums);
+    Columns columns(rods.size());
+    if (request.polar)
+        kernels_.strain_and_polar(rods, columns.strain(), columns.polar());
+    else
+        kernels_.strain(rods, columns.strain());
+    for (std::size_t a = 0; a < rods.size(); ++a)
+        sums[a] = columns.row(a, request.polar);
+}
 
 class PeriodicWake final : public Wake {
 public:

@@ -1,6 +1,7 @@
 #include "rodwake/elastic/field.hpp"
 
 #include "combination.hpp"
+#include "field_lane.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -54,6 +55,28 @@ void add_gradients(FieldValues& f, const CombinationGradients& d, FieldRequest r
     }
 }
 
+/// What the kernels' algorithm leaves to do; gradients come with what they are of.
+FieldRequest without_lane(FieldRequest request) {
+    if (!request.gradients)
+        request.strain = request.polar = false;
+    return request;
+}
+
+bool anything(FieldRequest request) {
+    return request.displacement || request.strain || request.polar || request.dipole;
+}
+
+void set_lane(const LaneField& lane, FieldRequest request, FieldValues& f) {
+    if (request.strain)
+        f.strain = lane.strain;
+    if (request.polar) {
+        f.laplacian = lane.laplacian;
+        f.gradient_of_trace = lane.gradient_of_trace;
+    }
+    if (request.dipole)
+        f.dipole.x = -lane.strain.yy; // reciprocity
+}
+
 } // namespace
 
 Field::Field(const Medium& medium) : medium_(medium) {
@@ -66,6 +89,18 @@ Field::Field(const Medium& medium) : medium_(medium) {
 }
 
 FieldValues Field::at(double x, double y, FieldRequest request) const {
+    LaneField lane;
+    if (!(request.strain || request.polar || request.dipole) ||
+        !lane_field(constants_, x, y, request.polar, lane))
+        return by_potentials(x, y, request);
+    // the same bits, whatever else is asked for
+    const FieldRequest rest = without_lane(request);
+    FieldValues f = anything(rest) ? by_potentials(x, y, rest) : unrequested();
+    set_lane(lane, request, f);
+    return f;
+}
+
+FieldValues Field::by_potentials(double x, double y, FieldRequest request) const {
     const Constants& m = constants_;
     const Geometry at(m, x, y);
     const WaveNumber shear{{1.0, 0.0}, 1.0, 1.0},

@@ -17,123 +17,12 @@
 #define RODWAKE_ELASTIC_KERNEL_INL
 #endif
 
-#include "elastic/bessel_table.hpp"
-#include "elastic/vector_math_inl.hpp"
+#include "elastic/bessel_inl.hpp"
 
 #include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
 namespace rodwake::elastic::HWY_NAMESPACE {
-
-/// Coefficient k of each lane's row in vector k.
-template<class D>
-struct Rows {
-    hn::Vec<D> c[full_shape.terms];
-};
-
-#if HWY_MAX_BYTES >= 32
-template<class D>
-HWY_INLINE void TransposeFour(D d, const double* const (&row)[4], Rows<D>& rows) {
-    for (int half = 0; half < 2; ++half) {
-        const auto r0 = hn::LoadU(d, row[0] + 4 * half), r1 = hn::LoadU(d, row[1] + 4 * half),
-                   r2 = hn::LoadU(d, row[2] + 4 * half), r3 = hn::LoadU(d, row[3] + 4 * half);
-        const auto even01 = hn::InterleaveLower(d, r0, r1), even23 = hn::InterleaveLower(d, r2, r3),
-                   odd01 = hn::InterleaveUpper(d, r0, r1), odd23 = hn::InterleaveUpper(d, r2, r3);
-        rows.c[4 * half] = hn::ConcatLowerLower(d, even23, even01);
-        rows.c[4 * half + 1] = hn::ConcatLowerLower(d, odd23, odd01);
-        rows.c[4 * half + 2] = hn::ConcatUpperUpper(d, even23, even01);
-        rows.c[4 * half + 3] = hn::ConcatUpperUpper(d, odd23, odd01);
-    }
-}
-#endif
-
-/// The rows of the table at these indices. Loading and transposing four rows beats gathering their columns.
-template<class D, class Index>
-HWY_INLINE Rows<D> LoadRows(D d, const double* table, Index index) {
-    static_assert(full_shape.terms == 8);
-    Rows<D> rows;
-#if HWY_MAX_BYTES >= 32
-    if constexpr (hn::MaxLanes(D()) == 4) {
-        HWY_ALIGN std::int64_t at[4];
-        hn::Store(index, hn::RebindToSigned<D>(), at);
-        const double* const row[4] = {table + at[0], table + at[1], table + at[2], table + at[3]};
-        TransposeFour(d, row, rows);
-        return rows;
-    }
-#endif
-    for (int k = 0; k < full_shape.terms; ++k)
-        rows.c[k] = hn::GatherIndex(d, table + k, index);
-    return rows;
-}
-
-/// Scaled K0 and K1 in the forms that do not cancel.
-template<class D>
-struct ScaledBessel {
-    hn::Vec<D> k0;       ///< e^z K0
-    hn::Vec<D> zk1;      ///< e^z z K1
-    hn::Vec<D> zk1_less; ///< e^z z K1 - 1; absolute error of z ulp
-    hn::Vec<D> zd;       ///< e^z z (K1 - K0)
-};
-
-/// 1/2, 1/3, ...: of (-ln(1 - t) - t)/t^2; |t| <= 1/64, so the next term is 6e-18.
-inline constexpr double log_series[] = {1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
-
-/// Row of the table and middle of the piece that holds an argument.
-template<class D>
-struct Piece {
-    hn::VFromD<hn::RebindToSigned<D>> index;
-    hn::Vec<D> middle;
-};
-
-template<class D, class V = hn::Vec<D>>
-HWY_INLINE Piece<D> PieceOf(D d, V z) {
-    const hn::RebindToUnsigned<D> u;
-    const hn::RebindToSigned<D> i;
-    constexpr int shift = 52 - full_shape.piece_bits;
-    constexpr std::uint64_t mask = ~((std::uint64_t{1} << shift) - 1), half = std::uint64_t{1} << (shift - 1);
-    constexpr std::int64_t first = static_cast<std::int64_t>(1023 + lowest_binade) << full_shape.piece_bits;
-    const auto bits = hn::BitCast(u, z);
-    const auto number = hn::Sub(hn::BitCast(i, hn::ShiftRight<shift>(bits)), hn::Set(i, first));
-    return {hn::ShiftLeft<3>(number),
-            hn::BitCast(d, hn::Or(hn::And(bits, hn::Set(u, mask)), hn::Set(u, half)))};
-}
-
-/// At n arguments in the table's range; `inverse` is 1/z.
-template<std::size_t n, class D, class V = hn::Vec<D>>
-HWY_INLINE void BesselAt(D d, const double* table, const V (&z)[n], const V (&inverse)[n],
-                         ScaledBessel<D> (&result)[n]) {
-    const V one = hn::Set(d, 1.0);
-    Rows<D> rows[n];
-    V p[n], derivative[n], t[n], log[n];
-    RODWAKE_UNROLL
-    for (std::size_t i = 0; i < n; ++i) {
-        const Piece<D> piece = PieceOf(d, z[i]);
-        rows[i] = LoadRows(d, table, piece.index);
-        t[i] = hn::Mul(hn::Sub(z[i], piece.middle), inverse[i]);
-        derivative[i] = rows[i].c[7];
-        p[i] = Fma(d, derivative[i], t[i], rows[i].c[6]);
-    }
-    RODWAKE_UNROLL
-    for (int k = 5; k >= 0; --k) // both by Horner's rule at once
-        RODWAKE_UNROLL
-    for (std::size_t i = 0; i < n; ++i) {
-        derivative[i] = Fma(d, derivative[i], t[i], p[i]);
-        p[i] = Fma(d, p[i], t[i], rows[i].c[k]);
-    }
-    Polynomials(d, t, log_series, log);
-    RODWAKE_UNROLL
-    for (std::size_t i = 0; i < n; ++i) {
-        const V slope = Fma(d, hn::Neg(t[i]), derivative[i], derivative[i]); // z dP/dz
-        const auto low = hn::Lt(z[i], one);
-        const V ln = Fma(d, hn::Mul(t[i], t[i]), log[i], t[i]); // ln(z/z_i)
-        ScaledBessel<D>& k = result[i];
-        k.k0 = hn::Sub(p[i], hn::IfThenElseZero(low, ln));
-        k.zd = hn::Sub(hn::IfThenElseZero(low, one), slope);
-        const V sum = Fma(d, z[i], k.k0, hn::Neg(slope));
-        k.zk1_less = hn::Sub(sum, hn::IfThenZeroElse(low, one));
-        k.zk1 = hn::Add(sum, hn::IfThenElseZero(low, one));
-    }
-}
 
 /// A medium of 0 <= eta: reduced constants of each lane.
 template<class D>
@@ -152,11 +41,12 @@ struct Radial {
 };
 
 /// Of n distances; lengths in units of 1/c_shear.
-template<std::size_t n, class D, class V = hn::Vec<D>>
-HWY_INLINE void RadialAt(D d, const double* table, const V (&distance)[n], const LaneMedium<D>& medium,
+template<TableShape shape = full_shape, std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void RadialAt(D d, const hn::TFromD<D>* table, const V (&distance)[n], const LaneMedium<D>& medium,
                          Radial<D> (&at)[n]) {
-    const V low = hn::Set(d, 1.0 / static_cast<double>(std::uint64_t{1} << -lowest_binade)),
-            high = hn::Set(d, static_cast<double>(std::uint64_t{1} << end_binade)), one = hn::Set(d, 1.0);
+    using Real = hn::TFromD<D>;
+    const V low = hn::Set(d, Real{1} / static_cast<Real>(std::uint64_t{1} << -lowest_binade)),
+            high = hn::Set(d, static_cast<Real>(std::uint64_t{1} << end_binade)), one = hn::Set(d, Real{1});
     RODWAKE_UNROLL
     for (std::size_t i = 0; i < n; ++i) {
         const V longitudinal = hn::Mul(distance[i], medium.nu);
@@ -169,7 +59,7 @@ HWY_INLINE void RadialAt(D d, const double* table, const V (&distance)[n], const
         const V z[2] = {at[i].s, hn::IfThenElse(at[i].in_range, hn::Mul(at[i].s, medium.nu), one)};
         const V inverse[2] = {at[i].inverse, hn::Mul(at[i].inverse, medium.inverse_nu)};
         ScaledBessel<D> k[2];
-        BesselAt(d, table, z, inverse, k);
+        BesselAt<shape>(d, table, z, inverse, k);
         at[i].shear = k[0];
         at[i].longitudinal = k[1];
     }
@@ -184,6 +74,11 @@ struct Wake {
     hn::Vec<D> gradient_x, gradient_y;   ///< grad div U
 };
 
+/// Terms of the exponential that go with a table.
+constexpr std::size_t exponential_terms(TableShape shape) {
+    return shape.terms == full_shape.terms ? 12 : shape.terms == fine_shape.terms ? 7 : 5;
+}
+
 /// Where a point is, in units of 1/c_shear, and what decays there.
 template<class D>
 struct Bearing {
@@ -192,7 +87,7 @@ struct Bearing {
     hn::Vec<D> ratio_less_one; ///< e_t/e_l - 1
 };
 
-template<std::size_t n, class D, class V = hn::Vec<D>>
+template<TableShape shape, std::size_t n, class D, class V = hn::Vec<D>>
 HWY_INLINE void BearingsOf(D d, const V (&X)[n], const V (&Y)[n], const Radial<D>* const (&at)[n],
                            const LaneMedium<D>& m, Bearing<D> (&result)[n]) {
     V exponent[2 * n];
@@ -208,7 +103,7 @@ HWY_INLINE void BearingsOf(D d, const V (&X)[n], const V (&Y)[n], const Radial<D
         exponent[2 * i + 1] = hn::Mul(m.delta, w);
     }
     Exponential<D> e[2 * n];
-    ExpMinus(d, exponent, e);
+    ExpMinus<exponential_terms(shape)>(d, exponent, e);
     RODWAKE_UNROLL
     for (std::size_t i = 0; i < n; ++i) {
         result[i].e_l = e[2 * i].value;
@@ -220,7 +115,7 @@ HWY_INLINE void BearingsOf(D d, const V (&X)[n], const V (&Y)[n], const Radial<D
 /// The field at a point from its parts.
 template<bool polar, class D, class V = hn::Vec<D>>
 HWY_INLINE Wake<D> WakeFrom(D d, const Bearing<D>& b, const Radial<D>& at, const LaneMedium<D>& m) {
-    const V one = hn::Set(d, 1.0), two = hn::Set(d, 2.0);
+    const V one = hn::Set(d, hn::TFromD<D>{1}), two = hn::Set(d, hn::TFromD<D>{2});
     const V &c = b.c, &q = b.q, &p = b.p, &e_l = b.e_l, &e_t = b.e_t;
     const ScaledBessel<D>&t = at.shear, &l = at.longitudinal;
     const V core = hn::Mul(e_l, Fma(d, b.ratio_less_one, t.zk1, hn::Sub(t.zk1_less, l.zk1_less)));
@@ -252,11 +147,11 @@ HWY_INLINE Wake<D> WakeFrom(D d, const Bearing<D>& b, const Radial<D>& at, const
 }
 
 /// The field at n points (X, Y), lengths in units of 1/c_shear; at[i] is that of sqrt(X^2 + Y^2).
-template<bool polar, std::size_t n, class D, class V = hn::Vec<D>>
+template<bool polar, TableShape shape = full_shape, std::size_t n, class D, class V = hn::Vec<D>>
 HWY_INLINE void WakeAt(D d, const V (&X)[n], const V (&Y)[n], const Radial<D>* const (&at)[n],
                        const LaneMedium<D>& m, Wake<D> (&wake)[n]) {
     Bearing<D> bearing[n];
-    BearingsOf(d, X, Y, at, m, bearing);
+    BearingsOf<shape>(d, X, Y, at, m, bearing);
     RODWAKE_UNROLL
     for (std::size_t i = 0; i < n; ++i)
         wake[i] = WakeFrom<polar>(d, bearing[i], *at[i], m);

@@ -43,9 +43,11 @@ HWY_INLINE V Fma([[maybe_unused]] D d, V a, V b, V c) {
 #endif
 }
 
-/// c[0] + c[1] x + ... of each of n vectors, even and odd powers apart: half the latency of one chain.
-template<std::size_t n, class D, std::size_t terms, class V = hn::Vec<D>>
-HWY_INLINE void Polynomials(D d, const V (&x)[n], const double (&c)[terms], V (&result)[n]) {
+/// c[0] + c[1] x + ... of each of n vectors, even and odd powers apart: half the latency of one chain. Of the
+/// first `used` coefficients, or of all.
+template<std::size_t used = 0, std::size_t n, class D, std::size_t all, class V = hn::Vec<D>>
+HWY_INLINE void Polynomials(D d, const V (&x)[n], const double (&c)[all], V (&result)[n]) {
+    constexpr std::size_t terms = used == 0 ? all : used;
     static_assert(terms >= 4);
     const auto constant = [&](std::size_t k)
                               HWY_ATTR { return hn::Set(d, static_cast<hn::TFromD<D>>(c[k])); };
@@ -71,10 +73,24 @@ HWY_INLINE void Polynomials(D d, const V (&x)[n], const double (&c)[terms], V (&
         result[i] = Fma(d, odds[i], x[i], evens[i]);
 }
 
-/// 1/2!, 1/3!, ...: of (e^r - 1 - r)/r^2. |r| <= ln 2/2: the next term is 4e-18 of e^r.
+/// 1/2!, 1/3!, ...: of (e^r - 1 - r)/r^2. |r| <= ln 2/2: after 12, 7 and 5 terms the next is 4e-18, 2e-10 and
+/// 1e-7 of e^r.
 inline constexpr double exponential_series[] = {
     1.0 / 2,     1.0 / 6,      1.0 / 24,       1.0 / 120,       1.0 / 720,        1.0 / 5040,
     1.0 / 40320, 1.0 / 362880, 1.0 / 3628800., 1.0 / 39916800., 1.0 / 479001600., 1.0 / 6227020800.};
+
+/// What e^-x needs to know of a precision.
+template<class Real>
+struct ExponentialConstants {
+    static constexpr double largest = 708.0; ///< nears the smallest double
+    static constexpr double round = 0x1.8p52, ln2_high = 0x1.62e42fefa39efp-1,
+                            ln2_low = 0x1.abc9e3b39803fp-56;
+};
+template<>
+struct ExponentialConstants<float> {
+    static constexpr float largest = 40.0F; ///< products of two such are still normal: subnormals are slow
+    static constexpr float round = 0x1.8p23F, ln2_high = 0x1.62e43p-1F, ln2_low = -0x1.05c611p-29F;
+};
 
 template<class D>
 struct Exponential {
@@ -82,26 +98,29 @@ struct Exponential {
     hn::Vec<D> less_one; ///< e^-x - 1
 };
 
-/// Of x >= 0. Both to about an ulp; the value is 0 for x > 708, where it nears the smallest double.
-template<std::size_t n, class D, class V = hn::Vec<D>>
+/// Of x >= 0. With all terms both to about an ulp; the value is 0 for x > `largest`.
+template<std::size_t terms = 12, std::size_t n, class D, class V = hn::Vec<D>>
 HWY_INLINE void ExpMinus(D d, const V (&x)[n], Exponential<D> (&result)[n]) {
+    using Real = hn::TFromD<D>;
+    using Constant = ExponentialConstants<Real>;
     const hn::RebindToUnsigned<D> bits;
-    const V largest = hn::Set(d, 708.0), round = hn::Set(d, 0x1.8p52), one = hn::Set(d, 1.0);
+    const V largest = hn::Set(d, Constant::largest), round = hn::Set(d, Constant::round),
+            one = hn::Set(d, Real{1});
     V shifted[n], r[n], q[n];
     RODWAKE_UNROLL
     for (std::size_t i = 0; i < n; ++i) {
         const V limited = hn::Min(x[i], largest);
-        shifted[i] = Fma(d, limited, hn::Set(d, -1.4426950408889634), round);
+        shifted[i] = Fma(d, limited, hn::Set(d, static_cast<Real>(-1.4426950408889634)), round);
         const V k =
             hn::Sub(shifted[i], round); // nearest integer to -x/ln 2; its bits are the last of `shifted`
-        r[i] = Fma(d, k, hn::Set(d, -0x1.62e42fefa39efp-1), hn::Neg(limited));
-        r[i] = Fma(d, k, hn::Set(d, -0x1.abc9e3b39803fp-56), r[i]);
+        r[i] = Fma(d, k, hn::Set(d, -Constant::ln2_high), hn::Neg(limited));
+        r[i] = Fma(d, k, hn::Set(d, -Constant::ln2_low), r[i]);
     }
-    Polynomials(d, r, exponential_series, q);
+    Polynomials<terms>(d, r, exponential_series, q);
     RODWAKE_UNROLL
     for (std::size_t i = 0; i < n; ++i) {
         const V p = Fma(d, hn::Mul(r[i], r[i]), q[i], r[i]);
-        const auto exponent = hn::ShiftLeft<52>(hn::BitCast(bits, shifted[i]));
+        const auto exponent = hn::ShiftLeft<hwy::MantissaBits<Real>()>(hn::BitCast(bits, shifted[i]));
         const V power = hn::BitCast(d, hn::Add(hn::BitCast(bits, one), exponent));
         const V value = Fma(d, power, p, power);
         result[i].value = hn::IfThenElseZero(hn::Le(x[i], largest), value);

@@ -5,81 +5,12 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "elastic/kernel_inl.hpp"
-#include "elastic/wake_kernel.hpp"
+#include "elastic/lab_parts_inl.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 HWY_BEFORE_NAMESPACE();
 namespace rodwake::elastic::HWY_NAMESPACE {
-
-using Lanes = hn::CappedTag<double, 8>;
-using V = hn::Vec<Lanes>;
-constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
-
-/// What a source gives at each lane, lab components.
-struct Parts {
-    V part[all_parts];
-};
-
-struct Units {
-    V strain, polar;
-};
-
-template<bool polar>
-HWY_INLINE Parts LabParts(const Wake<Lanes>& wake, V cosine, V sine, const Units& unit) {
-    const Lanes d;
-    const V cos2 = Fma(d, cosine, cosine, hn::Neg(hn::Mul(sine, sine))),
-            sin2 = hn::Mul(hn::Add(sine, sine), cosine);
-    // halves of trace, eps_yy - eps_xx and 2 eps_xy
-    const V half = hn::Mul(unit.strain, hn::Set(d, 0.5)), mean = hn::Mul(half, wake.trace);
-    const V own_across = hn::Mul(half, hn::Sub(wake.yy, wake.trace)), own_shear = hn::Mul(half, wake.shear);
-    const V across = Fma(d, own_across, cos2, hn::Mul(own_shear, sin2));
-    Parts parts;
-    parts.part[0] = hn::Sub(mean, across);
-    parts.part[1] = Fma(d, own_shear, cos2, hn::Neg(hn::Mul(own_across, sin2)));
-    parts.part[2] = hn::Add(mean, across);
-    if constexpr (polar) {
-        const V c = hn::Mul(unit.polar, cosine), s = hn::Mul(unit.polar, sine);
-        parts.part[3] = Fma(d, wake.laplacian_x, c, hn::Neg(hn::Mul(wake.laplacian_y, s)));
-        parts.part[4] = Fma(d, wake.laplacian_x, s, hn::Mul(wake.laplacian_y, c));
-        parts.part[5] = Fma(d, wake.gradient_x, c, hn::Neg(hn::Mul(wake.gradient_y, s)));
-        parts.part[6] = Fma(d, wake.gradient_x, s, hn::Mul(wake.gradient_y, c));
-    }
-    return parts;
-}
-
-/// Puts the exact field in the lanes that the kernel cannot do.
-template<bool polar>
-HWY_NOINLINE void Replace(Parts& parts, hn::Mask<Lanes> in_range, const Field& field,
-                          const KernelSource& source, const double* x, const double* y, std::size_t used) {
-    const Lanes d;
-    constexpr int count = polar ? all_parts : strain_parts;
-    HWY_ALIGN double stored[all_parts][lane_count], ok[lane_count];
-    hn::Store(hn::IfThenElseZero(in_range, hn::Set(d, 1.0)), d, ok);
-    for (int k = 0; k < count; ++k)
-        hn::Store(parts.part[k], d, stored[k]);
-    for (std::size_t lane = 0; lane < used; ++lane) {
-        double exact[all_parts];
-        if (ok[lane] != 0.0)
-            continue;
-        exact_parts(field, source, x[lane], y[lane], polar, exact);
-        for (int k = 0; k < count; ++k)
-            stored[k][lane] = exact[k];
-    }
-    for (int k = 0; k < count; ++k)
-        parts.part[k] = hn::Load(d, stored[k]);
-}
-
-/// What all targets share.
-struct Setting {
-    const double* table;
-    LaneMedium<Lanes> medium;
-    Units unit;
-    const Field* field;
-    std::span<const KernelSource> sources;
-};
 
 /// A vector of targets, of which the first `used` count.
 struct Targets {
@@ -87,117 +18,156 @@ struct Targets {
     std::size_t used;
 };
 
-/// Sums over the sources at some vectors of targets. Two at a time hide each other's latency, which for one
-/// is longer than its work.
-template<bool polar, std::size_t vectors>
-HWY_INLINE void SumBlock(const Setting& with, const V (&x)[vectors], const V (&y)[vectors],
-                         const Targets (&targets)[vectors], Parts (&sum)[vectors]) {
-    const Lanes d;
+/// Puts the exact field in the lanes that the kernel cannot do.
+template<bool polar, class K>
+HWY_NOINLINE void Replace(Parts<K>& parts, hn::Mask<typename K::Lanes> in_range, const Field& field,
+                          const KernelSource& source, const Targets& targets) {
+    ReplaceLanes<polar, K>(parts, in_range, [&](std::size_t lane, double* exact) {
+        if (lane < targets.used)
+            exact_parts(field, source, targets.x[lane], targets.y[lane], polar, exact);
+    });
+}
+
+/// Adds what the sources give at some vectors of targets. Two at a time hide each other's latency, which for
+/// one is longer than its work.
+template<bool polar, class K, std::size_t vectors>
+HWY_INLINE void SumBlock(const Setting<K>& with, std::span<const KernelSource> sources,
+                         const Targets (&targets)[vectors], Parts<K> (&sum)[vectors]) {
+    const typename K::Lanes d;
+    using V = typename K::V;
+    using Real = typename K::Real;
     constexpr int count = polar ? all_parts : strain_parts;
-    const LaneMedium<Lanes>& m = with.medium;
+    Coordinates<K> x[vectors], y[vectors];
     RODWAKE_UNROLL
-    for (std::size_t i = 0; i < vectors; ++i)
+    for (std::size_t i = 0; i < vectors; ++i) {
+        x[i] = LoadCoordinates<K>(targets[i].x);
+        y[i] = LoadCoordinates<K>(targets[i].y);
         for (int k = 0; k < count; ++k)
             sum[i].part[k] = hn::Zero(d);
-    for (const KernelSource& source : with.sources) {
-        const V cosine = hn::Set(d, source.cosine), sine = hn::Set(d, source.sine);
+    }
+    for (const KernelSource& source : sources) {
+        const V cosine = hn::Set(d, static_cast<Real>(source.cosine)),
+                sine = hn::Set(d, static_cast<Real>(source.sine));
         V X[vectors], Y[vectors], distance[vectors];
         RODWAKE_UNROLL
         for (std::size_t i = 0; i < vectors; ++i) {
-            const V dx = hn::Mul(hn::Sub(x[i], hn::Set(d, source.x)), m.c_shear),
-                    dy = hn::Mul(hn::Sub(y[i], hn::Set(d, source.y)), m.c_shear);
+            const V dx = Offset(x[i], SetCoordinates<K>(source.x), with.c_shear),
+                    dy = Offset(y[i], SetCoordinates<K>(source.y), with.c_shear);
             X[i] = Fma(d, cosine, dx, hn::Mul(sine, dy));
             Y[i] = Fma(d, cosine, dy, hn::Neg(hn::Mul(sine, dx)));
             distance[i] = hn::Sqrt(Fma(d, X[i], X[i], hn::Mul(Y[i], Y[i])));
         }
-        Radial<Lanes> radial[vectors];
-        RadialAt(d, with.table, distance, m, radial);
-        const Radial<Lanes>* at[vectors];
+        Radial<typename K::Lanes> radial[vectors];
+        RadialAt<K::shape>(d, with.table, distance, with.medium, radial);
+        const Radial<typename K::Lanes>* at[vectors];
         RODWAKE_UNROLL
         for (std::size_t i = 0; i < vectors; ++i)
             at[i] = &radial[i];
-        Wake<Lanes> wake[vectors];
-        WakeAt<polar>(d, X, Y, at, m, wake);
+        Wake<typename K::Lanes> wake[vectors];
+        WakeAt<polar, K::shape>(d, X, Y, at, with.medium, wake);
         RODWAKE_UNROLL
         for (std::size_t i = 0; i < vectors; ++i) {
-            Parts parts = LabParts<polar>(wake[i], cosine, sine, with.unit);
+            Parts<K> parts = LabParts<polar>(wake[i], cosine, sine, with.unit);
             if (HWY_UNLIKELY(!hn::AllTrue(d, radial[i].in_range)))
-                Replace<polar>(parts, radial[i].in_range, *with.field, source, targets[i].x, targets[i].y,
-                               targets[i].used);
+                Replace<polar, K>(parts, radial[i].in_range, *with.field, source, targets[i]);
             for (int k = 0; k < count; ++k)
                 sum[i].part[k] = hn::Add(sum[i].part[k], parts.part[k]);
         }
     }
 }
 
-HWY_INLINE Setting SettingOf(const KernelMedium& medium, const Field& field,
-                             std::span<const KernelSource> sources) {
-    const Lanes d;
-    const V c_shear = hn::Set(d, medium.c_shear),
-            second = hn::Mul(c_shear, hn::Set(d, 0.5 * std::numbers::inv_pi));
-    return {bessel_table().rows(),
-            {c_shear, hn::Set(d, medium.nu), hn::Set(d, medium.delta), hn::Set(d, medium.inverse_nu)},
-            {second, hn::Mul(second, c_shear)},
-            &field,
-            sources};
+/// Sources added up in single precision before they go to a sum in double.
+constexpr std::size_t single_run = 64;
+
+/// Puts the numbers of the lanes in, or adds them to, `used` doubles.
+template<class K>
+HWY_INLINE void Deliver(typename K::V v, double* to, std::size_t used, bool add) {
+    const typename K::Lanes d;
+    if (!K::single && !add && used == K::lane_count) {
+        if constexpr (!K::single)
+            hn::StoreU(v, d, to);
+        return;
+    }
+    HWY_ALIGN typename K::Real stored[K::lane_count];
+    hn::Store(v, d, stored);
+    for (std::size_t lane = 0; lane < used; ++lane)
+        to[lane] = (add ? to[lane] : 0.0) + static_cast<double>(stored[lane]);
+}
+
+/// The sums of some vectors of targets, from number `begin` on.
+template<bool polar, class K, std::size_t vectors>
+HWY_INLINE void SumTargets(const Setting<K>& with, std::span<const KernelSource> sources,
+                           const Targets (&targets)[vectors], double* const (&sum)[all_parts],
+                           std::size_t begin) {
+    std::size_t from = 0;
+    do {
+        const std::size_t left = sources.size() - from, run = K::single ? std::min(single_run, left) : left;
+        Parts<K> parts[vectors];
+        SumBlock<polar, K>(with, sources.subspan(from, run), targets, parts);
+        for (int k = 0; k < (polar ? all_parts : strain_parts); ++k)
+            for (std::size_t i = 0; i < vectors; ++i)
+                Deliver<K>(parts[i].part[k], sum[k] + begin + i * K::lane_count, targets[i].used, from > 0);
+        from += run;
+    } while (from < sources.size());
+}
+
+/// A single target does not wait for a vector.
+template<bool polar, class K>
+HWY_NOINLINE void SumOne(const KernelMedium& medium, const Field& field,
+                         std::span<const KernelSource> sources, const KernelTargets& targets,
+                         std::size_t at) {
+    SumTargets<polar, K, 1>(SettingOf<K>(medium, field), sources, {{targets.x + at, targets.y + at, 1}},
+                            targets.sum, at);
 }
 
 /// The last targets, less than a vector or two of them: filled up with the last one.
-template<bool polar>
-HWY_NOINLINE void SumRest(const Setting& with, const KernelTargets& targets, std::size_t begin) {
-    const Lanes d;
-    double x[lane_count], y[lane_count], last[lane_count];
-    const std::size_t used = std::min(targets.count - begin, lane_count);
-    for (std::size_t lane = 0; lane < lane_count; ++lane) {
+template<bool polar, class K>
+HWY_NOINLINE void SumRest(const Setting<K>& with, std::span<const KernelSource> sources,
+                          const KernelTargets& targets, std::size_t begin) {
+    double x[K::lane_count], y[K::lane_count];
+    const std::size_t used = std::min(targets.count - begin, K::lane_count);
+    for (std::size_t lane = 0; lane < K::lane_count; ++lane) {
         x[lane] = targets.x[begin + std::min(lane, used - 1)];
         y[lane] = targets.y[begin + std::min(lane, used - 1)];
     }
-    Parts sum[1];
-    SumBlock<polar, 1>(with, {hn::LoadU(d, x)}, {hn::LoadU(d, y)}, {{x, y, used}}, sum);
-    for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
-        hn::StoreU(sum[0].part[k], d, last);
-        std::copy(last, last + used, targets.sum[k] + begin);
-    }
+    SumTargets<polar, K, 1>(with, sources, {{x, y, used}}, targets.sum, begin);
 }
 
-template<bool polar>
-HWY_INLINE void SumWakes(const KernelMedium& medium, const Field& field,
-                         std::span<const KernelSource> sources, const KernelTargets& targets) {
-    const Lanes d;
-    const Setting with = SettingOf(medium, field, sources);
+template<bool polar, class K>
+HWY_NOINLINE void SumWakes(const KernelMedium& medium, const Field& field,
+                           std::span<const KernelSource> sources, const KernelTargets& targets) {
+    constexpr std::size_t n = K::lane_count;
+    if (targets.count == 1)
+        return SumOne<polar, typename K::OneLane>(medium, field, sources, targets, 0);
+    const Setting<K> with = SettingOf<K>(medium, field);
     std::size_t begin = 0;
-    for (; begin + 2 * lane_count <= targets.count; begin += 2 * lane_count) {
-        const double *x0 = targets.x + begin, *y0 = targets.y + begin, *x1 = x0 + lane_count,
-                     *y1 = y0 + lane_count;
-        const V x[2] = {hn::LoadU(d, x0), hn::LoadU(d, x1)}, y[2] = {hn::LoadU(d, y0), hn::LoadU(d, y1)};
-        Parts sum[2];
-        SumBlock<polar, 2>(with, x, y, {{x0, y0, lane_count}, {x1, y1, lane_count}}, sum);
-        for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
-            hn::StoreU(sum[0].part[k], d, targets.sum[k] + begin);
-            hn::StoreU(sum[1].part[k], d, targets.sum[k] + begin + lane_count);
-        }
+    for (; begin + 2 * n <= targets.count; begin += 2 * n) {
+        const double *x = targets.x + begin, *y = targets.y + begin;
+        SumTargets<polar, K, 2>(with, sources, {{x, y, n}, {x + n, y + n, n}}, targets.sum, begin);
     }
-    for (; begin < targets.count; begin += lane_count)
-        SumRest<polar>(with, targets, begin);
+    for (; begin < targets.count; begin += n)
+        SumRest<polar, K>(with, sources, targets, begin);
 }
 
-SymmetricTensor StrainAt(const KernelMedium& medium, const Field& field, const KernelSource& source, double x,
-                         double y) {
-    const Lanes d;
-    Parts sum[1];
-    SumBlock<false, 1>(SettingOf(medium, field, {&source, 1}), {hn::Set(d, x)}, {hn::Set(d, y)},
-                       {{&x, &y, 1}}, sum);
-    return {hn::GetLane(sum[0].part[0]), hn::GetLane(sum[0].part[1]), hn::GetLane(sum[0].part[2])};
-}
-
-void SumStrain(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
+template<class K>
+void SumEither(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
                const KernelTargets& targets) {
-    SumWakes<false>(medium, field, sources, targets);
+    if (targets.sum[strain_parts] != nullptr)
+        SumWakes<true, K>(medium, field, sources, targets);
+    else
+        SumWakes<false, K>(medium, field, sources, targets);
 }
 
-void SumStrainAndPolar(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
-                       const KernelTargets& targets) {
-    SumWakes<true>(medium, field, sources, targets);
+void SumAt(const KernelMedium& medium, const Field& field, Accuracy accuracy,
+           std::span<const KernelSource> sources, const KernelTargets& targets) {
+    switch (accuracy) {
+    case Accuracy::full:
+        return SumEither<FullKind>(medium, field, sources, targets);
+    case Accuracy::fine:
+        return SumEither<FineKind>(medium, field, sources, targets);
+    case Accuracy::single:
+        return SumEither<SingleKind>(medium, field, sources, targets);
+    }
 }
 
 const char* Target() { return hwy::TargetName(HWY_TARGET); }
@@ -208,22 +178,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rodwake::elastic {
 
-HWY_EXPORT(StrainAt);
-HWY_EXPORT(SumStrain);
-HWY_EXPORT(SumStrainAndPolar);
+HWY_EXPORT(SumAt);
 HWY_EXPORT(Target);
 
-void sum_wakes(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
-               const KernelTargets& targets) {
-    if (targets.sum[strain_parts] != nullptr)
-        HWY_DYNAMIC_DISPATCH(SumStrainAndPolar)(medium, field, sources, targets);
-    else
-        HWY_DYNAMIC_DISPATCH(SumStrain)(medium, field, sources, targets);
-}
-
-SymmetricTensor strain_at(const KernelMedium& medium, const Field& field, const KernelSource& source,
-                          double x, double y) {
-    return HWY_DYNAMIC_DISPATCH(StrainAt)(medium, field, source, x, y);
+void sum_wakes(const KernelMedium& medium, const Field& field, Accuracy accuracy,
+               std::span<const KernelSource> sources, const KernelTargets& targets) {
+    HWY_DYNAMIC_DISPATCH(SumAt)(medium, field, accuracy, sources, targets);
 }
 
 std::string wake_kernel_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }

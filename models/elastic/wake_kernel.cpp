@@ -17,6 +17,8 @@ void require_length(std::size_t length, std::size_t wanted, const char* name) {
                          std::to_string(wanted) + " targets: give them the same length");
 }
 
+} // namespace
+
 KernelSource kernel_source(const Source& source) {
     return {source.x, source.y, std::cos(source.heading), std::sin(source.heading)};
 }
@@ -29,21 +31,18 @@ std::vector<KernelSource> kernel_sources(std::span<const Source> sources) {
     return all;
 }
 
-void require_lengths(Places targets, const StrainSums& sums) {
-    require_length(targets.y.size(), targets.x.size(), "y");
-    require_length(sums.xx.size(), targets.x.size(), "xx");
-    require_length(sums.xy.size(), targets.x.size(), "xy");
-    require_length(sums.yy.size(), targets.x.size(), "yy");
+void require_lengths(std::size_t targets, const StrainSums& sums) {
+    require_length(sums.xx.size(), targets, "xx");
+    require_length(sums.xy.size(), targets, "xy");
+    require_length(sums.yy.size(), targets, "yy");
 }
 
-void require_lengths(Places targets, const PolarSums& sums) {
-    require_length(sums.laplacian_x.size(), targets.x.size(), "laplacian_x");
-    require_length(sums.laplacian_y.size(), targets.x.size(), "laplacian_y");
-    require_length(sums.gradient_x.size(), targets.x.size(), "gradient_x");
-    require_length(sums.gradient_y.size(), targets.x.size(), "gradient_y");
+void require_lengths(std::size_t targets, const PolarSums& sums) {
+    require_length(sums.laplacian_x.size(), targets, "laplacian_x");
+    require_length(sums.laplacian_y.size(), targets, "laplacian_y");
+    require_length(sums.gradient_x.size(), targets, "gradient_x");
+    require_length(sums.gradient_y.size(), targets, "gradient_y");
 }
-
-} // namespace
 
 KernelMedium KernelInternals::constants(const Field& field) {
     const auto& c = FieldInternals::constants(field);
@@ -70,12 +69,13 @@ void exact_parts(const Field& field, const KernelSource& source, double x, doubl
     parts[6] = gradient.y;
 }
 
-WakeKernel::WakeKernel(const Medium& medium)
-    : field_(medium), constants_(KernelInternals::constants(field_)) {}
+WakeKernel::WakeKernel(const Medium& medium, Accuracy accuracy)
+    : field_(medium), constants_(KernelInternals::constants(field_)), accuracy_(accuracy) {}
 
 void WakeKernel::strain(std::span<const Source> sources, Places targets, const StrainSums& sums) const {
-    require_lengths(targets, sums);
-    sum_wakes(constants_, field_, kernel_sources(sources),
+    require_length(targets.y.size(), targets.x.size(), "y");
+    require_lengths(targets.x.size(), sums);
+    sum_wakes(constants_, field_, accuracy_, kernel_sources(sources),
               {targets.x.data(),
                targets.y.data(),
                targets.x.size(),
@@ -84,9 +84,10 @@ void WakeKernel::strain(std::span<const Source> sources, Places targets, const S
 
 void WakeKernel::strain_and_polar(std::span<const Source> sources, Places targets, const StrainSums& strain,
                                   const PolarSums& polar) const {
-    require_lengths(targets, strain);
-    require_lengths(targets, polar);
-    sum_wakes(constants_, field_, kernel_sources(sources),
+    require_length(targets.y.size(), targets.x.size(), "y");
+    require_lengths(targets.x.size(), strain);
+    require_lengths(targets.x.size(), polar);
+    sum_wakes(constants_, field_, accuracy_, kernel_sources(sources),
               {targets.x.data(),
                targets.y.data(),
                targets.x.size(),
@@ -95,7 +96,10 @@ void WakeKernel::strain_and_polar(std::span<const Source> sources, Places target
 }
 
 SymmetricTensor WakeKernel::strain(const Source& source, double x, double y) const {
-    return strain_at(constants_, field_, kernel_source(source), x, y);
+    SymmetricTensor sum;
+    const KernelSource one = kernel_source(source);
+    sum_wakes(constants_, field_, accuracy_, {&one, 1}, {&x, &y, 1, {&sum.xx, &sum.xy, &sum.yy}});
+    return sum;
 }
 
 } // namespace rodwake::elastic

@@ -30,12 +30,15 @@ struct KernelTargets {
 };
 
 /// Sums over sources at targets; what is beyond the kernel's range is asked of `field`.
-void sum_wakes(const KernelMedium& medium, const Field& field, std::span<const KernelSource> sources,
-               const KernelTargets& targets);
+void sum_wakes(const KernelMedium& medium, const Field& field, Accuracy accuracy,
+               std::span<const KernelSource> sources, const KernelTargets& targets);
 
-/// One source at one target: the same bits.
-SymmetricTensor strain_at(const KernelMedium& medium, const Field& field, const KernelSource& source,
-                          double x, double y);
+KernelSource kernel_source(const Source& source);
+std::vector<KernelSource> kernel_sources(std::span<const Source> sources);
+
+/// Throws InputError for sums that are not as many as the targets.
+void require_lengths(std::size_t targets, const StrainSums& sums);
+void require_lengths(std::size_t targets, const PolarSums& sums);
 
 /// One source at one target by the field itself.
 void exact_parts(const Field& field, const KernelSource& source, double x, double y, bool polar,

@@ -98,7 +98,7 @@ void ParameterDerivatives::add_own_images(const elastic::Wake& wake, Rates& rate
 
 void ParameterDerivatives::add(const elastic::FieldValues& field,
                                const elastic::MediumDerivatives& derivatives, RelativeHeading heading,
-                               Rates rates) const {
+                               Rates& rates) const {
     for (std::size_t j = 0; j < parameters_.size(); ++j) {
         const Parameter p = parameters_[j];
         rates(static_cast<Column>(j)) +=

@@ -25,7 +25,7 @@ Scaled from_table(const BesselTable<Real>& table, TableShape shape, double z) {
     const double m = 2.0 * std::frexp(z, &exponent);
     const int binade = exponent - 1, pieces = 1 << shape.piece_bits;
     const int i = static_cast<int>((m - 1.0) * pieces);
-    const Real* row = table.rows() + ((binade - lowest_binade) * pieces + i) * shape.terms;
+    const Real* row = table.rows() + ((binade - lowest_binade) * pieces + i) * shape.stride();
     const double middle = 1.0 + (2.0 * i + 1.0) / (2.0 * pieces), t = (m - middle) / m;
     double p = 0.0, derivative = 0.0;
     for (int k = shape.terms - 1; k >= 0; --k) {

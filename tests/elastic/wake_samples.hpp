@@ -35,9 +35,9 @@ struct Batch {
     std::vector<double> x, y;
 
     Places places() const { return {x, y}; }
-    Sums sums(const Medium& medium) const {
+    Sums sums(const Medium& medium, Accuracy accuracy = Accuracy::full) const {
         Sums sums(x.size());
-        WakeKernel(medium).strain_and_polar(sources, places(), sums.strain(), sums.polar());
+        WakeKernel(medium, accuracy).strain_and_polar(sources, places(), sums.strain(), sums.polar());
         return sums;
     }
 };

@@ -10,6 +10,12 @@
 // (docs/physics.md Eqs. 5-9). Ahead of the rod U decays exponentially, behind it as |x|^(-1/2), near it as
 // -(1 + nu) ln r. Everything is linear in the rod's strength: multiply by f/mu.
 //
+// Strain and polar vectors come from the kernels' algorithm (wake_kernel.hpp) where it is as accurate: 0.1 <=
+// eta
+// <= 10, 2e-6 < r/xi < 128, nu (r + x) <= 32 xi, and not within 7 degrees of the axis ahead. Elsewhere, and
+// for everything else, the closed form is evaluated; which of the two depends on the place and the medium
+// alone.
+//
 // Accuracy: relative error in the vector or tensor norm typically below 1e-15. Bounds held by tests: 2e-13 on
 // the reference table (r/xi in [1e-8, 200]); 1e-12 for r/xi in [1e-12, 1e8] and eta in [1e-6, 1e6] wherever
 // the value exceeds 1e-290 (docs/validation.md: worst of 30000 points 1.3e-13). Smaller values underflow to
@@ -79,6 +85,8 @@ private:
         double c_shear;                     ///< c_T = 1/(2 xi), 1/length
         double two_xi;
     };
+
+    FieldValues by_potentials(double x, double y, FieldRequest request) const;
 
     Medium medium_;
     Constants constants_;

@@ -5,12 +5,14 @@
 // Bits: the value at a target depends on the sources and their order, on nothing else: not on the other
 // targets, the lanes of a vector or the instruction set.
 //
-// Accuracy, relative to the norm of a tensor or vector of one source, measured against 113-bit arithmetic for
-// r/xi in [0.005, 80] and eta in [0.1, 100] (docs/validation.md); tests hold 1e-13. Two exceptions, in which
-// the parts cancel: grad div U on the wake axis loses r/xi, and lap U vanishes on a curve ahead of the rod.
-// Range: any eta >= 0, distances of 2^-43 (1 + eta) xi to 2^21 xi. Points beyond, and media of eta < 0, are
-// passed to elastic::Field one by one: right and slow. Far ahead values below 1e-300 are 0.
+// Accuracy (Accuracy::full; accuracy.hpp has the coarser ones), relative to the norm of a tensor or vector of
+// one source, measured against 113-bit arithmetic for r/xi in [0.005, 80] and eta in [0.1, 100]
+// (docs/validation.md); tests hold 1e-13. Two exceptions, in which the parts cancel: grad div U on the wake
+// axis loses r/xi, and lap U vanishes on a curve ahead of the rod. Range: any eta >= 0, distances of 2^-43 (1
+// + eta) xi to 2^21 xi. Points beyond, and media of eta < 0, are passed to elastic::Field one by one: right
+// and slow. Far ahead values below 1e-300 are 0.
 
+#include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/elastic/superposition.hpp"
 
 #include <span>
@@ -36,7 +38,7 @@ struct PolarSums {
 class WakeKernel {
 public:
     /// Throws InputError for an illegal medium (see validate).
-    explicit WakeKernel(const Medium& medium);
+    explicit WakeKernel(const Medium& medium, Accuracy accuracy = Accuracy::full);
 
     /// Overwrites the sums. Throws InputError if a target is at a source or not finite, and for spans of
     /// unlike lengths.
@@ -48,6 +50,7 @@ public:
     SymmetricTensor strain(const Source& source, double x, double y) const;
 
     const Medium& medium() const { return field_.medium(); }
+    Accuracy accuracy() const { return accuracy_; }
 
 private:
     friend struct KernelInternals; ///< models/elastic/wake_kernel.hpp
@@ -58,6 +61,7 @@ private:
 
     Field field_;
     Constants constants_;
+    Accuracy accuracy_;
 };
 
 /// The instruction set in use, "AVX2".

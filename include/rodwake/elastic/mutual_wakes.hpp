@@ -1,0 +1,51 @@
+#pragma once
+// Sums of strain and polar vectors at each of many rods over all the others.
+//
+// K0 and K1 depend on the distance alone, so both rods of a pair share them; rods are lanes of vectors (see
+// wake_kernel.hpp, whose accuracy and range these sums have, source by source).
+//
+// Bits: the sums depend on the rods, their order and the options but for `threads`; not on the lanes of a
+// vector, the instruction set or the threads.
+//
+// Skipping: ahead of a rod its field decays exponentially, so far pairs may be left out. With a tolerance
+// > 0 a source is left out at a rod if WakeBound (wake_bound.hpp) holds its field there below tolerance/(N -
+// 1). What is left out of a sum is therefore below the tolerance, strictly. Cost: the pairs that stay, and
+// N^2/128 comparisons. Where more than half of the pairs stay, nothing is left out: pairs that share K0 and
+// K1 are then faster.
+
+#include "rodwake/elastic/wake_kernel.hpp"
+
+#include <cstddef>
+
+namespace rodwake::elastic {
+
+struct MutualWakesOptions {
+    Accuracy accuracy = Accuracy::full;
+    std::size_t threads = 1;
+    double strain_tolerance = 0.0; ///< norm of what may be left out of a strain, f/mu per length; 0: nothing
+    double polar_tolerance = 0.0;  ///< of each polar vector, f/mu per length^2; where these are asked for a
+                                   ///< source is left out only if both tolerances allow it
+};
+
+class MutualWakes {
+public:
+    /// Throws InputError for an illegal medium (see validate), no threads or a tolerance that is negative or
+    /// not finite.
+    explicit MutualWakes(const Medium& medium, const MutualWakesOptions& options = {});
+
+    /// Overwrites the sums, one number a rod, lab components. Returns how many fields of a source at a rod
+    /// were worked out: N (N - 1) if none was left out. Throws InputError if two rods are at one place, for
+    /// places or headings that are not finite and for spans of unlike lengths.
+    std::size_t strain(std::span<const Source> rods, const StrainSums& sums) const;
+    std::size_t strain_and_polar(std::span<const Source> rods, const StrainSums& strain,
+                                 const PolarSums& polar) const;
+
+    const Medium& medium() const { return kernel_.medium(); }
+    const MutualWakesOptions& options() const { return options_; }
+
+private:
+    WakeKernel kernel_;
+    MutualWakesOptions options_;
+};
+
+} // namespace rodwake::elastic

@@ -1,0 +1,184 @@
+// Scaled K0 and K1 from the rows of a table, an argument a lane (include after foreach_target.h). The shape
+// of the table sets the accuracy, the type of the lanes the working precision.
+
+#if defined(RODWAKE_ELASTIC_BESSEL_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RODWAKE_ELASTIC_BESSEL_INL
+#undef RODWAKE_ELASTIC_BESSEL_INL
+#else
+#define RODWAKE_ELASTIC_BESSEL_INL
+#endif
+
+#include "elastic/bessel_table.hpp"
+#include "elastic/vector_math_inl.hpp"
+
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace rodwake::elastic::HWY_NAMESPACE {
+
+/// Coefficient k of each lane's row in vector k.
+template<class D, TableShape shape>
+struct Rows {
+    hn::Vec<D> c[shape.stride()];
+};
+
+#if HWY_MAX_BYTES >= 32
+/// Rows of eight doubles; of six the last two columns are never used.
+template<class D, TableShape shape>
+HWY_INLINE void TransposeFour(D d, const double* table, const std::int64_t (&at)[4], Rows<D, shape>& rows) {
+    static_assert(shape.stride() == 8);
+    RODWAKE_UNROLL
+    for (int half = 0; half < 2; ++half) {
+        const double* const from = table + 4 * half;
+        const auto r0 = hn::LoadU(d, from + at[0]), r1 = hn::LoadU(d, from + at[1]),
+                   r2 = hn::LoadU(d, from + at[2]), r3 = hn::LoadU(d, from + at[3]);
+        const auto even01 = hn::InterleaveLower(d, r0, r1), even23 = hn::InterleaveLower(d, r2, r3),
+                   odd01 = hn::InterleaveUpper(d, r0, r1), odd23 = hn::InterleaveUpper(d, r2, r3);
+        rows.c[4 * half] = hn::ConcatLowerLower(d, even23, even01);
+        rows.c[4 * half + 1] = hn::ConcatLowerLower(d, odd23, odd01);
+        rows.c[4 * half + 2] = hn::ConcatUpperUpper(d, even23, even01);
+        rows.c[4 * half + 3] = hn::ConcatUpperUpper(d, odd23, odd01);
+    }
+}
+
+/// Rows of four floats, a row half a vector.
+template<class D, TableShape shape>
+HWY_INLINE void TransposeEight(D d, const float* table, const std::int32_t (&at)[8], Rows<D, shape>& rows) {
+    static_assert(shape.stride() == 4);
+    const hn::Half<D> half;
+    const auto both = [&](int k) HWY_ATTR {
+        return hn::Combine(d, hn::LoadU(half, table + at[k + 4]), hn::LoadU(half, table + at[k]));
+    };
+    const auto r0 = both(0), r1 = both(1), r2 = both(2), r3 = both(3);
+    const hn::RepartitionToWide<D> w; // two neighbours as one
+    const auto low01 = hn::BitCast(w, hn::InterleaveLower(d, r0, r1)),
+               low23 = hn::BitCast(w, hn::InterleaveLower(d, r2, r3)),
+               high01 = hn::BitCast(w, hn::InterleaveUpper(d, r0, r1)),
+               high23 = hn::BitCast(w, hn::InterleaveUpper(d, r2, r3));
+    rows.c[0] = hn::BitCast(d, hn::InterleaveLower(w, low01, low23));
+    rows.c[1] = hn::BitCast(d, hn::InterleaveUpper(w, low01, low23));
+    rows.c[2] = hn::BitCast(d, hn::InterleaveLower(w, high01, high23));
+    rows.c[3] = hn::BitCast(d, hn::InterleaveUpper(w, high01, high23));
+}
+#endif
+
+/// The rows of the table at these indices. Loading and transposing rows beats gathering their columns.
+template<TableShape shape, class D, class Index>
+HWY_INLINE Rows<D, shape> LoadRows(D d, const hn::TFromD<D>* table, Index index) {
+    Rows<D, shape> rows;
+    if constexpr (hn::MaxLanes(D()) == 1) {
+        const hn::TFromD<D>* const row = table + hn::GetLane(index);
+        RODWAKE_UNROLL
+        for (int k = 0; k < shape.terms; ++k)
+            rows.c[k] = hn::Set(d, row[k]);
+        return rows;
+    }
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (hn::MaxLanes(D()) == 2 && sizeof(hn::TFromD<D>) == 8) {
+        const hn::TFromD<D>*const first = table + hn::GetLane(index), *const second =
+                                                                          table + hn::ExtractLane(index, 1);
+        RODWAKE_UNROLL
+        for (int k = 0; k < shape.terms; k += 2) {
+            const auto r0 = hn::LoadU(d, first + k), r1 = hn::LoadU(d, second + k);
+            rows.c[k] = hn::InterleaveLower(d, r0, r1);
+            rows.c[k + 1] = hn::InterleaveUpper(d, r0, r1);
+        }
+        return rows;
+    }
+#endif
+#if HWY_MAX_BYTES >= 32
+    constexpr bool single = sizeof(hn::TFromD<D>) == 4;
+    if constexpr (hn::MaxLanes(D()) == (single ? 8 : 4)) {
+        HWY_ALIGN hwy::MakeSigned<hn::TFromD<D>> at[hn::MaxLanes(D())];
+        hn::Store(index, hn::RebindToSigned<D>(), at);
+        if constexpr (single)
+            TransposeEight(d, table, at, rows);
+        else
+            TransposeFour(d, table, at, rows);
+        return rows;
+    }
+#endif
+    RODWAKE_UNROLL
+    for (int k = 0; k < shape.terms; ++k)
+        rows.c[k] = hn::GatherIndex(d, table + k, index);
+    return rows;
+}
+
+/// Scaled K0 and K1 in the forms that do not cancel.
+template<class D>
+struct ScaledBessel {
+    hn::Vec<D> k0;       ///< e^z K0
+    hn::Vec<D> zk1;      ///< e^z z K1
+    hn::Vec<D> zk1_less; ///< e^z z K1 - 1; absolute error of z ulp
+    hn::Vec<D> zd;       ///< e^z z (K1 - K0)
+};
+
+/// 1/2, 1/3, ...: of (-ln(1 - t) - t)/t^2. After 7 terms for |t| <= 1/128 the next is below 1e-19; after 4
+/// for |t| <= 1/32 it is 2e-10.
+inline constexpr double log_series[] = {1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
+constexpr std::size_t log_terms(TableShape shape) { return shape.piece_bits > 5 ? 7 : 4; }
+
+/// Row of the table and middle of the piece that holds an argument.
+template<class D>
+struct Piece {
+    hn::VFromD<hn::RebindToSigned<D>> index;
+    hn::Vec<D> middle;
+};
+
+template<TableShape shape, class D, class V = hn::Vec<D>>
+HWY_INLINE Piece<D> PieceOf(D d, V z) {
+    using Real = hn::TFromD<D>;
+    using Signed = hwy::MakeSigned<Real>;
+    using Unsigned = hwy::MakeUnsigned<Real>;
+    const hn::RebindToUnsigned<D> u;
+    const hn::RebindToSigned<D> i;
+    constexpr int shift = hwy::MantissaBits<Real>() - shape.piece_bits, bias = sizeof(Real) == 4 ? 127 : 1023;
+    constexpr Unsigned mask = ~((Unsigned{1} << shift) - 1), half = Unsigned{1} << (shift - 1);
+    constexpr Signed first = static_cast<Signed>(bias + lowest_binade) << shape.piece_bits;
+    const auto bits = hn::BitCast(u, z);
+    const auto number = hn::Sub(hn::BitCast(i, hn::ShiftRight<shift>(bits)), hn::Set(i, first));
+    return {hn::ShiftLeft < shape.stride() == 8 ? 3 : 2 > (number),
+            hn::BitCast(d, hn::Or(hn::And(bits, hn::Set(u, mask)), hn::Set(u, half)))};
+}
+
+/// At n arguments in the table's range; `inverse` is 1/z.
+template<TableShape shape, std::size_t n, class D, class V = hn::Vec<D>>
+HWY_INLINE void BesselAt(D d, const hn::TFromD<D>* table, const V (&z)[n], const V (&inverse)[n],
+                         ScaledBessel<D> (&result)[n]) {
+    const V one = hn::Set(d, hn::TFromD<D>{1});
+    Rows<D, shape> rows[n];
+    V p[n], derivative[n], t[n], log[n];
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        const Piece<D> piece = PieceOf<shape>(d, z[i]);
+        rows[i] = LoadRows<shape>(d, table, piece.index);
+        t[i] = hn::Mul(hn::Sub(z[i], piece.middle), inverse[i]);
+        derivative[i] = rows[i].c[shape.terms - 1];
+        p[i] = Fma(d, derivative[i], t[i], rows[i].c[shape.terms - 2]);
+    }
+    RODWAKE_UNROLL
+    for (int k = shape.terms - 3; k >= 0; --k) // both by Horner's rule at once
+        RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        derivative[i] = Fma(d, derivative[i], t[i], p[i]);
+        p[i] = Fma(d, p[i], t[i], rows[i].c[k]);
+    }
+    Polynomials<log_terms(shape)>(d, t, log_series, log);
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < n; ++i) {
+        const V slope = Fma(d, hn::Neg(t[i]), derivative[i], derivative[i]); // z dP/dz
+        const auto low = hn::Lt(z[i], one);
+        const V ln = Fma(d, hn::Mul(t[i], t[i]), log[i], t[i]); // ln(z/z_i)
+        ScaledBessel<D>& k = result[i];
+        k.k0 = hn::Sub(p[i], hn::IfThenElseZero(low, ln));
+        k.zd = hn::Sub(hn::IfThenElseZero(low, one), slope);
+        const V sum = Fma(d, z[i], k.k0, hn::Neg(slope));
+        k.zk1_less = hn::Sub(sum, hn::IfThenZeroElse(low, one));
+        k.zk1 = hn::Add(sum, hn::IfThenElseZero(low, one));
+    }
+}
+
+} // namespace rodwake::elastic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
