@@ -1,0 +1,250 @@
+// Explicit Runge-Kutta steps of a few components, with nothing between the method and the right-hand side.
+
+#include "erk_table.hpp"
+#include "stepper.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace rodwake::integrate {
+
+namespace {
+
+constexpr std::size_t most_stages = 9;
+using Numbers = std::array<double, most_small>;
+
+/// A method whose last stage is the first of the next step.
+struct Tableau {
+    std::size_t stages = 0, used = 0; ///< used: without those that serve the error or the next step only
+    int order = 0;
+    std::array<std::array<double, most_stages>, most_stages> a{};
+    std::array<double, most_stages> b{}, error{}, c{};
+};
+
+Tableau method_of(const ARKodeButcherTableMem& table) {
+    Tableau method;
+    method.stages = method.used = static_cast<std::size_t>(table.stages);
+    method.order = table.q;
+    for (std::size_t i = 0; i < method.stages; ++i) {
+        std::copy_n(table.A[i], method.stages, method.a[i].begin());
+        method.b[i] = table.b[i];
+        method.error[i] = table.b[i] - table.d[i];
+        method.c[i] = table.c[i];
+    }
+    while (method.b[method.used - 1] == 0.0)
+        --method.used;
+    return method;
+}
+
+/// Made once: the tables are many small allocations.
+const Tableau& method_for(double rtol) {
+    static const Tableau loose = method_of(*erk_table(1.0)), tight = method_of(*erk_table(0.0));
+    return erk_is_loose(rtol) ? loose : tight;
+}
+
+class SmallErkStepper final : public Stepper {
+public:
+    SmallErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
+        : Stepper(calls, options, end_time), method_(method_for(options.rtol)),
+          size_(calls.problem().initial_state.size()) {}
+
+    void start(double t, State y) override;
+    bool advance() override;
+    void interpolate(double t, std::span<double> y) override;
+    int order() const override { return method_.order; }
+    std::string flag_prefix() const override { return "ERK"; }
+    std::vector<double> weighted_errors() const override;
+    State state_before() const override { return {before_.data(), size_}; }
+    State state() const override { return {after_.data(), size_}; }
+
+private:
+    using Slopes = std::array<Numbers, most_stages>;
+
+    bool first_slope();
+    double chosen_step();
+    bool attempt(double from);
+    ProblemCalls::Result stages(double from, double h, Slopes& slopes, std::size_t count, Numbers& end);
+    double error_norm(double h);
+    void accept(double from, double to, double error);
+    bool fail(const char* flag);
+    double cut(double from, double h) const;
+
+    std::span<double> of(Numbers& numbers) const { return {numbers.data(), size_}; }
+    State of(const Numbers& numbers) const { return {numbers.data(), size_}; }
+    Statistics segment_counts() const override { return counts_; }
+    std::string flag_name() const override { return std::string("ERK_") + flag_; }
+
+    const Tableau& method_;
+    const std::size_t size_;
+    Numbers before_{}, after_{}, end_{}, weights_{}, errors_{};
+    Slopes slopes_{}, inner_{};
+    double step_ = 0.0;       ///< to try next
+    double last_error_ = 1.0; ///< of the controller: of the step taken last
+    bool fresh_ = true;       ///< the slope at the start is not known
+    bool tried_ = false;      ///< errors_ are those of a step
+    Statistics counts_;
+    const char* flag_ = "SUCCESS";
+};
+
+void SmallErkStepper::start(double t, State y) {
+    std::copy(y.begin(), y.end(), before_.begin()); // y may be state() itself
+    after_ = before_;
+    time_ = time_before_ = t;
+    step_ = initial_step(t);
+    last_error_ = 1.0;
+    fresh_ = true;
+    tried_ = false;
+}
+
+bool SmallErkStepper::fail(const char* flag) {
+    flag_ = flag;
+    after_ = before_;
+    return false;
+}
+
+bool SmallErkStepper::first_slope() {
+    const ProblemCalls::Result result = calls_.rhs(time_, state(), of(slopes_[0]));
+    if (result != ProblemCalls::fine)
+        return fail("FIRST_RHSFUNC_ERR");
+    if (step_ == 0.0)
+        step_ = chosen_step();
+    fresh_ = false;
+    return true;
+}
+
+/// Hairer, Norsett and Wanner I, II.4, without their trial step: a hundredth of the time in which the state
+/// changes by itself, or by the tolerance where it is zero.
+double SmallErkStepper::chosen_step() {
+    calls_.error_weights(state(), of(weights_));
+    double size = 0.0, rate = 0.0;
+    for (std::size_t i = 0; i < size_; ++i) {
+        size += std::pow(after_[i] * weights_[i], 2);
+        rate += std::pow(slopes_[0][i] * weights_[i], 2);
+    }
+    const bool known = size > 1e-10 && rate > 1e-10;
+    return known ? 0.01 * std::sqrt(size / rate) : 1e-6;
+}
+
+/// Not beyond the end, nor longer than the problem allows.
+double SmallErkStepper::cut(double from, double h) const {
+    const double longest = longest_step();
+    if (longest > 0.0)
+        h = std::min(h, longest);
+    return std::min(h, end_time_ - from);
+}
+
+bool SmallErkStepper::advance() {
+    if (fresh_ && !first_slope())
+        return false;
+    if (time_ > time_before_)
+        slopes_[0] = slopes_[method_.stages - 1];
+    before_ = after_;
+    calls_.error_weights(state_before(), of(weights_));
+    return attempt(time_);
+}
+
+/// Tries shorter and shorter steps until one is taken.
+bool SmallErkStepper::attempt(double from) {
+    constexpr int most_failures = 60, most_faults = 20; // of a step: factors of 1e12 and more
+    constexpr double shortening = 0.25;                 // after a fault, as CVODES
+    int failures = 0, faults = 0;
+    for (double h = cut(from, step_);;) {
+        const ProblemCalls::Result result = stages(from, h, slopes_, method_.stages, end_);
+        if (result == ProblemCalls::give_up)
+            return fail("RHSFUNC_FAIL");
+        if (result == ProblemCalls::try_shorter_step) {
+            const double tried = calls_.last_time() - from;
+            if (!(tried > 0.0) || ++faults > most_faults)
+                return fail("UNREC_RHSFUNC_ERR");
+            h = shortening * tried;
+            step_ = h;
+            continue;
+        }
+        const double error = error_norm(h);
+        tried_ = true;
+        if (error <= 1.0) {
+            accept(from, from + h < end_time_ ? from + h : end_time_, error);
+            return true;
+        }
+        ++counts_.error_test_failures;
+        if (h <= shortest_step(from) || ++failures > most_failures)
+            return fail("ERR_FAILURE");
+        const double exponent = 1.0 / static_cast<double>(method_.order);
+        h *= std::isfinite(error) ? std::clamp(0.9 * std::pow(error, -exponent), 0.2, 0.9) : 0.2;
+        step_ = h;
+    }
+}
+
+ProblemCalls::Result SmallErkStepper::stages(double from, double h, Slopes& slopes, std::size_t count,
+                                             Numbers& end) {
+    for (std::size_t s = 1; s < count; ++s) {
+        end = before_;
+        for (std::size_t k = 0; k < s; ++k)
+            if (const double weight = h * method_.a[s][k]; weight != 0.0)
+                for (std::size_t i = 0; i < size_; ++i)
+                    end[i] += weight * slopes[k][i];
+        const auto result = calls_.rhs(from + method_.c[s] * h, of(std::as_const(end)), of(slopes[s]));
+        if (result != ProblemCalls::fine)
+            return result;
+    }
+    return ProblemCalls::fine;
+}
+
+double SmallErkStepper::error_norm(double h) {
+    double square = 0.0;
+    for (std::size_t i = 0; i < size_; ++i) {
+        double error = 0.0;
+        for (std::size_t k = 0; k < method_.stages; ++k)
+            error += method_.error[k] * slopes_[k][i];
+        errors_[i] = h * error * weights_[i];
+        square += errors_[i] * errors_[i];
+    }
+    return std::sqrt(square / static_cast<double>(size_));
+}
+
+/// The next step by the PI controller of DOPRI5 (Hairer, Norsett, Wanner; Gustafsson). One that was cut short
+/// tells nothing against the length wanted.
+void SmallErkStepper::accept(double from, double to, double error) {
+    constexpr double integral = 0.04, safety = 0.9, most = 10.0, least = 0.2, floor = 1e-4;
+    after_ = end_; // the last stage is the end itself
+    const double h = to - from, held = std::max(error, floor),
+                 exponent = 1.0 / static_cast<double>(method_.order) - 0.75 * integral;
+    const double factor = safety * std::pow(held, -exponent) * std::pow(last_error_, integral);
+    const double next = h * std::clamp(factor, least, most);
+    step_ = h < step_ ? std::max(next, step_) : next;
+    last_error_ = held;
+    time_before_ = from;
+    time_ = to;
+    ++counts_.steps;
+}
+
+/// A shorter step from the same point has the method's accuracy.
+void SmallErkStepper::interpolate(double t, std::span<double> y) {
+    const double h = t - time_before_;
+    inner_[0] = slopes_[0];
+    Numbers at;
+    if (stages(time_before_, h, inner_, method_.used, at) != ProblemCalls::fine)
+        throw StepFailure{"RHSFUNC_FAIL", calls_.fault()};
+    std::copy_n(before_.begin(), size_, y.begin());
+    for (std::size_t k = 0; k < method_.used; ++k)
+        for (std::size_t i = 0; i < size_; ++i)
+            y[i] += h * method_.b[k] * inner_[k][i];
+}
+
+std::vector<double> SmallErkStepper::weighted_errors() const {
+    std::vector<double> errors;
+    for (std::size_t i = 0; tried_ && i < size_; ++i)
+        errors.push_back(std::abs(errors_[i]) / std::sqrt(static_cast<double>(size_)));
+    return errors;
+}
+
+} // namespace
+
+std::unique_ptr<Stepper> make_small_erk_stepper(ProblemCalls& calls, const OdeOptions& options,
+                                                double end_time) {
+    return std::make_unique<SmallErkStepper>(calls, options, end_time);
+}
+
+} // namespace rodwake::integrate
