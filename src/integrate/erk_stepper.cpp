@@ -72,7 +72,8 @@ void RungeKuttaStep::add(std::span<double> y, const double* coefficients, int st
 class ErkStepper final : public SundialsStepper {
 public:
     ErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
-        : SundialsStepper(calls, options, end_time), table_(erk_table(options.rtol)),
+        : SundialsStepper(calls, options, end_time),
+          table_(erk_table(options.rtol > 1e-6 ? Erk::dormand_prince : Erk::verner)),
           inner_step_(*table_, state().size()) {}
 
     void start(double t, State y) override { start(t, y, initial_step(t)); }

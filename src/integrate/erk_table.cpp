@@ -27,10 +27,11 @@ sundials::ButcherTable with_first_same_as_last(sundials::ButcherTable method) {
 
 } // namespace
 
-sundials::ButcherTable erk_table(double rtol) {
-    const ARKODE_ERKTableID id = erk_is_loose(rtol) ? ARKODE_DORMAND_PRINCE_7_4_5 : ARKODE_VERNER_8_5_6;
-    sundials::ButcherTable table(sundials::made(ARKodeButcherTable_LoadERK(id)));
-    return id == ARKODE_DORMAND_PRINCE_7_4_5 ? std::move(table) : with_first_same_as_last(std::move(table));
+sundials::ButcherTable erk_table(Erk method) {
+    const bool verner = method == Erk::verner;
+    sundials::ButcherTable table(sundials::made(
+        ARKodeButcherTable_LoadERK(verner ? ARKODE_VERNER_8_5_6 : ARKODE_DORMAND_PRINCE_7_4_5)));
+    return verner ? with_first_same_as_last(std::move(table)) : std::move(table);
 }
 
 } // namespace rodwake::integrate

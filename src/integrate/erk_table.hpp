@@ -5,11 +5,11 @@
 
 namespace rodwake::integrate {
 
-/// Whether the tolerance asks for the lower order.
-inline bool erk_is_loose(double rtol) { return rtol > 1e-7; }
+/// Dormand-Prince 5(4) for loose tolerances, Verner 6(5) for tight ones, where the higher order pays for its
+/// extra stages. Both propagate the higher of their two orders.
+enum class Erk { dormand_prince, verner };
 
-/// Dormand-Prince 5(4) for a loose rtol, else Verner 6(5): the higher order pays for its extra
-/// stages. Both propagate the higher of their two orders, and their last stage is the first of the next step.
-sundials::ButcherTable erk_table(double rtol);
+/// Its last stage is the first of the next step.
+sundials::ButcherTable erk_table(Erk method);
 
 } // namespace rodwake::integrate

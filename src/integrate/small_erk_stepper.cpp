@@ -19,14 +19,16 @@ using Numbers = std::array<double, most_small>;
 struct Tableau {
     std::size_t stages = 0, used = 0; ///< used: without those that serve the error or the next step only
     int order = 0;
+    double strictness = 1.0; ///< what its error estimate is multiplied by
     std::array<std::array<double, most_stages>, most_stages> a{};
     std::array<double, most_stages> b{}, error{}, c{};
 };
 
-Tableau method_of(const ARKodeButcherTableMem& table) {
+Tableau tableau_of(const ARKodeButcherTableMem& table, double strictness) {
     Tableau method;
     method.stages = method.used = static_cast<std::size_t>(table.stages);
     method.order = table.q;
+    method.strictness = strictness;
     for (std::size_t i = 0; i < method.stages; ++i) {
         std::copy_n(table.A[i], method.stages, method.a[i].begin());
         method.b[i] = table.b[i];
@@ -38,16 +40,19 @@ Tableau method_of(const ARKodeButcherTableMem& table) {
     return method;
 }
 
-/// Made once: the tables are many small allocations.
-const Tableau& method_for(double rtol) {
-    static const Tableau loose = method_of(*erk_table(1.0)), tight = method_of(*erk_table(0.0));
-    return erk_is_loose(rtol) ? loose : tight;
+/// Where both do, the lower order is the better one down to 1e-7: it has fewer stages between two looks at
+/// the step limit. With Verner's estimate times 2 both methods have errors of like size over rtol (pairs of
+/// bench/pair_bench.cpp). Made once: the tables are many small allocations.
+const Tableau& tableau_for(double rtol) {
+    static const Tableau loose = tableau_of(*erk_table(Erk::dormand_prince), 1.0),
+                         tight = tableau_of(*erk_table(Erk::verner), 2.0);
+    return rtol > 1e-7 ? loose : tight;
 }
 
 class SmallErkStepper final : public Stepper {
 public:
     SmallErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
-        : Stepper(calls, options, end_time), method_(method_for(options.rtol)),
+        : Stepper(calls, options, end_time), method_(tableau_for(options.rtol)),
           size_(calls.problem().initial_state.size()) {}
 
     void start(double t, State y) override;
@@ -67,6 +72,7 @@ private:
     bool attempt(double from);
     ProblemCalls::Result stages(double from, double h, Slopes& slopes, std::size_t count, Numbers& end);
     double error_norm(double h);
+    double factor(double error) const;
     void accept(double from, double to, double error);
     bool fail(const char* flag);
     double cut(double from, double h) const;
@@ -80,10 +86,9 @@ private:
     const std::size_t size_;
     Numbers before_{}, after_{}, end_{}, weights_{}, errors_{};
     Slopes slopes_{}, inner_{};
-    double step_ = 0.0;       ///< to try next
-    double last_error_ = 1.0; ///< of the controller: of the step taken last
-    bool fresh_ = true;       ///< the slope at the start is not known
-    bool tried_ = false;      ///< errors_ are those of a step
+    double step_ = 0.0;  ///< to try next
+    bool fresh_ = true;  ///< the slope at the start is not known
+    bool tried_ = false; ///< errors_ are those of a step
     Statistics counts_;
     const char* flag_ = "SUCCESS";
 };
@@ -93,7 +98,6 @@ void SmallErkStepper::start(double t, State y) {
     after_ = before_;
     time_ = time_before_ = t;
     step_ = initial_step(t);
-    last_error_ = 1.0;
     fresh_ = true;
     tried_ = false;
 }
@@ -158,8 +162,9 @@ bool SmallErkStepper::attempt(double from) {
             const double tried = calls_.last_time() - from;
             if (!(tried > 0.0) || ++faults > most_faults)
                 return fail("UNREC_RHSFUNC_ERR");
-            h = shortening * tried;
-            step_ = h;
+            h = step_ = shortening * tried;
+            if (h <= shortest_step(from))
+                return fail("UNREC_RHSFUNC_ERR");
             continue;
         }
         const double error = error_norm(h);
@@ -171,8 +176,7 @@ bool SmallErkStepper::attempt(double from) {
         ++counts_.error_test_failures;
         if (h <= shortest_step(from) || ++failures > most_failures)
             return fail("ERR_FAILURE");
-        const double exponent = 1.0 / static_cast<double>(method_.order);
-        h *= std::isfinite(error) ? std::clamp(0.9 * std::pow(error, -exponent), 0.2, 0.9) : 0.2;
+        h *= std::min(factor(error), 0.9);
         step_ = h;
     }
 }
@@ -201,20 +205,23 @@ double SmallErkStepper::error_norm(double h) {
         errors_[i] = h * error * weights_[i];
         square += errors_[i] * errors_[i];
     }
-    return std::sqrt(square / static_cast<double>(size_));
+    return method_.strictness * std::sqrt(square / static_cast<double>(size_));
 }
 
-/// The next step by the PI controller of DOPRI5 (Hairer, Norsett, Wanner; Gustafsson). One that was cut short
-/// tells nothing against the length wanted.
+/// From the length of a step to that of the next: the standard controller. On pairs a PI controller needed
+/// more steps, since many are cut short and have errors that tell little.
+double SmallErkStepper::factor(double error) const {
+    constexpr double safety = 0.9, least = 0.2, most = 5.0;
+    if (!std::isfinite(error))
+        return least;
+    return std::clamp(safety * std::pow(error, -1.0 / static_cast<double>(method_.order)), least, most);
+}
+
+/// One that was cut short tells nothing against the length wanted.
 void SmallErkStepper::accept(double from, double to, double error) {
-    constexpr double integral = 0.04, safety = 0.9, most = 10.0, least = 0.2, floor = 1e-4;
     after_ = end_; // the last stage is the end itself
-    const double h = to - from, held = std::max(error, floor),
-                 exponent = 1.0 / static_cast<double>(method_.order) - 0.75 * integral;
-    const double factor = safety * std::pow(held, -exponent) * std::pow(last_error_, integral);
-    const double next = h * std::clamp(factor, least, most);
-    step_ = h < step_ ? std::max(next, step_) : next;
-    last_error_ = held;
+    const double next = (to - from) * factor(error);
+    step_ = to - from < step_ ? std::max(next, step_) : next;
     time_before_ = from;
     time_ = to;
     ++counts_.steps;
