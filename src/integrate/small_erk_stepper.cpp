@@ -13,7 +13,6 @@ namespace rodwake::integrate {
 namespace {
 
 constexpr std::size_t most_stages = 9;
-using Numbers = std::array<double, most_small>;
 
 /// A method whose last stage is the first of the next step.
 struct Tableau {
@@ -49,11 +48,13 @@ const Tableau& tableau_for(double rtol) {
     return rtol > 1e-7 ? loose : tight;
 }
 
+/// `fixed`: the number of components, known to the compiler, or 0.
+template<std::size_t fixed>
 class SmallErkStepper final : public Stepper {
 public:
     SmallErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
         : Stepper(calls, options, end_time), method_(tableau_for(options.rtol)),
-          size_(calls.problem().initial_state.size()) {}
+          size_of_state_(calls.problem().initial_state.size()) {}
 
     void start(double t, State y) override;
     bool advance() override;
@@ -61,10 +62,11 @@ public:
     int order() const override { return method_.order; }
     std::string flag_prefix() const override { return "ERK"; }
     std::vector<double> weighted_errors() const override;
-    State state_before() const override { return {before_.data(), size_}; }
-    State state() const override { return {after_.data(), size_}; }
+    State state_before() const override { return {before_.data(), size()}; }
+    State state() const override { return {after_.data(), size()}; }
 
 private:
+    using Numbers = std::array<double, fixed == 0 ? most_small : fixed>;
     using Slopes = std::array<Numbers, most_stages>;
 
     bool first_slope();
@@ -77,13 +79,14 @@ private:
     bool fail(const char* flag);
     double cut(double from, double h) const;
 
-    std::span<double> of(Numbers& numbers) const { return {numbers.data(), size_}; }
-    State of(const Numbers& numbers) const { return {numbers.data(), size_}; }
+    std::size_t size() const { return fixed > 0 ? fixed : size_of_state_; }
+    std::span<double> of(Numbers& numbers) const { return {numbers.data(), size()}; }
+    State of(const Numbers& numbers) const { return {numbers.data(), size()}; }
     Statistics segment_counts() const override { return counts_; }
     std::string flag_name() const override { return std::string("ERK_") + flag_; }
 
     const Tableau& method_;
-    const std::size_t size_;
+    const std::size_t size_of_state_;
     Numbers before_{}, after_{}, end_{}, weights_{}, errors_{};
     Slopes slopes_{}, inner_{};
     double step_ = 0.0;  ///< to try next
@@ -93,7 +96,8 @@ private:
     const char* flag_ = "SUCCESS";
 };
 
-void SmallErkStepper::start(double t, State y) {
+template<std::size_t fixed>
+void SmallErkStepper<fixed>::start(double t, State y) {
     std::copy(y.begin(), y.end(), before_.begin()); // y may be state() itself
     after_ = before_;
     time_ = time_before_ = t;
@@ -102,13 +106,15 @@ void SmallErkStepper::start(double t, State y) {
     tried_ = false;
 }
 
-bool SmallErkStepper::fail(const char* flag) {
+template<std::size_t fixed>
+bool SmallErkStepper<fixed>::fail(const char* flag) {
     flag_ = flag;
     after_ = before_;
     return false;
 }
 
-bool SmallErkStepper::first_slope() {
+template<std::size_t fixed>
+bool SmallErkStepper<fixed>::first_slope() {
     const ProblemCalls::Result result = calls_.rhs(time_, state(), of(slopes_[0]));
     if (result != ProblemCalls::fine)
         return fail("FIRST_RHSFUNC_ERR");
@@ -120,26 +126,29 @@ bool SmallErkStepper::first_slope() {
 
 /// Hairer, Norsett and Wanner I, II.4, without their trial step: a hundredth of the time in which the state
 /// changes by itself, or by the tolerance where it is zero.
-double SmallErkStepper::chosen_step() {
+template<std::size_t fixed>
+double SmallErkStepper<fixed>::chosen_step() {
     calls_.error_weights(state(), of(weights_));
-    double size = 0.0, rate = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) {
-        size += std::pow(after_[i] * weights_[i], 2);
+    double extent = 0.0, rate = 0.0;
+    for (std::size_t i = 0; i < size(); ++i) {
+        extent += std::pow(after_[i] * weights_[i], 2);
         rate += std::pow(slopes_[0][i] * weights_[i], 2);
     }
-    const bool known = size > 1e-10 && rate > 1e-10;
-    return known ? 0.01 * std::sqrt(size / rate) : 1e-6;
+    const bool known = extent > 1e-10 && rate > 1e-10;
+    return known ? 0.01 * std::sqrt(extent / rate) : 1e-6;
 }
 
 /// Not beyond the end, nor longer than the problem allows.
-double SmallErkStepper::cut(double from, double h) const {
+template<std::size_t fixed>
+double SmallErkStepper<fixed>::cut(double from, double h) const {
     const double longest = longest_step();
     if (longest > 0.0)
         h = std::min(h, longest);
     return std::min(h, end_time_ - from);
 }
 
-bool SmallErkStepper::advance() {
+template<std::size_t fixed>
+bool SmallErkStepper<fixed>::advance() {
     if (fresh_ && !first_slope())
         return false;
     if (time_ > time_before_)
@@ -150,7 +159,8 @@ bool SmallErkStepper::advance() {
 }
 
 /// Tries shorter and shorter steps until one is taken.
-bool SmallErkStepper::attempt(double from) {
+template<std::size_t fixed>
+bool SmallErkStepper<fixed>::attempt(double from) {
     constexpr int most_failures = 60, most_faults = 20; // of a step: factors of 1e12 and more
     constexpr double shortening = 0.25;                 // after a fault, as CVODES
     int failures = 0, faults = 0;
@@ -181,13 +191,14 @@ bool SmallErkStepper::attempt(double from) {
     }
 }
 
-ProblemCalls::Result SmallErkStepper::stages(double from, double h, Slopes& slopes, std::size_t count,
-                                             Numbers& end) {
+template<std::size_t fixed>
+ProblemCalls::Result SmallErkStepper<fixed>::stages(double from, double h, Slopes& slopes, std::size_t count,
+                                                    Numbers& end) {
     for (std::size_t s = 1; s < count; ++s) {
         end = before_;
         for (std::size_t k = 0; k < s; ++k)
             if (const double weight = h * method_.a[s][k]; weight != 0.0)
-                for (std::size_t i = 0; i < size_; ++i)
+                for (std::size_t i = 0; i < size(); ++i)
                     end[i] += weight * slopes[k][i];
         const auto result = calls_.rhs(from + method_.c[s] * h, of(std::as_const(end)), of(slopes[s]));
         if (result != ProblemCalls::fine)
@@ -196,21 +207,23 @@ ProblemCalls::Result SmallErkStepper::stages(double from, double h, Slopes& slop
     return ProblemCalls::fine;
 }
 
-double SmallErkStepper::error_norm(double h) {
+template<std::size_t fixed>
+double SmallErkStepper<fixed>::error_norm(double h) {
     double square = 0.0;
-    for (std::size_t i = 0; i < size_; ++i) {
+    for (std::size_t i = 0; i < size(); ++i) {
         double error = 0.0;
         for (std::size_t k = 0; k < method_.stages; ++k)
             error += method_.error[k] * slopes_[k][i];
         errors_[i] = h * error * weights_[i];
         square += errors_[i] * errors_[i];
     }
-    return method_.strictness * std::sqrt(square / static_cast<double>(size_));
+    return method_.strictness * std::sqrt(square / static_cast<double>(size()));
 }
 
 /// From the length of a step to that of the next: the standard controller. On pairs a PI controller needed
 /// more steps, since many are cut short and have errors that tell little.
-double SmallErkStepper::factor(double error) const {
+template<std::size_t fixed>
+double SmallErkStepper<fixed>::factor(double error) const {
     constexpr double safety = 0.9, least = 0.2, most = 5.0;
     if (!std::isfinite(error))
         return least;
@@ -218,7 +231,8 @@ double SmallErkStepper::factor(double error) const {
 }
 
 /// One that was cut short tells nothing against the length wanted.
-void SmallErkStepper::accept(double from, double to, double error) {
+template<std::size_t fixed>
+void SmallErkStepper<fixed>::accept(double from, double to, double error) {
     after_ = end_; // the last stage is the end itself
     const double next = (to - from) * factor(error);
     step_ = to - from < step_ ? std::max(next, step_) : next;
@@ -228,22 +242,24 @@ void SmallErkStepper::accept(double from, double to, double error) {
 }
 
 /// A shorter step from the same point has the method's accuracy.
-void SmallErkStepper::interpolate(double t, std::span<double> y) {
+template<std::size_t fixed>
+void SmallErkStepper<fixed>::interpolate(double t, std::span<double> y) {
     const double h = t - time_before_;
     inner_[0] = slopes_[0];
     Numbers at;
     if (stages(time_before_, h, inner_, method_.used, at) != ProblemCalls::fine)
         throw StepFailure{"RHSFUNC_FAIL", calls_.fault()};
-    std::copy_n(before_.begin(), size_, y.begin());
+    std::copy_n(before_.begin(), size(), y.begin());
     for (std::size_t k = 0; k < method_.used; ++k)
-        for (std::size_t i = 0; i < size_; ++i)
+        for (std::size_t i = 0; i < size(); ++i)
             y[i] += h * method_.b[k] * inner_[k][i];
 }
 
-std::vector<double> SmallErkStepper::weighted_errors() const {
+template<std::size_t fixed>
+std::vector<double> SmallErkStepper<fixed>::weighted_errors() const {
     std::vector<double> errors;
-    for (std::size_t i = 0; tried_ && i < size_; ++i)
-        errors.push_back(std::abs(errors_[i]) / std::sqrt(static_cast<double>(size_)));
+    for (std::size_t i = 0; tried_ && i < size(); ++i)
+        errors.push_back(std::abs(errors_[i]) / std::sqrt(static_cast<double>(size())));
     return errors;
 }
 
@@ -251,7 +267,9 @@ std::vector<double> SmallErkStepper::weighted_errors() const {
 
 std::unique_ptr<Stepper> make_small_erk_stepper(ProblemCalls& calls, const OdeOptions& options,
                                                 double end_time) {
-    return std::make_unique<SmallErkStepper>(calls, options, end_time);
+    if (calls.problem().initial_state.size() == 6) // a pair of rods
+        return std::make_unique<SmallErkStepper<6>>(calls, options, end_time);
+    return std::make_unique<SmallErkStepper<0>>(calls, options, end_time);
 }
 
 } // namespace rodwake::integrate
