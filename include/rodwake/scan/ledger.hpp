@@ -1,10 +1,11 @@
 #pragma once
-// The ledger of a scan: an SQLite file written chunk by chunk while the scan goes on, and read by it when it is
-// taken up. One process writes; others may read meanwhile. Points that failed or were retried are rows:
+// The ledger of a scan: an SQLite file written chunk by chunk while the scan goes on, and read by it when it
+// is taken up. One process writes; others may read meanwhile. Points that failed or were retried are rows:
 //
 //   SELECT "coupling.kappa", status, cause FROM causes;
 //
-// The others are records of one length, a chunk of them a row of `chunks`; docs/scan.md reads them with numpy.
+// The others are records of one length, a chunk of them a row of `chunks`; docs/scan.md reads them with
+// numpy.
 //
 // What was taken is committed before the call returns: a process that is killed loses the points in flight. A
 // machine that goes down may lose the last second, and never leaves half a row. On a network file system
@@ -66,7 +67,8 @@ public:
     /// In the order of the points. `each` must not write.
     void for_each(const std::function<void(const Result&)>& each) const;
     void for_each_id(const std::function<void(std::int64_t)>& each) const;
-    /// Those of these points that are there, in the order of all. Reads the whole ledger, unless none is there.
+    /// Those of these points that are there, in the order of all. Reads the whole ledger, unless none is
+    /// there.
     std::vector<Result> find(std::span<const Point> points) const;
     std::optional<Result> find(std::int64_t id) const;
     std::vector<Crossing> crossings() const;
