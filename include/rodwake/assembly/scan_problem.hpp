@@ -1,6 +1,6 @@
 #pragma once
 // The problems of a scan's points, one after the other. Where all keys that vary are couplings or places of
-// rods, their values go straight into the problem: a fifth of what it takes to set them in a scene first.
+// rods, their values go straight into the problem, and no scene is set.
 
 #include "rodwake/assembly/rods.hpp"
 #include "rodwake/assembly/scan.hpp"
