@@ -97,9 +97,7 @@ CauseTable::Rows::Rows(const CauseTable& table)
     next();
 }
 
-void CauseTable::Rows::next() {
-    current_ = rows_.step() ? std::optional(table_.row(rows_)) : std::nullopt;
-}
+void CauseTable::Rows::next() { current_ = rows_.step() ? std::optional(table_.row(rows_)) : std::nullopt; }
 
 Result CauseTable::row(const Statement& from) const {
     Result r;
