@@ -1,6 +1,6 @@
 #pragma once
-// The points of a ledger that have something to tell: they failed, or succeeded after retries. A row each with
-// named columns, so that sqlite3 and pandas can ask for them.
+// The points of a ledger that have something to tell: they failed, or succeeded after retries. A row each
+// with named columns, so that sqlite3 and pandas can ask for them.
 
 #include "rodwake/scan/ledger.hpp"
 #include "sqlite.hpp"

@@ -1,11 +1,11 @@
 #include "rodwake/scan/ledger.hpp"
 
-#include "rodwake/core/build_info.hpp"
-#include "rodwake/core/error.hpp"
-#include "rodwake/core/first_difference.hpp"
 #include "cause_table.hpp"
 #include "chunk_table.hpp"
 #include "id_set.hpp"
+#include "rodwake/core/build_info.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/first_difference.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -66,13 +66,14 @@ Result PackedRows::result(const char* record) const {
     r.retries = take<std::int32_t>(record);
     bool known = r.outcome >= -1 && r.outcome < static_cast<std::int32_t>(head_.columns.outcomes.size());
     for (std::size_t k = 0; k < head_.axes.size(); ++k)
-        known = known && (head_.axes[k].words.empty() ||
-                          (r.point.at[k] >= 0.0 &&
-                           r.point.at[k] < static_cast<double>(head_.axes[k].words.size())));
+        known = known &&
+                (head_.axes[k].words.empty() ||
+                 (r.point.at[k] >= 0.0 && r.point.at[k] < static_cast<double>(head_.axes[k].words.size())));
     if (!known)
-        throw InputError(fmt::format("point {}: its outcome or a word of its axes is none of this scan's: the "
-                                     "ledger is damaged",
-                                     r.point.id));
+        throw InputError(
+            fmt::format("point {}: its outcome or a word of its axes is none of this scan's: the "
+                        "ledger is damaged",
+                        r.point.id));
     return r;
 }
 

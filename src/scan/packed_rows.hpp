@@ -1,6 +1,7 @@
 #pragma once
-// Points of a ledger as records of one length, many a row: id, axes, observables, seconds (8 bytes each, little
-// endian), outcome and retries (4 bytes each). Only points that succeeded and have no cause are packed.
+// Points of a ledger as records of one length, many a row: id, axes, observables, seconds (8 bytes each,
+// little endian), outcome and retries (4 bytes each). Only points that succeeded and have no cause are
+// packed.
 
 #include "rodwake/scan/ledger.hpp"
 
