@@ -1,10 +1,9 @@
-// What a point of a scan costs beside its integration: its values set in the scene and made a problem, and
+// What a point of a scan costs beside its integration: its values made a problem, and
 // its way through the dispenser into the ledger and out to a table.
 //
 //   build/release/bench/bench_scan --benchmark_min_time=0.5
 
-#include "rodwake/assembly/rods.hpp"
-#include "rodwake/assembly/scan.hpp"
+#include "rodwake/assembly/scan_problem.hpp"
 #include "rodwake/scan/run.hpp"
 #include "rodwake/scene/read.hpp"
 
@@ -55,13 +54,11 @@ void per_point(benchmark::State& state, double points) {
 void problem_of_a_point(benchmark::State& state) {
     const assembly::ScanPlan scan = plan();
     const scan::PointList points(scan.design);
-    scene::Scene scene = scan.base;
+    assembly::PointProblem problems(scan);
     std::int64_t id = 0;
     for (auto _ : state) {
-        if (assembly::set_point(scan, scene, points[id++ % points.size()]))
-            state.SkipWithError("refused");
-        const rods::RodProblem problem = assembly::rod_problem(scene);
-        benchmark::DoNotOptimize(assembly::rod_options(*scene.rods_run, problem));
+        const rods::RodProblem& problem = problems.at(points[id++ % points.size()]);
+        benchmark::DoNotOptimize(assembly::rod_options(problems.run(), problem));
     }
 }
 

@@ -1,6 +1,6 @@
 // Adams and BDF steps by CVODES.
 
-#include "stepper.hpp"
+#include "sundials_stepper.hpp"
 
 #include <cstdlib>
 #include <cvodes/cvodes_ls.h>
@@ -43,9 +43,9 @@ int call_sensitivity_rhs(int parameters, double t, N_Vector y, N_Vector, N_Vecto
     return result;
 }
 
-class CvodeStepper final : public Stepper {
+class CvodeStepper final : public SundialsStepper {
 public:
-    using Stepper::Stepper;
+    using SundialsStepper::SundialsStepper;
 
     void start(double t, State y) override;
     bool advance() override;
@@ -83,7 +83,7 @@ void CvodeStepper::start(double t, State y) {
     const bool bdf = options_.method == Method::bdf;
     memory_.reset(made(CVodeCreate(bdf ? CV_BDF : CV_ADAMS, context_.get())));
     void* cvode = memory_.get();
-    require(CVodeSetErrHandlerFn(cvode, keep_text, static_cast<Stepper*>(this)));
+    require(CVodeSetErrHandlerFn(cvode, keep_text, static_cast<SundialsStepper*>(this)));
     require(CVodeInit(cvode, rhs_callback, t, after_.get()));
     require(CVodeSetUserData(cvode, &calls_));
     require(CVodeWFtolerances(cvode, error_weights_callback));

@@ -1,6 +1,7 @@
 // Explicit Runge-Kutta steps by ARKODE's ERKStep.
 
-#include "stepper.hpp"
+#include "erk_table.hpp"
+#include "sundials_stepper.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -14,32 +15,6 @@ namespace {
 using sundials::elements;
 using sundials::made;
 using sundials::require;
-
-/// The same method with y1 itself as its last stage. ERKStep 6.4.1 takes the last slope of any table that
-/// ends in c = 1 for the first slope of the next step (llnl/sundials issue 311), which costs Verner's table,
-/// as shipped, its order. With this stage the assumption is true, at the same number of right-hand sides.
-sundials::ButcherTable with_first_same_as_last(sundials::ButcherTable method) {
-    const int stages = method->stages;
-    sundials::ButcherTable extended(sundials::made(ARKodeButcherTable_Alloc(stages + 1, 1)));
-    extended->q = method->q;
-    extended->p = method->p;
-    for (int i = 0; i < stages; ++i)
-        std::copy_n(method->A[i], stages, extended->A[i]);
-    std::copy_n(method->b, stages, extended->A[stages]);
-    std::copy_n(method->b, stages, extended->b);
-    std::copy_n(method->d, stages, extended->d);
-    std::copy_n(method->c, stages, extended->c);
-    extended->c[stages] = 1.0;
-    return extended;
-}
-
-/// Dormand-Prince 5(4) for rtol > 1e-6, from there down Verner 6(5): the higher order pays for its extra
-/// stages. Both propagate the higher of their two orders.
-sundials::ButcherTable erk_table(double rtol) {
-    const ARKODE_ERKTableID id = rtol > 1e-6 ? ARKODE_DORMAND_PRINCE_7_4_5 : ARKODE_VERNER_8_5_6;
-    sundials::ButcherTable table(sundials::made(ARKodeButcherTable_LoadERK(id)));
-    return id == ARKODE_DORMAND_PRINCE_7_4_5 ? std::move(table) : with_first_same_as_last(std::move(table));
-}
 
 /// One explicit Runge-Kutta step from a Butcher table, of any length. Used for times inside a step: a shorter
 /// step from the same point has the method's accuracy, which ARKODE's Hermite interpolant has not.
@@ -94,10 +69,11 @@ void RungeKuttaStep::add(std::span<double> y, const double* coefficients, int st
     }
 }
 
-class ErkStepper final : public Stepper {
+class ErkStepper final : public SundialsStepper {
 public:
     ErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
-        : Stepper(calls, options, end_time), table_(erk_table(options.rtol)),
+        : SundialsStepper(calls, options, end_time),
+          table_(erk_table(options.rtol > 1e-6 ? Erk::dormand_prince : Erk::verner)),
           inner_step_(*table_, state().size()) {}
 
     void start(double t, State y) override { start(t, y, initial_step(t)); }
@@ -126,7 +102,7 @@ void ErkStepper::start(double t, State y, double first_step) {
     set_start(t, y);
     memory_.reset(made(ERKStepCreate(rhs_callback, t, after_.get(), context_.get())));
     void* erk = memory_.get();
-    require(ERKStepSetErrHandlerFn(erk, keep_text, static_cast<Stepper*>(this)));
+    require(ERKStepSetErrHandlerFn(erk, keep_text, static_cast<SundialsStepper*>(this)));
     require(ERKStepSetUserData(erk, &calls_));
     require(ERKStepSetTable(erk, table_.get()));
     require(ERKStepWFtolerances(erk, error_weights_callback));

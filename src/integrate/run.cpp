@@ -8,8 +8,11 @@ namespace rodwake::integrate {
 namespace {
 
 std::unique_ptr<Stepper> make_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time) {
-    return options.method == Method::erk ? make_erk_stepper(calls, options, end_time)
-                                         : make_cvode_stepper(calls, options, end_time);
+    if (options.method != Method::erk)
+        return make_cvode_stepper(calls, options, end_time);
+    const bool small = calls.problem().initial_state.size() <= most_small;
+    return small ? make_small_erk_stepper(calls, options, end_time)
+                 : make_erk_stepper(calls, options, end_time);
 }
 
 } // namespace

@@ -8,20 +8,7 @@
 namespace rodwake::integrate {
 
 Stepper::Stepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
-    : calls_(calls), options_(options), end_time_(end_time) {
-    const std::size_t size = calls.problem().initial_state.size();
-    before_ = sundials::make_vector(size, context_.get());
-    after_ = sundials::make_vector(size, context_.get());
-    view_ = sundials::Vector(
-        sundials::made(N_VMake_Serial(static_cast<sunindextype>(size), nullptr, context_.get())));
-}
-
-void Stepper::set_start(double t, State y) {
-    // y may be state() itself.
-    std::copy(y.begin(), y.end(), sundials::elements(before_.get()).begin());
-    std::copy(state_before().begin(), state_before().end(), sundials::elements(after_.get()).begin());
-    time_ = time_before_ = t;
-}
+    : calls_(calls), options_(options), end_time_(end_time) {}
 
 Eigen::MatrixXd Stepper::sensitivities(double) {
     throw std::logic_error("this integrator has no sensitivities");
@@ -30,26 +17,6 @@ Eigen::MatrixXd Stepper::sensitivities(double) {
 Statistics Stepper::counts() const {
     Statistics sum = earlier_;
     return sum += segment_counts();
-}
-
-int Stepper::rhs_callback(double t, N_Vector y, N_Vector ydot, void* calls) {
-    return static_cast<ProblemCalls*>(calls)->rhs(t, sundials::elements(y), sundials::elements(ydot));
-}
-
-int Stepper::error_weights_callback(N_Vector y, N_Vector weights, void* calls) {
-    static_cast<ProblemCalls*>(calls)->error_weights(sundials::elements(y), sundials::elements(weights));
-    return 0;
-}
-
-std::vector<double> Stepper::products(void* memory, Getter a, Getter b) const {
-    const sundials::Vector first = sundials::make_vector(state().size(), context_.get());
-    const sundials::Vector second = sundials::make_vector(state().size(), context_.get());
-    a(memory, first.get());
-    b(memory, second.get());
-    N_VProd(first.get(), second.get(), second.get());
-    N_VAbs(second.get(), second.get());
-    N_VScale(1.0 / std::sqrt(static_cast<double>(state().size())), second.get(), second.get());
-    return {sundials::elements(second.get()).begin(), sundials::elements(second.get()).end()};
 }
 
 StepFailure Stepper::failure() const {
@@ -77,10 +44,5 @@ double Stepper::longest_step() const {
 }
 
 double Stepper::shortest_step(double t) { return 2.0 * std::numeric_limits<double>::epsilon() * std::abs(t); }
-
-void Stepper::keep_text(int flag, const char*, const char*, char* text, void* stepper) {
-    if (flag < 0)
-        static_cast<Stepper*>(stepper)->solver_text_ = text;
-}
 
 } // namespace rodwake::integrate

@@ -19,14 +19,17 @@ public:
     std::size_t next(std::size_t left) const {
         if (points_ == 0.0) // not known yet
             return std::min<std::size_t>(left, 1);
-        const double wanted = target * points_ / std::max(seconds_, 1e-9);
+        const double a_second = points_ / std::max(seconds_, 1e-9);
         const double share = static_cast<double>(left) / (2.0 * static_cast<double>(workers_));
-        return std::clamp<std::size_t>(static_cast<std::size_t>(std::min(wanted, share)), 1,
+        const double wanted = std::clamp(share, std::min(least * a_second, enough), target * a_second);
+        return std::clamp<std::size_t>(static_cast<std::size_t>(std::min(wanted, 1e9)), 1,
                                        std::min<std::size_t>(left, most));
     }
 
 private:
     static constexpr double target = 0.01; // s
+    static constexpr double least = 2e-4;  // s: less does not repay handing it out,
+    static constexpr double enough = 16.0; // but so many points fill the lanes of pairs
     static constexpr std::size_t most = 4096;
     std::size_t workers_;
     double points_ = 0.0, seconds_ = 0.0;

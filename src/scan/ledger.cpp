@@ -1,66 +1,24 @@
 #include "rodwake/scan/ledger.hpp"
 
+#include "cause_table.hpp"
+#include "chunk_table.hpp"
+#include "id_set.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/first_difference.hpp"
-#include "sqlite.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <unordered_set>
 
 namespace rodwake::scan {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string identifier(std::string_view name) {
-    std::string text = "\"";
-    for (const char c : name)
-        text += c == '"' ? "\"\"" : std::string(1, c);
-    return text + "\"";
-}
-
-/// Columns of the table of points, in order: id, axes, outcome, status, observables, retries, cause, seconds.
-std::vector<std::string> column_names(const LedgerHead& head) {
-    std::vector<std::string> names = {"id"};
-    for (const Axis& axis : head.axes)
-        names.push_back(axis.name);
-    names.insert(names.end(), {"outcome", "status"});
-    names.insert(names.end(), head.columns.observables.begin(), head.columns.observables.end());
-    names.insert(names.end(), {"retries", "cause", "seconds"});
-    return names;
-}
-
-std::string listed(const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names)
-        text += (text.empty() ? "" : ", ") + identifier(name);
-    return text;
-}
-
-std::string create_points(const LedgerHead& head) {
-    std::string columns = "id INTEGER PRIMARY KEY";
-    if (head.repeated)
-        columns += fmt::format(", point INTEGER AS ((id >> {}) + 1), run INTEGER AS ((id & {}) + 1)",
-                               run_bits, max_runs - 1);
-    for (const Axis& axis : head.axes)
-        columns += fmt::format(", {} {}", identifier(axis.name), axis.words.empty() ? "REAL" : "TEXT");
-    columns += ", outcome TEXT, status TEXT NOT NULL";
-    for (const std::string& name : head.columns.observables)
-        columns += fmt::format(", {} REAL", identifier(name));
-    return fmt::format(
-        "CREATE TABLE points ({}, retries INTEGER NOT NULL, cause TEXT, seconds REAL NOT NULL)", columns);
-}
-
-std::string insert_points(const LedgerHead& head) {
-    const std::vector<std::string> names = column_names(head);
-    std::string marks = "?";
-    for (std::size_t i = 1; i < names.size(); ++i)
-        marks += ",?";
-    return fmt::format("INSERT OR REPLACE INTO points ({}) VALUES ({})", listed(names), marks);
-}
 
 constexpr const char* create_crossings =
     "CREATE TABLE crossings (id INTEGER PRIMARY KEY, outcome_low INTEGER NOT NULL, outcome_high INTEGER NOT "
@@ -81,10 +39,60 @@ bool is_begun(const Connection& connection) {
     return false;
 }
 
-template<class Names>
-std::int32_t index_of(const Names& names, std::string_view name) {
-    const auto found = std::ranges::find(names, name);
-    return found == std::end(names) ? -1 : static_cast<std::int32_t>(found - std::begin(names));
+/// Results by increasing id; of those with one id the last.
+std::vector<const Result*> in_order(std::span<const Result> results) {
+    std::vector<const Result*> order(results.size());
+    std::ranges::transform(results, order.begin(), [](const Result& one) { return &one; });
+    const auto id = [](const Result* one) { return one->point.id; };
+    if (!std::ranges::is_sorted(order, std::ranges::less_equal(), id)) {
+        std::ranges::stable_sort(order, {}, id);
+        std::ranges::reverse(order);
+        const auto [first, last] = std::ranges::unique(order, {}, id);
+        order.erase(first, last);
+        std::ranges::reverse(order);
+    }
+    return order;
+}
+
+std::vector<std::int64_t> ids_of(std::span<const Result* const> results) {
+    std::vector<std::int64_t> ids(results.size());
+    std::ranges::transform(results, ids.begin(), [](const Result* one) { return one->point.id; });
+    return ids;
+}
+
+/// Row by row: SQLite would sort the whole table to group it.
+Counts counts_in(const Connection& connection) {
+    Counts counts;
+    const Snapshot snapshot(connection);
+    ChunkTable::count(connection, counts);
+    Statement rows(connection, "SELECT outcome, status, cause, seconds FROM causes");
+    while (rows.step()) {
+        ++counts.points;
+        counts.seconds += rows.real(3);
+        if (rows.text(1) == "ok") {
+            ++counts.outcomes[std::string(rows.text(0))];
+            continue;
+        }
+        ++counts.failed;
+        const std::string_view cause = rows.text(2);
+        ++counts.causes[fmt::format("{}{}{}", rows.text(1), cause.empty() ? "" : ": ", cause)];
+    }
+    return counts;
+}
+
+std::string meta(const Connection& connection, std::string_view key) {
+    Statement found(connection, "SELECT value FROM meta WHERE key = ?");
+    found.bind(1, key);
+    return found.step() ? std::string(found.text(0)) : "";
+}
+
+void require_format(const Connection& connection) {
+    const std::string version = meta(connection, "format");
+    if (version != std::to_string(Ledger::format))
+        throw InputError(fmt::format("{}: is a ledger of format {}, and this version of rodwake knows {}; "
+                                     "rodwake {} made it",
+                                     connection.file().string(), version, Ledger::format,
+                                     meta(connection, "rodwake")));
 }
 
 } // namespace
@@ -97,72 +105,92 @@ public:
         if (begun)
             require_same();
         if (!begun)
-            connection.run("PRAGMA page_size = 32768"); // a quarter of an insertion's time against 4096
+            connection.run("PRAGMA page_size = 32768"); // long rows need few pages
         connection.run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA cache_size = -16000");
         if (!begun)
             create();
-        insert_ = std::make_unique<Statement>(connection, insert_points(head));
-        select_ = fmt::format("SELECT {} FROM points", listed(column_names(head)));
+        chunks_ = std::make_unique<ChunkTable>(connection, head);
+        causes_ = std::make_unique<CauseTable>(connection, head);
+        version_ = std::make_unique<Statement>(connection, "PRAGMA data_version");
     }
 
-    void insert(const Result& r) {
-        int column = 0;
-        insert_->bind(++column, r.point.id);
-        for (std::size_t k = 0; k < head_.axes.size(); ++k)
-            bind_axis(++column, head_.axes[k], r.point.at[k]);
-        const bool named = r.ok() && r.outcome >= 0;
-        insert_->bind(++column,
-                      named ? std::string_view(head_.columns.outcomes[static_cast<std::size_t>(r.outcome)])
-                            : std::string_view());
-        insert_->bind(++column, std::string_view(status_names[static_cast<std::size_t>(r.status)]));
-        for (std::size_t k = 0; k < head_.columns.observables.size(); ++k)
-            insert_->bind(++column, r.ok() ? r.values[k] : std::nan(""));
-        insert_->bind(++column, std::int64_t{r.retries});
-        insert_->bind(++column, r.cause_text());
-        insert_->bind(++column, r.seconds);
-        insert_->step();
+    /// Within a transaction. Points that are there already are replaced.
+    void insert(std::span<const Result> results) {
+        const IdSet& there = known();
+        const std::vector<const Result*> order = in_order(results);
+        const std::vector<std::int64_t> ids = ids_of(order);
+        std::vector<std::int64_t> replaced;
+        std::ranges::copy_if(ids, std::back_inserter(replaced),
+                             [&](std::int64_t id) { return there.contains(id); });
+        known_at_.reset(); // unless all goes well
+        if (!replaced.empty())
+            remove(replaced);
+        std::vector<const Result*> packed;
+        for (const Result* one : order)
+            if (PackedRows::fits(*one))
+                packed.push_back(one);
+            else
+                causes_->insert(*one);
+        chunks_->insert(packed);
+        known_.insert(ids);
     }
 
-    Result row(const Statement& from) const {
-        Result r;
-        int column = 0;
-        r.point.id = from.integer(column++);
-        for (std::size_t k = 0; k < head_.axes.size(); ++k, ++column)
-            r.point.at[k] = head_.axes[k].words.empty()
-                                ? from.real(column)
-                                : known(head_.axes[k].words, from.text(column), r.point.id);
-        if (const std::string_view outcome = from.text(column++); !outcome.empty())
-            r.outcome = known(head_.columns.outcomes, outcome, r.point.id);
-        r.status = static_cast<Status>(known(status_names, from.text(column++), r.point.id));
-        for (std::size_t k = 0; k < head_.columns.observables.size(); ++k)
-            r.values[k] = from.real(column++);
-        r.retries = static_cast<std::int32_t>(from.integer(column++));
-        r.set_cause(from.text(column++));
-        r.seconds = from.real(column);
-        return r;
+    /// After a commit of what was inserted: nobody else wrote meanwhile.
+    void keep_known() { known_at_ = version(); }
+    /// Before something is taken out.
+    void forget_known() { known_at_.reset(); }
+
+    /// Ids of all points. Read again if another connection wrote.
+    const IdSet& known() {
+        const std::int64_t now = version();
+        if (known_at_ == now)
+            return known_;
+        known_ = {};
+        chunks_->for_each_row_of_ids([&](std::span<const std::int64_t> ids) { known_.insert(ids); });
+        Statement rows(connection, "SELECT id FROM causes ORDER BY id");
+        while (rows.step())
+            known_.insert(std::array{rows.integer(0)});
+        known_at_ = now;
+        return known_;
     }
 
-    const std::string& select() const { return select_; }
+    void for_each(const std::function<void(const Result&)>& each) const {
+        const Snapshot snapshot(connection);
+        CauseTable::Rows rows(*causes_);
+        for (ChunkTable::Points points(*chunks_); points.current() || rows.current();) {
+            if (rows.current() &&
+                (!points.current() || rows.current()->point.id < PackedRows::id(points.current()))) {
+                each(*rows.current());
+                rows.next();
+            } else {
+                each(unpacked(points.current()));
+                points.next();
+            }
+        }
+    }
 
     Connection connection;
 
 private:
-    template<class Names>
-    std::int32_t known(const Names& names, std::string_view name, std::int64_t point) const {
-        const std::int32_t index = index_of(names, name);
-        if (index < 0)
-            throw InputError(
-                fmt::format("{}: point {}: \"{}\" is not what rodwake writes there; put it right, "
-                            "or delete the row",
-                            connection.file().string(), point, name));
-        return index;
+    Result unpacked(const char* record) const {
+        try {
+            return chunks_->records().result(record);
+        } catch (const InputError& error) {
+            throw InputError(connection.file().string() + ": " + error.what());
+        }
     }
 
-    void bind_axis(int column, const Axis& axis, double value) {
-        if (axis.words.empty())
-            insert_->bind(column, value);
-        else
-            insert_->bind(column, std::string_view(axis.words[static_cast<std::size_t>(value)]));
+    void remove(std::span<const std::int64_t> ids) {
+        chunks_->remove(ids);
+        for (const std::int64_t id : ids)
+            causes_->remove(id);
+    }
+
+    std::int64_t version() {
+        version_->step();
+        const std::int64_t now = version_->integer(0);
+        version_->step();
+        return now;
     }
 
     void create() {
@@ -176,37 +204,32 @@ private:
         };
         put("format", std::to_string(format));
         put("rodwake", build_info().version);
-        put("columns", listed(column_names(head_)));
+        put("columns", CauseTable::columns(head_));
+        put("record", PackedRows(head_).layout());
+        put("outcomes", fmt::format("{}", fmt::join(head_.columns.outcomes, ",")));
         put("scan", head_.description);
-        connection.run(create_points(head_));
+        connection.run(ChunkTable::create);
+        connection.run(CauseTable::create(head_));
         connection.run(create_crossings);
         change.commit();
     }
 
-    std::string meta(const char* key) const {
-        Statement found(connection, "SELECT value FROM meta WHERE key = ?");
-        found.bind(1, std::string_view(key));
-        return found.step() ? std::string(found.text(0)) : "";
-    }
-
     void require_same() const {
-        const std::string file = connection.file().string(), version = meta("format");
-        if (version != std::to_string(format))
-            throw InputError(
-                fmt::format("{}: is a ledger of format {}, and this version of rodwake knows {}; "
-                            "rodwake {} made it",
-                            file, version, format, meta("rodwake")));
-        const std::string there = meta("scan") + meta("columns"),
-                          here = head_.description + listed(column_names(head_));
+        require_format(connection);
+        const std::string there = meta(connection, "scan") + meta(connection, "columns"),
+                          here = head_.description + CauseTable::columns(head_);
         if (there != here)
             throw InputError(fmt::format("{}: is the ledger of another scan ({}); choose another folder with "
                                          "-o, or --force to replace it",
-                                         file, first_difference(there, here)));
+                                         connection.file().string(), first_difference(there, here)));
     }
 
     const LedgerHead& head_;
-    std::unique_ptr<Statement> insert_;
-    std::string select_;
+    std::unique_ptr<ChunkTable> chunks_;
+    std::unique_ptr<CauseTable> causes_;
+    std::unique_ptr<Statement> version_;
+    IdSet known_;
+    std::optional<std::int64_t> known_at_; ///< version of the file; none: not read
 };
 
 Ledger::Ledger(const fs::path& file, LedgerHead head) : head_(std::move(head)) {
@@ -217,9 +240,9 @@ Ledger::~Ledger() = default;
 
 void Ledger::add(std::span<const Result> results) {
     Transaction change(database_->connection);
-    for (const Result& one : results)
-        database_->insert(one);
+    database_->insert(results);
     change.commit();
+    database_->keep_known();
 }
 
 void Ledger::add(std::span<const Crossing> crossings) {
@@ -240,44 +263,60 @@ void Ledger::merge(const fs::path& other) {
     if (!fs::exists(other))
         throw InputError(other.string() + ": no such ledger");
     const Ledger theirs(other, head_); // refuses one of another scan
-    Transaction change(database_->connection);
-    Statement known(database_->connection, "SELECT 1 FROM points WHERE id = ? AND status = 'ok'");
+    constexpr std::size_t at_once = 1 << 12;
+    std::vector<Result> fresh;
+    std::unordered_set<std::int64_t> failed;
+    Statement rows(database_->connection, "SELECT id FROM causes WHERE status <> 'ok'");
+    while (rows.step())
+        failed.insert(rows.integer(0));
+    const auto flush = [&] {
+        add(fresh);
+        fresh.clear();
+    };
     theirs.for_each([&](const Result& one) {
-        known.bind(1, one.point.id);
-        const bool is_known = known.step();
-        if (is_known)
-            known.step(); // to its end, ready to run again
-        else
-            database_->insert(one);
+        if (!failed.contains(one.point.id) && database_->known().contains(one.point.id))
+            return;
+        fresh.push_back(one);
+        if (fresh.size() == at_once)
+            flush();
     });
-    change.commit();
+    flush();
 }
 
 std::int64_t Ledger::forget_failed() {
     Transaction change(database_->connection);
-    database_->connection.run("DELETE FROM points WHERE status <> 'ok'");
+    database_->forget_known();
+    database_->connection.run("DELETE FROM causes WHERE status <> 'ok'");
     const std::int64_t forgotten = sqlite3_changes(database_->connection.get());
     database_->connection.run("DELETE FROM crossings WHERE outcome_low < 0 OR outcome_high < 0");
     change.commit();
     return forgotten;
 }
 
-void Ledger::for_each(const std::function<void(const Result&)>& each) const {
-    Statement rows(database_->connection, database_->select() + " ORDER BY id");
-    while (rows.step())
-        each(database_->row(rows));
-}
+void Ledger::for_each(const std::function<void(const Result&)>& each) const { database_->for_each(each); }
 
 void Ledger::for_each_id(const std::function<void(std::int64_t)>& each) const {
-    Statement rows(database_->connection, "SELECT id FROM points ORDER BY id");
-    while (rows.step())
-        each(rows.integer(0));
+    database_->known().for_each(each);
+}
+
+std::vector<Result> Ledger::find(std::span<const Point> points) const {
+    std::unordered_set<std::int64_t> wanted;
+    const IdSet& there = database_->known();
+    for (const Point& point : points)
+        if (there.contains(point.id))
+            wanted.insert(point.id);
+    std::vector<Result> found;
+    if (!wanted.empty())
+        database_->for_each([&](const Result& one) {
+            if (wanted.contains(one.point.id))
+                found.push_back(one);
+        });
+    return found;
 }
 
 std::optional<Result> Ledger::find(std::int64_t id) const {
-    Statement row(database_->connection, database_->select() + " WHERE id = ?");
-    row.bind(1, id);
-    return row.step() ? std::optional(database_->row(row)) : std::nullopt;
+    const std::vector<Result> found = find(std::array{Point{id, {}}});
+    return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
 std::vector<Crossing> Ledger::crossings() const {
@@ -290,32 +329,7 @@ std::vector<Crossing> Ledger::crossings() const {
     return all;
 }
 
-namespace {
-
-/// Row by row: SQLite would sort the whole table to group it.
-Counts counts_in(const Connection& connection) {
-    Counts counts;
-    Statement rows(connection, "SELECT outcome, status, cause, seconds FROM points");
-    while (rows.step()) {
-        ++counts.points;
-        counts.seconds += rows.real(3);
-        if (rows.text(1) == "ok") {
-            ++counts.outcomes[std::string(rows.text(0))];
-            continue;
-        }
-        ++counts.failed;
-        const std::string_view cause = rows.text(2);
-        ++counts.causes[fmt::format("{}{}{}", rows.text(1), cause.empty() ? "" : ": ", cause)];
-    }
-    return counts;
-}
-
-} // namespace
-
-std::int64_t Ledger::points() const {
-    Statement count(database_->connection, "SELECT count(*) FROM points");
-    return count.step() ? count.integer(0) : 0;
-}
+std::int64_t Ledger::points() const { return database_->known().size(); }
 
 Counts Ledger::counts() const { return counts_in(database_->connection); }
 
@@ -325,7 +339,10 @@ Counts counts_of(const fs::path& file) {
     if (!fs::exists(file))
         throw InputError(file.string() + ": no such ledger");
     const Connection connection(file, SQLITE_OPEN_READWRITE); // a log left by a killed scan is folded in
-    return is_begun(connection) ? counts_in(connection) : Counts{};
+    if (!is_begun(connection))
+        return {};
+    require_format(connection);
+    return counts_in(connection);
 }
 
 } // namespace rodwake::scan

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 namespace rodwake::scan {
 
@@ -32,12 +33,16 @@ public:
 
     /// The same where the ledger may hold some of the points.
     bool complete(std::span<const Point> points, const Learn& learn, Summary& summary) {
+        const std::vector<Result> found = ledger_.find(points);
+        std::unordered_set<std::int64_t> known;
+        for (const Result& one : found) {
+            learn(one);
+            known.insert(one.point.id);
+        }
         std::vector<Point> unknown;
-        for (const Point& point : points)
-            if (const auto found = ledger_.find(point.id))
-                learn(*found), ++done;
-            else
-                unknown.push_back(point);
+        std::ranges::copy_if(points, std::back_inserter(unknown),
+                             [&](const Point& point) { return !known.contains(point.id); });
+        done += static_cast<std::int64_t>(found.size());
         total = done + static_cast<std::int64_t>(unknown.size());
         const bool finished = (*this)(unknown, learn);
         summary.left = total - done;

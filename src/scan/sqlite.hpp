@@ -49,6 +49,11 @@ public:
                                                static_cast<int>(text.size()), SQLITE_STATIC));
     }
 
+    /// The bytes must live until the next reset.
+    void bind_bytes(int column, std::string_view bytes) {
+        check(sqlite3_bind_blob64(handle_.get(), column, bytes.data(), bytes.size(), SQLITE_STATIC));
+    }
+
     /// True: there is a row. False: done, and ready to run again.
     bool step();
 
@@ -63,6 +68,12 @@ public:
         return found ? std::string_view(found) : std::string_view();
     }
 
+    /// Until the next step.
+    std::string_view bytes(int column) const {
+        const auto* found = static_cast<const char*>(sqlite3_column_blob(handle_.get(), column));
+        return {found, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column))};
+    }
+
 private:
     void check(int code) const {
         if (code != SQLITE_OK)
@@ -74,6 +85,18 @@ private:
     };
     const Connection& connection_;
     std::unique_ptr<sqlite3_stmt, Finalize> handle_;
+};
+
+/// What is read while it lives is of one state of the file, whoever writes meanwhile.
+class Snapshot {
+public:
+    explicit Snapshot(const Connection& connection) : connection_(connection) { connection.run("BEGIN"); }
+    ~Snapshot() { sqlite3_exec(connection_.get(), "COMMIT", nullptr, nullptr, nullptr); }
+    Snapshot(const Snapshot&) = delete;
+    Snapshot& operator=(const Snapshot&) = delete;
+
+private:
+    const Connection& connection_;
 };
 
 /// Rolled back unless committed.

@@ -138,7 +138,7 @@ constexpr FileKind plain_kinds[] = {
     {"field_cut_<k>.csv", Stage::field, result, "displacement along a line", cut_columns},
 
     {"ledger.sqlite", Stage::scan, kept,
-     "a row a point of the scan, of beds a row a run, as it goes on: table points"},
+     "the points of the scan, of beds the runs, as it goes on: tables chunks and causes"},
     {"ledger.sqlite-wal", Stage::scan, kept, "the newest rows of the ledger while it is open"},
     {"ledger.sqlite-shm", Stage::scan, kept, "for who reads the ledger while it is open"},
     {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},

@@ -1,5 +1,6 @@
 // From [scan] to a design, and from a point of it to a scene.
 
+#include "rodwake/assembly/scan_problem.hpp"
 #include "scan_scenes.hpp"
 
 #include <numbers>
@@ -25,6 +26,31 @@ TEST_CASE("A scan of two keys: axes, columns, and the scene of a point") {
     CHECK(scene.rods[1].position[0] == -3.25);
     CHECK(scene.rods[1].position[1] == -2.5);
     CHECK(scene.rods[0].position[0] == 0.0);
+}
+
+TEST_CASE("The problem of a point is that of its scene, whichever way the values take") {
+    const auto places = plan(kappa + axis("keys = [\"rods.1.position.0\", \"rods.0.heading\"]\n"
+                                          "factor = [1.0, -0.5]\nfrom = -6\nto = 6.0\ncount = 3"));
+    const auto medium = plan(kappa + axis("key = \"medium.alpha\"\nfrom = 1\nto = 6.0\ncount = 3"));
+    for (const auto* made : {&places, &medium}) {
+        assembly::PointProblem problems(*made);
+        for (const double second : {3.25, 1.5, 3.25}) {
+            const scan::Point point{0, {7.5, second}};
+            const rods::RodProblem expected = assembly::rod_problem(at(*made, {7.5, second})),
+                                   found = problems.at(point);
+            CHECK(found.couplings.kappa == 7.5);
+            CHECK(found.couplings.gamma1 == expected.couplings.gamma1);
+            CHECK(found.medium->xi == expected.medium->xi);
+            CHECK(found.t_end == expected.t_end);
+            CHECK(found.contact_distance == expected.contact_distance);
+            REQUIRE(found.rods.size() == expected.rods.size());
+            for (std::size_t k = 0; k < found.rods.size(); ++k) {
+                CHECK(found.rods[k].x == expected.rods[k].x);
+                CHECK(found.rods[k].y == expected.rods[k].y);
+                CHECK(found.rods[k].heading == expected.rods[k].heading);
+            }
+        }
+    }
 }
 
 TEST_CASE("Tied keys go together, each with its factor") {

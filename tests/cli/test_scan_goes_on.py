@@ -11,6 +11,10 @@ from scans import CROSSING, ScanTest
 FAILING = ("-s", "rods_run.max_steps=3")
 
 
+def mark(records):
+    records["seconds"] = -1.0
+
+
 class ExtendTest(ScanTest):
     def test_a_larger_resolution_goes_on(self):
         self.scan("scan.toml", "out")
@@ -129,12 +133,11 @@ class FailureTest(ScanTest):
     def again(self, before, failed):
         """With steps enough only these points are evaluated again, to what they are in the clean scan."""
         kept = dict((row[0], row) for row in self.ledger("out")[0] if row[0] not in failed)
-        self.change_ledger("out", "UPDATE points SET seconds = -1")
+        self.change_records("out", mark)
+        self.change_ledger("out", "UPDATE causes SET seconds = -1")
         done = self.scan("grid.toml", "out", "--rerun-failed")
         self.assertIn(f"{len(failed)} points that failed are evaluated again", done.stderr)
-        connection = sqlite3.connect(self.folder / "out/ledger.sqlite")
-        evaluated = {row[0] for row in connection.execute("SELECT id FROM points WHERE seconds >= 0")}
-        connection.close()
+        evaluated = {point for point, took in self.seconds("out").items() if took >= 0.0}
         self.assertEqual(evaluated, failed)
         clean = {row[0]: row for row in self.ledger("clean")[0]}
         for row in self.ledger("out")[0]:
@@ -175,9 +178,9 @@ class LedgerTest(ScanTest):
         self.refuse_scan(pattern, "grid.toml", "out", "-s", "scan.trajectories=1")
 
     def test_of_a_newer_version(self):
-        self.change_ledger("out", "UPDATE meta SET value = '2' WHERE key = 'format'")
+        self.change_ledger("out", "UPDATE meta SET value = '3' WHERE key = 'format'")
         self.change_ledger("out", "UPDATE meta SET value = '7.0' WHERE key = 'rodwake'")
-        self.refuse_out("ledger.sqlite: is a ledger of format 2, and this version of rodwake knows 1; rodwake 7.0 made it")
+        self.refuse_out("ledger.sqlite: is a ledger of format 3, and this version of rodwake knows 2; rodwake 7.0 made it")
 
     def test_cut_short(self):
         data = self.file.read_bytes()

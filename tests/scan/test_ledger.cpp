@@ -130,12 +130,14 @@ TEST_CASE("Counts are by outcome, and by cause of failure") {
     CHECK(counts_of(scratch / "l").points == 6);
 }
 
-TEST_CASE("Columns have their names, so that sqlite3 and pandas can ask") {
+TEST_CASE("Causes have columns with names, so that sqlite3 and pandas can ask") {
     const Scratch scratch;
     Ledger ledger(scratch / "l", ledger_head());
-    ledger.add(std::vector{succeeded(5, 0.25, 2.0), failed(6)});
+    Result retried = succeeded(5, 0.25, 2.0);
+    retried.set_cause("retried");
+    ledger.add(std::vector{succeeded(4, 0.5), retried, failed(6)});
     const Connection other(scratch / "l", SQLITE_OPEN_READWRITE);
-    Statement row(other, "SELECT \"coupling.kappa\", \"rods_run.method\", outcome, sum, id FROM points WHERE "
+    Statement row(other, "SELECT \"coupling.kappa\", \"rods_run.method\", outcome, sum, id FROM causes WHERE "
                          "status = 'ok'");
     REQUIRE(row.step());
     CHECK(row.real(0) == 0.25);
@@ -144,6 +146,78 @@ TEST_CASE("Columns have their names, so that sqlite3 and pandas can ask") {
     CHECK(row.real(3) == 0.1);
     CHECK(row.integer(4) == 5);
     CHECK_FALSE(row.step());
+}
+
+TEST_CASE("The ledger tells the layout of its records") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    ledger.add(std::vector{succeeded(4, 0.5), succeeded(6, 0.75)});
+    const Connection other(scratch / "l", SQLITE_OPEN_READWRITE);
+    Statement layout(other, "SELECT value FROM meta WHERE key = 'record'");
+    REQUIRE(layout.step());
+    CHECK(layout.text(0) == R"([["id", "<i8"], ["coupling.kappa", "<f8"], ["rods_run.method", "<f8"], )"
+                            R"(["sum", "<f8"], ["product", "<f8"], ["seconds", "<f8"], )"
+                            R"(["outcome", "<i4"], ["retries", "<i4"]])");
+    Statement chunk(other, "SELECT first, last, points, length(data) FROM chunks");
+    REQUIRE(chunk.step());
+    CHECK(chunk.integer(0) == 4);
+    CHECK(chunk.integer(1) == 6);
+    CHECK(chunk.integer(2) == 2);
+    CHECK(chunk.integer(3) == 2 * 56);
+}
+
+TEST_CASE("Chunks that overlap come out in the order of the points") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    std::vector<std::int64_t> expected;
+    for (std::int64_t chunk = 0; chunk < 7; ++chunk) { // ids 0 to 69, dealt out; each seventh failed
+        std::vector<Result> results;
+        for (std::int64_t id = chunk; id < 70; id += 7)
+            results.push_back(id % 7 == 3 ? failed(id) : succeeded(id, 0.01 * static_cast<double>(id)));
+        ledger.add(results);
+    }
+    std::int64_t next = 0;
+    ledger.for_each([&](const Result& r) {
+        CHECK(r.point.id == next++);
+        CHECK(r.ok() == (r.point.id % 7 != 3));
+    });
+    CHECK(next == 70);
+    CHECK(ledger.points() == 70);
+}
+
+TEST_CASE("A point that succeeded is replaced within its chunk, and the others stay") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    ledger.add(std::vector{succeeded(1, 0.1), succeeded(2, 0.2), succeeded(3, 0.3)});
+    Result other = succeeded(2, 0.2);
+    other.values[0] = 7.0;
+    other.outcome = 0;
+    ledger.add(std::vector{other, failed(3)});
+    CHECK(ledger.points() == 3);
+    CHECK(ledger.find(1)->values[0] == 0.1);
+    CHECK(ledger.find(2)->values[0] == 7.0);
+    CHECK_FALSE(ledger.find(3)->ok());
+    CHECK(ledger.counts().outcomes == std::map<std::string, std::int64_t>{{"in", 1}, {"out", 1}});
+    CHECK(ledger.counts().failed == 1);
+}
+
+TEST_CASE("Of a point that is added twice at once the last counts") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    ledger.add(std::vector{succeeded(2, 0.2), succeeded(1, 0.1), succeeded(2, 0.25)});
+    CHECK(ledger.counts().points == 2);
+    CHECK(ledger.find(2)->point.at[0] == 0.25);
+}
+
+TEST_CASE("Points are found together, in their order") {
+    const Scratch scratch;
+    Ledger ledger(scratch / "l", ledger_head());
+    ledger.add(std::vector{succeeded(5, 0.5), failed(9), succeeded(1, 0.1)});
+    const auto found = ledger.find(std::vector<Point>{{9, {}}, {2, {}}, {1, {}}});
+    REQUIRE(found.size() == 2);
+    CHECK(found[0].point.id == 1);
+    CHECK(found[1].point.id == 9);
+    CHECK(ledger.find(std::vector<Point>{{2, {}}}).empty());
 }
 
 TEST_CASE("Crossings come back to the bit, in order, the newest") {

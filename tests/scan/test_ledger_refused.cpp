@@ -56,13 +56,17 @@ TEST_CASE("The ledger of another scan is refused") {
     CHECK_NOTHROW(Ledger(scratch / "l", ledger_head()));
 }
 
-TEST_CASE("A ledger of a newer format is refused by its number and version") {
-    const Scratch scratch;
-    const fs::path file = made(scratch, "l");
-    change(file, "UPDATE meta SET value = '2' WHERE key = 'format'; "
-                 "UPDATE meta SET value = '9.1' WHERE key = 'rodwake'");
-    CHECK(has(refusal(file),
-              "is a ledger of format 2, and this version of rodwake knows 1; rodwake 9.1 made it"));
+TEST_CASE("A ledger of another format is refused by its number and version") {
+    for (const char* format : {"1", "3"}) {
+        const Scratch scratch;
+        const fs::path file = made(scratch, "l");
+        change(file, std::string("UPDATE meta SET value = '") + format +
+                         "' WHERE key = 'format'; UPDATE meta SET value = '9.1' WHERE key = 'rodwake'");
+        const std::string told = std::string("is a ledger of format ") + format +
+                                 ", and this version of rodwake knows 2; rodwake 9.1 made it";
+        CHECK(has(refusal(file), told));
+        CHECK(has(error_of<InputError>([&] { counts_of(file); }), told));
+    }
 }
 
 TEST_CASE("What is no ledger is refused and left as it is") {
@@ -111,15 +115,32 @@ TEST_CASE("A ledger that was cut short anywhere is refused") {
 }
 
 TEST_CASE("Words that no version writes are damage") {
-    for (const char* sql : {"UPDATE points SET status = 'redo' WHERE id = 3",
-                            "UPDATE points SET outcome = 'capture' WHERE id = 3",
-                            "UPDATE points SET \"rods_run.method\" = 'euler' WHERE id = 3"}) {
+    for (const char* sql : {"UPDATE causes SET status = 'redo'", "UPDATE causes SET outcome = 'capture'",
+                            "UPDATE causes SET \"rods_run.method\" = 'euler'"}) {
         const Scratch scratch;
         const fs::path file = made(scratch, "l");
+        Ledger(file, ledger_head()).add(std::vector{failed(3)});
         change(file, sql);
         const Ledger ledger(file, ledger_head());
         INFO(sql);
         CHECK(has(error_of<InputError>([&] { ledger.for_each([](const Result&) {}); }), "point 3"));
+    }
+}
+
+TEST_CASE("Records that no version writes are damage") {
+    const std::string whole = "UPDATE chunks SET data = CAST(substr(data, 1, length(data) - 8) || ";
+    for (const std::string& sql : {whole + "x'6300000000000000' AS BLOB)", // outcome 99
+                                   std::string("UPDATE chunks SET data = substr(data, 2)"),
+                                   std::string("UPDATE chunks SET data = x''")}) {
+        const Scratch scratch;
+        const fs::path file = made(scratch, "l");
+        change(file, sql);
+        INFO(sql);
+        CHECK(has(error_of<InputError>([&] {
+                      const Ledger ledger(file, ledger_head());
+                      ledger.for_each([](const Result&) {});
+                  }),
+                  "damaged"));
     }
 }
 
@@ -134,7 +155,7 @@ TEST_CASE("A full disk ends with an error, and what was committed stays") {
             ledger.add(chunk);
         }
     };
-    const std::string told = store_test::on_small_disk(200'000, fill);
+    const std::string told = store_test::on_small_disk(1'000'000, fill);
     INFO(told);
     CHECK(has(told, (scratch / "l").string() + ": "));
     CHECK(has(told, "what was committed is kept, and the same command goes on from there"));

@@ -127,11 +127,19 @@ TEST_CASE("Shares of repeated points are all points together") {
     CHECK(tally.most() == 1);
 }
 
-TEST_CASE("The ledger tells point and run of each row") {
+TEST_CASE("The ledger tells point and run of each cause") {
     const Scratch scratch;
     run_runs(repeated(2), scratch / "l", by_run());
+    {
+        Ledger ledger(scratch / "l", head_of(repeated(2)));
+        std::vector<Result> told;
+        ledger.for_each([&](const Result& r) { told.push_back(r); });
+        for (Result& one : told)
+            one.set_cause("retried");
+        ledger.add(told);
+    }
     const Connection connection(scratch / "l", SQLITE_OPEN_READWRITE);
-    Statement rows(connection, "SELECT point, run FROM points ORDER BY id");
+    Statement rows(connection, "SELECT point, run FROM causes ORDER BY id");
     std::vector<std::pair<std::int64_t, std::int64_t>> found;
     while (rows.step())
         found.emplace_back(rows.integer(0), rows.integer(1));

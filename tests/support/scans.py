@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 import random
 import shutil
@@ -9,6 +10,7 @@ import signal
 import sqlite3
 import time
 
+import numpy as np
 from beds import content
 from rodwake import ProgramTest
 
@@ -52,6 +54,26 @@ def rows_of(file):
     return list(csv.DictReader(file.read_text().splitlines()))
 
 
+def records_of(connection):
+    """The layout of a ledger's records, and all of them."""
+    layout = np.dtype([tuple(field) for field in
+                       json.loads(connection.execute("SELECT value FROM meta WHERE key = 'record'").fetchone()[0])])
+    chunks = [row[0] for row in connection.execute("SELECT data FROM chunks ORDER BY number")]
+    return layout, np.frombuffer(b"".join(chunks), layout)
+
+
+def plain_rows(connection):
+    """The records as rows of the table of causes would be."""
+    outcomes = connection.execute("SELECT value FROM meta WHERE key = 'outcomes'").fetchone()[0].split(",")
+    axes = len([name for name in records_of(connection)[0].names if "." in name])
+    rows = []
+    for one in records_of(connection)[1].tolist():
+        numbers = [None if math.isnan(value) else value for value in one[1:-3]]
+        outcome = outcomes[one[-2]] if one[-2] >= 0 else None
+        rows.append((one[0], *numbers[:axes], outcome, "ok", *numbers[axes:], one[-1], None))
+    return rows
+
+
 class ScanTest(ProgramTest):
     """A current folder with scan.toml and grid.toml in it."""
 
@@ -83,12 +105,33 @@ class ScanTest(ProgramTest):
         """Rows of points and brackets in order; without the seconds they took."""
         connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
         try:
-            names = [row[1] for row in connection.execute("PRAGMA table_info(points)")]
+            names = [row[1] for row in connection.execute("PRAGMA table_info(causes)")]
             kept = ", ".join(f'"{name}"' for name in names if name != "seconds")
-            return (connection.execute(f"SELECT {kept} FROM points ORDER BY id").fetchall(),
-                    connection.execute("SELECT * FROM crossings ORDER BY id").fetchall())
+            rows = connection.execute(f"SELECT {kept} FROM causes").fetchall() + plain_rows(connection)
+            return sorted(rows, key=lambda row: row[0]), connection.execute("SELECT * FROM crossings ORDER BY id").fetchall()
         finally:
             connection.close()
+
+    def seconds(self, run):
+        """What each point took, by id."""
+        connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
+        try:
+            found = dict(connection.execute("SELECT id, seconds FROM causes"))
+            _, records = records_of(connection)
+            return found | dict(zip(records["id"].tolist(), records["seconds"].tolist()))
+        finally:
+            connection.close()
+
+    def change_records(self, run, change):
+        """`change` gets the array of each chunk."""
+        connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
+        layout, _ = records_of(connection)
+        for number, data in connection.execute("SELECT number, data FROM chunks").fetchall():
+            records = np.frombuffer(data, layout).copy()
+            change(records)
+            connection.execute("UPDATE chunks SET data = ? WHERE number = ?", (records.tobytes(), number))
+        connection.commit()
+        connection.close()
 
     def points(self, run):
         """In the ledger; 0 before there is one."""

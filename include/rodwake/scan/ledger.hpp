@@ -1,8 +1,11 @@
 #pragma once
-// The ledger of a scan: an SQLite file with a row a point, written chunk by chunk while the scan goes on, and
-// read by it when it is taken up. One process writes; others may read meanwhile (sqlite3, pandas.read_sql):
+// The ledger of a scan: an SQLite file written chunk by chunk while the scan goes on, and read by it when it
+// is taken up. One process writes; others may read meanwhile. Points that failed or were retried are rows:
 //
-//   SELECT "coupling.kappa", outcome, time FROM points WHERE status = 'ok';
+//   SELECT "coupling.kappa", status, cause FROM causes;
+//
+// The others are records of one length, a chunk of them a row of `chunks`; docs/scan.md reads them with
+// numpy.
 //
 // What was taken is committed before the call returns: a process that is killed loses the points in flight. A
 // machine that goes down may lose the last second, and never leaves half a row. On a network file system
@@ -41,7 +44,7 @@ struct Crossing {
 
 class Ledger {
 public:
-    static constexpr int format = 1;
+    static constexpr int format = 2; ///< 1 had a row a point
 
     /// Makes the file or opens it. Throws InputError for one of another scan, of a newer version of rodwake,
     /// or that is no ledger; RunError if it cannot be written.
@@ -64,6 +67,9 @@ public:
     /// In the order of the points. `each` must not write.
     void for_each(const std::function<void(const Result&)>& each) const;
     void for_each_id(const std::function<void(std::int64_t)>& each) const;
+    /// Those of these points that are there, in the order of all. Reads the whole ledger, unless none is
+    /// there.
+    std::vector<Result> find(std::span<const Point> points) const;
     std::optional<Result> find(std::int64_t id) const;
     std::vector<Crossing> crossings() const;
     std::int64_t points() const;

@@ -13,7 +13,7 @@ namespace {
 
 using assembly::ScanPlan;
 
-constexpr std::size_t rows_at_once = 1 << 14, stored_times = 61;
+constexpr std::size_t stored_times = 61;
 
 template<class Names>
 std::string joined(const Names& names) {
@@ -31,34 +31,25 @@ PointColumns::PointColumns(store::Hdf5Writer& h5, const ScanPlan& plan, std::int
 std::vector<PointColumns::Column> PointColumns::columns_of(const ScanPlan& plan) {
     std::vector<Column> columns;
     for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
-        columns.push_back(
-            {plan.design.axes[k].name, [k](const scan::Result& r) { return r.point.at[k]; }, {}});
-    columns.push_back({"outcome", [](const scan::Result& r) { return r.ok() ? r.outcome : -1.0; }, {}});
-    columns.push_back({"status", [](const scan::Result& r) { return static_cast<double>(r.status); }, {}});
+        columns.push_back({plan.design.axes[k].name, [k](const scan::Result& r) { return r.point.at[k]; }});
+    columns.push_back({"outcome", [](const scan::Result& r) { return r.ok() ? r.outcome : -1.0; }});
+    columns.push_back({"status", [](const scan::Result& r) { return static_cast<double>(r.status); }});
     for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
         columns.push_back({plan.columns.observables[k],
-                           [k](const scan::Result& r) { return r.ok() ? r.values[k] : std::nan(""); },
-                           {}});
+                           [k](const scan::Result& r) { return r.ok() ? r.values[k] : std::nan(""); }});
     return columns;
 }
 
-void PointColumns::add(const scan::Result& result) {
-    for (Column& column : columns_)
-        column.block.push_back(column.value(result));
-    if (columns_.front().block.size() == rows_at_once)
-        flush();
-}
-
-void PointColumns::flush() {
-    for (Column& column : columns_)
-        h5_.part("/points/" + column.name, column.block, written_, rows_);
-    written_ += columns_.front().block.size();
-    for (Column& column : columns_)
-        column.block.clear();
+void PointColumns::add(std::span<const scan::Result> results) {
+    std::vector<double> block(results.size());
+    for (const Column& column : columns_) {
+        std::ranges::transform(results, block.begin(), column.value);
+        h5_.part("/points/" + column.name, block, written_, rows_);
+    }
+    written_ += results.size();
 }
 
 void PointColumns::finish() {
-    flush();
     for (const scan::Axis& axis : plan_.design.axes)
         if (!axis.words.empty())
             h5_.attribute("/points", axis.name + "_names", joined(axis.words));

@@ -1,6 +1,6 @@
 #pragma once
-// scan.h5 of rods: the points as columns, and a sample of trajectories. Points are added one by one, so that
-// the ledger is read once for all that is made of it, and memory does not grow with it.
+// scan.h5 of rods: the points as columns, and a sample of trajectories. Points are added some at a time, so
+// that the ledger is read once for all that is made of it, and memory does not grow with it.
 
 #include "rodwake/assembly/scan.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
@@ -16,18 +16,16 @@ public:
     /// `rows`: how many points will be added. File and plan must outlive it.
     PointColumns(store::Hdf5Writer& h5, const assembly::ScanPlan& plan, std::int64_t rows);
 
-    void add(const scan::Result& result);
-    /// After the last point: what is still held, and the names of outcomes, states and words.
+    void add(std::span<const scan::Result> results);
+    /// After the last point: the names of outcomes, states and words.
     void finish();
 
 private:
     struct Column {
         std::string name;
         std::function<double(const scan::Result&)> value;
-        std::vector<double> block; ///< not written yet
     };
     static std::vector<Column> columns_of(const assembly::ScanPlan& plan);
-    void flush();
 
     store::Hdf5Writer& h5_;
     const assembly::ScanPlan& plan_;

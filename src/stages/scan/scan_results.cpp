@@ -120,27 +120,60 @@ std::string scan_json(const ScanPlan& plan, const scan::Counts& counts, const sc
     return out.dump(2) + "\n";
 }
 
+/// Both tables of points, and the sample of trajectories, fed with some points at a time.
+class PointWriter {
+public:
+    PointWriter(const std::filesystem::path& folder, const ScanPlan& plan, std::int64_t points,
+                std::size_t trajectories, std::size_t threads)
+        : plan_(plan), threads_(threads), table_(folder / "scan.csv", plan), h5_(folder / "scan.h5"),
+          columns_(h5_, plan, points), sample_(trajectories) {}
+
+    void add(const scan::Result& result) {
+        rows_.push_back(result);
+        if (rows_.size() == rows_at_once)
+            flush();
+    }
+
+    void finish() {
+        flush();
+        table_.commit();
+        columns_.finish();
+        sample_.write(h5_, plan_);
+        h5_.commit();
+    }
+
+private:
+    static constexpr std::size_t rows_at_once = 1 << 14;
+
+    void flush() {
+        table_.add(rows_, threads_);
+        columns_.add(rows_);
+        for (const scan::Result& one : rows_)
+            sample_.add(one);
+        rows_.clear();
+    }
+
+    const ScanPlan& plan_;
+    std::size_t threads_;
+    PointTable table_;
+    store::Hdf5Writer h5_;
+    PointColumns columns_;
+    TrajectorySample sample_;
+    std::vector<scan::Result> rows_; ///< not written yet
+};
+
 /// scan.csv and scan.h5 in one pass over the ledger. A scan that was stopped has no time for trajectories.
 void write_all_points(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
-                      const scan::Ledger& ledger, bool complete) {
-    PointTable table(folder / "scan.csv", plan);
-    store::Hdf5Writer h5(folder / "scan.h5");
-    PointColumns columns(h5, plan, ledger.points());
-    TrajectorySample sample(complete ? static_cast<std::size_t>(keys.trajectories) : 0);
-    ledger.for_each([&](const scan::Result& result) {
-        table.add(result);
-        columns.add(result);
-        sample.add(result);
-    });
-    table.commit();
-    columns.finish();
-    sample.write(h5, plan);
-    h5.commit();
+                      const scan::Ledger& ledger, bool complete, std::size_t threads) {
+    PointWriter writer(folder, plan, ledger.points(),
+                       complete ? static_cast<std::size_t>(keys.trajectories) : 0, threads);
+    ledger.for_each([&](const scan::Result& result) { writer.add(result); });
+    writer.finish();
 }
 
 void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
-                       const scan::Ledger& ledger, const scan::Summary& summary) {
-    write_all_points(folder, plan, keys, ledger, summary.complete);
+                       const scan::Ledger& ledger, const scan::Summary& summary, std::size_t threads) {
+    write_all_points(folder, plan, keys, ledger, summary.complete, threads);
     if (!summary.leaves.empty())
         write_cells(folder / "cells.csv", plan, summary);
     if (!summary.curves.empty())
@@ -151,11 +184,11 @@ void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan
 
 void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
                 const scan::Ledger& ledger, const scan::Counts& counts, const scan::Summary& summary,
-                double wall_seconds) {
+                double wall_seconds, std::size_t threads) {
     if (of_beds(plan))
         write_bed_results(folder, plan, ledger);
     else
-        write_rod_results(folder, plan, keys, ledger, summary);
+        write_rod_results(folder, plan, keys, ledger, summary, threads);
     // last: whoever finds it finds everything
     store::write_atomically(folder / "scan.json", scan_json(plan, counts, summary, wall_seconds));
 }

@@ -14,6 +14,6 @@ namespace rodwake::stages {
 /// cells and boundaries; of beds what scan_bed_results.hpp says. Throws RunError.
 void write_scan(const std::filesystem::path& folder, const assembly::ScanPlan& plan, const scene::Scan& keys,
                 const scan::Ledger& ledger, const scan::Counts& counts, const scan::Summary& summary,
-                double wall_seconds);
+                double wall_seconds, std::size_t threads);
 
 } // namespace rodwake::stages

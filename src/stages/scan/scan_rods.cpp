@@ -1,5 +1,6 @@
 #include "scan_rods.hpp"
 
+#include "rodwake/assembly/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 #include "scan_values.hpp"
@@ -59,7 +60,7 @@ rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
 class PointsOfRods {
 public:
     PointsOfRods(const assembly::ScanPlan& plan, const OutputUnits& units, const std::function<bool()>& stop)
-        : plan_(plan), units_(units), stop_(stop), scene_(plan.base) {}
+        : plan_(plan), units_(units), stop_(stop), problem_(plan) {}
 
     void evaluate(std::span<const scan::Point> points, std::span<scan::Result> results) {
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -92,20 +93,14 @@ private:
         result.seconds += seconds_since(start);
     }
 
-    rods::RodProblem problem_of(const scan::Point& point) {
-        if (const auto wrong = assembly::set_point(plan_, scene_, point))
-            throw InputError(*wrong);
-        return assembly::rod_problem(scene_);
-    }
-
     /// Puts the point into a batch, or finishes it.
     void begin(std::size_t number, scan::Result& result, Clock::time_point start) {
-        const rods::RodProblem problem = problem_of(result.point);
+        const rods::RodProblem& problem = problem_.at(result.point);
         if (starts_in_contact(problem, result))
             return;
-        const rods::RodOptions options = assembly::rod_options(*scene_.rods_run, problem);
+        const rods::RodOptions options = assembly::rod_options(problem_.run(), problem);
         const auto pair = rods::to_pair_problem(problem);
-        if (!pair || !suits_batch(*scene_.rods_run, options, plan_.time_limit))
+        if (!pair || !suits_batch(problem_.run(), options, plan_.time_limit))
             return climb(problem, options, result, start);
         rods::validate(*pair);
         Batch& batch = batch_of(pair_options(options.ode));
@@ -134,8 +129,8 @@ private:
                     store(end_of(batch.pairs[k], ends[k]), plan_, units_, result);
                 if (!ends[k].handed_over() && result.ok())
                     return;
-                const rods::RodProblem problem = problem_of(result.point);
-                rods::RodOptions options = assembly::rod_options(*scene_.rods_run, problem);
+                const rods::RodProblem& problem = problem_.at(result.point);
+                rods::RodOptions options = assembly::rod_options(problem_.run(), problem);
                 const bool limit_of_batch = batch.options.max_attempts < options.ode.max_steps;
                 if (ends[k].end == rods::PairEnding::too_many_steps && limit_of_batch)
                     options.ode.method = Method::bdf; // faster from there on
@@ -202,7 +197,7 @@ private:
     const assembly::ScanPlan& plan_;
     const OutputUnits& units_;
     const std::function<bool()>& stop_;
-    scene::Scene scene_;
+    assembly::PointProblem problem_;
     std::vector<Batch> batches_;
 };
 

@@ -115,7 +115,7 @@ StageEnd run_scan_stage(Session& session) {
     ledger.settle();
     const scan::Counts counts = ledger.counts();
     write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, counts, summary,
-               took.count());
+               took.count(), session.context.thread_count());
     return report(session, counts, summary);
 }
 

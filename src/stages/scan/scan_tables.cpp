@@ -2,10 +2,15 @@
 
 #include "scan_tables.hpp"
 
+#include "rodwake/core/parallel.hpp"
 #include "rodwake/store/atomic_file.hpp"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 
 namespace rodwake::stages {
@@ -14,15 +19,36 @@ namespace {
 
 using assembly::ScanPlan;
 
-/// Shortest digits that give the number back.
+/// Shortest digits that give the number back. Counts, of which tables are full, are written as integers: the
+/// same digits in a third of the time.
 void append(std::string& text, double value) {
-    if (std::isfinite(value))
-        fmt::format_to(std::back_inserter(text), "{}", value);
+    if (!std::isfinite(value))
+        return;
+    std::array<char, 32> digits; // a double takes up to 24
+    const bool count = value >= 0.0 && value < 1e6 && value == std::trunc(value) && !std::signbit(value);
+    char* const end =
+        count ? std::to_chars(digits.data(), digits.data() + digits.size(), static_cast<long>(value)).ptr
+              : fmt::format_to(digits.data(), FMT_COMPILE("{}"), value);
+    text.append(digits.data(), end);
+}
+
+void append_axis(std::string& text, const scan::Axis& axis, double value) {
+    if (axis.words.empty())
+        append(text, value);
+    else
+        text += axis.words[static_cast<std::size_t>(value)];
+}
+
+void append_place(std::string& text, const ScanPlan& plan, const scan::Point& point) {
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
+        append_axis(text, plan.design.axes[k], point.at[k]);
+        text += ',';
+    }
 }
 
 /// "time" stands before the status, the others after it.
 void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
-    text += place_text(plan, r.point);
+    append_place(text, plan, r.point);
     text += outcome_text(plan, r.ok() ? r.outcome : -1);
     text += ',';
     append(text, r.ok() ? r.values[0] : std::nan(""));
@@ -32,7 +58,9 @@ void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) 
         text += ',';
         append(text, r.ok() ? r.values[k] : std::nan(""));
     }
-    fmt::format_to(std::back_inserter(text), ",{}\n", r.retries);
+    text += ',';
+    append(text, static_cast<double>(r.retries));
+    text += '\n';
 }
 
 std::string between(const ScanPlan& plan, const scan::Curve& curve) {
@@ -48,14 +76,9 @@ std::string number_text(double value) {
     return text;
 }
 
-std::string axis_text(const scan::Axis& axis, double value) {
-    return axis.words.empty() ? number_text(value) : axis.words[static_cast<std::size_t>(value)];
-}
-
 std::string place_text(const ScanPlan& plan, const scan::Point& point) {
     std::string text;
-    for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
-        text += axis_text(plan.design.axes[k], point.at[k]) + ",";
+    append_place(text, plan, point);
     return text;
 }
 
@@ -71,26 +94,24 @@ std::string axis_names(const ScanPlan& plan) {
 }
 
 PointTable::PointTable(const std::filesystem::path& file, const ScanPlan& plan)
-    : pending_(file), plan_(plan), text_(axis_names(plan) + ",outcome,time,status") {
+    : pending_(file), plan_(plan) {
+    std::string head = axis_names(plan) + ",outcome,time,status";
     for (std::size_t k = 1; k < plan.columns.observables.size(); ++k)
-        text_ += "," + plan.columns.observables[k];
-    text_ += ",retries\n";
+        head += "," + plan.columns.observables[k];
+    pending_.write(head + ",retries\n");
 }
 
-void PointTable::add(const scan::Result& result) {
-    append_row(text_, plan_, result);
-    if (text_.size() > 1 << 20)
-        flush();
-}
-
-void PointTable::flush() {
-    pending_.write(text_);
-    text_.clear();
-}
-
-void PointTable::commit() {
-    flush();
-    pending_.commit();
+void PointTable::add(std::span<const scan::Result> results, std::size_t threads) {
+    const std::size_t blocks = (results.size() + rows_at_once - 1) / rows_at_once;
+    texts_.resize(blocks);
+    parallel_for(blocks, threads, [&](std::size_t block) {
+        const std::size_t first = block * rows_at_once;
+        texts_[block].clear();
+        for (const scan::Result& one : results.subspan(first, std::min(rows_at_once, results.size() - first)))
+            append_row(texts_[block], plan_, one);
+    });
+    for (const std::string& text : texts_)
+        pending_.write(text);
 }
 
 void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary) {
@@ -105,7 +126,10 @@ void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const 
             high[k] += leaf.side;
         const scan::Point from = lattice.point(leaf.low), to = lattice.point(high);
         for (std::size_t k = 0; k < lattice.axes(); ++k)
-            text += number_text(from.at[k]) + "," + number_text(to.at[k]) + ",";
+            for (const double end : {from.at[k], to.at[k]}) {
+                append(text, end);
+                text += ',';
+            }
         const bool named = !leaf.mixed && leaf.outcome >= 0;
         text += (leaf.mixed ? "mixed"
                  : named    ? plan.columns.outcomes[static_cast<std::size_t>(leaf.outcome)]

@@ -12,27 +12,26 @@ namespace rodwake::stages {
 
 /// A cell of a table; empty if it is not finite.
 std::string number_text(double value);
-std::string axis_text(const scan::Axis& axis, double value);
 /// The values of a point on all axes, a comma behind each.
 std::string place_text(const assembly::ScanPlan& plan, const scan::Point& point);
 std::string outcome_text(const assembly::ScanPlan& plan, std::int32_t outcome);
 /// With commas between them.
 std::string axis_names(const assembly::ScanPlan& plan);
 
-/// scan.csv of rods, point by point. The plan must outlive it; the file appears at commit.
+/// scan.csv of rods, many points at a time. The plan must outlive it; the file appears at commit.
 class PointTable {
 public:
     PointTable(const std::filesystem::path& file, const assembly::ScanPlan& plan);
 
-    void add(const scan::Result& result);
-    void commit();
+    void add(std::span<const scan::Result> results, std::size_t threads);
+    void commit() { pending_.commit(); }
 
 private:
-    void flush();
+    static constexpr std::size_t rows_at_once = 1 << 10;
 
     store::PendingFile pending_;
     const assembly::ScanPlan& plan_;
-    std::string text_; ///< not written yet
+    std::vector<std::string> texts_; ///< of blocks of rows
 };
 
 void write_cells(const std::filesystem::path& file, const assembly::ScanPlan& plan,

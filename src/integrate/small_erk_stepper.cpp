@@ -1,0 +1,275 @@
+// Explicit Runge-Kutta steps of a few components, with nothing between the method and the right-hand side.
+
+#include "erk_table.hpp"
+#include "stepper.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace rodwake::integrate {
+
+namespace {
+
+constexpr std::size_t most_stages = 9;
+
+/// A method whose last stage is the first of the next step.
+struct Tableau {
+    std::size_t stages = 0, used = 0; ///< used: without those that serve the error or the next step only
+    int order = 0;
+    double strictness = 1.0; ///< what its error estimate is multiplied by
+    std::array<std::array<double, most_stages>, most_stages> a{};
+    std::array<double, most_stages> b{}, error{}, c{};
+};
+
+Tableau tableau_of(const ARKodeButcherTableMem& table, double strictness) {
+    Tableau method;
+    method.stages = method.used = static_cast<std::size_t>(table.stages);
+    method.order = table.q;
+    method.strictness = strictness;
+    for (std::size_t i = 0; i < method.stages; ++i) {
+        std::copy_n(table.A[i], method.stages, method.a[i].begin());
+        method.b[i] = table.b[i];
+        method.error[i] = table.b[i] - table.d[i];
+        method.c[i] = table.c[i];
+    }
+    while (method.b[method.used - 1] == 0.0)
+        --method.used;
+    return method;
+}
+
+/// Where both do, the lower order is the better one down to 1e-7: it has fewer stages between two looks at
+/// the step limit. With Verner's estimate times 2 both methods have errors of like size over rtol (pairs of
+/// bench/pair_bench.cpp). Made once: the tables are many small allocations.
+const Tableau& tableau_for(double rtol) {
+    static const Tableau loose = tableau_of(*erk_table(Erk::dormand_prince), 1.0),
+                         tight = tableau_of(*erk_table(Erk::verner), 2.0);
+    return rtol > 1e-7 ? loose : tight;
+}
+
+/// `fixed`: the number of components, known to the compiler, or 0.
+template<std::size_t fixed>
+class SmallErkStepper final : public Stepper {
+public:
+    SmallErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
+        : Stepper(calls, options, end_time), method_(tableau_for(options.rtol)),
+          size_of_state_(calls.problem().initial_state.size()) {}
+
+    void start(double t, State y) override;
+    bool advance() override;
+    void interpolate(double t, std::span<double> y) override;
+    int order() const override { return method_.order; }
+    std::string flag_prefix() const override { return "ERK"; }
+    std::vector<double> weighted_errors() const override;
+    State state_before() const override { return {before_.data(), size()}; }
+    State state() const override { return {after_.data(), size()}; }
+
+private:
+    using Numbers = std::array<double, fixed == 0 ? most_small : fixed>;
+    using Slopes = std::array<Numbers, most_stages>;
+
+    bool first_slope();
+    double chosen_step();
+    bool attempt(double from);
+    ProblemCalls::Result stages(double from, double h, Slopes& slopes, std::size_t count, Numbers& end);
+    double error_norm(double h);
+    double factor(double error) const;
+    void accept(double from, double to, double error);
+    bool fail(const char* flag);
+    double cut(double from, double h) const;
+
+    std::size_t size() const { return fixed > 0 ? fixed : size_of_state_; }
+    std::span<double> of(Numbers& numbers) const { return {numbers.data(), size()}; }
+    State of(const Numbers& numbers) const { return {numbers.data(), size()}; }
+    Statistics segment_counts() const override { return counts_; }
+    std::string flag_name() const override { return std::string("ERK_") + flag_; }
+
+    const Tableau& method_;
+    const std::size_t size_of_state_;
+    Numbers before_{}, after_{}, end_{}, weights_{}, errors_{};
+    Slopes slopes_{}, inner_{};
+    double step_ = 0.0;  ///< to try next
+    bool fresh_ = true;  ///< the slope at the start is not known
+    bool tried_ = false; ///< errors_ are those of a step
+    Statistics counts_;
+    const char* flag_ = "SUCCESS";
+};
+
+template<std::size_t fixed>
+void SmallErkStepper<fixed>::start(double t, State y) {
+    std::copy(y.begin(), y.end(), before_.begin()); // y may be state() itself
+    after_ = before_;
+    time_ = time_before_ = t;
+    step_ = initial_step(t);
+    fresh_ = true;
+    tried_ = false;
+}
+
+template<std::size_t fixed>
+bool SmallErkStepper<fixed>::fail(const char* flag) {
+    flag_ = flag;
+    after_ = before_;
+    return false;
+}
+
+template<std::size_t fixed>
+bool SmallErkStepper<fixed>::first_slope() {
+    const ProblemCalls::Result result = calls_.rhs(time_, state(), of(slopes_[0]));
+    if (result != ProblemCalls::fine)
+        return fail("FIRST_RHSFUNC_ERR");
+    if (step_ == 0.0)
+        step_ = chosen_step();
+    fresh_ = false;
+    return true;
+}
+
+/// Hairer, Norsett and Wanner I, II.4, without their trial step: a hundredth of the time in which the state
+/// changes by itself, or by the tolerance where it is zero.
+template<std::size_t fixed>
+double SmallErkStepper<fixed>::chosen_step() {
+    calls_.error_weights(state(), of(weights_));
+    double extent = 0.0, rate = 0.0;
+    for (std::size_t i = 0; i < size(); ++i) {
+        extent += std::pow(after_[i] * weights_[i], 2);
+        rate += std::pow(slopes_[0][i] * weights_[i], 2);
+    }
+    const bool known = extent > 1e-10 && rate > 1e-10;
+    return known ? 0.01 * std::sqrt(extent / rate) : 1e-6;
+}
+
+/// Not beyond the end, nor longer than the problem allows.
+template<std::size_t fixed>
+double SmallErkStepper<fixed>::cut(double from, double h) const {
+    const double longest = longest_step();
+    if (longest > 0.0)
+        h = std::min(h, longest);
+    return std::min(h, end_time_ - from);
+}
+
+template<std::size_t fixed>
+bool SmallErkStepper<fixed>::advance() {
+    if (fresh_ && !first_slope())
+        return false;
+    if (time_ > time_before_)
+        slopes_[0] = slopes_[method_.stages - 1];
+    before_ = after_;
+    calls_.error_weights(state_before(), of(weights_));
+    return attempt(time_);
+}
+
+/// Tries shorter and shorter steps until one is taken.
+template<std::size_t fixed>
+bool SmallErkStepper<fixed>::attempt(double from) {
+    constexpr int most_failures = 60, most_faults = 20; // of a step: factors of 1e12 and more
+    constexpr double shortening = 0.25;                 // after a fault, as CVODES
+    int failures = 0, faults = 0;
+    for (double h = cut(from, step_);;) {
+        const ProblemCalls::Result result = stages(from, h, slopes_, method_.stages, end_);
+        if (result == ProblemCalls::give_up)
+            return fail("RHSFUNC_FAIL");
+        if (result == ProblemCalls::try_shorter_step) {
+            const double tried = calls_.last_time() - from;
+            if (!(tried > 0.0) || ++faults > most_faults)
+                return fail("UNREC_RHSFUNC_ERR");
+            h = step_ = shortening * tried;
+            if (h <= shortest_step(from))
+                return fail("UNREC_RHSFUNC_ERR");
+            continue;
+        }
+        const double error = error_norm(h);
+        tried_ = true;
+        if (error <= 1.0) {
+            accept(from, from + h < end_time_ ? from + h : end_time_, error);
+            return true;
+        }
+        ++counts_.error_test_failures;
+        if (h <= shortest_step(from) || ++failures > most_failures)
+            return fail("ERR_FAILURE");
+        h *= std::min(factor(error), 0.9);
+        step_ = h;
+    }
+}
+
+template<std::size_t fixed>
+ProblemCalls::Result SmallErkStepper<fixed>::stages(double from, double h, Slopes& slopes, std::size_t count,
+                                                    Numbers& end) {
+    for (std::size_t s = 1; s < count; ++s) {
+        end = before_;
+        for (std::size_t k = 0; k < s; ++k)
+            if (const double weight = h * method_.a[s][k]; weight != 0.0)
+                for (std::size_t i = 0; i < size(); ++i)
+                    end[i] += weight * slopes[k][i];
+        const auto result = calls_.rhs(from + method_.c[s] * h, of(std::as_const(end)), of(slopes[s]));
+        if (result != ProblemCalls::fine)
+            return result;
+    }
+    return ProblemCalls::fine;
+}
+
+template<std::size_t fixed>
+double SmallErkStepper<fixed>::error_norm(double h) {
+    double square = 0.0;
+    for (std::size_t i = 0; i < size(); ++i) {
+        double error = 0.0;
+        for (std::size_t k = 0; k < method_.stages; ++k)
+            error += method_.error[k] * slopes_[k][i];
+        errors_[i] = h * error * weights_[i];
+        square += errors_[i] * errors_[i];
+    }
+    return method_.strictness * std::sqrt(square / static_cast<double>(size()));
+}
+
+/// From the length of a step to that of the next: the standard controller. On pairs a PI controller needed
+/// more steps, since many are cut short and have errors that tell little.
+template<std::size_t fixed>
+double SmallErkStepper<fixed>::factor(double error) const {
+    constexpr double safety = 0.9, least = 0.2, most = 5.0;
+    if (!std::isfinite(error))
+        return least;
+    return std::clamp(safety * std::pow(error, -1.0 / static_cast<double>(method_.order)), least, most);
+}
+
+/// One that was cut short tells nothing against the length wanted.
+template<std::size_t fixed>
+void SmallErkStepper<fixed>::accept(double from, double to, double error) {
+    after_ = end_; // the last stage is the end itself
+    const double next = (to - from) * factor(error);
+    step_ = to - from < step_ ? std::max(next, step_) : next;
+    time_before_ = from;
+    time_ = to;
+    ++counts_.steps;
+}
+
+/// A shorter step from the same point has the method's accuracy.
+template<std::size_t fixed>
+void SmallErkStepper<fixed>::interpolate(double t, std::span<double> y) {
+    const double h = t - time_before_;
+    inner_[0] = slopes_[0];
+    Numbers at;
+    if (stages(time_before_, h, inner_, method_.used, at) != ProblemCalls::fine)
+        throw StepFailure{"RHSFUNC_FAIL", calls_.fault()};
+    std::copy_n(before_.begin(), size(), y.begin());
+    for (std::size_t k = 0; k < method_.used; ++k)
+        for (std::size_t i = 0; i < size(); ++i)
+            y[i] += h * method_.b[k] * inner_[k][i];
+}
+
+template<std::size_t fixed>
+std::vector<double> SmallErkStepper<fixed>::weighted_errors() const {
+    std::vector<double> errors;
+    for (std::size_t i = 0; tried_ && i < size(); ++i)
+        errors.push_back(std::abs(errors_[i]) / std::sqrt(static_cast<double>(size())));
+    return errors;
+}
+
+} // namespace
+
+std::unique_ptr<Stepper> make_small_erk_stepper(ProblemCalls& calls, const OdeOptions& options,
+                                                double end_time) {
+    if (calls.problem().initial_state.size() == 6) // a pair of rods
+        return std::make_unique<SmallErkStepper<6>>(calls, options, end_time);
+    return std::make_unique<SmallErkStepper<0>>(calls, options, end_time);
+}
+
+} // namespace rodwake::integrate

@@ -1,0 +1,171 @@
+#include "chunk_table.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace rodwake::scan {
+
+namespace {
+
+/// "contact 12;pursuit 3;": what `count` adds up.
+std::string tally(std::span<const Result* const> results, const std::vector<std::string>& names) {
+    std::vector<std::int64_t> counts(names.size() + 1, 0); // the first: no outcome
+    for (const Result* result : results)
+        ++counts[static_cast<std::size_t>(result->outcome + 1)];
+    std::string text;
+    for (std::size_t k = 0; k < counts.size(); ++k)
+        if (counts[k] > 0)
+            text += fmt::format("{} {};", k == 0 ? "" : names[k - 1], counts[k]);
+    return text;
+}
+
+void add_tally(std::string_view text, std::map<std::string, std::int64_t>& outcomes) {
+    while (!text.empty()) {
+        const std::string_view one = text.substr(0, text.find(';'));
+        const std::size_t space = std::min(one.rfind(' '), one.size());
+        std::int64_t points = 0;
+        std::from_chars(one.data() + std::min(space + 1, one.size()), one.data() + one.size(), points);
+        outcomes[std::string(one.substr(0, space))] += points;
+        text.remove_prefix(std::min(one.size() + 1, text.size()));
+    }
+}
+
+double seconds_of(std::span<const Result* const> results) {
+    double seconds = 0.0;
+    for (const Result* result : results)
+        seconds += result->seconds;
+    return seconds;
+}
+
+} // namespace
+
+ChunkTable::ChunkTable(const Connection& connection, const LedgerHead& head)
+    : connection_(connection), head_(head), records_(head),
+      insert_(connection,
+              "INSERT INTO chunks (first, last, points, seconds, outcomes, data) VALUES (?,?,?,?,?,?)") {}
+
+void ChunkTable::insert(std::span<const Result* const> results) {
+    if (results.empty())
+        return;
+    std::string bytes;
+    bytes.reserve(results.size() * records_.length());
+    for (const Result* result : results)
+        records_.append(bytes, *result);
+    const std::string outcomes = tally(results, head_.columns.outcomes);
+    insert_.bind(1, results.front()->point.id);
+    insert_.bind(2, results.back()->point.id);
+    insert_.bind(3, static_cast<std::int64_t>(results.size()));
+    insert_.bind(4, seconds_of(results));
+    insert_.bind(5, std::string_view(outcomes));
+    insert_.bind_bytes(6, bytes);
+    insert_.step();
+}
+
+void ChunkTable::remove(std::span<const std::int64_t> ids) {
+    std::vector<std::int64_t> numbers;
+    Statement rows(connection_, "SELECT number FROM chunks WHERE last >= ? AND first <= ?");
+    rows.bind(1, ids.front());
+    rows.bind(2, ids.back());
+    while (rows.step())
+        numbers.push_back(rows.integer(0));
+    Statement read = bytes_of_row(), drop(connection_, "DELETE FROM chunks WHERE number = ?");
+    for (const std::int64_t number : numbers) {
+        read.bind(1, number);
+        read.step();
+        const std::string bytes = checked(read.bytes(0), number);
+        read.step(); // to its end, ready to run again
+        std::vector<Result> kept;
+        for (std::size_t at = 0; at < bytes.size(); at += records_.length())
+            if (!std::ranges::binary_search(ids, PackedRows::id(bytes.data() + at)))
+                kept.push_back(records_.result(bytes.data() + at));
+        if (kept.size() * records_.length() == bytes.size())
+            continue;
+        drop.bind(1, number);
+        drop.step();
+        std::vector<const Result*> rest(kept.size());
+        std::ranges::transform(kept, rest.begin(), [](const Result& one) { return &one; });
+        insert(rest);
+    }
+}
+
+void ChunkTable::for_each_row_of_ids(const std::function<void(std::span<const std::int64_t>)>& each) const {
+    Statement rows(connection_, "SELECT number, data FROM chunks ORDER BY first");
+    std::vector<std::int64_t> ids;
+    while (rows.step()) {
+        const std::string bytes = checked(rows.bytes(1), rows.integer(0));
+        ids.clear();
+        for (std::size_t at = 0; at < bytes.size(); at += records_.length())
+            ids.push_back(PackedRows::id(bytes.data() + at));
+        each(ids);
+    }
+}
+
+void ChunkTable::count(const Connection& connection, Counts& counts) {
+    Statement rows(connection, "SELECT points, seconds, outcomes FROM chunks");
+    while (rows.step()) {
+        counts.points += rows.integer(0);
+        counts.seconds += rows.real(1);
+        add_tally(rows.text(2), counts.outcomes);
+    }
+}
+
+std::string ChunkTable::checked(std::string_view bytes, std::int64_t number) const {
+    if (bytes.empty() || bytes.size() % records_.length() != 0)
+        throw InputError(fmt::format("{}: row {} of its chunks has {} bytes, no multiple of {}: is damaged",
+                                     connection_.file().string(), number, bytes.size(), records_.length()));
+    return std::string(bytes);
+}
+
+ChunkTable::Points::Points(const ChunkTable& table) : table_(table), read_(table.bytes_of_row()) {
+    Statement rows(table.connection_, "SELECT number, first FROM chunks ORDER BY first");
+    while (rows.step())
+        rows_.push_back({rows.integer(0), rows.integer(1)});
+    settle();
+}
+
+void ChunkTable::Points::next() {
+    std::ranges::pop_heap(open_, std::ranges::greater());
+    Cursor& cursor = cursors_[open_.back().second];
+    cursor.at += table_.records_.length();
+    if (cursor.at < cursor.data.size()) {
+        open_.back().first = PackedRows::id(cursor.data.data() + cursor.at);
+        std::ranges::push_heap(open_, std::ranges::greater());
+    } else {
+        cursor.data = {};
+        free_.push_back(open_.back().second);
+        open_.pop_back();
+    }
+    settle();
+}
+
+/// Opens the rows that begin before the point at hand.
+void ChunkTable::Points::settle() {
+    while (next_row_ < rows_.size() && (open_.empty() || rows_[next_row_].first <= open_.front().first))
+        open(rows_[next_row_++].number);
+    current_ = nullptr;
+    if (!open_.empty()) {
+        const Cursor& cursor = cursors_[open_.front().second];
+        current_ = cursor.data.data() + cursor.at;
+    }
+}
+
+void ChunkTable::Points::open(std::int64_t number) {
+    if (free_.empty()) {
+        free_.push_back(cursors_.size());
+        cursors_.emplace_back();
+    }
+    const std::size_t which = free_.back();
+    free_.pop_back();
+    read_.bind(1, number);
+    read_.step();
+    cursors_[which] = {table_.checked(read_.bytes(0), number), 0};
+    read_.step();
+    open_.emplace_back(PackedRows::id(cursors_[which].data.data()), which);
+    std::ranges::push_heap(open_, std::ranges::greater());
+}
+
+} // namespace rodwake::scan
