@@ -2,6 +2,8 @@
 
 import csv
 import math
+import os
+from unittest import mock
 
 import rodwake
 from rodwake import SOURCE, ProgramTest
@@ -139,6 +141,21 @@ class PointsTest(ProgramTest):
         self.failed("x,y,xi,eta,L\n1,1,1,1,1e9\n", r"points\.csv:2:1: box = 1e\+09: .*infinite plane")
         self.failed("x,y,xi,eta,L\n1,1,1,1,5\n10,-5,1,1,5\n", r"points\.csv:3:1: field at x = 10, y = -5: .*images is there")
         self.failed("x,y,xi,eta,L\n1,1,1,-2,5\n", r"points\.csv:2:1: .*eta")
+
+    def test_tables(self):
+        places = [(0.05 * 1.005**k, 2.4 * k) for k in range(1200)]
+        text = "x,y,xi,eta\n" + "".join(f"{r * math.cos(a):.17g},{r * math.sin(a):.17g},2,1.3\n" for r, a in places)
+        exact = rows_of(self.points(text).stdout)
+        keep = {"XDG_CACHE_HOME": str(self.folder / "cache")}
+        with mock.patch.dict(os.environ, keep):
+            table = ["field", "--points", "points.csv", "--backend", "table", "--table-tolerance", "1e-2"]
+            rows = rows_of(self.expect(0, *table).stdout)
+            self.assertEqual(rows_of(self.expect(0, *table).stdout), rows)  # the second time from the file
+        self.assertEqual(len(list((self.folder / "cache" / "rodwake").glob("plane-*.rwt"))), 1)
+        strain = [("exx", "exy", "exy", "eyy")]
+        self.assertLess(worst_error(rows, exact, strain), 1e-2)
+        self.assertGreater(worst_error(rows, exact, strain), 1e-5)  # and it did come from the table
+        self.assertEqual(worst_error(rows, exact, [("Ux", "Uy")]), 0.0)
 
     def test_what_is_not_available_is_said(self):
         self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")

@@ -22,7 +22,7 @@ constexpr Parameter all_parameters[] = {Parameter::kappa, Parameter::gamma1, Par
 
 integrate::OdeOptions options_of(const ReferenceCase& one) {
     integrate::OdeOptions options;
-    options.method = one.problem.couplings.kappa > 1e3 ? integrate::Method::bdf : integrate::Method::adams;
+    options.method = one.problem.couplings.kappa > 1e3 ? integrate::Method::bdf : integrate::Method::erk;
     options.rtol = 1e-11;
     options.atol = 1e-12;
     return options;
@@ -107,7 +107,7 @@ TEST_CASE("sensitivities of the reference trajectories, contacts included, agree
         CHECK((run.event_time_by_parameter.size() > 0) == one.problem.contact_distance.has_value());
         const Eigen::MatrixXd got = stacked(run, problem.ode);
         const auto method =
-            one.problem.couplings.kappa > 1e3 ? integrate::Method::bdf : integrate::Method::erk;
+            one.problem.couplings.kappa > 1e3 ? integrate::Method::bdf : integrate::Method::adams;
         for (Eigen::Index j = 0; j < got.cols(); ++j) {
             const bool heading = j >= 5;
             const auto change = [&](RodProblem& moved) -> double& {
@@ -117,7 +117,9 @@ TEST_CASE("sensitivities of the reference trajectories, contacts included, agree
             const double step = heading ? 1e-3 : step_of(one.problem, all_parameters[j]);
             const double error = relative(got.col(j), by_differences(one.problem, method, step, change));
             CAPTURE(j);
-            CHECK(error < 1e-7); // rounding of the differences: solves to 1e-12 over steps of 2e-4 and more
+            // rounding of the differences: a field good to 1e-14 and solves to 1e-12 over steps of 2e-4 and
+            // more, in trajectories that part
+            CHECK(error < 5e-7);
         }
     }
 }
