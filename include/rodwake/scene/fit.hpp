@@ -51,9 +51,9 @@ struct FitTrajectory {
     bool free_headings = false;
     std::optional<double> contact_distance, contact_time, sigma_contact;
     std::optional<double> independent_time; ///< rows closer than this share noise; absent: all independent
-    double f_over_mu = 1.0, speed = 1.0; ///< what the reduced units are in the file's numbers; those of
-                                         ///< [scales] by default in an SI scene
-    std::string name;                    ///< empty: from the file's
+    double f_over_mu = 1.0, speed = 1.0;    ///< what the reduced units are in the file's numbers; those of
+                                            ///< [scales] by default in an SI scene
+    std::string name;                       ///< empty: from the file's
 
     bool operator==(const FitTrajectory&) const = default;
 };
