@@ -72,6 +72,7 @@ public:
         return count;
     }
 
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const {
         Row at = 0;
         for (std::size_t k = 0; k < all_.size(); ++k)
@@ -171,6 +172,7 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     problem.parameters = std::move(parameters);
     problem.residuals = all->residuals();
     problem.independent = mean_independent(trajectories);
+    // NOLINTNEXTLINE(performance-unnecessary-value-param)
     problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                              Eigen::MatrixXd* jacobian) { all->evaluate(p, r, jacobian); };
     problem.residual_name = [all](std::size_t i) { return all->name(i); };

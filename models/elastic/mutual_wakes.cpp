@@ -163,6 +163,7 @@ std::size_t add_sorted(const Task& task) {
                                                   task.options.polar_tolerance * share, task.polar});
     const std::vector<std::uint32_t> order = compact_order(task.rods);
     std::vector<KernelSource> rods;
+    rods.reserve(n);
     for (const std::uint32_t k : order)
         rods.push_back(task.rods[k]);
     std::vector<double> part(static_cast<std::size_t>(task.parts()) * n);

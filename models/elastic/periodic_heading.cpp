@@ -65,7 +65,7 @@ const PeriodicField::Impl::Turning& PeriodicField::Impl::turning() const {
         const auto turned = [this](double c) {
             return PeriodicPotential(WaveVector::by_heading(c, cosine, sine));
         };
-        turning_.emplace(turned(shear.c()), turned(longitudinal.c()));
+        turning_.emplace(Turning{turned(shear.c()), turned(longitudinal.c())});
     });
     return *turning_;
 }

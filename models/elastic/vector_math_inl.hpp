@@ -47,7 +47,7 @@ HWY_INLINE V Fma([[maybe_unused]] D d, V a, V b, V c) {
 /// first `used` coefficients, or of all.
 template<std::size_t used = 0, std::size_t n, class D, std::size_t all, class V = hn::Vec<D>>
 HWY_INLINE void Polynomials(D d, const V (&x)[n], const double (&c)[all], V (&result)[n]) {
-    constexpr std::size_t terms = used == 0 ? all : used;
+    constexpr std::size_t terms = used == 0 ? all : used; // NOLINT(bugprone-branch-clone): may be equal
     static_assert(terms >= 4);
     const auto constant = [&](std::size_t k)
                               HWY_ATTR { return hn::Set(d, static_cast<hn::TFromD<D>>(c[k])); };

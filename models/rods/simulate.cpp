@@ -124,6 +124,7 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
     ode.initial_state = to_state(problem.rods);
     ode.rhs = [model](double, State y, std::span<double> ydot) { model->rhs(y, ydot); };
     if (model->has_jacobian()) // else difference quotients
+        // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
         ode.jacobian = [model](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { model->jacobian(y, j); };
     ode.component_name = RodModel::component_name;
     if (model->interacting() && model->rods() > 1)

@@ -157,12 +157,11 @@ void CvodeStepper::interpolate(double t, std::span<double> y) {
 
 Eigen::MatrixXd CvodeStepper::sensitivities(double t) {
     Eigen::MatrixXd S = calls_.sensitivity()->initial;
-    if (segment_counts().steps == 0)
-        copy(sensitivities_.get(), S); // where the segment started: untouched until asked for the first time
-    else if (CVodeGetSensDky(memory_.get(), t, 0, sensitivities_.get()) == CV_SUCCESS)
-        copy(sensitivities_.get(), S);
-    else
+    // where the segment started they are there, untouched until asked for the first time
+    if (segment_counts().steps > 0 &&
+        CVodeGetSensDky(memory_.get(), t, 0, sensitivities_.get()) != CV_SUCCESS)
         throw StepFailure{"BAD_T", solver_text_};
+    copy(sensitivities_.get(), S);
     return S;
 }
 

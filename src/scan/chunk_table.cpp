@@ -15,7 +15,7 @@ namespace {
 std::string tally(std::span<const Result* const> results, const std::vector<std::string>& names) {
     std::vector<std::int64_t> counts(names.size() + 1, 0); // the first: no outcome
     for (const Result* result : results)
-        ++counts[static_cast<std::size_t>(result->outcome + 1)];
+        ++counts[result->outcome < 0 ? 0 : 1 + static_cast<std::size_t>(result->outcome)];
     std::string text;
     for (std::size_t k = 0; k < counts.size(); ++k)
         if (counts[k] > 0)

@@ -47,8 +47,8 @@ std::vector<const Result*> in_order(std::span<const Result> results) {
     if (!std::ranges::is_sorted(order, std::ranges::less_equal(), id)) {
         std::ranges::stable_sort(order, {}, id);
         std::ranges::reverse(order);
-        const auto [first, last] = std::ranges::unique(order, {}, id);
-        order.erase(first, last);
+        const auto same = [&](const Result* a, const Result* b) { return id(a) == id(b); };
+        order.erase(std::unique(order.begin(), order.end(), same), order.end());
         std::ranges::reverse(order);
     }
     return order;
