@@ -182,6 +182,7 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     problem.residuals = points->size();
     problem.sigma_known = sigmas_known(profiles);
     problem.independent = mean_independent(model, profiles);
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                            Eigen::MatrixXd* jacobian) { evaluate(model, terms, *points, p, r, jacobian); };
     problem.residual_name = [points](std::size_t i) { return (*points)[i].where; };
