@@ -23,8 +23,8 @@ Trajectory in_box() {
     problem.couplings = {.kappa = 2.0, .gamma1 = 0.5};
     problem.rods = {{0.0, 1.0, 0.2}, {1.0, -1.0, 1.1}};
     problem.box = box;
-    problem.t_end = 6.0;
-    for (int k = 0; k <= 12; ++k)
+    problem.t_end = 3.0;
+    for (int k = 0; k <= 6; ++k)
         problem.output_times.push_back(0.5 * k);
     rods::RodOptions options;
     options.ode.method = integrate::Method::adams;
