@@ -6,7 +6,7 @@ list(APPEND CMAKE_MODULE_PATH ${PROJECT_SOURCE_DIR}/cmake)
 set(RODWAKE_FIND_Threads Threads)
 set(RODWAKE_FIND_Eigen3 Eigen3 3.4 NO_MODULE)
 set(RODWAKE_FIND_Boost Boost 1.74)
-set(RODWAKE_FIND_SUNDIALS SUNDIALS 6.4 COMPONENTS cvodes arkode nvecserial sunmatrixdense sunlinsoldense
+set(RODWAKE_FIND_SUNDIALS SUNDIALS 6.4 COMPONENTS cvodes idas arkode nvecserial sunmatrixdense sunlinsoldense
     sunnonlinsolnewton sunnonlinsolfixedpoint)
 # Debian ships two packages of this name; either gives the C library, and the C interface is all we use.
 set(RODWAKE_FIND_NLopt NLopt 2.7)

@@ -46,6 +46,18 @@ double turning_rate(const elastic::FieldValues& f, const Couplings& c, RelativeH
     return rate;
 }
 
+Vector drive(const elastic::FieldValues& f, const Couplings& c, Vector n) {
+    Vector h{0.0, 0.0};
+    if (c.apolar())
+        h = {c.kappa * (f.strain.xx * n.x + f.strain.xy * n.y),
+             c.kappa * (f.strain.xy * n.x + f.strain.yy * n.y)};
+    if (c.polar()) {
+        const Vector polar = polar_vector(c, f.laplacian, f.gradient_of_trace);
+        h = {h.x + polar.x, h.y + polar.y};
+    }
+    return h;
+}
+
 TurningRate turning_rate_derivatives(const elastic::FieldValues& f, const Couplings& c, RelativeHeading n) {
     TurningRate rate{turning_rate(f, c, n), 0.0, 0.0, 0.0};
     if (c.apolar()) {

@@ -20,6 +20,9 @@ struct RelativeHeading {
 /// read.
 double turning_rate(const elastic::FieldValues& field, const Couplings& couplings, RelativeHeading heading);
 
+/// kappa eps.n + gamma1 lap u + gamma2 grad div u; `field` and n in one frame, n of any length.
+elastic::Vector drive(const elastic::FieldValues& field, const Couplings& couplings, elastic::Vector n);
+
 /// The rate with its derivatives by the turned rod's place (x, y in the source's frame) and by phi.
 struct TurningRate {
     double value, by_x, by_y, by_phi;

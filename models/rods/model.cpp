@@ -62,6 +62,11 @@ void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
         ydot[3 * a + 2] = turning_rate(sums[a], couplings_, {ydot[3 * a], ydot[3 * a + 1]});
 }
 
+void RodModel::wakes(integrate::State y, std::span<elastic::FieldValues> sums) const {
+    if (field_)
+        field_->mutual(Wakes(y).rods_of(rods_), request_of(couplings_, false), sums);
+}
+
 void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
     jacobian.setZero();
     for (std::size_t a = 0; a < rods_; ++a) {

@@ -1,6 +1,7 @@
 #include "rodwake/rods/simulate.hpp"
 
 #include "outcome_text.hpp"
+#include "pose_track.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
@@ -155,8 +156,13 @@ double first_step(const integrate::OdeOptions& options) {
 RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& problem,
                         const EndingCriteria& criteria) {
     const double late_from = (1.0 - criteria.steady_fraction) * problem.t_end;
-    return {
-        ode.start_time, ode.initial_state, {}, start_record(ode.initial_state, late_from, problem.box), {}};
+    RodCheckpoint start;
+    start.time = ode.start_time;
+    start.state = ode.initial_state;
+    for (const Pose& rod : problem.rods)
+        start.headings.push_back(rod.heading);
+    start.record = start_record(to_state(problem.rods), late_from, problem.box);
+    return start;
 }
 
 /// A solve that fails with two rods nearly in one place failed because their fields are singular there.
@@ -173,6 +179,14 @@ void explain_collision(integrate::Solution& solution, Box box) {
     solution.status.advice = "set rods_run.contact_distance, so that the run stops when two rods meet";
 }
 
+/// Poses instead of states of another form.
+void to_poses(integrate::Solution& solution, const PoseTrack& track) {
+    solution.states = track.outputs(solution.states);
+    solution.final_state = track.poses(solution.final_state);
+    for (integrate::EventHit& hit : solution.hits)
+        hit.state = track.poses(hit.state);
+}
+
 /// The outputs of the run as a whole: those before the checkpoint, then those of the part just solved.
 void prepend(integrate::Solution& part, const RodCheckpoint& from, const std::vector<double>& times) {
     const auto done = static_cast<std::ptrdiff_t>(from.outputs.size());
@@ -184,12 +198,15 @@ void prepend(integrate::Solution& part, const RodCheckpoint& from, const std::ve
 } // namespace
 
 RodResult simulate(const RodProblem& problem, const RodOptions& options) {
-    integrate::OdeProblem ode = to_ode(problem);
+    integrate::OdeProblem ode = to_ode(problem, options.form);
     const RodCheckpoint from =
         options.resume_from ? *options.resume_from : beginning(ode, problem, options.criteria);
     ode.start_time = from.time;
     ode.initial_state = from.state;
     SeparationRecord record = from.record;
+    const std::vector<double> times = output_times(problem);
+    const std::span<const double> times_left = std::span(times).subspan(from.outputs.size());
+    PoseTrack track(options.form, from.headings, times_left);
     const RodModel model = model_of(problem);
     const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
 
@@ -197,7 +214,8 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     solver.atol = std::min(solver.atol, 0.1 * solver.rtol); // of coordinates of order 1: more would undo rtol
     solver.segment_steps = std::min(solver.segment_steps, segment_steps(problem.rods.size()));
     solver.initial_step = first_step(options.ode);
-    solver.on_step = [&](const integrate::Step& step) {
+    solver.on_step = [&](const integrate::Step& raw) {
+        const integrate::Step step = track.step(raw);
         add_step(record, step, rates, problem.box);
         if (options.ode.on_step)
             options.ode.on_step(step);
@@ -206,17 +224,20 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
         if (!options.on_checkpoint)
             return;
         std::vector<std::vector<double>> outputs = from.outputs;
-        outputs.insert(outputs.end(), segment.outputs.begin(), segment.outputs.end());
+        const std::vector<std::vector<double>> added = track.outputs(segment.outputs);
+        outputs.insert(outputs.end(), added.begin(), added.end());
         options.on_checkpoint({segment.time,
                                {segment.state.begin(), segment.state.end()},
+                               track.headings(),
                                std::move(outputs),
                                record,
                                integrate::Statistics(from.statistics) += segment.statistics});
     };
 
-    const std::vector<double> times = output_times(problem);
     RodResult result;
-    result.solution = integrate::solve(ode, solver, std::span(times).subspan(from.outputs.size()));
+    result.solution = integrate::solve(ode, solver, times_left);
+    if (options.form != Form::angle)
+        to_poses(result.solution, track);
     prepend(result.solution, from, times);
     explain_collision(result.solution, problem.box);
     result.outcome = conclude(problem, model, result.solution, record, options.criteria);

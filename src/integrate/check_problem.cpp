@@ -2,6 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -33,6 +34,19 @@ void check_state(const OdeProblem& problem) {
                     fmt::format("the initial value of {} is {}; it must be finite",
                                 problem.component_name ? problem.component_name(i) : fmt::format("y[{}]", i),
                                 y[i]));
+}
+
+void check_constraints(const OdeProblem& problem, Method method) {
+    const auto algebraic = static_cast<std::size_t>(std::ranges::count(problem.algebraic, true));
+    require(problem.algebraic.empty() || problem.algebraic.size() == problem.initial_state.size(),
+            fmt::format("{} components are told to be algebraic or not; there are {}",
+                        problem.algebraic.size(), problem.initial_state.size()));
+    require(algebraic == 0 || algebraic < problem.initial_state.size(),
+            "every component is algebraic; nothing moves");
+    require(algebraic == 0 || method == Method::bdf,
+            fmt::format("components are algebraic, and method {} has none; use bdf", to_string(method)));
+    require(!problem.project || method != Method::adams,
+            "the problem has a projection, and method adams takes none; use bdf or erk");
 }
 
 void check_options(const OdeOptions& options) {
@@ -69,6 +83,7 @@ void check_problem(const OdeProblem& problem, const OdeOptions& options,
     check_functions(problem);
     check_state(problem);
     check_options(options);
+    check_constraints(problem, options.method);
     check_times(problem.start_time, output_times);
 }
 

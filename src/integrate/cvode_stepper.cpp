@@ -2,6 +2,7 @@
 
 #include "sundials_stepper.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <cvodes/cvodes_ls.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -19,6 +20,15 @@ using sundials::require;
 int call_jacobian(double t, N_Vector y, N_Vector, SUNMatrix matrix, void* calls, N_Vector, N_Vector,
                   N_Vector) {
     return static_cast<ProblemCalls*>(calls)->jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
+}
+
+/// The correction that puts y on its manifold; the error estimate is left as it is.
+int call_projection(double, N_Vector y, N_Vector correction, double, N_Vector, void* calls) {
+    const std::span<double> put = elements(correction);
+    std::ranges::copy(elements(y), put.begin());
+    static_cast<ProblemCalls*>(calls)->project(put);
+    N_VLinearSum(1.0, correction, -1.0, y, correction);
+    return 0;
 }
 
 /// Columns to vectors and back.
@@ -58,6 +68,7 @@ public:
 private:
     void attach_newton();
     void attach_fixed_point();
+    void attach_projection();
     void attach_sensitivities(const Eigen::MatrixXd& start);
     Statistics segment_counts() const override;
     std::string flag_name() const override;
@@ -92,6 +103,8 @@ void CvodeStepper::start(double t, State y) {
     require(CVodeSetMaxStep(cvode, longest_step()));
     require(CVodeSetStopTime(cvode, end_time_));
     bdf ? attach_newton() : attach_fixed_point();
+    if (calls_.projects())
+        attach_projection();
     if (sensitive)
         attach_sensitivities(start_sensitivities);
 }
@@ -110,6 +123,12 @@ void CvodeStepper::attach_fixed_point() {
     // The previous integrator is gone already, so its solver can go too.
     fixed_point_.reset(made(SUNNonlinSol_FixedPoint(after_.get(), 0, context_.get())));
     require(CVodeSetNonlinearSolver(memory_.get(), fixed_point_.get()));
+}
+
+void CvodeStepper::attach_projection() {
+    require(CVodeSetProjFn(memory_.get(), call_projection));
+    require(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
+    require(CVodeSetProjFrequency(memory_.get(), 1));
 }
 
 /// Staggered: the state's corrector and error test come first, and the sensitivities' corrector needs the

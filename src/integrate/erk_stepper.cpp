@@ -16,6 +16,11 @@ using sundials::elements;
 using sundials::made;
 using sundials::require;
 
+int call_projection(double, N_Vector y, void* calls) {
+    static_cast<ProblemCalls*>(calls)->project(elements(y));
+    return 0;
+}
+
 /// One explicit Runge-Kutta step from a Butcher table, of any length. Used for times inside a step: a shorter
 /// step from the same point has the method's accuracy, which ARKODE's Hermite interpolant has not.
 class RungeKuttaStep {
@@ -110,6 +115,8 @@ void ErkStepper::start(double t, State y, double first_step) {
     require(ERKStepSetInitStep(erk, first_step));
     require(ERKStepSetMaxStep(erk, longest_step()));
     require(ERKStepSetStopTime(erk, end_time_));
+    if (calls_.projects())
+        require(ERKStepSetPostprocessStepFn(erk, call_projection));
 }
 
 /// CVODES shortens the step when a right-hand side asks for it, ERKStep gives up; so do here what CVODES

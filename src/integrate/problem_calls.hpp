@@ -4,6 +4,7 @@
 
 #include "rodwake/integrate/sensitivity.hpp"
 
+#include <algorithm>
 #include <string>
 
 namespace rodwake::integrate {
@@ -29,6 +30,11 @@ public:
     Result jacobian(double t, State y, double* column_major) noexcept;
     /// S' = (df/dy) S + df/dp, states x parameters. Like rhs, not called again once it has thrown.
     Result sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S, Eigen::MatrixXd& S_dot) noexcept;
+    bool constrained() const { return !problem_.algebraic.empty(); }
+    bool projects() const { return static_cast<bool>(problem_.project); }
+    /// Puts y back on its manifold and keeps how far off it was.
+    void project(std::span<double> y) { drift_ = std::max(drift_, problem_.project(y)); }
+    double drift() const { return drift_; }
     /// One over the tolerance of each component.
     void error_weights(State y, std::span<double> weights) const noexcept;
     /// Throws StepFailure when the event throws or is not finite.
@@ -71,7 +77,7 @@ private:
         Eigen::MatrixXd by_state, by_parameter;
     } linear_;
     long rhs_evaluations_ = 0, event_evaluations_ = 0;
-    double last_time_ = 0.0;
+    double last_time_ = 0.0, drift_ = 0.0;
     bool rhs_threw_ = false;
     std::string fault_;
 };

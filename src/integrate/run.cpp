@@ -8,6 +8,8 @@ namespace rodwake::integrate {
 namespace {
 
 std::unique_ptr<Stepper> make_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time) {
+    if (calls.constrained())
+        return make_ida_stepper(calls, options, end_time);
     if (options.method != Method::erk)
         return make_cvode_stepper(calls, options, end_time);
     const bool small = calls.problem().initial_state.size() <= most_small;
@@ -36,6 +38,7 @@ Statistics Run::statistics() const {
     Statistics counts = stepper_->counts();
     counts.rhs_evaluations = calls_.rhs_evaluations();
     counts.event_evaluations = calls_.event_evaluations();
+    counts.drift = calls_.drift();
     return counts;
 }
 

@@ -90,7 +90,7 @@ private:
     Numbers before_{}, after_{}, end_{}, weights_{}, errors_{};
     Slopes slopes_{}, inner_{};
     double step_ = 0.0;  ///< to try next
-    bool fresh_ = true;  ///< the slope at the start is not known
+    bool fresh_ = true;  ///< the last stage is not the slope at state()
     bool tried_ = false; ///< errors_ are those of a step
     Statistics counts_;
     const char* flag_ = "SUCCESS";
@@ -120,7 +120,6 @@ bool SmallErkStepper<fixed>::first_slope() {
         return fail("FIRST_RHSFUNC_ERR");
     if (step_ == 0.0)
         step_ = chosen_step();
-    fresh_ = false;
     return true;
 }
 
@@ -149,10 +148,10 @@ double SmallErkStepper<fixed>::cut(double from, double h) const {
 
 template<std::size_t fixed>
 bool SmallErkStepper<fixed>::advance() {
-    if (fresh_ && !first_slope())
-        return false;
-    if (time_ > time_before_)
+    if (!fresh_)
         slopes_[0] = slopes_[method_.stages - 1];
+    else if (!first_slope())
+        return false;
     before_ = after_;
     calls_.error_weights(state_before(), of(weights_));
     return attempt(time_);
@@ -239,6 +238,9 @@ void SmallErkStepper<fixed>::accept(double from, double to, double error) {
     time_before_ = from;
     time_ = to;
     ++counts_.steps;
+    fresh_ = calls_.projects();
+    if (fresh_)
+        calls_.project(of(after_));
 }
 
 /// A shorter step from the same point has the method's accuracy.

@@ -59,6 +59,15 @@ constexpr std::array entries{
     Entry{"UNREC_SRHSFUNC_ERR",
           {"the derivatives of the right-hand side kept failing however short the step", look_at_rhs}},
     Entry{"RTFUNC_FAIL", {"an event function failed", "check the event function at that time"}},
+    Entry{"REP_RES_ERR", {"the equations kept failing however short the step", look_at_rhs}},
+    Entry{"RES_FAIL", {"the equations failed", look_at_rhs}},
+    Entry{"FIRST_RES_FAIL", {"the equations failed at the start", "check the initial state"}},
+    Entry{"NO_RECOVERY", {"no consistent initial values were found", "check the initial state"}},
+    Entry{"CONV_FAIL",
+          {"the implicit equation of the step did not converge", "tighten rtol, or use another form"}},
+    Entry{"ERR_FAIL",
+          {"no step was short enough for the tolerances: the equations jump or are singular here",
+           "loosen rtol, or stop earlier by an event (a larger contact distance)"}},
     Entry{"STEP_BELOW_ROUNDOFF",
           {"the step no longer changes the time: the solution is singular here",
            "loosen rtol, or stop earlier by an event (a larger contact distance)"}},
@@ -111,6 +120,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
     error_test_failures += other.error_test_failures;
     convergence_failures += other.convergence_failures;
     event_evaluations += other.event_evaluations;
+    drift = std::max(drift, other.drift);
     return *this;
 }
 

@@ -29,7 +29,7 @@ public:
     const std::string& solver_text() const { return solver_text_; }
     /// After advance() failed.
     StepFailure failure() const;
-    /// "CV", "ARK" or "ERK".
+    /// "CV", "IDA", "ARK" or "ERK".
     virtual std::string flag_prefix() const = 0;
     /// Estimated local error times error weight (1 / tolerance) of each component in the step tried last;
     /// empty when no step has been tried.
@@ -64,6 +64,8 @@ protected:
 };
 
 std::unique_ptr<Stepper> make_cvode_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
+/// For problems with algebraic components.
+std::unique_ptr<Stepper> make_ida_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
 std::unique_ptr<Stepper> make_erk_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
 /// For at most most_small components, where SUNDIALS' calls take as long as the right-hand side.
 std::unique_ptr<Stepper> make_small_erk_stepper(ProblemCalls& calls, const OdeOptions& options,

@@ -3,6 +3,7 @@
 
 #include <arkode/arkode_erkstep.h>
 #include <cvodes/cvodes.h>
+#include <idas/idas.h>
 #include <memory>
 #include <new>
 #include <nvector/nvector_serial.h>
@@ -29,6 +30,7 @@ struct Deleter {
 
 inline void free_context(SUNContext context) { SUNContext_Free(&context); }
 inline void free_cvode(void* memory) { CVodeFree(&memory); }
+inline void free_ida(void* memory) { IDAFree(&memory); }
 inline void free_erkstep(void* memory) { ERKStepFree(&memory); }
 
 template<class Handle, auto release>
@@ -73,6 +75,7 @@ private:
 };
 
 using CvodeMemory = Owner<void*, free_cvode>;
+using IdaMemory = Owner<void*, free_ida>;
 using ErkMemory = Owner<void*, free_erkstep>;
 
 /// SUNDIALS constructors return null only when memory ran out.

@@ -111,11 +111,21 @@ void time_fields(Visitor& v, RunTimes& given) {
       given.interval);
 }
 
+/// Not every method can take every form.
+void check_form(Visitor& v, const RodsRun& run) {
+    if (run.form == rods::Form::director && run.method == Method::adams)
+        v.complain("form",
+                   "\"director\" is put back to length 1 after each step, which method \"adams\" does not "
+                   "allow: set method to \"bdf\", \"erk\" or \"auto\"");
+    if (run.form == rods::Form::dae && run.method && run.method != Method::bdf)
+        v.complain("form",
+                   "\"dae\" is solved by backward differentiation only: set method to \"bdf\" or \"auto\"");
+}
+
 /// Coordinates matter on the scale of f/mu, headings on that of a radian.
 double default_atol(double rtol) { return rtol / 100.0; }
 
 void solver_fields(Visitor& v, RodsRun& run) {
-    std::string form = "angle"; // the only one so far
     std::optional<double> atol = run.atol == default_atol(run.rtol) ? std::nullopt : std::optional(run.atol);
     v(key("method")
           .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta; auto: explicit Runge-Kutta, or BDF for "
@@ -124,11 +134,11 @@ void solver_fields(Visitor& v, RodsRun& run) {
       choice(run.method,
              {{"auto", std::nullopt}, {"bdf", Method::bdf}, {"adams", Method::adams}, {"erk", Method::erk}}));
     v(key("form")
-          .one_of({"angle"})
-          .not_yet({"director", "dae"})
-          .doc("form of the equations")
+          .doc("form of the equations: heading angle; director, put back to length 1 after each step (bdf, "
+               "erk); dae, director with a Lagrange multiplier (bdf)")
           .example("\"angle\""),
-      form);
+      choice(run.form,
+             {{"angle", rods::Form::angle}, {"director", rods::Form::director}, {"dae", rods::Form::dae}}));
     v(key("rtol").within(1e-13, 1e-1).doc("relative tolerance of the local error").example("1e-8"), run.rtol);
     v(key("atol")
           .above(0.0, 1.0)
@@ -136,6 +146,7 @@ void solver_fields(Visitor& v, RodsRun& run) {
           .doc("absolute tolerance of the local error, reduced units")
           .example("1e-10"),
       atol);
+    v.derive([&] { check_form(v, run); });
     v.derive([&] { run.atol = atol.value_or(default_atol(run.rtol)); });
     v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
 }

@@ -22,10 +22,12 @@ const char* status_name(integrate::Termination termination) {
     return "failed";
 }
 
-nlohmann::ordered_json solver_json(const rods::RodResult& result, const integrate::OdeOptions& ode) {
+nlohmann::ordered_json solver_json(const rods::RodResult& result, const rods::RodOptions& options) {
+    const integrate::OdeOptions& ode = options.ode;
     const integrate::Statistics& n = result.solution.statistics;
     nlohmann::ordered_json solver;
     solver["method"] = integrate::to_string(ode.method);
+    solver["form"] = to_string(options.form);
     solver["rtol"] = ode.rtol;
     solver["atol"] = ode.atol;
     solver["status"] = status_name(result.solution.status.termination);
@@ -34,6 +36,8 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const integrat
     solver["jacobian_evaluations"] = n.jacobian_evaluations;
     solver["error_test_failures"] = n.error_test_failures;
     solver["convergence_failures"] = n.convergence_failures;
+    if (options.form != rods::Form::angle) // the largest ||n| - 1| after a step
+        solver["director_drift"] = n.drift;
     if (!result.solution.status.ok())
         solver["message"] = result.solution.status.message();
     return solver;
@@ -41,7 +45,7 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const integrat
 
 } // namespace
 
-std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,
+std::string outcome_json(const rods::RodResult& result, const rods::RodOptions& options,
                          const assembly::OutputUnits& units) {
     const rods::RodOutcome& outcome = result.outcome;
     nlohmann::ordered_json json;
@@ -59,7 +63,7 @@ std::string outcome_json(const rods::RodResult& result, const integrate::OdeOpti
     json["turn"] = outcome.turn;
     json["reason"] = outcome.reason;
     json["units"] = {{"length", units.length_name}, {"time", units.time_name}, {"turn", "rad"}};
-    json["solver"] = solver_json(result, ode);
+    json["solver"] = solver_json(result, options);
     return json.dump(2) + "\n";
 }
 

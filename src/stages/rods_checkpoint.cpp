@@ -1,6 +1,7 @@
 #include "rods_checkpoint.hpp"
 
 #include "rodwake/core/build_info.hpp"
+#include "rodwake/rods/form.hpp"
 #include "rodwake/stages/run_folder.hpp"
 
 #include <nlohmann/json.hpp>
@@ -55,17 +56,19 @@ json to_json(const integrate::Statistics& n) {
             n.jacobian_evaluations,
             n.error_test_failures,
             n.convergence_failures,
-            n.event_evaluations};
+            n.event_evaluations,
+            n.drift};
 }
 
 integrate::Statistics statistics_of(const json& n) {
-    return {n.at(0).get<long>(), n.at(1).get<long>(), n.at(2).get<long>(),
-            n.at(3).get<long>(), n.at(4).get<long>(), n.at(5).get<long>()};
+    return {n.at(0).get<long>(), n.at(1).get<long>(), n.at(2).get<long>(),  n.at(3).get<long>(),
+            n.at(4).get<long>(), n.at(5).get<long>(), n.at(6).get<double>()};
 }
 
 bool well_formed(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene) {
-    const std::size_t size = 3 * scene.rods.size();
-    bool good = checkpoint.state.size() == size &&
+    const std::size_t rods = scene.rods.size(), size = 3 * rods;
+    bool good = checkpoint.state.size() == rods::state_size(scene.rods_run->form, rods) &&
+                checkpoint.headings.size() == rods &&
                 checkpoint.outputs.size() <= scene.rods_run->output_times.size() + 1;
     for (const auto& output : checkpoint.outputs)
         good = good && output.size() == size;
@@ -78,6 +81,7 @@ std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::
     return json{{"key", key_of(scene)},
                 {"time", checkpoint.time},
                 {"state", checkpoint.state},
+                {"headings", checkpoint.headings},
                 {"outputs", checkpoint.outputs},
                 {"record", to_json(checkpoint.record)},
                 {"statistics", to_json(checkpoint.statistics)}}
@@ -92,10 +96,12 @@ std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& 
     const json value = json::parse(in);
     if (value.at("key") != key_of(scene))
         return std::nullopt;
-    const rods::RodCheckpoint checkpoint{
-        value.at("time").get<double>(), value.at("state").get<std::vector<double>>(),
-        value.at("outputs").get<std::vector<std::vector<double>>>(), record_of(value.at("record")),
-        statistics_of(value.at("statistics"))};
+    const rods::RodCheckpoint checkpoint{value.at("time").get<double>(),
+                                         value.at("state").get<std::vector<double>>(),
+                                         value.at("headings").get<std::vector<double>>(),
+                                         value.at("outputs").get<std::vector<std::vector<double>>>(),
+                                         record_of(value.at("record")),
+                                         statistics_of(value.at("statistics"))};
     return well_formed(checkpoint, scene) ? std::optional(checkpoint) : std::nullopt;
 } catch (const json::exception&) {
     return std::nullopt;

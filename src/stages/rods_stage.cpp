@@ -120,7 +120,7 @@ void store(Session& session, const Work& one, std::int64_t order) {
     store_attributes(session, one, group, order);
     session.directory.write(one.of().folder + "rods.csv", store::to_csv(columns.names, columns.values));
     session.directory.write(one.of().folder + "outcome.json",
-                            outcome_json(one.result, one.options.ode, session.units));
+                            outcome_json(one.result, one.options, session.units));
 }
 
 StageEnd report(const Session& session, const Work& one) {

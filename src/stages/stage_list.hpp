@@ -38,7 +38,7 @@ void serve_scan(const assembly::Plan& plan, const std::filesystem::path& folder,
                 scan::MpiJob& job);
 
 /// Content of outcome.json. Lengths and times in the session's output units.
-std::string outcome_json(const rods::RodResult& result, const integrate::OdeOptions& ode,
+std::string outcome_json(const rods::RodResult& result, const rods::RodOptions& options,
                          const assembly::OutputUnits& units);
 
 } // namespace rodwake::stages

@@ -88,6 +88,17 @@ TEST_CASE("figures") {
          "a figure of kind trajectories needs [[rods]]");
 }
 
+TEST_CASE("a form needs a method that can take it") {
+    const auto with = [](const std::string& method, const std::string& form) {
+        return "schema = 1\n[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\nmethod = \"" + method +
+               "\"\nform = \"" + form + "\"\n";
+    };
+    says(with("adams", "director"), "set method to \"bdf\", \"erk\" or \"auto\"");
+    says(with("erk", "dae"), "set method to \"bdf\" or \"auto\"");
+    for (const char* form : {"angle", "director", "dae"})
+        CHECK(parse(with("bdf", form)).rods_run->method == rodwake::integrate::Method::bdf);
+}
+
 TEST_CASE("a tolerance of the table and no noise are accepted, dotted or as tables") {
     const std::string medium = "[medium]\neta = 1\nxi = 1\nfield = \"exact\"\n";
     CHECK(parse(two_rods(medium + "table.tolerance = 1e-6\n")).medium->table->tolerance == 1e-6);

@@ -159,7 +159,9 @@ TEST_CASE("a description that is not the reader's is found out, for every key") 
 }
 
 TEST_CASE("a refusal needs the key, the place and the whole text") {
-    const KeyInfo eta = key_named("medium.eta"), form = key_named("rods_run.form");
+    const KeyInfo eta = key_named("medium.eta"), field = key_named("medium.field");
+    const std::string planned =
+        fmt::format("is not available in this version; available: {}", fmt::join(field.choices, ", "));
     const std::string legal = "must be > -1 and <= 1e+12";
     CHECK(is_refused(eta, {"-1", legal}));
     CHECK_FALSE(is_refused(eta, {"1", legal}));
@@ -168,8 +170,8 @@ TEST_CASE("a refusal needs the key, the place and the whole text") {
     CHECK_FALSE(is_refused(key_named("medium.mu"), {"-1", legal}));
     CHECK_FALSE(is_refused(eta, {"-1", "must be > -1"}));
     CHECK_FALSE(is_refused(eta, {"-1", "must be > -1 and <= 1"}));
-    CHECK(is_refused(form, {"\"dae\"", "is not available in this version; available: angle"}));
-    CHECK_FALSE(is_refused(form, {"\"angle\"", "is not available in this version; available: angle"}));
+    CHECK(is_refused(field, {"\"dynamic\"", planned}));
+    CHECK_FALSE(is_refused(field, {"\"exact\"", planned}));
     CHECK_FALSE(says("must be one of x, y", "must be one of x"));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Initial-value problems y' = f(t, y): problem, method and result are three types.
+// Initial-value problems y' = f(t, y), or M y' = f(t, y) with a diagonal M of ones and zeros: problem, method
+// and result are three types.
 // This part is the only code that includes SUNDIALS; nothing of SUNDIALS appears in its headers.
 
 #include "rodwake/integrate/method.hpp"
@@ -58,6 +59,15 @@ struct OdeProblem {
     /// something happens: error control sees only the ends and stages of a step, and can step over it. The
     /// solver may lag one step behind.
     std::function<double(double t, State y)> step_limit = nullptr;
+    /// algebraic[i]: row i is the constraint 0 = rhs_i, not y_i' = rhs_i, and the initial y_i only a guess.
+    /// The constraints must determine these components (index 1). They have no part in the error test. As
+    /// long as the state, or empty; needs method bdf (IDAS).
+    std::vector<bool> algebraic = {};
+    /// Puts y back on the manifold on which the exact solution lies and returns how far off it was; see
+    /// Statistics::drift. Called after each step: bdf by CVODES' projection, erk between steps; with
+    /// algebraic components the distance is recorded and the state left alone. Not with adams, nor with
+    /// sensitivities. Must not throw.
+    std::function<double(std::span<double> y)> project = nullptr;
 };
 
 /// State at the end of an accepted internal step.
@@ -69,8 +79,9 @@ struct Step {
 struct Statistics {
     long steps = 0, rhs_evaluations = 0, jacobian_evaluations = 0;
     long error_test_failures = 0, convergence_failures = 0, event_evaluations = 0;
+    double drift = 0.0; ///< the largest distance that OdeProblem::project returned
 
-    Statistics& operator+=(const Statistics& other);
+    Statistics& operator+=(const Statistics& other); ///< of the drifts the larger
 };
 
 /// A restart point: solving on from here gives the same bits as the uninterrupted run.

@@ -40,6 +40,8 @@ public:
     bool has_jacobian() const { return !field_ || field_->capabilities().gradients; }
 
     void rhs(integrate::State y, std::span<double> ydot) const;
+    /// At each rod the wakes of the others, lab components; as they were if none is evaluated.
+    void wakes(integrate::State y, std::span<elastic::FieldValues> sums) const;
     /// jacobian(i, j) = d rhs_i / d y_j, 3 N x 3 N.
     void jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const;
 

@@ -2,6 +2,7 @@
 // One run of N rods: problem, options, result. The result of a failed solve is a value: see
 // RodResult::solution.status.
 
+#include "rodwake/rods/form.hpp"
 #include "rodwake/rods/model.hpp"
 #include "rodwake/rods/outcome.hpp"
 #include "rodwake/rods/separation_record.hpp"
@@ -36,8 +37,9 @@ RodModel model_of(const RodProblem& problem);
 /// Where a run can be taken up again; going on from here repeats the uninterrupted run to the bit.
 struct RodCheckpoint {
     double time = 0.0;
-    std::vector<double> state;
-    std::vector<std::vector<double>> outputs; ///< states at the output times so far
+    std::vector<double> state;                ///< in the form of the run
+    std::vector<double> headings;             ///< of each rod, with all its turns
+    std::vector<std::vector<double>> outputs; ///< poses at the output times so far
     SeparationRecord record;
     integrate::Statistics statistics;
 };
@@ -45,6 +47,7 @@ struct RodCheckpoint {
 struct RodOptions {
     integrate::OdeOptions
         ode; ///< atol counts up to rtol/10: coordinates matter on the scale of f/mu and a radian
+    Form form = Form::angle; ///< director: not with adams; dae: with bdf only
     EndingCriteria criteria;
     std::function<void(const RodCheckpoint&)> on_checkpoint; ///< at the solver's segment ends
     std::optional<RodCheckpoint> resume_from;                ///< of the same problem and options
@@ -61,7 +64,7 @@ struct RodOutcome {
 };
 
 struct RodResult {
-    integrate::Solution solution; ///< states as in model.hpp
+    integrate::Solution solution; ///< states as in model.hpp, whatever the form
     RodOutcome outcome;
 };
 
@@ -72,6 +75,15 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options);
 /// The initial-value problem by itself, for those who want to integrate it their own way. Steps are limited
 /// by encounter_step, so that no encounter is stepped over however quiet the field before it.
 integrate::OdeProblem to_ode(const RodProblem& problem);
+/// In another form. Director: with Jacobian and projection, for bdf and erk; dae: for bdf (IDAS), Jacobian by
+/// difference quotients.
+integrate::OdeProblem to_ode(const RodProblem& problem, Form form);
+
+/// The state of rods with these poses (layout of model.hpp). lambda is 0, a guess: the solver finds it.
+std::vector<double> to_form(Form form, integrate::State poses);
+/// The poses of a state; each heading the one nearest to that in `near` (one a rod), of which it may be any
+/// number of turns. A director need not have length 1.
+std::vector<double> to_poses(Form form, integrate::State state, std::span<const double> near);
 
 // Which integrator suits a problem, for method = "auto".
 

@@ -8,6 +8,7 @@
 // (scene/granular.hpp).
 
 #include "rodwake/integrate/method.hpp"
+#include "rodwake/rods/form.hpp"
 #include "rodwake/scene/fit.hpp"
 #include "rodwake/scene/granular.hpp"
 #include "rodwake/scene/measure.hpp"
@@ -85,7 +86,8 @@ struct RodsRun {
     std::vector<double> output_times;        ///< increasing, within (0, t_end]; ends with t_end (resolved)
     std::optional<double> contact_distance;  ///< stop there; absent: no stop
     std::optional<integrate::Method> method; ///< absent: the one that suits the problem
-    double rtol = 1e-8, atol = 1e-10;        ///< atol: rtol / 100 if not given
+    rods::Form form = rods::Form::angle;
+    double rtol = 1e-8, atol = 1e-10; ///< atol: rtol / 100 if not given
     long max_steps = 1'000'000;
 
     bool operator==(const RodsRun&) const = default;

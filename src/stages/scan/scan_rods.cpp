@@ -23,8 +23,16 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Another method that can take the form; the same if there is none.
+Method other_method(Method method, rods::Form form) {
+    if (form == rods::Form::dae || method != Method::bdf)
+        return Method::bdf;
+    return form == rods::Form::angle ? Method::adams : Method::erk;
+}
+
 /// The ladder of retries: changes the options for the attempt after number `rung`; false: none left.
-bool next_rung(integrate::OdeOptions& ode, int rung) {
+bool next_rung(rods::RodOptions& options, int rung) {
+    integrate::OdeOptions& ode = options.ode;
     switch (rung) {
     case 0:
         ode.max_steps *= 10;
@@ -34,7 +42,7 @@ bool next_rung(integrate::OdeOptions& ode, int rung) {
         ode.atol *= 0.1;
         return true;
     case 2:
-        ode.method = ode.method == Method::bdf ? Method::adams : Method::bdf;
+        ode.method = other_method(ode.method, options.form);
         return true;
     default:
         return false;
@@ -47,7 +55,7 @@ constexpr double longest_in_batch = 0.1;
 /// Whoever may choose the method, and would choose an explicit one, takes many pairs at once.
 bool suits_batch(const scene::RodsRun& run, const rods::RodOptions& options,
                  std::optional<double> time_limit) {
-    return !run.method && options.ode.method == Method::erk &&
+    return !run.method && run.form == rods::Form::angle && options.ode.method == Method::erk &&
            time_limit.value_or(HUGE_VAL) > longest_in_batch;
 }
 
@@ -155,7 +163,7 @@ private:
                                   result.status == scan::Status::stopped;
             if (!result.ok() && !causes.ends_with(result.cause_text())) // a retry may fail alike
                 causes += (causes.empty() ? "" : "; ") + std::string(result.cause_text());
-            if (hopeless || !next_rung(options.ode, result.retries))
+            if (hopeless || !next_rung(options, result.retries))
                 break;
         }
         result.set_cause(causes);
@@ -221,7 +229,7 @@ rods::RodResult trajectory_of(const assembly::ScanPlan& plan, const scan::Result
         problem.output_times.push_back(end * static_cast<double>(i) / static_cast<double>(times - 1));
     rods::RodOptions options = assembly::rod_options(*scene.rods_run, problem);
     for (int rung = 0; rung < result.retries; ++rung) // as the attempt that succeeded
-        next_rung(options.ode, rung);
+        next_rung(options, rung);
     return rods::simulate(problem, options);
 }
 

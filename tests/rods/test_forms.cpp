@@ -1,0 +1,171 @@
+// The three forms of the equations have the same solutions; what is particular to each.
+
+#include "rods/pose_track.hpp"
+#include "rods/reference.hpp"
+
+#include "catch2/catch.hpp"
+
+#include <cmath>
+
+using namespace rodwake;
+using namespace rodwake::rods;
+using integrate::Method;
+
+namespace {
+
+struct Way {
+    Form form;
+    Method method;
+};
+constexpr Way ways[] = {{Form::angle, Method::bdf},
+                        {Form::director, Method::bdf},
+                        {Form::director, Method::erk},
+                        {Form::dae, Method::bdf}};
+
+RodOptions options_of(Way way, double rtol) {
+    RodOptions options;
+    options.form = way.form;
+    options.ode.method = way.method;
+    options.ode.rtol = rtol;
+    options.ode.atol = 0.01 * rtol;
+    return options;
+}
+
+RodProblem pair_of(Couplings couplings) {
+    RodProblem problem;
+    problem.medium = elastic::Medium{1.0, 1.0};
+    problem.couplings = couplings;
+    problem.rods = {{0.0, 1.0, 0.1}, {0.5, -1.0, 0.4}};
+    problem.t_end = 10.0;
+    return problem;
+}
+
+double difference(const RodResult& a, const RodResult& b) {
+    double most = 0.0;
+    for (std::size_t i = 0; i < a.solution.final_state.size(); ++i)
+        most = std::max(most, std::abs(a.solution.final_state[i] - b.solution.final_state[i]));
+    return most;
+}
+
+} // namespace
+
+TEST_CASE("every form follows the reference trajectories") {
+    constexpr double rtol = 1e-8;
+    for (const auto& one : test::reference_cases())
+        for (const Way way : ways) {
+            CAPTURE(one.name, to_string(way.form), integrate::to_string(way.method));
+            const RodResult result = simulate(one.problem, options_of(way, rtol));
+            REQUIRE(result.solution.status.ok());
+            CHECK(test::worst_error(one, result) < 100.0 * rtol); // as for the angle: 83 rtol
+            CHECK((result.solution.statistics.drift > 0.0) == (way.form != Form::angle));
+            CHECK(result.solution.statistics.drift < 100.0 * rtol);
+        }
+}
+
+TEST_CASE("the director's Jacobian matches differences") {
+    const RodProblem problem = pair_of({.kappa = 2.0, .gamma1 = 0.7, .gamma2 = -0.4});
+    const auto ode = to_ode(problem, Form::director);
+    std::vector<double> y = ode.initial_state, up(8), down(8);
+    y[2] *= 1.001; // off the unit circle too
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(8, 8);
+    ode.jacobian(0.0, y, jacobian);
+    for (Eigen::Index j = 0; j < 8; ++j) {
+        constexpr double step = 1e-5;
+        const auto at = static_cast<std::size_t>(j);
+        const double kept = y[at];
+        y[at] = kept + step;
+        ode.rhs(0.0, y, up);
+        y[at] = kept - step;
+        ode.rhs(0.0, y, down);
+        y[at] = kept;
+        for (Eigen::Index i = 0; i < 8; ++i) {
+            const auto row = static_cast<std::size_t>(i);
+            // step^2 times third derivatives of order 1, and roundings over the step
+            CHECK(jacobian(i, j) == Approx((up[row] - down[row]) / (2.0 * step)).margin(1e-8));
+        }
+    }
+}
+
+TEST_CASE("the multiplier holds what would stretch the director") {
+    const RodProblem problem = pair_of({.kappa = 2.0, .gamma1 = 0.7, .gamma2 = -0.4});
+    const auto dae = to_ode(problem, Form::dae);
+    const auto director = to_ode(problem, Form::director);
+    std::vector<double> f(10), expected(8), y = dae.initial_state;
+    dae.rhs(0.0, y, f);
+    y[4] = -f[4]; // n.h, at lambda = 0 and |n| = 1
+    y[9] = -f[9];
+    CHECK(std::abs(y[4]) > 1e-3);
+    dae.rhs(0.0, y, f);
+    director.rhs(0.0, director.initial_state, expected);
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        for (std::size_t i = 0; i < 4; ++i)
+            CHECK(f[5 * rod + i] == Approx(expected[4 * rod + i]).margin(1e-14)); // roundings
+        CHECK(std::abs(f[5 * rod + 4]) < 1e-14);
+    }
+}
+
+TEST_CASE("headings keep their whole turns in every form") {
+    RodProblem problem = pair_of({.kappa = 0.5});
+    problem.rods[0].heading += 100.0; // some sixteen turns
+    const RodResult angle = simulate(problem, options_of({Form::angle, Method::erk}, 1e-9));
+    REQUIRE(angle.solution.status.ok());
+    for (const Way way : {ways[1], ways[2], ways[3]}) {
+        const RodResult result = simulate(problem, options_of(way, 1e-9));
+        REQUIRE(result.solution.states.size() == angle.solution.states.size());
+        CHECK(difference(result, angle) < 1e-6); // 100 rtol, some ten times more from where the rods part
+        CHECK(result.outcome.ending == angle.outcome.ending);
+        CHECK(result.outcome.turn[0] == Approx(angle.outcome.turn[0]).margin(1e-6));
+    }
+}
+
+TEST_CASE("turns between two outputs are counted step by step") {
+    const std::vector<double> times{0.5, 19.5, 20.0};
+    PoseTrack track(Form::director, {0.0}, times);
+    const auto director = [](double t) { return std::vector{0.0, 0.0, std::cos(t), std::sin(t)}; };
+    std::vector<std::vector<double>> raw;
+    for (const double t : times)
+        raw.push_back(director(t));
+    for (int k = 0; k < 20; ++k) {
+        const auto before = director(k), after = director(k + 1.0);
+        const integrate::Step step = track.step({static_cast<double>(k), k + 1.0, before, after});
+        CHECK(step.state_before[2] == Approx(k).margin(1e-12)); // roundings of atan2
+        CHECK(step.state[2] == Approx(k + 1.0));
+    }
+    const auto outputs = track.outputs(raw);
+    for (std::size_t k = 0; k < times.size(); ++k)
+        CHECK(outputs[k][2] == Approx(times[k]));
+    CHECK(track.headings()[0] == Approx(20.0));
+}
+
+TEST_CASE("a run in any form is resumed to the bit, outputs and drift included") {
+    RodProblem problem = pair_of({.kappa = 5.0});
+    for (int k = 0; k <= 20; ++k)
+        problem.output_times.push_back(0.5 * k);
+    for (const Way way : ways) {
+        CAPTURE(to_string(way.form), integrate::to_string(way.method));
+        RodOptions options = options_of(way, 1e-8);
+        options.ode.segment_steps = way.form == Form::dae ? 400 : 40; // IDAS begins each with short steps
+        std::vector<RodCheckpoint> saved;
+        options.on_checkpoint = [&](const RodCheckpoint& at) { saved.push_back(at); };
+        const RodResult whole = simulate(problem, options);
+        REQUIRE(whole.solution.status.ok());
+        REQUIRE(!saved.empty());
+        RodOptions rest = options_of(way, 1e-8);
+        rest.ode.segment_steps = options.ode.segment_steps;
+        rest.resume_from = saved[saved.size() / 2];
+        const RodResult resumed = simulate(problem, rest);
+        CHECK(resumed.solution.states == whole.solution.states);
+        CHECK(resumed.solution.final_state == whole.solution.final_state);
+        CHECK(resumed.solution.statistics.drift == whole.solution.statistics.drift);
+        CHECK(resumed.outcome.turn == whole.outcome.turn);
+    }
+}
+
+TEST_CASE("forms in a periodic box agree") {
+    RodProblem problem = pair_of({.kappa = 2.0});
+    problem.box = 6.0;
+    problem.t_end = 2.0;
+    const RodResult angle = simulate(problem, options_of({Form::angle, Method::erk}, 1e-7));
+    for (const Way way : {ways[1], ways[3]})
+        CHECK(difference(simulate(problem, options_of(way, 1e-7)), angle) < 1e-5); // 100 rtol
+}
