@@ -13,7 +13,7 @@ from .trajectories import runs_of
 DPI = 130
 TRAIL = 8  # stored times behind a rod
 HEADINGS = Normalize(-180, 180)
-HEADING_MAP = ListedColormap(matplotlib.colormaps["twilight"](np.linspace(0, 1, 256)), name="headings")
+HEADING_MAP = ListedColormap(0.85 * matplotlib.colormaps["twilight"](np.linspace(0, 1, 256))[:, :3], name="headings")  # seen on white
 
 
 def write(run, spec):

@@ -110,8 +110,10 @@ std::vector<double> numbers_by_size(std::span<const RodOrder> orders) {
     for (const RodOrder& order : orders)
         for (const std::size_t size : order.clusters) {
             number.resize(std::max(number.size(), size), 0.0);
-            number[size - 1] += 1.0 / static_cast<double>(orders.size());
+            number[size - 1] += 1.0;
         }
+    for (double& count : number)
+        count /= static_cast<double>(orders.size());
     return number;
 }
 

@@ -16,9 +16,11 @@ namespace {
 /// Places so far in square cells at least `distance` wide, periodic as the square itself.
 class Neighbourhood {
 public:
-    Neighbourhood(double side, double distance)
+    /// For `count` places, so many cells about.
+    Neighbourhood(double side, double distance, long count)
         : side_(side), distance_(distance),
-          across_(std::clamp<long>(static_cast<long>(side / distance), 1, 1000)), cells_(across_ * across_) {}
+          across_(static_cast<long>(std::min(side / distance, std::sqrt(static_cast<double>(count)) + 1.0))),
+          cells_(static_cast<std::size_t>(across_ * across_)) {}
 
     bool has_room(double x, double y) const {
         const long reach = across_ < 3 ? 0 : 1; // fewer would be seen twice: then all are looked at
@@ -63,10 +65,12 @@ double crowding(const RandomRods& random) {
 }
 
 std::vector<Rod> random_rods(const RandomRods& random) {
-    constexpr int tries = 100'000; // at most_crowding one in ten fits
+    constexpr int tries = 100'000;            // at most_crowding one in ten fits
+    if (!(crowding(random) <= most_crowding)) // reported
+        return {};
     RandomStream stream(static_cast<std::uint64_t>(random.seed));
     const double half = 0.5 * random.extent, apart = std::max(random.min_separation, 1e-6 * random.extent);
-    Neighbourhood placed(random.extent, apart);
+    Neighbourhood placed(random.extent, apart, random.count);
     std::vector<Rod> rods;
     for (long k = 0; k < random.count; ++k)
         for (int i = 0; i < tries; ++i) {

@@ -91,7 +91,7 @@ struct RandomRods {
     bool operator==(const RandomRods&) const = default;
 };
 
-/// The rods it stands for. They depend on its values alone; the first ones do not depend on count.
+/// The rods it stands for; they depend on its values alone. None if they are too crowded.
 std::vector<Rod> random_rods(const RandomRods& random);
 /// Share of the square that discs of diameter min_separation cover. Up to most_crowding all rods find room.
 double crowding(const RandomRods& random);
