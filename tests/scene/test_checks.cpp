@@ -60,7 +60,7 @@ TEST_CASE("rods at random, their order and the sums of their wakes fit each othe
     says(crowd("min_separation = 2\n"),
          "may cover 0.3: fewer rods, a larger extent or a smaller min_separation");
     says(crowd("", "contact_distance = 0.1\n"), "it must be below rods_random.min_separation = 0");
-    says(crowd("", "", box), "rods_random.extent: extent is 9 f/mu, more than the periodic box of 8");
+    says(crowd("", "", box), "rods_random.extent is 9 f/mu, more than the periodic box of 8");
     says(crowd("", "turning_tolerance = 1e-6\n", box),
          "turning_tolerance needs the exact field on the plane");
     says(crowd("", "precision = \"single\"\n", box), "precision needs the exact field on the plane");
