@@ -29,8 +29,8 @@ private:
 
 class PlaneField final : public WakeField {
 public:
-    explicit PlaneField(const Medium& medium)
-        : wake_(std::make_shared<const PlaneWake>(medium)), kernels_(medium) {}
+    PlaneField(const Medium& medium, const MutualWakesOptions& sums)
+        : wake_(std::make_shared<const PlaneWake>(medium)), kernels_(medium, sums) {}
 
     const Medium& medium() const override { return wake_->medium(); }
     std::shared_ptr<const Wake> wake(double /*heading*/) const override { return wake_; }
@@ -123,10 +123,11 @@ private:
 
 } // namespace
 
-std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional<double> box) {
+std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional<double> box,
+                                             const MutualWakesOptions& sums) {
     if (box)
         return std::make_shared<const BoxField>(medium, *box);
-    return std::make_shared<const PlaneField>(medium);
+    return std::make_shared<const PlaneField>(medium, sums);
 }
 
 } // namespace rodwake::elastic

@@ -49,6 +49,8 @@ double stiffness(const RodProblem& problem) {
 }
 
 integrate::Method suitable_method(const RodProblem& problem) {
+    if (problem.rods.size() > most_followed_rods)
+        return integrate::Method::erk;
     return stiffness(problem) > 30.0 ? integrate::Method::bdf : integrate::Method::erk;
 }
 

@@ -11,6 +11,11 @@ void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& st
         outcome.reason = fmt::format("interrupted at t = {:.6g}", outcome.time);
     else if (rods < 2)
         outcome.reason = "a single rod has no partner";
+    else if (rods > most_followed_rods && outcome.ending != Ending::contact)
+        outcome.reason =
+            fmt::format("of more than {} rods no pair is told apart; rods {} and {} came "
+                        "closest, {:.6g} apart",
+                        most_followed_rods, outcome.pair.first, outcome.pair.second, outcome.min_separation);
     else if (outcome.ending == Ending::contact)
         outcome.reason = fmt::format("rods {} and {} came within {:.6g} at t = {:.6g}", outcome.pair.first,
                                      outcome.pair.second, outcome.pair.distance, outcome.time);

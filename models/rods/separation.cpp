@@ -1,6 +1,7 @@
 #include "rodwake/rods/separation.hpp"
 
 #include "rodwake/core/periodic.hpp"
+#include "sweep.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -85,37 +86,73 @@ Offset offset(State y, std::size_t a, std::size_t b, Box box) {
     return box ? Offset{nearest_image(d.x, *box), nearest_image(d.y, *box)} : d;
 }
 
+namespace {
+
+bool comes_first(std::size_t a, std::size_t b, const Separation& other) {
+    return a < other.first || (a == other.first && b < other.second);
+}
+
+/// How far the rod went that went farthest.
+double longest_move(const integrate::Step& step) {
+    double longest = 0.0;
+    for (std::size_t k = 0; k < step.state.size(); k += 3)
+        longest = std::max(longest, std::hypot(step.state[k] - step.state_before[k],
+                                               step.state[k + 1] - step.state_before[k + 1]));
+    return longest;
+}
+
+} // namespace
+
 Separation closest_pair(State y, Box box) {
-    const std::size_t rods = y.size() / 3;
     Separation best{0, 1, square_distance(y, 0, 1, box)};
-    for (std::size_t a = 0; a < rods; ++a)
-        for (std::size_t b = a + 1; b < rods; ++b)
-            if (const double found = square_distance(y, a, b, box); found < best.distance)
-                best = {a, b, found};
+    Sweep(y, box).pairs([&](double gap) { return gap > 0.0 && gap * gap > best.distance; },
+                        [&](std::size_t a, std::size_t b) {
+                            const double found = square_distance(y, a, b, box);
+                            if (found < best.distance || (found == best.distance && comes_first(a, b, best)))
+                                best = {a, b, found};
+                        });
     best.distance = std::sqrt(best.distance);
     return best;
 }
 
+// No relative speed is above 2, so a pair farther apart than 3 * 2 times the present limit cannot lower it.
 double encounter_step(State y, Box box) {
-    const std::size_t rods = y.size() / 3;
+    constexpr double farthest = 6.0 * (1.0 + 1e-12); // with room for rounding
     double limit = std::numeric_limits<double>::infinity();
-    for (std::size_t a = 0; a < rods; ++a)
-        for (std::size_t b = a + 1; b < rods; ++b) {
-            const double relative_speed = 2.0 * std::abs(std::sin(0.5 * (y[3 * a + 2] - y[3 * b + 2])));
-            limit = std::min(limit, std::sqrt(square_distance(y, a, b, box)) /
-                                        (3.0 * std::max(relative_speed, 0.5)));
-        }
+    Sweep(y, box).pairs([&](double gap) { return gap > farthest * limit; },
+                        [&](std::size_t a, std::size_t b) {
+                            const double relative_speed =
+                                2.0 * std::abs(std::sin(0.5 * (y[3 * a + 2] - y[3 * b + 2])));
+                            limit = std::min(limit, std::sqrt(square_distance(y, a, b, box)) /
+                                                        (3.0 * std::max(relative_speed, 0.5)));
+                        });
     return limit;
 }
 
-std::optional<Approach> closest_approach(const integrate::Step& step, Box box) {
-    const std::size_t rods = step.state.size() / 3;
+// Which pairs need no look. On the cubic of a pair the weights of its end slopes g0, g1 are at most 4/27, and
+// |g| <= h d(r^2)/dt <= 4 h r. With m the smaller and M the larger separation at the ends it stays above
+//
+//   m^2 - (4/27) 4 h (m + M) >= m^2 - (32/27) k (m + k),   k the larger of h and the longest move of a rod,
+//
+// since M <= m + 2 k. For m >= B + 2 k that is above B^2: 4 B k + 4 k^2 outweigh (32/27) (B k + 3 k^2). So m
+// must be below B + 2 k for the pair to come closer than B, and its separation before below B + 4 k: if it is
+// not the smaller one it is at most 2 k more. The same holds for an image that is nearest at one end only.
+std::optional<Approach> closest_approach(const integrate::Step& step, Box box, double below) {
+    const double reach = 4.0 * std::max(step.time - step.time_before, longest_move(step));
     std::optional<Approach> best;
-    for (std::size_t a = 0; a < rods; ++a)
-        for (std::size_t b = a + 1; b < rods; ++b)
-            if (const auto approach = approach_of_pair(step, a, b, box))
-                if (!best || approach->pair.distance < best->pair.distance)
-                    best = approach;
+    double bound = below;
+    Sweep(step.state_before, box)
+        .pairs([&](double gap) { return gap > (bound + reach) * (1.0 + 1e-12); },
+               [&](std::size_t a, std::size_t b) {
+                   const auto found = approach_of_pair(step, a, b, box);
+                   if (!found || !(found->pair.distance < below))
+                       return;
+                   const double distance = found->pair.distance;
+                   if (!best || distance < bound || (distance == bound && comes_first(a, b, best->pair))) {
+                       best = found;
+                       bound = distance;
+                   }
+               });
     return best;
 }
 

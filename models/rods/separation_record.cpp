@@ -58,16 +58,17 @@ SeparationRecord start_record(integrate::State y, double late_from, Box box) {
     const std::size_t rods = y.size() / 3;
     if (rods < 2)
         return {{0, 0, infinity}, 0.0, late_from, {}};
-    return {closest_pair(y, box), 0.0, late_from, std::vector<LatePart>(rods * rods, {infinity, 0.0, 0.0})};
+    const std::size_t followed = rods <= most_followed_rods ? rods * rods : 0;
+    return {closest_pair(y, box), 0.0, late_from, std::vector<LatePart>(followed, {infinity, 0.0, 0.0})};
 }
 
 void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {
-    if (record.late.empty())
+    if (step.state.size() < 6)
         return;
     keep_smaller(record, closest_pair(step.state, box), step.time);
-    if (const auto approach = closest_approach(step, box))
+    if (const auto approach = closest_approach(step, box, record.smallest.distance))
         keep_smaller(record, approach->pair, approach->time);
-    if (step.time >= record.late_from)
+    if (step.time >= record.late_from && !record.late.empty())
         add_late_step(record, step, rates, box);
 }
 

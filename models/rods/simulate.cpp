@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 
 namespace rodwake::rods {
 
@@ -46,8 +47,8 @@ integrate::Event contact_event(double distance, Box box) {
     event.crossing = integrate::Crossing::falling;
     event.terminal = true;
     event.suspect = [distance, box](const integrate::Step& step) -> std::optional<double> {
-        const auto approach = closest_approach(step, box);
-        return approach && approach->pair.distance < distance ? std::optional(approach->time) : std::nullopt;
+        const auto approach = closest_approach(step, box, distance);
+        return approach ? std::optional(approach->time) : std::nullopt;
     };
     return event;
 }
@@ -95,7 +96,7 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
     outcome.min_separation_time = contact ? outcome.time : record.smallest_time;
     if (contact)
         outcome.ending = Ending::contact;
-    else if (solution.status.termination == integrate::Termination::reached_end && model.rods() > 1)
+    else if (solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
         classify(outcome, model, y, record, criteria, problem.box);
     describe(outcome, model.rods(), solution.status);
     return outcome;
@@ -103,11 +104,29 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
 
 } // namespace
 
+elastic::MutualWakesOptions sum_options(const Couplings& c, const WakeSums& sums) {
+    const double polar = std::abs(c.gamma1) + std::abs(c.gamma2);
+    const double share = (c.apolar() && c.polar() ? 0.5 : 1.0) * sums.turning_tolerance;
+    elastic::MutualWakesOptions options{sums.accuracy, sums.threads, 0.0, 0.0};
+    // a sum that no coupling reads may lose everything
+    constexpr double anything = 1e30;
+    options.strain_tolerance = share == 0.0 ? 0.0
+                               : c.apolar() ? std::numbers::sqrt2 * share / std::abs(c.kappa)
+                                            : anything;
+    options.polar_tolerance = share == 0.0 ? 0.0 : c.polar() ? share / polar : anything;
+    return options;
+}
+
 std::shared_ptr<const elastic::WakeField> wakes_of(const RodProblem& problem) {
     if (!problem.medium)
         return nullptr;
+    const bool asks_sums =
+        problem.sums.turning_tolerance != 0.0 || problem.sums.accuracy != elastic::Accuracy::full;
+    if (asks_sums && (problem.field || problem.box))
+        throw InputError("turning_tolerance and accuracy of sums need the exact field on the plane");
     if (!problem.field)
-        return elastic::exact_field(*problem.medium, problem.box);
+        return elastic::exact_field(*problem.medium, problem.box,
+                                    sum_options(problem.couplings, problem.sums));
     const elastic::Medium& of = problem.field->medium();
     if (of.eta != problem.medium->eta || of.xi != problem.medium->xi || problem.field->box() != problem.box)
         throw InputError("the field of a problem with rods is that of another medium or box");

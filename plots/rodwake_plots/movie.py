@@ -19,15 +19,19 @@ ENDINGS = {".mp4": "video/mp4", ".gif": "image/gif"}
 
 def write(run, spec):
     """Paths written: the film, and its last picture as name.png."""
+    with run.granular.trajectory(TRAJECTORY) as trajectory:
+        return write_film(run, spec, Film(run, spec, trajectory))
+
+
+def write_film(run, spec, film):
+    """The same of any film: pictures to iterate over, their width and height, and save_still(path)."""
     ending, encode = (".mp4", by_ffmpeg) if shutil.which("ffmpeg") else (".gif", by_pillow)
     still = run.figures_dir / f"{spec.name}.png"
     for old in ENDINGS:
         still.with_suffix(old).unlink(missing_ok=True)
-    with run.granular.trajectory(TRAJECTORY) as trajectory:
-        film = Film(run, spec, trajectory)
-        with canvas.replacing(still.with_suffix(ending)) as temporary:
-            encode(temporary, film, spec.fps)
-        film.save_still(still)
+    with canvas.replacing(still.with_suffix(ending)) as temporary:
+        encode(temporary, film, spec.fps)
+    film.save_still(still)
     return [still.with_suffix(ending), still]
 
 

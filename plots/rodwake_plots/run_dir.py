@@ -30,6 +30,7 @@ class RunDir:
         self._fit = FitResult(self.path) if (self.path / FIT).is_file() else None
         self._scan = ScanRun(self.path) if (self.path / SCAN).is_file() else None
         self.medium = self._json("medium.json")  # of the rods, where it was fitted
+        self.rods_order = self._json("rods_order.json")
         alone = (self._granular or self._fit or self._scan) and not (self.path / "result.h5").is_file()
         self._result = None if alone else Result(self.path / "result.h5")
         if self.has_result and self.result.has("/rods") and self.outcome is None:

@@ -58,6 +58,30 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
                          : "contact: no rods_run.contact_distance"});
 }
 
+/// What only many rods have.
+void add_crowd_lines(const Plan& plan, Lines& lines) {
+    if (plan.rods.empty())
+        return;
+    const scene::Scene& scene = plan.rods.front().of.scene;
+    const rods::RodProblem& problem = plan.rods.front().problem;
+    if (scene.rods_random)
+        lines.push_back({true, fmt::format("rods at random in a square of {:g}, seed {}",
+                                           scene.rods_random->extent, scene.rods_random->seed)});
+    if (problem.rods.size() > rods::most_followed_rods)
+        lines.push_back(
+            {false, fmt::format("pursuit and escape of pairs: more than {} rods", rods::most_followed_rods)});
+    if (problem.sums.turning_tolerance > 0.0)
+        lines.push_back({true, fmt::format("far wakes left out: turning rates change by less than {:g}",
+                                           problem.sums.turning_tolerance)});
+    if (problem.sums.accuracy != elastic::Accuracy::full)
+        lines.push_back({true, problem.sums.accuracy == elastic::Accuracy::fine
+                                   ? "sums of wakes to 1e-7 of each"
+                                   : "sums of wakes in single precision"});
+    if (scene.rods_order)
+        lines.push_back({true, fmt::format("order of the rods; clusters by links of less than {:g}",
+                                           scene.rods_order->link)});
+}
+
 std::string points_text(const scan::Design& design) {
     if (design.kind == scan::Kind::adaptive)
         return fmt::format("refined to {} cells a side where the outcome changes", design.resolution);
@@ -104,6 +128,7 @@ std::vector<PlanLine> describe(const Plan& plan) {
     add_medium_lines(plan.scene, lines);
     add_field_lines(plan.scene, lines);
     add_rod_lines(plan, lines);
+    add_crowd_lines(plan, lines);
     add_scan_lines(plan, lines);
     add_unused_lines(plan.scene, lines);
     describe_granular(plan, lines);

@@ -91,10 +91,14 @@ Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInp
 
 void apply_seed(scene::Scene& scene, std::uint64_t seed) {
     constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<long>::max());
-    if ((scene.granular || scene.fit || scene.scan) && seed > largest)
+    if ((scene.granular || scene.fit || scene.scan || scene.rods_random) && seed > largest)
         throw InputError(fmt::format("--seed {}: must be from 0 to {}", seed, largest));
     if (scene.granular)
         scene.granular->seed = static_cast<long>(seed);
+    if (scene.rods_random) {
+        scene.rods_random->seed = static_cast<long>(seed);
+        scene.rods = random_rods(*scene.rods_random);
+    }
     if (scene.fit)
         scene.fit->search.seed = seed;
     if (scene.scan)

@@ -26,6 +26,8 @@ rods::RodProblem rod_problem(const scene::Scene& scene) {
     problem.output_times = scene.rods_run->output_times;
     problem.output_times.insert(problem.output_times.begin(), 0.0);
     problem.contact_distance = scene.rods_run->contact_distance;
+    problem.sums.accuracy = scene.rods_run->precision;
+    problem.sums.turning_tolerance = scene.rods_run->turning_tolerance;
     return problem;
 }
 

@@ -4,6 +4,7 @@
 #include "check_fit.hpp"
 #include "check_granular.hpp"
 #include "check_measure.hpp"
+#include "check_rods.hpp"
 #include "check_scan.hpp"
 
 #include <algorithm>
@@ -21,12 +22,17 @@ constexpr long max_grid_points = 4'000'000;
 
 /// Whether the scene has this table. One that could not be read is missing in the scene, not in the document.
 bool has_table(const Scene& scene, std::string_view name) {
-    const std::pair<std::string_view, bool> tables[] = {
-        {"medium", scene.medium.has_value()},   {"coupling", scene.coupling.has_value()},
-        {"rods", !scene.rods.empty()},          {"rods_run", scene.rods_run.has_value()},
-        {"field", scene.field.has_value()},     {"granular", scene.granular.has_value()},
-        {"measure", scene.measure.has_value()}, {"fit", scene.fit.has_value()},
-        {"variants", !scene.variants.empty()}};
+    const std::pair<std::string_view, bool> tables[] = {{"medium", scene.medium.has_value()},
+                                                        {"coupling", scene.coupling.has_value()},
+                                                        {"rods", !scene.rods.empty() && !scene.rods_random},
+                                                        {"rods_random", scene.rods_random.has_value()},
+                                                        {"rods_order", scene.rods_order.has_value()},
+                                                        {"rods_run", scene.rods_run.has_value()},
+                                                        {"field", scene.field.has_value()},
+                                                        {"granular", scene.granular.has_value()},
+                                                        {"measure", scene.measure.has_value()},
+                                                        {"fit", scene.fit.has_value()},
+                                                        {"variants", !scene.variants.empty()}};
     const auto* found = std::ranges::find(tables, name, &std::pair<std::string_view, bool>::first);
     return found != std::end(tables) && found->second;
 }
@@ -38,13 +44,18 @@ public:
         : scene_(scene), root_(root), problems_(problems) {}
 
     void tables() {
-        const bool rods = has("rods"), run = has("rods_run"), field = has("field"), bed = has("granular");
+        const bool listed = has("rods"), random = has("rods_random"), rods = listed || random,
+                   run = has("rods_run"), field = has("field"), bed = has("granular");
         if (!rods && !run && !field && !bed && !has("fit"))
             add("", "nothing to do: give [[rods]] with [rods_run], or [field], or [granular], or [fit]");
+        if (listed && random)
+            add("rods", "[[rods]] and [rods_random] are given: leave one out");
         if (rods && !run)
-            add("rods", "[[rods]] need [rods_run] with t_end");
+            add(listed ? "rods" : "rods_random", "[[rods]] need [rods_run] with t_end");
         if (run && !rods)
-            add("rods_run", "[rods_run] needs [[rods]]");
+            add("rods_run", "[rods_run] needs [[rods]], or [rods_random]");
+        if (has("rods_order") && !run)
+            add("rods_order", "[rods_order] needs [rods_run], the run that is looked at");
         if (field && !has("medium"))
             add("field", "[field] needs [medium]");
         if (scene_.rods.size() > 1 && has("coupling") && !has("medium"))
@@ -56,13 +67,15 @@ public:
     }
 
     void values() {
-        separations();
+        if (!scene_.rods_random)
+            separations();
         if (scene_.field)
             field(*scene_.field);
         const auto report = [this](const std::string& path, const std::string& message) {
             add(path, message);
         };
         check_figures(scene_, report);
+        check_rods(scene_, report);
         check_granular(scene_, report);
         check_measure(scene_, report);
         check_fit(scene_, report);

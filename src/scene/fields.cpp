@@ -78,8 +78,20 @@ void fields(Visitor& v, Scene& scene) {
     v.table(key("medium").doc("The elastic continuum."), scene.medium);
     v.table(key("coupling").doc("How a rod turns in the strain of the others."), scene.coupling);
     v.table(key("noise").doc("Random turning of the rods."), scene.noise);
-    v.list(key("rods").items(0, max_rods).doc("One entry for each rod."), scene.rods);
+    v.table(
+        key("rods_random")
+            .doc("Rods at random in a square round the origin, in place of [[rods]]. They depend on these "
+                 "keys alone."),
+        scene.rods_random);
+    std::vector<Rod> none;
+    v.list(key("rods").items(0, max_rods).doc("One entry for each rod."),
+           scene.rods_random ? none : scene.rods);
+    v.derive([&] {
+        if (scene.rods_random)
+            scene.rods = random_rods(*scene.rods_random);
+    });
     v.table(key("rods_run").doc("Integration of the rods."), scene.rods_run);
+    v.table(key("rods_order").doc("Order parameters and clusters of the rods in time."), scene.rods_order);
     v.table(
         key("field").doc("The field of one rod at the origin heading along +x, on a grid and along cuts."),
         scene.field);

@@ -5,7 +5,7 @@
 
 namespace rodwake::scene {
 
-inline constexpr std::size_t max_rods = 1000;
+inline constexpr std::size_t max_rods = 1000; // one by one; at random a hundred times as many
 
 void fields(Visitor& v, Scales& scales);
 void fields(Visitor& v, FieldTable& table);
@@ -13,7 +13,9 @@ void fields(Visitor& v, Medium& medium);
 void fields(Visitor& v, Coupling& coupling);
 void fields(Visitor& v, Noise& noise);
 void fields(Visitor& v, Rod& rod);
+void fields(Visitor& v, RandomRods& random);
 void fields(Visitor& v, RodsRun& run);
+void fields(Visitor& v, RodsOrder& order);
 void fields(Visitor& v, Cut& cut);
 void fields(Visitor& v, Field& field);
 void fields(Visitor& v, granular::Plates& plates);

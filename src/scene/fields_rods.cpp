@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
 namespace rodwake::scene {
 
 namespace {
@@ -148,6 +150,20 @@ void solver_fields(Visitor& v, RodsRun& run) {
       atol);
     v.derive([&] { check_form(v, run); });
     v.derive([&] { run.atol = atol.value_or(default_atol(run.rtol)); });
+    v(key("turning_tolerance")
+          .unit(rate)
+          .within(0.0, 1e3)
+          .doc("far wakes are left out while what that changes in each rod's turning rate stays below; 0: "
+               "none is. Of many rods on the plane in the exact field")
+          .example("1e-6"),
+      run.turning_tolerance);
+    v(key("precision")
+          .doc("of sums over 8 rods or more on the plane in the exact field: full (1e-13 of a wake), fine "
+               "(1e-7) or single (1e-3, mostly 1e-5)")
+          .example("\"fine\""),
+      choice(run.precision, {{"full", elastic::Accuracy::full},
+                             {"fine", elastic::Accuracy::fine},
+                             {"single", elastic::Accuracy::single}}));
     v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
 }
 
@@ -162,6 +178,41 @@ void fields(Visitor& v, Rod& rod) {
           .doc("start direction, counter-clockwise from +x")
           .example("\"90 deg\""),
       rod.heading);
+}
+
+void fields(Visitor& v, RandomRods& random) {
+    v(key("count").required().within(1, 1e5).doc("number of rods").example("300"), random.count);
+    v(key("extent").required().unit(length).above(0.0).doc("side of the square").example("40.0"),
+      random.extent);
+    v(key("min_separation")
+          .unit(length)
+          .within(0.0, 1e12)
+          .doc("no two rods start nearer, nor across the sides of the square, as in a periodic box of this "
+               "side; discs of this diameter may cover 0.3 of the square")
+          .example("0.5"),
+      random.min_separation);
+    v(key("heading")
+          .symbol("\theta")
+          .unit(angle)
+          .doc("middle of the start directions, counter-clockwise from +x")
+          .example("\"90 deg\""),
+      random.heading);
+    v(key("spread")
+          .unit(angle)
+          .within(0.0, std::numbers::pi)
+          .doc("headings are uniform within this of it to both sides; pi: any")
+          .example("\"30 deg\""),
+      random.spread);
+    v(key("seed").within(0, 1e12).doc("of the random numbers; --seed replaces it").example("7"), random.seed);
+    v.derive([&] {
+        if (crowding(random) > most_crowding)
+            v.complain("min_separation",
+                       fmt::format("is {}: discs of this diameter round {} rods cover {:.2g} of the square "
+                                   "of side {}, and may cover {}: fewer rods, a larger extent or a smaller "
+                                   "min_separation",
+                                   random.min_separation, random.count, crowding(random), random.extent,
+                                   most_crowding));
+    });
 }
 
 void fields(Visitor& v, RodsRun& run) {
@@ -179,6 +230,25 @@ void fields(Visitor& v, RodsRun& run) {
     solver_fields(v, run);
     if (with_times)
         v.one_form(run_forms, [&](int form) { resolve_run(v, run, given, form); });
+}
+
+void fields(Visitor& v, RodsOrder& order) {
+    v(key("link")
+          .required()
+          .unit(length)
+          .above(0.0)
+          .doc("rods nearer than this, or linked by others that are, are one cluster")
+          .example("1.0"),
+      order.link);
+    v(key("from").unit(time).within(0.0, 1e12).doc("earlier times do not count in the means").example("10.0"),
+      order.from);
+    v(key("block")
+          .unit(time)
+          .above(0.0)
+          .absent("a tenth of what counts")
+          .doc("time that counts as one independent value in standard errors")
+          .example("5.0"),
+      order.block);
 }
 
 } // namespace rodwake::scene

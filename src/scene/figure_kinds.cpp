@@ -19,6 +19,8 @@ constexpr FigureNeed gammas{"gammas = [[gamma1, gamma2], ...]",
 constexpr FigureNeed cuts{"[[field.cuts]]",
                           [](const Scene& s, const Figure&) { return s.field && !s.field->cuts.empty(); }};
 constexpr FigureNeed rods{"[[rods]]", [](const Scene& s, const Figure&) { return !s.rods.empty(); }};
+constexpr FigureNeed rods_order{"[rods_order]",
+                                [](const Scene& s, const Figure&) { return s.rods_order.has_value(); }};
 constexpr FigureNeed bed_itself{"[granular]",
                                 [](const Scene& s, const Figure&) { return s.granular.has_value(); }};
 constexpr FigureNeed frames{"\"h5md\" in granular.output.formats", [](const Scene& s, const Figure&) {
@@ -148,6 +150,13 @@ const std::vector<FigureKind>& figure_kinds() {
           {"force", force},
           {"speed", force}}},
         {"trajectories", "paths of the rods of the theory", theory, {rods}, {"result.h5"}, {"x", "y"}},
+        {"rods_movie", "film of the rods of the theory", theory, {rods}, {"result.h5"}, {"fps", "x", "y"}},
+        {"rods_order",
+         "order parameters and clusters of the rods in time",
+         theory,
+         {rods, rods_order},
+         {"rods_order.csv", "clusters.csv"},
+         {}},
         {"extensional_axis",
          "extensional axis of the strain around a rod",
          theory,

@@ -20,6 +20,20 @@ constexpr ColumnInfo rods_columns[] = {
     {"y<k>", "{length}", "place of rod k, unwrapped"},
     {"theta<k>", "rad", "heading of rod k from +x, counter-clockwise, without jumps"}};
 
+constexpr ColumnInfo rods_order_columns[] = {
+    {"t", "{time}", "time"},
+    {"polar", "1", "polar order |<exp(i theta)>|"},
+    {"nematic", "1", "nematic order |<exp(2 i theta)>|"},
+    {"clusters", "1", "number of clusters"},
+    {"mean_size", "1", "rods by clusters"},
+    {"weighted_size", "1", "mean size of the cluster that a rod is in"},
+    {"largest", "1", "rods of the largest cluster"}};
+
+constexpr ColumnInfo clusters_columns[] = {
+    {"size", "1", "rods of a cluster; sizes that occur"},
+    {"clusters", "1", "clusters of this size at an instant, mean from rods_order.from on"},
+    {"share", "1", "of the rods that are in them"}};
+
 constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
                                       {"y", "{length}", "place along the cut"},
                                       {"Ux", "{length}", "displacement along the rod's heading"},
@@ -148,6 +162,10 @@ constexpr FileKind plain_kinds[] = {
     {"boundary.csv", Stage::scan, result, "boundaries between outcomes as curves", boundary_columns},
 
     {"rods.csv", Stage::rods, result, "rods against time", rods_columns},
+    {"rods_order.csv", Stage::rods, result, "order parameters of the rods against time", rods_order_columns},
+    {"clusters.csv", Stage::rods, result, "clusters of the rods by size", clusters_columns},
+    {"rods_order.json", Stage::rods, result,
+     "means of rods_order.csv from rods_order.from on, with standard errors"},
     {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did"},
     {"checkpoint.json", Stage::rods, progress, "state to go on from"},
 };

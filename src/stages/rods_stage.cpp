@@ -136,9 +136,13 @@ StageEnd report(const Session& session, const Work& one) {
                                                                      : StageEnd::finished;
 }
 
-rods::RodProblem problem_of(const assembly::RodsPlan& plan, WakeTables& tables) {
+/// Threads that the cases leave over add up the wakes of each.
+rods::RodProblem problem_of(const assembly::RodsPlan& plan, WakeTables& tables, std::size_t threads) {
     rods::RodProblem problem = plan.problem;
-    if (problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box))
+    problem.sums.threads = threads;
+    const bool interacting =
+        problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box);
+    if (interacting && plan.of.scene.medium->field != scene::FieldBackend::exact)
         problem.field = wake_field(*plan.of.scene.medium, tables);
     return problem;
 }
@@ -150,14 +154,18 @@ StageEnd run_rods_stage(Session& session) {
     const std::vector<assembly::RodsPlan> fitted =
         session.fitted() ? assembly::plan_rods(session.modelled()) : std::vector<assembly::RodsPlan>{};
     WakeTables tables(session.context);
+    const std::vector<assembly::RodsPlan>& plans = session.fitted() ? fitted : session.plan.rods;
+    const std::size_t threads = std::max<std::size_t>(1, session.context.thread_count() / plans.size());
     std::vector<Work> cases;
-    for (const assembly::RodsPlan& plan : session.fitted() ? fitted : session.plan.rods)
-        cases.push_back({&plan, problem_of(plan, tables), plan.options, {}});
+    for (const assembly::RodsPlan& plan : plans)
+        cases.push_back({&plan, problem_of(plan, tables, threads), plan.options, {}});
     parallel_for(cases.size(), session.context.thread_count(),
                  [&](std::size_t i) { solve(session, cases[i], i == 0); });
     StageEnd end = StageEnd::finished;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         store(session, cases[i], static_cast<std::int64_t>(i));
+        if (cases[i].of().scene.rods_order)
+            write_rods_order(session, cases[i].of(), cases[i].result);
         const StageEnd one = report(session, cases[i]);
         if (end == StageEnd::finished)
             end = one;

@@ -178,10 +178,12 @@ std::string theory_key(const scene::Scene& scene, Stage stage) {
     }
     key.coupling = scene.coupling;
     key.noise = scene.noise;
+    key.rods_random = scene.rods_random;
     key.rods = scene.rods;
     key.rods_run = scene.rods_run;
     if (key.rods_run)
         key.rods_run->max_steps = scene::RodsRun{}.max_steps; // a limit, raised when it was met
+    key.rods_order = scene.rods_order;
     key.variants = scene.variants;
     return scene::to_plain_toml(key);
 }

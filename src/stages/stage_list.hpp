@@ -14,6 +14,9 @@ StageEnd run_field_stage(Session& session);
 /// [[rods]] and [[variants]]: rods.csv, outcome.json, variants/<name>/..., and /rods in result.h5.
 StageEnd run_rods_stage(Session& session);
 
+/// [rods_order] of a run that ended by itself: rods_order.csv, clusters.csv, rods_order.json.
+void write_rods_order(const Session& session, const assembly::Case& of, const rods::RodResult& result);
+
 /// [granular]: summary.json, table.csv, tracks.csv, trajectory.h5md, ...; with runs > 1 one folder a run in
 /// runs/.
 StageEnd run_granular_stage(Session& session);

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import unittest
+from unittest import mock
 
 import h5py
 
@@ -112,6 +113,46 @@ class PlotsTest(PlotCase):
         self.assert_fails("../a")
         (self.folder / "result.h5").write_bytes(b"not hdf5")
         self.assert_fails("HDF5")
+
+
+
+CROWD = """
+[[figures]]
+name = "film"
+kind = "rods_movie"
+fps = 10
+[[figures]]
+name = "order"
+kind = "rods_order"
+"""
+
+
+class CrowdTest(PlotCase):
+    """Many rods: their film, their order and clusters."""
+
+    build = PlotsTest.build
+
+    def build_crowd(self):
+        self.build(figures=CROWD)
+        (self.folder / "rods_order.csv").write_text("t,polar,nematic,clusters,mean_size,weighted_size,largest\n"
+                                                    "0,0.9,0.5,2,1.5,1.7,2\n1,0.8,0.4,1,3,3,3\n")
+        (self.folder / "clusters.csv").write_text("size,clusters,share\n1,0.5,0.1667\n2,0.5,0.3333\n3,0.5,0.5\n")
+        mean = {"value": 0.85, "error": None, "samples": 1}
+        (self.folder / "rods_order.json").write_text(json.dumps({
+            "polar": mean, "nematic": mean, "mean_size": mean, "weighted_size": mean, "largest": mean, "link": 1.0, "from": 0.5, "block": 0.5, "blocks": 1}))
+
+    def test_film_and_order(self):
+        self.build_crowd()
+        with mock.patch("shutil.which", return_value=None):
+            done = self.plot()
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(sorted(path.name for path in (self.folder / "figures").iterdir()), ["film.gif", "film.png", "order.png"])
+        self.assertIn("data:image/gif;base64,", (self.folder / "report.html").read_text())
+
+    def test_order_that_was_not_written_is_named(self):
+        self.build_crowd()
+        (self.folder / "rods_order.json").unlink()
+        self.assert_fails("rods_order.json", "no such file", "[rods_order]")
 
 
 if __name__ == "__main__":

@@ -33,6 +33,8 @@ heading = 0.25
 [rods_run]
 t_end = 30.0
 contact_distance = 0.1
+[rods_order]
+link = 1.0
 [field]
 x = [-5.0, 5.0]
 y = [-4.0, 4.0]
@@ -108,8 +110,15 @@ inline const std::string scanned_grid = [] {
     return text.replace(text.find("adaptive"), 8, "grid");
 }();
 
+/// The complete scene with rods at random in place of those.
+inline const std::string crowded = complete.substr(0, complete.find("[[rods]]")) +
+                                   "[rods_random]\ncount = 10\nextent = 40.0\nmin_separation = 0.5\n" +
+                                   complete.substr(complete.find("[rods_run]"));
+
 /// The scene in which the key may stand.
 inline const std::string& complete_for(const KeyInfo& info) {
+    if (info.table == "rods_random")
+        return crowded;
     return info.table.starts_with("scan") ? scanned : complete;
 }
 

@@ -2,7 +2,9 @@
 
 #include "support.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 using namespace scene_test;
 
@@ -31,6 +33,12 @@ TEST_CASE("tables that need each other") {
     says("schema = 1\n[[rods]]\nposition = [0, 0]\n", "[[rods]] need [rods_run] with t_end");
     says("schema = 1\n[rods_run]\nt_end = 1\n", "x.toml:2:1: [rods_run] needs [[rods]]");
     says("schema = 1\nrods = []\n[rods_run]\nt_end = 1\n", "[rods_run] needs [[rods]]");
+    says(two_rods("[rods_random]\ncount = 3\nextent = 9\n"),
+         "[[rods]] and [rods_random] are given: leave one out");
+    says("schema = 1\n[rods_random]\ncount = 3\nextent = 9\n",
+         "x.toml:2:1: [[rods]] need [rods_run] with t_end");
+    says("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[rods_order]\nlink = 1\n",
+         "[rods_order] needs [rods_run]");
     says("schema = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n", "x.toml:2:1: [field] needs [medium]");
     says(two_rods("[coupling]\nkappa = 1\n"), "x.toml:8:1: [coupling] of two or more rods needs [medium]");
     says(
@@ -40,6 +48,48 @@ TEST_CASE("tables that need each other") {
     CHECK(error_text(
               "schema = 1\n[coupling]\nkappa = 1\n[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\n") ==
           "");
+}
+
+TEST_CASE("rods at random, their order and the sums of their wakes fit each other") {
+    const auto crowd = [](const std::string& keys, const std::string& run = "",
+                          const std::string& more = "") {
+        return "schema = 1\n[rods_random]\ncount = 20\nextent = 9\n" + keys + "[rods_run]\nt_end = 4\n" +
+               run + more;
+    };
+    const std::string box = "[medium]\neta = 1\nxi = 1\nperiodic = 8\n";
+    says(crowd("min_separation = 2\n"),
+         "may cover 0.3: fewer rods, a larger extent or a smaller min_separation");
+    says(crowd("", "contact_distance = 0.1\n"), "it must be below rods_random.min_separation = 0");
+    says(crowd("", "", box), "rods_random.extent is 9 f/mu, more than the periodic box of 8");
+    says(crowd("", "turning_tolerance = 1e-6\n", box),
+         "turning_tolerance needs the exact field on the plane");
+    says(crowd("", "precision = \"single\"\n", box), "precision needs the exact field on the plane");
+    says(crowd("", "", "[rods_order]\nlink = 1\nfrom = 4\n"), "is not before the end of the run, 4");
+    says(crowd("", "", "[rods_order]\nlink = 1\nfrom = 1\nblock = 3.5\n"), "longer than what counts, 3");
+    says(replaced(crowd("", "method = \"bdf\"\n"), "count = 20", "count = 3001"), "at most 3000 rods");
+    CHECK(error_text(crowd("min_separation = 0.5\n", "contact_distance = 0.1\n")).empty());
+}
+
+TEST_CASE("rods at random keep their distance, and depend on the seed") {
+    const std::string text = "schema = 1\n[rods_random]\ncount = 200\nextent = 20\nmin_separation = 0.8\n"
+                             "heading = 1\nspread = 0.5\n[rods_run]\nt_end = 1\n";
+    const Scene scene = parse(text);
+    REQUIRE(scene.rods.size() == 200);
+    CHECK(parse(text) == scene);
+    CHECK(parse(text, {"rods_random.seed=2"}).rods != scene.rods);
+    double nearest = 1e9;
+    for (std::size_t a = 0; a < 200; ++a) {
+        const auto& p = scene.rods[a].position;
+        CHECK((std::abs(p[0]) < 10.0 && std::abs(p[1]) < 10.0));
+        CHECK(std::abs(scene.rods[a].heading - 1.0) < 0.5);
+        for (std::size_t b = 0; b < a; ++b) {
+            const auto& q = scene.rods[b].position;
+            nearest = std::min(
+                nearest, std::hypot(std::remainder(p[0] - q[0], 20.0), std::remainder(p[1] - q[1], 20.0)));
+        }
+    }
+    CHECK(nearest >= 0.8);
+    CHECK(nearest < 0.9); // so many are bound to come near
 }
 
 TEST_CASE("starts that coincide or touch") {

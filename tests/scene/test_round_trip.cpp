@@ -36,6 +36,7 @@ const std::string open_end = replaced(two_rods(), "t_end = 2.0\n", "");
 
 TEST_CASE("the complete scene survives, in every unit system") {
     check_round_trip(parse(complete));
+    check_round_trip(parse(crowded, {"rods_random.spread=30 deg", "rods_run.turning_tolerance=1e-6"}));
     check_round_trip(parse(complete, {"units=si", "rods_run.contact_distance=0.01", "medium.alpha=0.3"}));
     check_round_trip(
         parse(complete, {"rods_run.output_times=[1.0, 2.5, 29]", "title=\"\\\"quoted\\\" \\\\ \u00e9\""}));

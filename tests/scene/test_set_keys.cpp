@@ -130,6 +130,8 @@ const std::vector<std::string> bases{
         "[[figures]]\nname = \"f\"\nkind = \"fit\"\nprofiles = [0]\n"),
     replaced(complete, "kind = \"cut\"", "kind = \"fit_likelihood\""),
     scanned,
+    crowded,
+    replaced(crowded, "schema = 1\n", "schema = 1\nunits = \"si\"\n"),
     replaced(scanned_grid, "key = \"coupling.kappa\"\nfrom = 0.1\nto = 100.0\n",
              "keys = [\"coupling.gamma1\", \"coupling.gamma2\"]\nfactor = [1.0, -1.0]\nvalues = [1.0, "
              "\"2\"]\n"),

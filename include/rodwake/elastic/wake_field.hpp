@@ -8,6 +8,7 @@
 
 #include "rodwake/elastic/field.hpp"
 #include "rodwake/elastic/medium_derivatives.hpp"
+#include "rodwake/elastic/mutual_wakes.hpp"
 #include "rodwake/elastic/superposition.hpp"
 
 #include <memory>
@@ -62,7 +63,9 @@ public:
 
 /// The exact field: elastic/field.hpp on the plane, elastic/periodic.hpp in a box of side `box`. Throws
 /// InputError for an illegal medium; for an illegal box when a wake is asked for.
-std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional<double> box = {});
+/// `sums`: how WakeField::mutual works on the plane (8 rods or more); in a box each pair is exact.
+std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional<double> box = {},
+                                             const MutualWakesOptions& sums = {});
 
 /// Whether (x, y) in the frame of a rod is the rod's own place, or that of an image to 1e-9 of the box: of
 /// places given in decimal digits and turned by the heading more cannot be asked.

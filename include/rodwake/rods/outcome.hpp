@@ -2,6 +2,7 @@
 // How an encounter of two rods of the theory ends; core/encounter.hpp has the endings and their criteria.
 //
 // Of several pairs: contact wins over pursuit, pursuit over undecided; escape means that every pair escapes.
+// Of more than most_followed_rods rods (separation_record.hpp) only contact is told.
 
 #include "rodwake/core/encounter.hpp"
 #include "rodwake/integrate/ode.hpp"

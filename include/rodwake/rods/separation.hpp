@@ -3,11 +3,12 @@
 // known exactly from the headings: within a step it is followed by cubic Hermite interpolation of its square.
 //
 // In a periodic box (side `box`, axes of the lab) a separation is that of the nearest images; positions stay
-// unwrapped.
+// unwrapped. Of many rods only the pairs that can matter are looked at: N log N instead of N^2, same bits.
 
 #include "rodwake/integrate/ode.hpp"
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -22,7 +23,7 @@ struct Separation {
     double distance = 0.0;
 };
 
-/// The closest pair; needs two rods or more. O(N^2).
+/// The closest pair, the first of equals; needs two rods or more.
 Separation closest_pair(integrate::State y, Box box = {});
 
 /// R_a - R_b, of the nearest images.
@@ -36,12 +37,14 @@ Offset offset(integrate::State y, std::size_t a, std::size_t b, Box box = {});
 /// abreast close in only by turning, which error control sees.
 double encounter_step(integrate::State y, Box box = {});
 
-/// The closest approach of a pair inside a step, if it comes closer there than at both ends.
+/// The closest approach of a pair inside a step, if it comes closer there than at both ends and than `below`,
+/// which saves looking at the others; the first of equals.
 struct Approach {
     double time;
     Separation pair;
 };
-std::optional<Approach> closest_approach(const integrate::Step& step, Box box = {});
+std::optional<Approach> closest_approach(const integrate::Step& step, Box box = {},
+                                         double below = std::numeric_limits<double>::infinity());
 
 /// For a pair that is farther apart than `distance` before the step and not after it: when it comes that
 /// close.

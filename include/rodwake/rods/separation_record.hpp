@@ -9,13 +9,17 @@
 
 namespace rodwake::rods {
 
+/// Of more rods than this pairs are not followed one by one: their number grows as N^2, and how one of them
+/// ends says little of a crowd.
+inline constexpr std::size_t most_followed_rods = 100;
+
 /// The smallest separation of all pairs at any time, and each pair's range over the last part of the run.
 /// A plain value: it can be saved and taken up again.
 struct SeparationRecord {
     Separation smallest;        ///< infinite for a single rod
     double smallest_time = 0.0; ///< when that was
     double late_from = 0.0;     ///< time at which the last part begins
-    std::vector<LatePart> late; ///< of pair (a, b), a < b, at a N + b; empty for a single rod
+    std::vector<LatePart> late; ///< of pair (a, b), a < b, at a N + b; empty for one rod, and for many
 };
 
 SeparationRecord start_record(integrate::State y, double late_from, Box box = {});

@@ -15,6 +15,16 @@
 
 namespace rodwake::rods {
 
+/// How the wakes of 8 rods or more are added up on the plane in the exact field (elastic/mutual_wakes.hpp).
+struct WakeSums {
+    elastic::Accuracy accuracy = elastic::Accuracy::full;
+    /// Far wakes are left out while what that changes in each theta' stays below, rad mu v0/f. Errors of the
+    /// rates jump as rods move, and steps get short where such a jump times a step is above the solver's
+    /// tolerance. 0: none is left out.
+    double turning_tolerance = 0.0;
+    std::size_t threads = 1; ///< the bits do not depend on it
+};
+
 /// Reduced units: lengths f/mu, times f/(mu v0).
 struct RodProblem {
     std::optional<elastic::Medium> medium; ///< absent: rods walk straight
@@ -26,10 +36,21 @@ struct RodProblem {
     std::optional<double> box = {}; ///< side of the periodic box along x and y; absent: infinite plane
     /// How the wakes of this medium in this domain are worked out; absent: exactly.
     std::shared_ptr<const elastic::WakeField> field = nullptr;
+    WakeSums sums = {};
 };
 
+/// Sums whose errors keep to sums.turning_tolerance T. With d eps the strain and d A, d B the polar vectors
+/// left out
+///
+///   |d theta'| <= |kappa| |d eps|/sqrt(2) + |gamma1| |d A| + |gamma2| |d B|
+///
+/// (only the traceless part of eps turns a rod, and (eps_xy, (eps_yy - eps_xx)/2) is at most |eps|/sqrt(2)
+/// long), so |d eps| < sqrt(2) T/|kappa| and |d A|, |d B| < T/(|gamma1| + |gamma2|) are enough; with both
+/// kinds of coupling each gets T/2.
+elastic::MutualWakesOptions sum_options(const Couplings& couplings, const WakeSums& sums);
+
 /// The wakes a problem's rods move in; none without a medium. Throws InputError if problem.field is of
-/// another medium or box.
+/// another medium or box, or problem.sums asks for what only the exact field on the plane has.
 std::shared_ptr<const elastic::WakeField> wakes_of(const RodProblem& problem);
 /// The equations of motion of a problem.
 RodModel model_of(const RodProblem& problem);
@@ -90,7 +111,8 @@ std::vector<double> to_poses(Form form, integrate::State state, std::span<const 
 /// Rods are not stiff until a heading relaxes much faster than a rod walks past its neighbour. With k the
 /// largest |d theta_a'/d theta_b| at the start and r the smallest separation, k r (v0 = 1) is that ratio:
 /// above 30 BDF, below explicit Runge-Kutta. Measured at both ends in docs/validation.md (side by side, 5
-/// apart: 0.5 at kappa = 100, 46 at kappa = 1e4).
+/// apart: 0.5 at kappa = 100, 46 at kappa = 1e4). Of more than most_followed_rods rods always explicit
+/// Runge-Kutta: Newton's dense matrix of 3 N x 3 N costs more than shorter steps.
 integrate::Method suitable_method(const RodProblem& problem);
 
 /// k r of the above; 0 for rods that do not interact.

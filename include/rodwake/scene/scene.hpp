@@ -7,6 +7,7 @@
 // door (reading: scene/read.hpp; writing results: Scales below). The granular tables are SI
 // (scene/granular.hpp).
 
+#include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/integrate/method.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/scene/fit.hpp"
@@ -79,6 +80,24 @@ struct Rod {
     bool operator==(const Rod&) const = default;
 };
 
+/// [rods_random]: rods at random in a square round the origin, in place of [[rods]].
+struct RandomRods {
+    long count = 100;
+    double extent = 0.0;         ///< side of the square, f/mu
+    double min_separation = 0.0; ///< of two rods, across the sides of the square too, f/mu
+    double heading = 0.0;        ///< rad; headings are uniform within `spread` of it
+    double spread = 3.14159265358979323846;
+    long seed = 1;
+
+    bool operator==(const RandomRods&) const = default;
+};
+
+/// The rods it stands for; they depend on its values alone. None if they are too crowded.
+std::vector<Rod> random_rods(const RandomRods& random);
+/// Share of the square that discs of diameter min_separation cover. Up to most_crowding all rods find room.
+double crowding(const RandomRods& random);
+inline constexpr double most_crowding = 0.3;
+
 /// [rods_run]
 struct RodsRun {
     double t_end = 0.0;                      ///< > 0 (resolved)
@@ -87,10 +106,22 @@ struct RodsRun {
     std::optional<double> contact_distance;  ///< stop there; absent: no stop
     std::optional<integrate::Method> method; ///< absent: the one that suits the problem
     rods::Form form = rods::Form::angle;
-    double rtol = 1e-8, atol = 1e-10; ///< atol: rtol / 100 if not given
+    double rtol = 1e-8, atol = 1e-10;        ///< atol: rtol / 100 if not given
+    double turning_tolerance = 0.0;          ///< what far wakes may be left out for, mu v0/f; 0: none are
+    elastic::Accuracy precision = elastic::Accuracy::full; ///< of the sums over many rods
     long max_steps = 1'000'000;
 
     bool operator==(const RodsRun&) const = default;
+};
+
+/// [rods_order]: order parameters and clusters of the rods in time.
+struct RodsOrder {
+    double link = 0.0;           ///< rods nearer than this are of one cluster, f/mu
+    double from = 0.0;           ///< earlier times do not count in the means, f/(mu v0)
+    std::optional<double> block; ///< of time, one independent value for the errors; absent: a tenth of what
+                                 ///< counts
+
+    bool operator==(const RodsOrder&) const = default;
 };
 
 /// [[field.cuts]]: the field along a line parallel to an axis.
@@ -158,8 +189,10 @@ struct Scene {
     std::optional<Medium> medium;
     std::optional<Coupling> coupling;
     std::optional<Noise> noise;
-    std::vector<Rod> rods;
+    std::optional<RandomRods> rods_random;
+    std::vector<Rod> rods; ///< with rods_random those it stands for
     std::optional<RodsRun> rods_run;
+    std::optional<RodsOrder> rods_order;
     std::optional<Field> field;
     std::optional<Granular> granular;
     std::optional<Measure> measure;

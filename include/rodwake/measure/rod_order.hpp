@@ -1,0 +1,50 @@
+#pragma once
+// Order of many rods: do they share a heading or an axis, and in what groups are they?
+//
+//   polar order      P = |sum_a exp(i theta_a)|/N        1: all head one way
+//   nematic order    S = |sum_a exp(2 i theta_a)|/N      1: all along one axis, either way
+//   clusters         rods nearer than the distance `link` are linked; those joined by links are a cluster
+//   mean size        N/number of clusters
+//   weighted size    sum over clusters of s^2/N: the mean size of the cluster that a rod is in
+//
+// (Vicsek et al., Phys. Rev. Lett. 75, 1226 (1995); Ginelli et al., Phys. Rev. Lett. 104, 184502 (2010).) P
+// and S of N random headings are not 0 but sqrt(pi/(4 N)) in the mean, for N of some tens or more. All are
+// dimensionless; link is in the unit of the places.
+
+#include "rodwake/core/estimate.hpp"
+#include "rodwake/measure/frame.hpp"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace rodwake::measure {
+
+/// At one instant.
+struct RodOrder {
+    double polar = 0.0, nematic = 0.0;
+    std::vector<std::size_t> clusters; ///< sizes, the largest first; they add up to N
+
+    double mean_size() const;
+    double weighted_size() const;
+};
+
+/// `box`: side of the periodic box, distances are those of the nearest images; absent: infinite plane. At
+/// least one rod, finite places, link > 0 and at most half the box. Cost: N, and the pairs in neighbouring
+/// cells of the size of link.
+RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<double> box = {});
+
+/// Over the instants from a time on.
+struct MeanRodOrder {
+    Estimate polar, nematic, mean_size, weighted_size, largest;
+    std::vector<double> clusters; ///< number of clusters of size s at an instant, at index s - 1
+    std::size_t instants = 0, blocks = 0;
+};
+
+/// Instants of one block of time count as one value in the errors, which grow by correlation_factor where
+/// successive blocks correlate (statistics.hpp). Times grow; as many as orders, all of the same rods; block >
+/// 0. Throws InputError if no instant is at or after `from`.
+MeanRodOrder mean_rod_order(std::span<const double> times, std::span<const RodOrder> orders, double from,
+                            double block);
+
+} // namespace rodwake::measure

@@ -1,0 +1,55 @@
+#include "sweep.hpp"
+
+#include "rodwake/core/periodic.hpp"
+
+#include <cmath>
+#include <numeric>
+
+namespace rodwake::rods {
+
+namespace {
+
+constexpr std::size_t few = 16; // sorting does not pay below
+
+/// Coordinate `axis` of each rod, in a box within it.
+std::vector<double> coordinates(integrate::State y, std::size_t axis, Box box) {
+    std::vector<double> at(y.size() / 3);
+    for (std::size_t a = 0; a < at.size(); ++a)
+        at[a] = box ? into_box(y[3 * a + axis], *box) : y[3 * a + axis];
+    return at;
+}
+
+double spread(const std::vector<double>& at) {
+    const auto [low, high] = std::ranges::minmax(at);
+    return high - low;
+}
+
+double largest(integrate::State y) {
+    double size = 0.0;
+    for (std::size_t k = 0; k < y.size(); ++k)
+        size = k % 3 == 2 ? size : std::max(size, std::abs(y[k]));
+    return size;
+}
+
+} // namespace
+
+Sweep::Sweep(integrate::State y, Box box) : rods_(y.size() / 3) {
+    if (rods_ <= few || !std::ranges::all_of(y, [](double value) { return std::isfinite(value); }))
+        return;
+    std::vector<double> at = coordinates(y, 0, box), other = coordinates(y, 1, box);
+    if (spread(other) > spread(at))
+        at.swap(other);
+    order_.resize(rods_);
+    std::iota(order_.begin(), order_.end(), 0U);
+    std::ranges::sort(order_, [&](auto a, auto b) { return at[a] < at[b]; });
+    at_.reserve(rods_);
+    for (const std::uint32_t a : order_)
+        at_.push_back(at[a]);
+    if (box) {
+        around_ = *box;
+        farthest_ = 0.5 * *box;
+        rounding_ = 8.0 * std::numeric_limits<double>::epsilon() * (largest(y) + *box);
+    }
+}
+
+} // namespace rodwake::rods

@@ -1,0 +1,165 @@
+#include "rodwake/measure/rod_order.hpp"
+
+#include "rodwake/core/cell_list.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/periodic.hpp"
+#include "rodwake/measure/statistics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <numeric>
+
+namespace rodwake::measure {
+
+namespace {
+
+/// Sets that merge (union-find with path halving): each is known by its root, the smallest member.
+class Sets {
+public:
+    explicit Sets(std::size_t members) : parent_(members) {
+        std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+    }
+
+    std::size_t root(std::size_t a) {
+        while (parent_[a] != a)
+            a = parent_[a] = parent_[parent_[a]];
+        return a;
+    }
+    void merge(std::size_t a, std::size_t b) {
+        const std::size_t p = root(a), q = root(b);
+        parent_[std::max(p, q)] = std::min(p, q);
+    }
+    std::vector<std::size_t> sizes() {
+        std::vector<std::size_t> count(parent_.size(), 0);
+        for (std::size_t a = 0; a < parent_.size(); ++a)
+            ++count[root(a)];
+        std::erase(count, 0U);
+        std::ranges::sort(count, std::greater());
+        return count;
+    }
+
+private:
+    std::vector<std::size_t> parent_;
+};
+
+/// On the plane, a square that holds all places and in which no two are near each other round its edge.
+double side_of(std::span<const double> x, std::span<const double> y, double link) {
+    const auto [left, right] = std::ranges::minmax(x);
+    const auto [low, high] = std::ranges::minmax(y);
+    return std::max(right - left, high - low) + 2.0 * link;
+}
+
+std::vector<std::size_t> cluster_sizes(std::span<const RodPlace> rods, double link,
+                                       std::optional<double> box) {
+    std::vector<double> x, y;
+    for (const RodPlace& rod : rods) {
+        x.push_back(rod.x);
+        y.push_back(rod.y);
+    }
+    const double side = box ? *box : side_of(x, y, link);
+    const CellList cells(x, y, side, link);
+    Sets sets(rods.size());
+    cells.pairs([&](std::size_t p, std::size_t q) {
+        const double dx = cells.x()[p] - cells.x()[q], dy = cells.y()[p] - cells.y()[q];
+        if ((box ? nearest_distance(dx, dy, *box) : std::hypot(dx, dy)) < link)
+            sets.merge(cells.member()[p], cells.member()[q]);
+    });
+    return sets.sizes();
+}
+
+/// |mean of exp(i k theta)|
+double alignment(std::span<const RodPlace> rods, double k) {
+    std::complex<double> sum = 0.0;
+    for (const RodPlace& rod : rods)
+        sum += std::polar(1.0, k * rod.heading);
+    return std::abs(sum) / static_cast<double>(rods.size());
+}
+
+/// Of one number of each instant.
+Estimate block_mean(std::span<const double> values, const std::vector<std::size_t>& block_of) {
+    std::vector<double> sum(block_of.empty() ? 0 : block_of.back() + 1, 0.0), weight(sum.size(), 0.0);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        sum[block_of[i]] += values[i];
+        weight[block_of[i]] += 1.0;
+    }
+    for (std::size_t b = 0; b < sum.size(); ++b)
+        sum[b] /= weight[b];
+    Estimate mean = mean_of_blocks(sum, weight);
+    mean.error *= correlation_factor(successive_correlation(sum));
+    return mean;
+}
+
+/// Numbers from 0 without gaps.
+std::vector<std::size_t> blocks_of(std::span<const double> times, double from, double block) {
+    std::vector<std::size_t> numbers;
+    double last = 0.0;
+    for (const double time : times) {
+        const double at = std::floor((time - from) / block);
+        numbers.push_back(numbers.empty() ? 0 : numbers.back() + (at > last ? 1 : 0));
+        last = at;
+    }
+    return numbers;
+}
+
+std::vector<double> numbers_by_size(std::span<const RodOrder> orders) {
+    std::vector<double> number;
+    for (const RodOrder& order : orders)
+        for (const std::size_t size : order.clusters) {
+            number.resize(std::max(number.size(), size), 0.0);
+            number[size - 1] += 1.0;
+        }
+    for (double& count : number)
+        count /= static_cast<double>(orders.size());
+    return number;
+}
+
+} // namespace
+
+double RodOrder::mean_size() const {
+    return static_cast<double>(std::accumulate(clusters.begin(), clusters.end(), std::size_t{0})) /
+           static_cast<double>(clusters.size());
+}
+
+double RodOrder::weighted_size() const {
+    double squares = 0.0, rods = 0.0;
+    for (const std::size_t size : clusters) {
+        squares += static_cast<double>(size) * static_cast<double>(size);
+        rods += static_cast<double>(size);
+    }
+    return squares / rods;
+}
+
+RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<double> box) {
+    return {alignment(rods, 1.0), alignment(rods, 2.0), cluster_sizes(rods, link, box)};
+}
+
+MeanRodOrder mean_rod_order(std::span<const double> times, std::span<const RodOrder> orders, double from,
+                            double block) {
+    const auto first = static_cast<std::size_t>(std::ranges::lower_bound(times, from) - times.begin());
+    if (first == times.size())
+        throw InputError(fmt::format("order of the rods: no time from {:g} on", from));
+    const auto late = orders.subspan(first);
+    const std::vector<std::size_t> block_of = blocks_of(times.subspan(first), from, block);
+    const auto mean = [&](const auto& number) {
+        std::vector<double> values;
+        for (const RodOrder& order : late)
+            values.push_back(number(order));
+        return block_mean(values, block_of);
+    };
+    MeanRodOrder result;
+    result.polar = mean([](const RodOrder& o) { return o.polar; });
+    result.nematic = mean([](const RodOrder& o) { return o.nematic; });
+    result.mean_size = mean([](const RodOrder& o) { return o.mean_size(); });
+    result.weighted_size = mean([](const RodOrder& o) { return o.weighted_size(); });
+    result.largest = mean([](const RodOrder& o) { return static_cast<double>(o.clusters.front()); });
+    result.clusters = numbers_by_size(late);
+    result.instants = late.size();
+    result.blocks = block_of.back() + 1;
+    return result;
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,88 @@
+#include "check_rods.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+using Report = std::function<void(const std::string&, const std::string&)>;
+
+void random_start(const Scene& scene, const Report& report) {
+    const RandomRods& random = *scene.rods_random;
+    if (scene.medium && scene.medium->periodic && random.extent > *scene.medium->periodic)
+        report(
+            "rods_random.extent",
+            fmt::format(
+                "rods_random.extent is {} f/mu, more than the periodic box of {}: rods would start on top of "
+                "each other's images",
+                random.extent, *scene.medium->periodic));
+    const auto& contact = scene.rods_run->contact_distance;
+    if (contact && *contact >= random.min_separation)
+        report("rods_run.contact_distance",
+               fmt::format("rods_run.contact_distance is {} f/mu: with [rods_random] it must be below "
+                           "rods_random.min_separation = {}, or the run may be over before it starts",
+                           *contact, random.min_separation));
+}
+
+/// What only the sums of the exact field on the plane offer.
+void sums(const Scene& scene, const Report& report) {
+    const RodsRun& run = *scene.rods_run;
+    const bool offered =
+        !scene.medium || (scene.medium->field == FieldBackend::exact && !scene.medium->periodic);
+    const auto want_plane = [&](bool asked, const char* key) {
+        if (asked && !offered)
+            report(
+                std::string("rods_run.") + key,
+                fmt::format("rods_run.{} needs the exact field on the plane: leave it out, or medium.field = "
+                            "\"table\" and medium.periodic",
+                            key));
+    };
+    want_plane(run.turning_tolerance > 0.0, "turning_tolerance");
+    want_plane(run.precision != elastic::Accuracy::full, "precision");
+}
+
+/// Newton's matrix of 3 N x 3 N doubles, and its factors.
+void memory(const Scene& scene, const Report& report) {
+    constexpr std::size_t most = 3000;
+    if (scene.rods_run->method == integrate::Method::bdf && scene.rods.size() > most)
+        report("rods_run.method",
+               fmt::format("rods_run.method: \"bdf\" keeps dense matrices of 3 N x 3 N numbers, for {} rods "
+                           "{:.2g} GB each: at "
+                           "most {} rods; \"erk\" and \"adams\" take any number",
+                           scene.rods.size(),
+                           72e-9 * static_cast<double>(scene.rods.size() * scene.rods.size()), most));
+}
+
+void order_of_rods(const Scene& scene, const Report& report) {
+    const RodsOrder& order = *scene.rods_order;
+    const double counts = scene.rods_run->t_end - order.from;
+    if (!(counts > 0.0))
+        report("rods_order.from",
+               fmt::format(
+                   "rods_order.from = {} f/(mu v0) is not before the end of the run, {}: nothing would count",
+                   order.from, scene.rods_run->t_end));
+    else if (order.block && *order.block > counts)
+        report("rods_order.block",
+               fmt::format("rods_order.block = {} f/(mu v0) is longer than what counts, {}", *order.block,
+                           counts));
+    if (scene.medium && scene.medium->periodic && order.link > 0.5 * *scene.medium->periodic)
+        report("rods_order.link",
+               fmt::format("rods_order.link = {} f/mu: at most half the periodic box of {}", order.link,
+                           *scene.medium->periodic));
+}
+
+} // namespace
+
+void check_rods(const Scene& scene, const Report& report) {
+    if (!scene.rods_run)
+        return;
+    if (scene.rods_order)
+        order_of_rods(scene, report);
+    if (scene.rods_random)
+        random_start(scene, report);
+    sums(scene, report);
+    memory(scene, report);
+}
+
+} // namespace rodwake::scene
