@@ -20,6 +20,14 @@ constexpr ColumnInfo rods_columns[] = {
     {"y<k>", "{length}", "place of rod k, unwrapped"},
     {"theta<k>", "rad", "heading of rod k from +x, counter-clockwise, without jumps"}};
 
+constexpr ColumnInfo ensemble_columns[] = {
+    {"sample", "1", "number of the draw, from 0"},
+    {"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided; empty: the solver failed"},
+    {"time", "{time}", "of contact, else the end of the run"},
+    {"final_separation", "{length}", "of the closest pair then; empty: one rod"},
+    {"min_separation", "{length}", "smallest separation of any pair at any time"},
+    {"turn0", "rad", "of rod 0 from start to end"}};
+
 constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
                                       {"y", "{length}", "place along the cut"},
                                       {"Ux", "{length}", "displacement along the rod's heading"},
@@ -149,6 +157,8 @@ constexpr FileKind plain_kinds[] = {
 
     {"rods.csv", Stage::rods, result, "rods against time", rods_columns},
     {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did"},
+    {"ensemble.csv", Stage::rods, result,
+     "a row a draw of the measured field's errors: how the rods end in it", ensemble_columns},
     {"checkpoint.json", Stage::rods, progress, "state to go on from"},
 };
 
