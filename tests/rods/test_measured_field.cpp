@@ -15,8 +15,8 @@ rods::RodProblem pair_in(std::shared_ptr<const elastic::WakeField> field) {
     rods::RodProblem problem;
     problem.medium = field->medium();
     problem.box = field->box();
-    problem.couplings = {4.0, 0.3, 0.0};
-    problem.rods = {{0.0, 3.2, 0.1}, {0.5, -3.2, -0.2}};
+    problem.couplings = {4.0, 0.0, 0.0};
+    problem.rods = {{0.0, 3.2, 0.0}, {0.5, -3.2, 0.0}};
     problem.t_end = 6.0;
     problem.field = std::move(field);
     return problem;
@@ -45,9 +45,10 @@ TEST_CASE("rods in the samples of an exact field go as in that field") {
     const auto end = end_of(pair_in(measured.field(box)));
     const auto exact = end_of(pair_in(exact_field(truth, box)));
     const auto by_theory = end_of(pair_in(exact_field(theory, box)));
-    CHECK(largest_difference(by_theory, exact) > 0.1); // what data have to make up for
-    // 3e-3 of the strain (test_measured_field.cpp), which turns these rods by about 1 rad over a way of 6
-    CHECK(largest_difference(end, exact) < 0.02);
+    CHECK(largest_difference(by_theory, exact) > 0.05); // what data have to make up for
+    // strain to 3e-3 (test_measured_field.cpp), where theory is off by 0.3 of it; and what data have beyond
+    // theory's images does not turn with the rods, here by 0.1 rad
+    CHECK(largest_difference(end, exact) < 0.05 * largest_difference(by_theory, exact));
 }
 
 TEST_CASE("the Jacobian of rods in a measured field is that of their right-hand side") {

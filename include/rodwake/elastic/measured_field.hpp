@@ -21,8 +21,8 @@
 //
 // Errors: values are means under the window 1 - (d/window)^2, whose correlation is that of the
 // cross-validation. Draws add to the data normal errors of the given sigma, white noise under the window
-// 1 - (d/correlation)^2, and are smoothed alike: a bed's long waves go together over much more than a cell.
-// The longer the correlation of errors of one size, the smaller those of the strain. The spline's own error
+// 1 - (d/correlation)^2, and are smoothed alike: a
+// bed's long waves go together over much more than a cell. The spline's own error
 // on an exact field sampled at a tenth of xi is below 3e-3 of the strain xi or more from the rod (tests).
 //
 // Units f/mu, as elsewhere: multiply lengths of a bed in metres by mu/f. Thread-safe.
