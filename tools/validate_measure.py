@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Validation of the measures on granular runs: every number of docs/validation.md that comes from [measure] on a bed.
 
-    tools/validate_measure.py [--program build/release/rodwake] [--only order,wake,large,flow,pairs,pairs_18,turned,pursuit,force,cost]
+    tools/validate_measure.py [--program build/release/rodwake] [--only order,wake,large,flow,pairs,pairs_18,turned,pursuit,force,measured_pair,cost]
                               [-j 2] [--keep DIR] [--runs N]
 
 Runs the scenes of scenes/ and prints Markdown: each line a number with its standard error. --keep DIR keeps the results and
@@ -246,6 +246,40 @@ def force(lab):
           f"{len(v) - 2}; f = {slope:.2f} uN s/mm v: chi2 {chi[1]:.0f} for {len(v) - 1}\n")
 
 
+LAGS = (1, 2, 4, 8, 12, 16, 20)  # a
+
+
+def mirror_errors(file):
+    """What a mirror along the rod should not leave, Ux odd and Uy even, over its sigma: rms, and correlation at LAGS along x."""
+    with h5py.File(file) as h5:
+        x, *layers = (h5["displacement"][name][:] for name in ("x", "Ux", "Uy", "sigma_x", "sigma_y"))
+    far = np.hypot(*np.meshgrid(x, x[1:])) > 8.0
+    rows = []
+    for u, sigma, sign in ((layers[0], layers[2], -1.0), (layers[1], layers[3], 1.0)):
+        odd, error = (u[1:] + sign * u[:0:-1]) / 2, np.hypot(sigma[1:], sigma[:0:-1]) / 2
+        z = np.where(far, odd / error, np.nan)
+        power = np.nanmean(z**2)
+        rows.append((power**0.5, [np.nanmean(z[:, lag:] * z[:, :-lag]) / power for lag in LAGS]))
+    return rows
+
+
+def measured_pair(lab):
+    """Two rods in the field measured around one, the lattice along the rods and turned."""
+    def change(folder):
+        last = read(folder / "rods.csv")[-1]
+        return (float(last["y0"]) - float(last["y1"])) * 4.08 - 15.0  # f/mu of the scene, a
+    rows = []
+    for angle in (0, 90):
+        out = lab.run("pair_measured.toml", f"measured_{angle}", f"granular.orientation={angle} deg")
+        spread = json.loads((out / "outcome.json").read_text())["ensemble"]["final_separation"]["spread"] * 4.08
+        errors = mirror_errors(out / "measure.h5")
+        rows.append([f"{angle}", f"{change(out):+.2f} +- {spread:.2f}", f"{change(out / 'variants/theory'):+.2f}",
+                     *(f"{rms:.2f}; {' '.join(f'{c:.2f}' for c in correlation)}" for rms, correlation in errors)])
+    lags = ", ".join(map(str, LAGS))
+    table("Pair 15 a apart in the measured field over half a box, kappa = 1.17",
+          ["rows, deg", "Delta y, a", "theory", f"odd part of Ux over sigma: rms; correlation at {lags} a", "even part of Uy"], rows)
+
+
 def cpu_seconds(lab, scene, name):
     out = lab.folder / name
     command = [lab.program, "dem", scene, "-o", out, "--quiet", "--force"]
@@ -283,7 +317,7 @@ def cost(lab):
 
 PARTS = {"order": order, "wake": wake, "large": large, "flow": flow,
          "pairs": pairs, "pairs_18": pairs_18, "turned": turned, "pursuit": pursuit,
-         "force": force, "cost": cost}
+         "force": force, "measured_pair": measured_pair, "cost": cost}
 
 
 def main():

@@ -28,6 +28,7 @@ def draw(axes, run, window, look):
     canvas.window(axes, *(tuple(look.length * edge for edge in pair) for pair in (window.x, window.y)))
     rods = range(run.x.shape[1])
     for rod in rods:
+        samples(axes, run, rod, look)
         path(axes, run, rod, look)
         marks(axes, run, rod, look)
     for rod in rods if len(rods) <= MOST_LABELS else ():
@@ -36,6 +37,13 @@ def draw(axes, run, window, look):
 
 def colour_of(rod):
     return style.ROD_COLOURS[rod % len(style.ROD_COLOURS)]
+
+
+def samples(axes, run, rod, look):
+    """What the errors of a measured field make of the path."""
+    for x, y in zip(*run.samples):
+        axes.plot(x[:, rod] * look.length, y[:, rod] * look.length, color=colour_of(rod), linewidth=0.5, alpha=0.35, zorder=1,
+                  scalex=False, scaley=False)
 
 
 def path(axes, run, rod, look):

@@ -22,7 +22,7 @@ class Cut:
 
 @dataclass(frozen=True)
 class Run:
-    """One integration of the rods; x, y, theta are [time][rod]."""
+    """One integration of the rods; x, y, theta are [time][rod]; samples of a measured field's errors [sample][time][rod]."""
     name: str
     label: str
     outcome: str
@@ -31,6 +31,7 @@ class Run:
     x: np.ndarray
     y: np.ndarray
     theta: np.ndarray
+    samples: tuple = ()  # x and y of them; NaN where one has ended
 
 
 TOLD = "kappa", "gamma1", "gamma2", "alpha", "eta"  # what runs differ in, in this order
@@ -120,4 +121,5 @@ class Result:
         if not (x.shape == y.shape == theta.shape and x.ndim == 2 and len(x) == len(t) > 0):
             raise PlotError(f"{self.path}: {place} holds x, y, theta of unequal or empty shape")
         label = self.attribute(place, "label", "") or ("" if name == "scene" else name)
-        return Run(name, label, self.attribute(place, "outcome"), self.attributes(place), t, x, y, theta)
+        samples = tuple(self.data(f"{place}/ensemble/{part}") for part in "xy") if self.has(f"{place}/ensemble") else ()
+        return Run(name, label, self.attribute(place, "outcome"), self.attributes(place), t, x, y, theta, samples)

@@ -104,6 +104,8 @@ def caption(run, spec):
     text = f"Paths of {rods} rods" if rods > 1 else "Path of one rod"
     text += (f", coloured by time: hollow mark at the start, filled at the end, small marks every {interval} "
              f"{units.time_html()}; the thin end points forward. ")
+    if any(run.samples for run in runs):
+        text += "Thin lines: the same rods in draws of the measured field's errors. "
     if len(runs) == 1:
         outcome = outcome_words(units, runs[0])
         return text + outcome[0].upper() + outcome[1:] + ". " + parameters(runs[0])

@@ -6,6 +6,15 @@ namespace rodwake::assembly {
 
 namespace {
 
+void add_measured_line(const scene::Scene& scene, const scene::MeasuredMedium& m, Lines& lines) {
+    lines.push_back(
+        {true, fmt::format("field measured in {}, f/mu = {:g} m; theory in its core and beyond its "
+                           "edge",
+                           m.file, scene.scales->f_over_mu)});
+    lines.push_back({m.samples > 0, m.samples > 0 ? fmt::format("errors of that field: {} draws", m.samples)
+                                                  : "errors of that field: measured.samples is 0"});
+}
+
 void add_medium_lines(const scene::Scene& scene, Lines& lines) {
     if (!scene.medium)
         return;
@@ -15,6 +24,8 @@ void add_medium_lines(const scene::Scene& scene, Lines& lines) {
     lines.push_back({m.periodic.has_value(),
                      m.periodic ? fmt::format("periodic box of {:g} for rods and field", *m.periodic)
                                 : "periodic images of rods: no medium.periodic, infinite plane"});
+    if (m.field == scene::FieldBackend::measured)
+        add_measured_line(scene, *m.measured, lines);
     if (m.field == scene::FieldBackend::table)
         lines.push_back({true, fmt::format("field from a table, relative error {:g}",
                                            m.table.value_or(scene::FieldTable{}).tolerance)});
@@ -115,6 +126,8 @@ void add_scan_lines(const Plan& plan, Lines& lines) {
 void add_unused_lines(const scene::Scene& scene, Lines& lines) {
     if (scene.medium && scene.medium->table && scene.medium->field == scene::FieldBackend::exact)
         lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
+    if (scene.medium && scene.medium->measured && scene.medium->field != scene::FieldBackend::measured)
+        lines.push_back({false, "medium.measured: only used with field = \"measured\""});
     if (scene.noise)
         lines.push_back({false, "noise: rotational_diffusion is 0"});
     else if (scene.rods_run)

@@ -91,7 +91,8 @@ Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInp
 
 void apply_seed(scene::Scene& scene, std::uint64_t seed) {
     constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<long>::max());
-    if ((scene.granular || scene.fit || scene.scan || scene.rods_random) && seed > largest)
+    const bool measured = scene.medium && scene.medium->measured;
+    if ((scene.granular || scene.fit || scene.scan || scene.rods_random || measured) && seed > largest)
         throw InputError(fmt::format("--seed {}: must be from 0 to {}", seed, largest));
     if (scene.granular)
         scene.granular->seed = static_cast<long>(seed);
@@ -103,6 +104,8 @@ void apply_seed(scene::Scene& scene, std::uint64_t seed) {
         scene.fit->search.seed = seed;
     if (scene.scan)
         scene.scan->seed = static_cast<long>(seed);
+    if (measured)
+        scene.medium->measured->seed = static_cast<long>(seed);
 }
 
 } // namespace rodwake::assembly

@@ -122,10 +122,10 @@ void check_rods(const Scene& scene, const Report& report) {
         report("scan", "[scan] of rods needs two or more [[rods]]: a single rod has no outcome");
     if (scene.medium && scene.medium->fitted)
         report("scan", "[scan] needs a medium of its own: medium.fitted = true takes it from [fit]");
-    if (scene.medium && scene.medium->field == FieldBackend::table)
+    if (scene.medium && scene.medium->field != FieldBackend::exact)
         report("medium.field",
                "[scan] takes medium.field = \"exact\": its pairs are integrated many at once, "
-               "which is faster than a table");
+               "which is faster than a table and not made for a measured field");
 }
 
 void check_beds(const Scene& scene, const Report& report) {

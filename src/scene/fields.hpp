@@ -9,6 +9,7 @@ inline constexpr std::size_t max_rods = 1000; // one by one; at random a hundred
 
 void fields(Visitor& v, Scales& scales);
 void fields(Visitor& v, FieldTable& table);
+void fields(Visitor& v, MeasuredMedium& measured);
 void fields(Visitor& v, Medium& medium);
 void fields(Visitor& v, Coupling& coupling);
 void fields(Visitor& v, Noise& noise);

@@ -109,6 +109,58 @@ void fields(Visitor& v, FieldTable& table) {
       table.tolerance);
 }
 
+void fields(Visitor& v, MeasuredMedium& measured) {
+    v(key("file")
+          .required()
+          .doc("measure.h5 of rodwake measure with measure.displacement; looked for in the run's folder if "
+               "this "
+               "scene measures, beside the scene, and in the working folder. scales.f_over_mu makes f/mu of "
+               "its bead radii")
+          .example("\"measure.h5\""),
+      measured.file);
+    v(key("core")
+          .unit(length)
+          .above(0.0)
+          .absent("4 bead radii")
+          .doc("closer to the rod theory alone holds: there are no beads")
+          .example("1.0"),
+      measured.core);
+    v(key("edge")
+          .unit(length)
+          .above(0.0)
+          .absent("where the measured field ends")
+          .doc("beyond this |x| or |y| in the rod's frame theory alone holds")
+          .example("9.0"),
+      measured.edge);
+    v(key("blend")
+          .unit(length)
+          .above(0.0)
+          .absent("6 bead radii")
+          .doc("width over which measured field and theory are mixed, outside the core and inside the edge")
+          .example("1.5"),
+      measured.blend);
+    v(key("correlation")
+          .unit(length)
+          .within(0.0, 1e12)
+          .absent("0.71 lattice spacings, the window of rodwake measure")
+          .doc("radius over which the errors of the bins go together in draws")
+          .example("0.4"),
+      measured.correlation);
+    v(key("smoothing")
+          .symbol("\\lambda")
+          .above(0.0)
+          .absent("by generalised cross-validation, for each component")
+          .doc("weight of the third differences of the spline")
+          .example("10.0"),
+      measured.smoothing);
+    v(key("samples")
+          .within(0.0, 10000.0)
+          .doc("runs of the rods in fields drawn from the measured one and its errors; 0: none")
+          .example("32"),
+      measured.samples);
+    v(key("seed").within(0.0, 1e12).doc("of these draws").example("1"), measured.seed);
+}
+
 void fields(Visitor& v, Medium& medium) {
     EtaForms given{medium.eta, {}, {}, {}, {}};
     std::optional<double> xi = medium.xi, alpha;
@@ -130,12 +182,15 @@ void fields(Visitor& v, Medium& medium) {
           .example("1.0"),
       alpha);
     v(key("field")
-          .one_of({"exact", "table"})
-          .not_yet({"measured", "dynamic"})
+          .one_of({"exact", "table", "measured"})
+          .not_yet({"dynamic"})
           .doc("how the field is evaluated; a table of it is made once, to table.tolerance, and kept in the "
-               "user's cache folder")
+               "user's cache folder; measured: the displacement field of measured.file, with theory where it "
+               "has none")
           .example("\"exact\""),
-      choice(medium.field, {{"exact", FieldBackend::exact}, {"table", FieldBackend::table}}));
+      choice(medium.field, {{"exact", FieldBackend::exact},
+                            {"table", FieldBackend::table},
+                            {"measured", FieldBackend::measured}}));
     v(key("periodic")
           .unit(length)
           .above(0.0)
@@ -150,6 +205,7 @@ void fields(Visitor& v, Medium& medium) {
           .example("true"),
       fitted);
     v.table(key("table").doc("Interpolation of the field; not used with field = \"exact\"."), medium.table);
+    v.table(key("measured").doc("The field of rods in a bed, with field = \"measured\"."), medium.measured);
     if (fitted)
         return v.derive([&] { medium.fitted = !refuse_given(v, given, xi, alpha); });
     v.one_form(eta_forms, [&](int form) { resolve_eta(v, given, form, medium); });

@@ -34,6 +34,14 @@ constexpr ColumnInfo clusters_columns[] = {
     {"clusters", "1", "clusters of this size at an instant, mean from rods_order.from on"},
     {"share", "1", "of the rods that are in them"}};
 
+constexpr ColumnInfo ensemble_columns[] = {
+    {"sample", "1", "number of the draw, from 0"},
+    {"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided; empty: the solver failed"},
+    {"time", "{time}", "of contact, else the end of the run"},
+    {"final_separation", "{length}", "of the closest pair then; empty: one rod"},
+    {"min_separation", "{length}", "smallest separation of any pair at any time"},
+    {"turn0", "rad", "of rod 0 from start to end"}};
+
 constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
                                       {"y", "{length}", "place along the cut"},
                                       {"Ux", "{length}", "displacement along the rod's heading"},
@@ -167,6 +175,8 @@ constexpr FileKind plain_kinds[] = {
     {"rods_order.json", Stage::rods, result,
      "means of rods_order.csv from rods_order.from on, with standard errors"},
     {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did"},
+    {"ensemble.csv", Stage::rods, result,
+     "a row a draw of the measured field's errors: how the rods end in it", ensemble_columns},
     {"checkpoint.json", Stage::rods, progress, "state to go on from"},
 };
 

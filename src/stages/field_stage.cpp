@@ -1,9 +1,9 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/elastic/tensor.hpp"
 #include "rodwake/elastic/wake_field.hpp"
-#include "rodwake/stages/wake_tables.hpp"
 #include "rodwake/store/csv.hpp"
 #include "stage_list.hpp"
+#include "wake_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -138,8 +138,8 @@ void store_cut(Session& session, const RodField& field, std::size_t index) {
 
 StageEnd run_field_stage(Session& session) {
     const scene::Field& table = *session.plan.scene.field;
-    WakeTables tables(session.context);
-    const RodField field(*wake_field(*session.modelled().medium, tables));
+    WakeFields fields(session);
+    const RodField field(*fields.of(session.modelled()));
     if (!table.x.empty())
         store_grid(session, field);
     for (std::size_t i = 0; i < table.cuts.size() && !session.context.stopped(); ++i)

@@ -124,8 +124,8 @@ void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
 
 } // namespace
 
-std::vector<fs::path> fit_file_places(const std::string& file, const scene::Scene& scene,
-                                      const fs::path& run_directory) {
+std::vector<fs::path> data_file_places(const std::string& file, const scene::Scene& scene,
+                                       const fs::path& run_directory) {
     if (fs::path(file).is_absolute())
         return {file};
     std::vector<fs::path> places;
@@ -139,7 +139,7 @@ std::vector<fs::path> fit_file_places(const std::string& file, const scene::Scen
 }
 
 fs::path find_fit_file(const std::string& file, const scene::Scene& scene, const fs::path& run_directory) {
-    const auto places = fit_file_places(file, scene, run_directory);
+    const auto places = data_file_places(file, scene, run_directory);
     std::string looked;
     for (const fs::path& place : places) {
         if (fs::is_regular_file(place))
@@ -250,7 +250,7 @@ assembly::FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& r
     const auto absent = [&](const std::string& file) {
         if (own == OwnFiles::required || !made_by_run(file, scene))
             return false;
-        const auto places = fit_file_places(file, scene, run_directory);
+        const auto places = data_file_places(file, scene, run_directory);
         return own == OwnFiles::left_out ||
                std::ranges::none_of(places, [](const fs::path& p) { return fs::is_regular_file(p); });
     };

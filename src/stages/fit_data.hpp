@@ -10,10 +10,11 @@
 
 namespace rodwake::stages {
 
-/// Where a file of [fit] may be, the first that exists counts: the run directory if this scene makes files to
-/// fit, beside the scene, where the program runs. `run_directory` empty: there is none yet.
-std::vector<std::filesystem::path> fit_file_places(const std::string& file, const scene::Scene& scene,
-                                                   const std::filesystem::path& run_directory);
+/// Where a file of [fit] or [medium.measured] may be, the first that exists counts: the run directory if this
+/// scene makes such files, beside the scene, where the program runs. `run_directory` empty: there is none
+/// yet.
+std::vector<std::filesystem::path> data_file_places(const std::string& file, const scene::Scene& scene,
+                                                    const std::filesystem::path& run_directory);
 
 /// Throws InputError naming all places if it is in none of them, or is there and no regular file.
 std::filesystem::path find_fit_file(const std::string& file, const scene::Scene& scene,

@@ -46,7 +46,7 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const rods::Ro
 } // namespace
 
 std::string outcome_json(const rods::RodResult& result, const rods::RodOptions& options,
-                         const assembly::OutputUnits& units) {
+                         const assembly::OutputUnits& units, const nlohmann::ordered_json& ensemble) {
     const rods::RodOutcome& outcome = result.outcome;
     nlohmann::ordered_json json;
     json["outcome"] = to_string(outcome.ending);
@@ -64,6 +64,8 @@ std::string outcome_json(const rods::RodResult& result, const rods::RodOptions& 
     json["reason"] = outcome.reason;
     json["units"] = {{"length", units.length_name}, {"time", units.time_name}, {"turn", "rad"}};
     json["solver"] = solver_json(result, options);
+    if (!ensemble.is_null())
+        json["ensemble"] = ensemble;
     return json.dump(2) + "\n";
 }
 

@@ -1,11 +1,13 @@
 #include "progress.hpp"
 #include "rods_checkpoint.hpp"
+#include "rods_ensemble.hpp"
 #include "rodwake/core/parallel.hpp"
-#include "rodwake/stages/wake_tables.hpp"
 #include "rodwake/store/csv.hpp"
 #include "stage_list.hpp"
+#include "wake_fields.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace rodwake::stages {
 
@@ -19,6 +21,8 @@ struct Work {
     rods::RodProblem problem; ///< the plan's, with its field
     rods::RodOptions options;
     rods::RodResult result;
+    std::shared_ptr<const elastic::MeasuredDisplacement> measured; ///< with field = "measured"
+    std::vector<rods::RodResult> samples; ///< in fields drawn from the measured one and its errors
 
     const assembly::Case& of() const { return plan->of; }
     std::string checkpoint_file() const { return of().folder + "checkpoint.json"; }
@@ -120,7 +124,16 @@ void store(Session& session, const Work& one, std::int64_t order) {
     store_attributes(session, one, group, order);
     session.directory.write(one.of().folder + "rods.csv", store::to_csv(columns.names, columns.values));
     session.directory.write(one.of().folder + "outcome.json",
-                            outcome_json(one.result, one.options, session.units));
+                            outcome_json(one.result, one.options, session.units,
+                                         one.samples.empty()
+                                             ? nlohmann::ordered_json()
+                                             : ensemble_json(one.samples, one.problem.box, session.units)));
+    if (one.samples.empty())
+        return;
+    store_ensemble(session.results, group + "/ensemble", one.samples, one.problem.output_times,
+                   session.units);
+    session.directory.write(one.of().folder + "ensemble.csv",
+                            ensemble_csv(one.samples, one.problem.box, session.units));
 }
 
 StageEnd report(const Session& session, const Work& one) {
@@ -137,14 +150,31 @@ StageEnd report(const Session& session, const Work& one) {
 }
 
 /// Threads that the cases leave over add up the wakes of each.
-rods::RodProblem problem_of(const assembly::RodsPlan& plan, WakeTables& tables, std::size_t threads) {
-    rods::RodProblem problem = plan.problem;
-    problem.sums.threads = threads;
-    const bool interacting =
-        problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box);
-    if (interacting && plan.of.scene.medium->field != scene::FieldBackend::exact)
-        problem.field = wake_field(*plan.of.scene.medium, tables);
-    return problem;
+Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t threads) {
+    Work one{&plan, plan.problem, plan.options, {}, nullptr, {}};
+    one.problem.sums.threads = threads;
+    const rods::RodProblem& problem = plan.problem;
+    if (!(problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box)))
+        return one;
+    if (plan.of.scene.medium->field != scene::FieldBackend::exact)
+        one.problem.field = fields.of(plan.of.scene);
+    if (plan.of.scene.medium->field == scene::FieldBackend::measured)
+        one.measured = fields.measured(plan.of.scene);
+    return one;
+}
+
+/// One case after the other, each over all threads; false: stopped on the way.
+bool solve_samples(const Session& session, std::vector<Work>& cases) {
+    for (Work& one : cases) {
+        const auto& keys = one.of().scene.medium;
+        if (!one.measured || keys->measured->samples == 0)
+            continue;
+        one.samples = run_ensemble(one.problem, one.options, *one.measured, *keys->measured, session.context);
+        if (one.samples.empty())
+            return false;
+        session.log->info("rods: {} samples of the measured field's errors", one.samples.size());
+    }
+    return true;
 }
 
 } // namespace
@@ -153,15 +183,15 @@ StageEnd run_rods_stage(Session& session) {
     // a medium from [fit] is known only now
     const std::vector<assembly::RodsPlan> fitted =
         session.fitted() ? assembly::plan_rods(session.modelled()) : std::vector<assembly::RodsPlan>{};
-    WakeTables tables(session.context);
+    WakeFields fields(session);
     const std::vector<assembly::RodsPlan>& plans = session.fitted() ? fitted : session.plan.rods;
     const std::size_t threads = std::max<std::size_t>(1, session.context.thread_count() / plans.size());
     std::vector<Work> cases;
     for (const assembly::RodsPlan& plan : plans)
-        cases.push_back({&plan, problem_of(plan, tables, threads), plan.options, {}});
+        cases.push_back(work_of(plan, fields, threads));
     parallel_for(cases.size(), session.context.thread_count(),
                  [&](std::size_t i) { solve(session, cases[i], i == 0); });
-    StageEnd end = StageEnd::finished;
+    StageEnd end = solve_samples(session, cases) ? StageEnd::finished : StageEnd::interrupted;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         store(session, cases[i], static_cast<std::int64_t>(i));
         if (cases[i].of().scene.rods_order)

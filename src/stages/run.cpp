@@ -3,6 +3,7 @@
 #include "fit_stage.hpp"
 #include "granular_jobs.hpp"
 #include "measure_stage.hpp"
+#include "measured_file.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/stages/run_folder.hpp"
 #include "scan/scan_list.hpp"
@@ -92,6 +93,8 @@ Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const fs::path&
     if (context.seed)
         assembly::apply_seed(scene, *context.seed);
     const auto has = [&](Stage stage) { return std::ranges::find(stages, stage) != stages.end(); };
+    if (has(Stage::field) || has(Stage::rods))
+        require_measured(scene, folder, has(Stage::granular) || has(Stage::measure));
     assembly::PlanInputs inputs;
     if (has(Stage::fit))
         inputs.fit = read_fit_inputs(scene, folder,
@@ -105,6 +108,7 @@ Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const fs::path&
 Plan plan_check(scene::Scene scene, const fs::path& folder, const RunContext& context) {
     if (context.seed)
         assembly::apply_seed(scene, *context.seed);
+    require_measured(scene, folder, true);
     assembly::PlanInputs inputs;
     if (scene.fit)
         inputs.fit = read_fit_inputs(scene, folder, OwnFiles::if_there);

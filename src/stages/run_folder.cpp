@@ -1,6 +1,7 @@
 #include "rodwake/stages/run_folder.hpp"
 
 #include "catalogue.hpp"
+#include "measured_file.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/first_difference.hpp"
 #include "rodwake/scene/read.hpp"
@@ -279,7 +280,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
 }
 
 void RunFolder::drop_outdated(const scene::Scene& scene) {
-    const bool fitted = scene.medium && scene.medium->fitted;
+    const bool fitted = scene.medium && scene.medium->fitted, own_field = measures_own_field(scene);
     const auto outdated = [&](Stage stage) {
         const auto redone = [&](Stage other) { return contains(stages_, other); };
         switch (stage) {
@@ -295,7 +296,8 @@ void RunFolder::drop_outdated(const scene::Scene& scene) {
         case Stage::rods:
             break;
         }
-        return fitted && redone(Stage::fit);
+        return (fitted && redone(Stage::fit)) ||
+               (own_field && (redone(Stage::measure) || redone(Stage::granular)));
     };
     for (const Stage stage : kept_)
         if (outdated(stage))

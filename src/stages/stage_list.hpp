@@ -4,6 +4,8 @@
 #include "rodwake/scan/mpi.hpp"
 #include "session.hpp"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <string>
 
 namespace rodwake::stages {
@@ -40,8 +42,9 @@ StageEnd run_scan_stage(Session& session);
 void serve_scan(const assembly::Plan& plan, const std::filesystem::path& folder, const RunContext& context,
                 scan::MpiJob& job);
 
-/// Content of outcome.json. Lengths and times in the session's output units.
+/// Content of outcome.json. Lengths and times in the session's output units. `ensemble`: null if there is
+/// none.
 std::string outcome_json(const rods::RodResult& result, const rods::RodOptions& options,
-                         const assembly::OutputUnits& units);
+                         const assembly::OutputUnits& units, const nlohmann::ordered_json& ensemble);
 
 } // namespace rodwake::stages

@@ -150,14 +150,4 @@ std::shared_ptr<const PlaneTable> WakeTables::read_or_make(double eta, double to
     return std::make_shared<const PlaneTable>(std::move(table));
 }
 
-std::shared_ptr<const elastic::WakeField> wake_field(const scene::Medium& medium, WakeTables& tables) {
-    const elastic::Medium of{medium.eta, medium.xi};
-    if (medium.field == scene::FieldBackend::exact)
-        return elastic::exact_field(of, medium.periodic);
-    const double tolerance = medium.table.value_or(scene::FieldTable{}).tolerance;
-    if (medium.periodic)
-        return elastic::table_field(tables.periodic(of, *medium.periodic, tolerance));
-    return elastic::table_field(tables.plane(medium.eta, tolerance), of);
-}
-
 } // namespace rodwake::stages

@@ -8,10 +8,11 @@ import unittest
 from unittest import mock
 
 import h5py
+import numpy as np
 
 from made_up_result import ALL_KINDS, LINE, PATHS, SCENE, write_result
 from plot_case import PROGRAM, PlotCase
-from rodwake_plots import cut, draw, run_dir, scene_table
+from rodwake_plots import cut, draw, run_dir, scene_table, trajectories
 
 
 class PlotsTest(PlotCase):
@@ -82,6 +83,30 @@ class PlotsTest(PlotCase):
             for spec in specs:
                 lines = cut.draw(run, spec).axes[0].lines
                 self.assertEqual([len(line.get_xdata()) > 2 for line in lines], [False, True, False], spec.name)  # axes: zero
+
+    def test_samples_of_a_measured_field_are_thin_lines(self):
+        def thin(run):
+            spec = next(spec for spec in draw.figures_of(run) if spec.kind == "trajectories")
+            lines = trajectories.draw(run, spec).axes[0].lines
+            return [line for line in lines if len(line.get_xdata()) == 51], trajectories.caption(run, spec)
+
+        with run_dir.RunDir(self.folder) as run:
+            lines, caption = thin(run)
+            self.assertEqual(len(lines), 0)
+            self.assertNotIn("draws", caption)
+
+        def add(file):
+            place = file["rods/scene"]
+            for name in "xy":
+                samples = np.stack([place[name][()] + shift for shift in (0.0, 0.1, 0.2)])
+                samples[2, 30:] = np.nan  # ended early
+                place[f"ensemble/{name}"] = samples
+        self.edit(add)
+        with run_dir.RunDir(self.folder) as run:
+            lines, caption = thin(run)
+            self.assertEqual(len(lines), 6)  # three of each rod
+            self.assertEqual(sum(np.isnan(line.get_ydata()).any() for line in lines), 2)
+            self.assertIn("draws of the measured field", caption)
 
     def test_the_report_explains_the_keys_of_a_resolved_scene(self):
         values = {"rods_run": {"output_interval": 0.25, "form": "angle"}, "medium": {"field": "exact"}}

@@ -102,6 +102,24 @@ TEST_CASE("starts that coincide or touch") {
     CHECK(error_text(two_rods("contact_distance = 0.99\n")) == "");
 }
 
+TEST_CASE("a measured field needs its file, the unit of length and theory beyond it") {
+    const std::string file = "[medium.measured]\nfile = \"measure.h5\"\n";
+    const std::string scales = "[scales]\nf_over_mu = \"4 a\"\nv0 = \"1 mm/s\"\n";
+    const auto medium = [](const std::string& more) { return "[medium]\nfield = \"measured\"\n" + more; };
+    const std::string given = "eta = 1\nxi = 1\n";
+    CHECK(error_text(two_rods(scales + medium(given) + file)) == "");
+    says(two_rods(scales + medium(given)), "medium.field = \"measured\" needs [medium.measured] with file");
+    says(two_rods(medium(given) + file), "needs [scales] with f_over_mu");
+    says(two_rods(scales + medium("fitted = true\n") + file +
+                  "[fit]\nparameters = [\"f_over_mu\", \"eta\", \"xi\"]\n"
+                  "[[fit.profiles]]\nfile = \"u.csv\"\n"),
+         "needs eta and xi of its own");
+    says(two_rods(scales + medium(given) + "[medium.measured]\nsamples = 3\n"),
+         "medium.measured needs the key file");
+    says(two_rods(scales + medium(given) + file + "core = 0.0\n"), "medium.measured.core = 0.0: must be > 0");
+    CHECK(parse(two_rods("[medium]\neta = 1\nxi = 1\n" + file)).medium->measured->samples == 32);
+}
+
 TEST_CASE("field grids and cuts") {
     const std::string medium = "schema = 1\n[medium]\neta = 1\nxi = 1\n";
     says(medium + "[field]\nx = [0, 1]\n", "field.x and field.y come together");

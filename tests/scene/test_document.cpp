@@ -63,10 +63,10 @@ TEST_CASE("the reference names every key once and every table") {
     }
     CHECK(names.size() == rodwake::scene::scene_keys().size());
     for (const std::string table :
-         {"[scales]", "[medium]", "[medium.table]", "[coupling]", "[noise]", "[[rods]]", "[rods_run]",
-          "[field]", "[[field.cuts]]", "[granular]", "[fit]", "[[fit.profiles]]", "[granular.plates]",
-          "[granular.contacts.rod_rod]", "[granular.output]", "[[granular.rods]]", "[[figures]]",
-          "[[variants]]"})
+         {"[scales]", "[medium]", "[medium.table]", "[medium.measured]", "[coupling]", "[noise]", "[[rods]]",
+          "[rods_run]", "[field]", "[[field.cuts]]", "[granular]", "[fit]", "[[fit.profiles]]",
+          "[granular.plates]", "[granular.contacts.rod_rod]", "[granular.output]", "[[granular.rods]]",
+          "[[figures]]", "[[variants]]"})
         CHECK(text.find("## `" + table + "`") != std::string::npos);
 }
 

@@ -34,7 +34,7 @@ struct Scales {
     bool operator==(const Scales&) const = default;
 };
 
-enum class FieldBackend { exact, table };
+enum class FieldBackend { exact, table, measured };
 enum class PolarBasis { laplacian, divergence };
 
 /// [medium.table]: for backends that interpolate the field. The exact one has no use for it.
@@ -44,6 +44,20 @@ struct FieldTable {
     bool operator==(const FieldTable&) const = default;
 };
 
+/// [medium.measured]: the displacement field that rods move in with field = "measured". Lengths in f/mu.
+struct MeasuredMedium {
+    std::string file;                  ///< measure.h5 of `rodwake measure`
+    std::optional<double> core;        ///< absent: 4 bead radii of the file
+    std::optional<double> edge;        ///< absent: where the measured field ends
+    std::optional<double> blend;       ///< absent: 6 bead radii
+    std::optional<double> correlation; ///< absent: 0.71 lattice spacings of the file's phi_b
+    std::optional<double> smoothing;   ///< absent: by cross-validation
+    long samples = 32;
+    long seed = 1;
+
+    bool operator==(const MeasuredMedium&) const = default;
+};
+
 /// [medium]: the elastic continuum. eta = (lambda_L + mu)/mu = K/mu, coefficient of grad div over mu; xi =
 /// mu/(zeta v0).
 struct Medium {
@@ -51,6 +65,7 @@ struct Medium {
     double xi = 1.0;  ///< > 0, in f/mu; alpha = 1/xi
     FieldBackend field = FieldBackend::exact;
     std::optional<FieldTable> table;
+    std::optional<MeasuredMedium> measured;
     std::optional<double> periodic; ///< side of the periodic box, f/mu; absent: infinite plane
     bool fitted = false;            ///< eta and xi come from [fit]; those here mean nothing until then
 

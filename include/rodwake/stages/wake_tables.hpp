@@ -1,5 +1,5 @@
 #pragma once
-// The wakes a scene's medium asks for: exact, or from a table that is made once and kept for other runs.
+// Tables of wakes, made once and kept for other runs.
 //
 // A table of the plane stands in $XDG_CACHE_HOME/rodwake (~/.cache/rodwake), its name a hash of what it was
 // made from and its bytes covered by checksums; a file that is damaged or of another version is made anew.
@@ -7,7 +7,6 @@
 
 #include "rodwake/elastic/periodic_table.hpp"
 #include "rodwake/elastic/plane_table.hpp"
-#include "rodwake/scene/scene.hpp"
 #include "rodwake/stages/run_context.hpp"
 
 #include <array>
@@ -45,8 +44,5 @@ private:
     std::map<std::pair<double, double>, std::shared_ptr<const elastic::PlaneTable>> planes_;
     std::map<std::array<double, 4>, elastic::PeriodicTable> boxes_; ///< by eta, xi, box, tolerance
 };
-
-/// As medium.field says.
-std::shared_ptr<const elastic::WakeField> wake_field(const scene::Medium& medium, WakeTables& tables);
 
 } // namespace rodwake::stages

@@ -1,0 +1,126 @@
+#include "smoothing_spline.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <boost/math/tools/minima.hpp>
+
+#include <array>
+#include <cmath>
+
+namespace rodwake::elastic {
+
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+Matrix sparse(std::size_t rows, std::size_t columns, const Triplets& entries) {
+    Matrix matrix(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+}
+
+Matrix design_matrix(const QuinticKnots& knots, const SplinePoints& points,
+                     const Eigen::VectorXd& root_weights) {
+    const std::size_t side = knots.functions();
+    Triplets entries;
+    for (std::size_t row = 0; row < points.x.size(); ++row) {
+        const QuinticValues along = values_at(knots, points.x[row]), across = values_at(knots, points.y[row]);
+        for (std::size_t j = 0; j < across.by[0].size(); ++j)
+            for (std::size_t i = 0; i < along.by[0].size(); ++i)
+                entries.emplace_back(
+                    static_cast<int>(row), static_cast<int>((across.first + j) * side + along.first + i),
+                    root_weights[static_cast<Eigen::Index>(row)] * along.by[0][i] * across.by[0][j]);
+    }
+    return sparse(points.x.size(), side * side, entries);
+}
+
+/// D^T D, D the third differences along both axes.
+Matrix third_differences(std::size_t side) {
+    constexpr std::array stencil = {-1.0, 3.0, -3.0, 1.0};
+    Triplets entries;
+    std::size_t row = 0;
+    const auto add = [&](std::size_t first, std::size_t step) {
+        for (std::size_t k = 0; k < stencil.size(); ++k)
+            entries.emplace_back(static_cast<int>(row), static_cast<int>(first + k * step), stencil[k]);
+        ++row;
+    };
+    for (std::size_t line = 0; line < side; ++line)
+        for (std::size_t k = 0; k + stencil.size() <= side; ++k) {
+            add(line * side + k, 1);
+            add(k * side + line, side);
+        }
+    const Matrix differences = sparse(row, side * side, entries);
+    return differences.transpose() * differences;
+}
+
+} // namespace
+
+SmoothingSpline::SmoothingSpline(const QuinticKnots& knots, const SplinePoints& points)
+    : root_weights_(static_cast<Eigen::Index>(points.x.size())),
+      factor_(std::make_unique<Eigen::SimplicialLLT<Matrix>>()) {
+    for (Eigen::Index i = 0; i < root_weights_.size(); ++i)
+        root_weights_[i] = 1.0 / points.sigma[static_cast<std::size_t>(i)];
+    mean_weight_ = root_weights_.squaredNorm() / static_cast<double>(points.x.size());
+    root_weights_ /= std::sqrt(mean_weight_);
+    design_ = design_matrix(knots, points, root_weights_);
+    normal_ = design_.transpose() * design_;
+    penalty_ = third_differences(knots.functions());
+    factor_->analyzePattern(Matrix(normal_ + penalty_));
+}
+
+void SmoothingSpline::set_lambda(double lambda) {
+    factor_->factorize(Matrix(normal_ + lambda * penalty_));
+    if (factor_->info() != Eigen::Success)
+        throw InputError("smoothing spline: too few points where it has to be known");
+}
+
+Eigen::VectorXd SmoothingSpline::scaled(std::span<const double> values) const {
+    return root_weights_.cwiseProduct(
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+}
+
+std::vector<double> SmoothingSpline::fit(std::span<const double> values) const {
+    const Eigen::VectorXd c = factor_->solve(design_.transpose() * scaled(values));
+    return {c.begin(), c.end()};
+}
+
+double SmoothingSpline::chi2(std::span<const double> values, std::span<const double> coefficients) const {
+    const Eigen::Map<const Eigen::VectorXd> c(coefficients.data(),
+                                              static_cast<Eigen::Index>(coefficients.size()));
+    return mean_weight_ * (design_ * c - scaled(values)).squaredNorm();
+}
+
+double SmoothingSpline::trace(const Eigen::MatrixXd& probes) const {
+    const Eigen::MatrixXd images = design_.transpose() * probes;
+    const double points = static_cast<double>(probes.rows());
+    // over z.z instead of its expectation: what is common to both scatters less
+    return points * images.cwiseProduct(factor_->solve(images)).sum() / probes.squaredNorm();
+}
+
+double SmoothingSpline::score(std::span<const double> values, const Eigen::MatrixXd& probes) {
+    const double points = static_cast<double>(values.size()), left = 1.0 - trace(probes) / points;
+    return chi2(values, fit(values)) / (left * left);
+}
+
+/// Decades first, then between the neighbours of the best, roughly: the score is flat at its least.
+double SmoothingSpline::choose(std::span<const double> values, const Eigen::MatrixXd& probes) {
+    const auto score_at = [&](double decade) {
+        set_lambda(std::pow(10.0, decade));
+        return score(values, probes);
+    };
+    constexpr double lowest = -8.0, highest = 8.0;
+    double best = lowest, least = score_at(lowest);
+    for (double decade = lowest + 1.0; decade <= highest; decade += 1.0)
+        if (const double s = score_at(decade); s < least) {
+            best = decade;
+            least = s;
+        }
+    constexpr int bits = 5; // of the decade's number
+    const auto found = boost::math::tools::brent_find_minima(score_at, best - 1.0, best + 1.0, bits);
+    const double lambda = std::pow(10.0, found.first);
+    set_lambda(lambda);
+    return lambda;
+}
+
+} // namespace rodwake::elastic

@@ -1,0 +1,45 @@
+#include "wake_fields.hpp"
+
+#include "measured_file.hpp"
+
+#include <algorithm>
+
+namespace rodwake::stages {
+
+namespace {
+
+void tell(const Logger& log, const char* component, const elastic::SmoothingReport& report) {
+    log->info("measured field, {}: smoothing {:.3g}, chi2 {:.4g} of {} bins, tr(HR) {:.0f}", component,
+              report.lambda, report.chi2, report.points, report.trace);
+}
+
+} // namespace
+
+std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& scene) {
+    const scene::Medium& medium = *scene.medium;
+    const elastic::Medium constants{medium.eta, medium.xi};
+    if (medium.field == scene::FieldBackend::exact)
+        return elastic::exact_field(constants, medium.periodic);
+    if (medium.field == scene::FieldBackend::measured)
+        return measured(scene)->field(medium.periodic);
+    const double tolerance = medium.table.value_or(scene::FieldTable{}).tolerance;
+    if (medium.periodic)
+        return elastic::table_field(tables_.periodic(constants, *medium.periodic, tolerance));
+    return elastic::table_field(tables_.plane(medium.eta, tolerance), constants);
+}
+
+std::shared_ptr<const elastic::MeasuredDisplacement> WakeFields::measured(const scene::Scene& scene) {
+    const auto known = std::ranges::find(measured_, *scene.medium, [](const auto& one) { return one.first; });
+    if (known != measured_.end())
+        return known->second;
+    const MeasuredInput input = read_measured(scene, session_.directory.path());
+    const auto fitted = std::make_shared<const elastic::MeasuredDisplacement>(
+        input.grid, elastic::Medium{scene.medium->eta, scene.medium->xi}, input.options);
+    session_.log->info("measured field: {}", input.file.string());
+    tell(session_.log, "Ux", fitted->report_x());
+    tell(session_.log, "Uy", fitted->report_y());
+    measured_.emplace_back(*scene.medium, fitted);
+    return fitted;
+}
+
+} // namespace rodwake::stages

@@ -1,0 +1,29 @@
+#pragma once
+// The wakes that the scenes of a run ask for, by medium.field: exact, from a table, or measured.
+
+#include "rodwake/elastic/measured_field.hpp"
+#include "rodwake/stages/wake_tables.hpp"
+#include "session.hpp"
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace rodwake::stages {
+
+/// Of one stage. Not thread-safe.
+class WakeFields {
+public:
+    explicit WakeFields(const Session& session) : session_(session), tables_(session.context) {}
+
+    std::shared_ptr<const elastic::WakeField> of(const scene::Scene& scene);
+    /// With field = "measured"; smoothed at most once. Throws InputError as read_measured does.
+    std::shared_ptr<const elastic::MeasuredDisplacement> measured(const scene::Scene& scene);
+
+private:
+    const Session& session_;
+    WakeTables tables_;
+    std::vector<std::pair<scene::Medium, std::shared_ptr<const elastic::MeasuredDisplacement>>> measured_;
+};
+
+} // namespace rodwake::stages
