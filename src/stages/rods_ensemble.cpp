@@ -43,6 +43,7 @@ std::vector<RodResult> run_ensemble(const rods::RodProblem& problem, const rods:
                                     const elastic::MeasuredDisplacement& measured,
                                     const scene::MeasuredMedium& keys, const RunContext& context) {
     rods::RodOptions each;
+    each.form = options.form;
     each.ode = options.ode;
     each.ode.on_step = nullptr;
     each.criteria = options.criteria;

@@ -121,8 +121,8 @@ struct RodsRun {
     std::optional<double> contact_distance;  ///< stop there; absent: no stop
     std::optional<integrate::Method> method; ///< absent: the one that suits the problem
     rods::Form form = rods::Form::angle;
-    double rtol = 1e-8, atol = 1e-10;        ///< atol: rtol / 100 if not given
-    double turning_tolerance = 0.0;          ///< what far wakes may be left out for, mu v0/f; 0: none are
+    double rtol = 1e-8, atol = 1e-10; ///< atol: rtol / 100 if not given
+    double turning_tolerance = 0.0;   ///< what far wakes may be left out for, mu v0/f; 0: none are
     elastic::Accuracy precision = elastic::Accuracy::full; ///< of the sums over many rods
     long max_steps = 1'000'000;
 
