@@ -106,8 +106,8 @@ struct MeasuredDisplacement::Impl {
 MeasuredDisplacement::Impl::Impl(const MeasuredGrid& g, const Medium& m, const MeasuredOptions& o)
     : grid(g), medium(m), options(o) {
     validate(grid, options);
-    const std::size_t last = grid.n - 1;
-    knots = {grid.place(0), (grid.place(last) - grid.place(0)) / static_cast<double>(grid.n / 2), grid.n / 2};
+    const std::size_t last = grid.n - 1, intervals = grid.n / 2;
+    knots = {grid.place(0), (grid.place(last) - grid.place(0)) / static_cast<double>(intervals), intervals};
     const auto wake = exact_field(medium, grid.box())->wake(0.0);
     std::vector<double> theory_x, theory_y;
     for (std::size_t bin = 0; bin < grid.n * grid.n; ++bin)

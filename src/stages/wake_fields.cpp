@@ -33,7 +33,7 @@ std::shared_ptr<const elastic::MeasuredDisplacement> WakeFields::measured(const 
     if (known != measured_.end())
         return known->second;
     const MeasuredInput input = read_measured(scene, session_.directory.path());
-    const auto fitted = std::make_shared<const elastic::MeasuredDisplacement>(
+    auto fitted = std::make_shared<const elastic::MeasuredDisplacement>(
         input.grid, elastic::Medium{scene.medium->eta, scene.medium->xi}, input.options);
     session_.log->info("measured field: {}", input.file.string());
     tell(session_.log, "Ux", fitted->report_x());

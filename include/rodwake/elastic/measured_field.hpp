@@ -46,8 +46,8 @@ struct MeasuredGrid {
 
     double box() const { return static_cast<double>(n) * spacing; }
     double place(std::size_t k) const {
-        return (static_cast<double>(k) - static_cast<double>(n / 2)) *
-               spacing; // NOLINT(bugprone-integer-division)
+        const std::size_t middle = n / 2;
+        return (static_cast<double>(k) - static_cast<double>(middle)) * spacing;
     }
 };
 
