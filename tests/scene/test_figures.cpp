@@ -45,7 +45,8 @@ TEST_CASE("every kind says what it needs of a scene that has nothing of it") {
     for (const auto& kind : figure_kinds()) {
         INFO(kind.name);
         REQUIRE_FALSE(kind.needs.empty());
-        const bool needs_rods = kind.needs.front().text == "[[rods]]"; // the one thing that the other scene has
+        const bool needs_rods =
+            kind.needs.front().text == "[[rods]]"; // the one thing that the other scene has
         says((needs_rods ? bed : rods) + figure_of(kind.name),
              "a figure of kind " + kind.name + " needs " + std::string(kind.needs.front().text));
     }
