@@ -1,6 +1,7 @@
 // Strain of one source at many targets: the scalar field, the batched kernel at each accuracy, one point of
-// it at a time, and the closed form in the Bessel functions of Boost and the GSL; all pairs of many rods; all
-// in one run. Counter s_per_point: time a source and target. bench/kernel_peers.py makes a table of it.
+// it at a time, tables of the field, and the closed form in the Bessel functions of Boost and the GSL; all
+// pairs of many rods; all in one run. Counter s_per_point: time a source and target. bench/kernel_peers.py
+// makes a table of it.
 //
 //   build/release/bench/bench_kernel --benchmark_min_time=0.5
 
@@ -8,6 +9,7 @@
 #include "plain_field.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/elastic/mutual_wakes.hpp"
+#include "rodwake/elastic/plane_table.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -50,6 +52,18 @@ void each(benchmark::State& state, const At& at) {
 void scalar_field(benchmark::State& state) {
     const Field field(plain_medium);
     each(state, [&](double x, double y) { return field.at(x, y, {.strain = true}).strain; });
+}
+
+void scalar_strain(benchmark::State& state) {
+    const Field field(plain_medium);
+    each(state, [&](double x, double y) { return field.strain(x, y); });
+}
+
+/// One point of a table of that tolerance; making it takes seconds, outside the measurement.
+void table(benchmark::State& state, double tolerance) {
+    const auto made = std::make_shared<const PlaneTable>(make_plane_table(plain_medium.eta, tolerance));
+    const auto wake = table_field(made, plain_medium)->wake(0.0);
+    each(state, [&](double x, double y) { return wake->at(x, y, {.strain = true}).strain; });
 }
 
 /// By the closed form alone, as Field::at does it where the faster route is not as accurate.
@@ -148,12 +162,16 @@ BENCHMARK_CAPTURE(all_pairs, single_skipping, Accuracy::single, 1e-3)
     ->Arg(10000)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(scalar_field);
+BENCHMARK(scalar_strain);
 BENCHMARK(scalar_closed_form);
 BENCHMARK_CAPTURE(kernel_batch, full, Accuracy::full);
 BENCHMARK_CAPTURE(kernel_batch, fine, Accuracy::fine);
 BENCHMARK_CAPTURE(kernel_batch, single, Accuracy::single);
 BENCHMARK(kernel_batch_polar);
 BENCHMARK(kernel_one_point);
+BENCHMARK_CAPTURE(table, 1e-4, 1e-4);
+BENCHMARK_CAPTURE(table, 1e-6, 1e-6);
+BENCHMARK_CAPTURE(table, 1e-8, 1e-8);
 BENCHMARK(boost_formula);
 BENCHMARK(boost_formula_in_double);
 #ifdef RODWAKE_BENCH_GSL

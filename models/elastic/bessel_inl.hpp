@@ -109,14 +109,14 @@ template<class D>
 struct ScaledBessel {
     hn::Vec<D> k0;       ///< e^z K0
     hn::Vec<D> zk1;      ///< e^z z K1
-    hn::Vec<D> zk1_less; ///< e^z z K1 - 1; absolute error of z ulp
+    hn::Vec<D> zk1_less; ///< e^z z K1 - 1, absolute error of z ulp, for z < 1; e^z z K1 beyond
     hn::Vec<D> zd;       ///< e^z z (K1 - K0)
 };
 
-/// 1/2, 1/3, ...: of (-ln(1 - t) - t)/t^2. After 7 terms for |t| <= 1/128 the next is below 1e-19; after 4
+/// 1/2, 1/3, ...: of (-ln(1 - t) - t)/t^2. After 6 terms for |t| <= 1/128 the next is 2e-18; after 4
 /// for |t| <= 1/32 it is 2e-10.
-inline constexpr double log_series[] = {1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
-constexpr std::size_t log_terms(TableShape shape) { return shape.piece_bits > 5 ? 7 : 4; }
+inline constexpr double log_series[] = {1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7};
+constexpr std::size_t log_terms(TableShape shape) { return shape.piece_bits > 5 ? 6 : 4; }
 
 /// Row of the table and middle of the piece that holds an argument.
 template<class D>
@@ -157,7 +157,7 @@ HWY_INLINE void BesselAt(D d, const hn::TFromD<D>* table, const V (&z)[n], const
         p[i] = Fma(d, derivative[i], t[i], rows[i].c[shape.terms - 2]);
     }
     RODWAKE_UNROLL
-    for (int k = shape.terms - 3; k >= 0; --k) // both by Horner's rule at once
+    for (int k = shape.terms - 3; k > 0; --k) // both by Horner's rule at once
         RODWAKE_UNROLL
     for (std::size_t i = 0; i < n; ++i) {
         derivative[i] = Fma(d, derivative[i], t[i], p[i]);
@@ -166,15 +166,17 @@ HWY_INLINE void BesselAt(D d, const hn::TFromD<D>* table, const V (&z)[n], const
     Polynomials<log_terms(shape)>(d, t, log_series, log);
     RODWAKE_UNROLL
     for (std::size_t i = 0; i < n; ++i) {
-        const V slope = Fma(d, hn::Neg(t[i]), derivative[i], derivative[i]); // z dP/dz
+        derivative[i] = Fma(d, derivative[i], t[i], p[i]);
+        const V slope = Fnma(d, t[i], derivative[i], derivative[i]); // z dP/dz
         const auto low = hn::Lt(z[i], one);
         const V ln = Fma(d, hn::Mul(t[i], t[i]), log[i], t[i]); // ln(z/z_i)
+        const V unit = hn::IfThenElseZero(low, one);
         ScaledBessel<D>& k = result[i];
-        k.k0 = hn::Sub(p[i], hn::IfThenElseZero(low, ln));
-        k.zd = hn::Sub(hn::IfThenElseZero(low, one), slope);
-        const V sum = Fma(d, z[i], k.k0, hn::Neg(slope));
-        k.zk1_less = hn::Sub(sum, hn::IfThenZeroElse(low, one));
-        k.zk1 = hn::Add(sum, hn::IfThenElseZero(low, one));
+        // what is small first: one rounding of the result's size
+        k.k0 = hn::Add(rows[i].c[0], Fms(d, p[i], t[i], hn::IfThenElseZero(low, ln)));
+        k.zd = hn::Sub(unit, slope);
+        k.zk1_less = Fms(d, z[i], k.k0, slope);
+        k.zk1 = hn::Add(k.zk1_less, unit);
     }
 }
 

@@ -1,5 +1,6 @@
 #include "rodwake/elastic/field.hpp"
 
+#include "bessel_table.hpp"
 #include "combination.hpp"
 #include "field_lane.hpp"
 
@@ -56,25 +57,26 @@ void add_gradients(FieldValues& f, const CombinationGradients& d, FieldRequest r
 }
 
 /// What the kernels' algorithm leaves to do; gradients come with what they are of.
-FieldRequest without_lane(FieldRequest request) {
-    if (!request.gradients)
-        request.strain = request.polar = false;
+FieldRequest without_lane(FieldRequest request, bool polar) {
+    if (!request.gradients) {
+        request.strain = false;
+        request.polar = request.polar && !polar;
+    }
     return request;
 }
 
-bool anything(FieldRequest request) {
-    return request.displacement || request.strain || request.polar || request.dipole;
-}
-
-void set_lane(const LaneField& lane, FieldRequest request, FieldValues& f) {
+/// A field by the kernels' algorithm, with or without its polar vectors, and beside it what that does not
+/// give.
+FieldValues joined(const FieldValues& lane, FieldValues more, FieldRequest request, bool polar) {
     if (request.strain)
-        f.strain = lane.strain;
-    if (request.polar) {
-        f.laplacian = lane.laplacian;
-        f.gradient_of_trace = lane.gradient_of_trace;
+        more.strain = lane.strain;
+    if (polar) {
+        more.laplacian = lane.laplacian;
+        more.gradient_of_trace = lane.gradient_of_trace;
     }
     if (request.dipole)
-        f.dipole.x = -lane.strain.yy; // reciprocity
+        more.dipole.x = -lane.strain.yy; // reciprocity
+    return more;
 }
 
 } // namespace
@@ -85,19 +87,35 @@ Field::Field(const Medium& medium) : medium_(medium) {
                  sum_low = medium.eta >= 1.0 ? 1.0 - (sum - medium.eta) : medium.eta - (sum - 1.0);
     const double nu = 1.0 / sum;
     const double nu_low = (std::fma(-nu, sum, 1.0) - nu * sum_low) / sum;
-    constants_ = {nu, nu_low, medium.eta / sum, sum, std::sqrt(sum), 0.5 / medium.xi, 2.0 * medium.xi};
+    constants_ = {nu,
+                  nu_low,
+                  medium.eta / sum,
+                  sum,
+                  std::sqrt(sum),
+                  0.5 / medium.xi,
+                  2.0 * medium.xi,
+                  lane_reach(medium),
+                  bessel_table().rows()};
 }
 
 FieldValues Field::at(double x, double y, FieldRequest request) const {
-    LaneField lane;
-    if (!(request.strain || request.polar || request.dipole) ||
-        !lane_field(constants_, x, y, request.polar, lane))
-        return by_potentials(x, y, request);
-    // the same bits, whatever else is asked for
-    const FieldRequest rest = without_lane(request);
-    FieldValues f = anything(rest) ? by_potentials(x, y, rest) : unrequested();
-    set_lane(lane, request, f);
+    FieldValues f = unrequested();
+    const bool polar = request.polar && lane_strain_and_polar(constants_, x, y, f);
+    if (!polar && !((request.strain || request.dipole) && lane_strain(constants_, x, y, f.strain)))
+        f = by_potentials(x, y, request);
+    else if (request.displacement || request.dipole || request.gradients || polar != request.polar)
+        f = joined(f, by_potentials(x, y, without_lane(request, polar)), request,
+                   polar);    // the same bits, whatever
+    else if (!request.strain) // else is asked for
+        f.strain = unrequested().strain;
     return f;
+}
+
+SymmetricTensor Field::strain(double x, double y) const {
+    SymmetricTensor strain;
+    if (!lane_strain(constants_, x, y, strain))
+        strain = by_potentials(x, y, {.strain = true}).strain;
+    return strain;
 }
 
 FieldValues Field::by_potentials(double x, double y, FieldRequest request) const {

@@ -76,7 +76,7 @@ struct Wake {
 
 /// Terms of the exponential that go with a table.
 constexpr std::size_t exponential_terms(TableShape shape) {
-    return shape.terms == full_shape.terms ? 12 : shape.terms == fine_shape.terms ? 7 : 5;
+    return shape.terms == full_shape.terms ? 10 : shape.terms == fine_shape.terms ? 6 : 5;
 }
 
 /// Where a point is, in units of 1/c_shear, and what decays there.
@@ -95,7 +95,7 @@ HWY_INLINE void BearingsOf(D d, const V (&X)[n], const V (&Y)[n], const Radial<D
     for (std::size_t i = 0; i < n; ++i) {
         // w = s + X, behind the rod by Y^2/(s - X)
         const V far = hn::Add(at[i]->s, hn::Abs(X[i])), near = hn::Div(hn::Mul(Y[i], Y[i]), far);
-        const V w = hn::IfThenElse(hn::Ge(X[i], hn::Zero(d)), far, near);
+        const V w = IfSigned(d, X[i], near, far);
         result[i].c = hn::Mul(X[i], at[i]->inverse);
         result[i].q = hn::Mul(Y[i], at[i]->inverse);
         result[i].p = hn::Mul(w, at[i]->inverse);
@@ -115,32 +115,32 @@ HWY_INLINE void BearingsOf(D d, const V (&X)[n], const V (&Y)[n], const Radial<D
 /// The field at a point from its parts.
 template<bool polar, class D, class V = hn::Vec<D>>
 HWY_INLINE Wake<D> WakeFrom(D d, const Bearing<D>& b, const Radial<D>& at, const LaneMedium<D>& m) {
-    const V one = hn::Set(d, hn::TFromD<D>{1}), two = hn::Set(d, hn::TFromD<D>{2});
+    const V one = hn::Set(d, hn::TFromD<D>{1});
     const V &c = b.c, &q = b.q, &p = b.p, &e_l = b.e_l, &e_t = b.e_t;
     const ScaledBessel<D>&t = at.shear, &l = at.longitudinal;
-    const V core = hn::Mul(e_l, Fma(d, b.ratio_less_one, t.zk1, hn::Sub(t.zk1_less, l.zk1_less)));
-    const V M_l = hn::Mul(e_l, l.zk1), plain = Fma(d, e_t, t.zk1, hn::Neg(M_l));
-    const V n = hn::Mul(hn::IfThenElse(hn::Lt(at.s, one), core, plain), hn::Mul(at.inverse, at.inverse));
+    const V square = hn::Mul(at.inverse, at.inverse), f_l = hn::Mul(e_l, square), f_t = hn::Mul(e_t, square);
+    const V core = hn::Mul(f_l, Fma(d, b.ratio_less_one, t.zk1, hn::Sub(t.zk1_less, l.zk1_less)));
+    const V m_l = hn::Mul(f_l, l.zk1), plain = Fms(d, f_t, t.zk1, m_l); // m_l = M_L/s^2
+    const V n = hn::IfThenElse(hn::Lt(at.s, one), core, plain);
     const V t0 = hn::Mul(e_t, t.k0);
     const V l0 = hn::Mul(hn::Mul(e_l, hn::Mul(m.nu, m.nu)), l.k0);       // nu^2 e_L k0_L
     const V ld = hn::Mul(hn::Mul(e_l, m.nu), hn::Mul(at.inverse, l.zd)); // nu^2 e_L (k1_L - k0_L)
-    const V l1 = hn::Add(l0, ld);
-    const V h = hn::Mul(hn::Sub(q, c), hn::Add(q, c)), qq = hn::Mul(q, q);
-    Wake<D> wake;
-    wake.trace = hn::Sub(ld, hn::Mul(p, l1));
-    wake.yy = Fma(d, qq, hn::Sub(t0, l0), hn::Mul(h, n));
-    wake.shear = hn::Mul(q, hn::Sub(hn::Mul(c, Fma(d, two, n, t0)), Fma(d, p, l0, ld)));
+    const V l1 = hn::Add(l0, ld), across = Fma(d, p, l0, ld);
+    const V h = hn::Mul(hn::Sub(q, c), hn::Add(q, c)), qq = hn::Mul(q, q), cq2 = hn::Mul(hn::Add(c, c), q);
+    Wake<D> wake; // n, which comes last, goes in last
+    wake.trace = Fnma(d, p, l1, ld);
+    wake.yy = Fma(d, h, n, hn::Mul(qq, hn::Sub(t0, l0)));
+    wake.shear = Fma(d, cq2, n, hn::Mul(q, Fms(d, c, t0, across)));
     wake.laplacian_x = wake.laplacian_y = wake.gradient_x = wake.gradient_y = hn::Zero(d);
     if constexpr (polar) {
         // G_T,YY + nu G_L,XX and nu G_L,XY - G_T,XY; (1 + c^2) k0 + 2 c k1 = p^2 k0 + 2 c (k1 - k0)
-        const V square = hn::Mul(at.inverse, at.inverse), m_l = hn::Mul(M_l, square); // M_L/s^2
-        const V l_xx = hn::Mul(m.nu, Fma(d, hn::Mul(p, p), l0, hn::Mul(hn::Mul(two, c), ld)));
-        const V l_xy = hn::Mul(hn::Mul(m.nu, q), Fma(d, p, l0, ld));
-        const V both = Fma(d, m.delta, m_l, n), cq2 = hn::Mul(two, hn::Mul(c, q));
+        const V l_xx = hn::Mul(m.nu, Fma(d, hn::Mul(p, p), l0, hn::Mul(hn::Add(c, c), ld)));
+        const V l_xy = hn::Mul(hn::Mul(m.nu, q), across);
+        const V both = Fma(d, m.delta, m_l, n);
         const V t_xy = hn::Mul(q, Fma(d, p, t0, hn::Mul(hn::Mul(e_t, at.inverse), t.zd)));
         wake.laplacian_x = hn::Add(Fma(d, qq, t0, hn::Mul(h, both)), l_xx);
         wake.laplacian_y = hn::Sub(hn::Sub(l_xy, t_xy), hn::Mul(cq2, both));
-        wake.gradient_x = Fma(d, hn::Neg(h), hn::Mul(m.nu, m_l), l_xx);
+        wake.gradient_x = Fnma(d, h, hn::Mul(m.nu, m_l), l_xx);
         wake.gradient_y = Fma(d, cq2, hn::Mul(m.nu, m_l), l_xy);
     }
     return wake;

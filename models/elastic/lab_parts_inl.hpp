@@ -102,21 +102,20 @@ HWY_INLINE Parts<K> LabParts(const Wake<typename K::Lanes>& wake, typename K::V 
                              const Units<K>& unit) {
     const typename K::Lanes d;
     using V = typename K::V;
-    const V cos2 = Fma(d, cosine, cosine, hn::Neg(hn::Mul(sine, sine))),
-            sin2 = hn::Mul(hn::Add(sine, sine), cosine);
+    const V cos2 = Fms(d, cosine, cosine, hn::Mul(sine, sine)), sin2 = hn::Mul(hn::Add(sine, sine), cosine);
     // halves of trace, eps_yy - eps_xx and 2 eps_xy
     const V half = hn::Mul(unit.strain, hn::Set(d, typename K::Real{0.5})), mean = hn::Mul(half, wake.trace);
     const V own_across = hn::Mul(half, hn::Sub(wake.yy, wake.trace)), own_shear = hn::Mul(half, wake.shear);
     const V across = Fma(d, own_across, cos2, hn::Mul(own_shear, sin2));
     Parts<K> parts;
     parts.part[0] = hn::Sub(mean, across);
-    parts.part[1] = Fma(d, own_shear, cos2, hn::Neg(hn::Mul(own_across, sin2)));
+    parts.part[1] = Fms(d, own_shear, cos2, hn::Mul(own_across, sin2));
     parts.part[2] = hn::Add(mean, across);
     if constexpr (polar) {
         const V c = hn::Mul(unit.polar, cosine), s = hn::Mul(unit.polar, sine);
-        parts.part[3] = Fma(d, wake.laplacian_x, c, hn::Neg(hn::Mul(wake.laplacian_y, s)));
+        parts.part[3] = Fms(d, wake.laplacian_x, c, hn::Mul(wake.laplacian_y, s));
         parts.part[4] = Fma(d, wake.laplacian_x, s, hn::Mul(wake.laplacian_y, c));
-        parts.part[5] = Fma(d, wake.gradient_x, c, hn::Neg(hn::Mul(wake.gradient_y, s)));
+        parts.part[5] = Fms(d, wake.gradient_x, c, hn::Mul(wake.gradient_y, s));
         parts.part[6] = Fma(d, wake.gradient_x, s, hn::Mul(wake.gradient_y, c));
     }
     return parts;

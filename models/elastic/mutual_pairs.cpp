@@ -95,8 +95,7 @@ HWY_INLINE void AddStep(const Setting<K>& with, const Step<K>& step, TileSums<K>
     RadialAt<K::shape>(d, with.table, distance, with.medium, radial);
     // a's rods as b's see them, and b's as a's do
     const V X[2] = {Fma(d, cos_b, x, hn::Mul(sin_b, y)), hn::Neg(Fma(d, cos_a, x, hn::Mul(sin_a, y)))};
-    const V Y[2] = {Fma(d, cos_b, y, hn::Neg(hn::Mul(sin_b, x))),
-                    Fma(d, sin_a, x, hn::Neg(hn::Mul(cos_a, y)))};
+    const V Y[2] = {Fms(d, cos_b, y, hn::Mul(sin_b, x)), Fms(d, sin_a, x, hn::Mul(cos_a, y))};
     Wake<typename K::Lanes> wake[2];
     WakeAt<polar, K::shape>(d, X, Y, {&radial[0], &radial[0]}, with.medium, wake);
     Parts<K> at_a = LabParts<polar>(wake[0], cos_b, sin_b, with.unit),

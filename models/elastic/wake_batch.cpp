@@ -54,7 +54,7 @@ HWY_INLINE void SumBlock(const Setting<K>& with, std::span<const KernelSource> s
             const V dx = Offset(x[i], SetCoordinates<K>(source.x), with.c_shear),
                     dy = Offset(y[i], SetCoordinates<K>(source.y), with.c_shear);
             X[i] = Fma(d, cosine, dx, hn::Mul(sine, dy));
-            Y[i] = Fma(d, cosine, dy, hn::Neg(hn::Mul(sine, dx)));
+            Y[i] = Fms(d, cosine, dy, hn::Mul(sine, dx));
             distance[i] = hn::Sqrt(Fma(d, X[i], X[i], hn::Mul(Y[i], Y[i])));
         }
         Radial<typename K::Lanes> radial[vectors];

@@ -15,6 +15,8 @@ namespace rodwake::rods::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using elastic::HWY_NAMESPACE::Fma;
+using elastic::HWY_NAMESPACE::Fms;
+using elastic::HWY_NAMESPACE::Fnma;
 using elastic::HWY_NAMESPACE::LaneMedium;
 using elastic::HWY_NAMESPACE::Radial;
 using elastic::HWY_NAMESPACE::RadialAt;
@@ -49,13 +51,12 @@ struct Rates {
 template<bool polar>
 HWY_INLINE V Torque(const Wake<Lanes>& wake, V cosine, V sine, const Constants& c) {
     const Lanes d;
-    const V cos2 = Fma(d, cosine, cosine, hn::Neg(hn::Mul(sine, sine))),
-            sin2 = hn::Mul(hn::Add(sine, sine), cosine);
+    const V cos2 = Fms(d, cosine, cosine, hn::Mul(sine, sine)), sin2 = hn::Mul(hn::Add(sine, sine), cosine);
     V rate = hn::Mul(c.kappa, Fma(d, wake.shear, cos2, hn::Mul(hn::Sub(wake.yy, wake.trace), sin2)));
     if constexpr (polar) {
         const V x = Fma(d, c.gamma1, wake.laplacian_x, hn::Mul(c.gamma2, wake.gradient_x));
         const V y = Fma(d, c.gamma1, wake.laplacian_y, hn::Mul(c.gamma2, wake.gradient_y));
-        rate = hn::Add(rate, Fma(d, cosine, y, hn::Neg(hn::Mul(sine, x))));
+        rate = hn::Add(rate, Fms(d, cosine, y, hn::Mul(sine, x)));
     }
     return rate;
 }
@@ -73,12 +74,12 @@ HWY_NOINLINE Rates RatesAt(const Relative& at, const Constants& c) {
     // rod 0 as rod 1 sees it, and rod 1 as rod 0 does
     const V X[2] = {Fma(d, n[1].cosine, x, hn::Mul(n[1].sine, y)),
                     hn::Neg(Fma(d, n[0].cosine, x, hn::Mul(n[0].sine, y)))};
-    const V Y[2] = {Fma(d, n[1].cosine, y, hn::Neg(hn::Mul(n[1].sine, x))),
-                    hn::Neg(Fma(d, n[0].cosine, y, hn::Neg(hn::Mul(n[0].sine, x))))};
+    const V Y[2] = {Fms(d, n[1].cosine, y, hn::Mul(n[1].sine, x)),
+                    Fnma(d, n[0].cosine, y, hn::Mul(n[0].sine, x))};
     Wake<Lanes> wake[2];
     WakeAt<polar>(d, X, Y, {&radial[0], &radial[0]}, c.medium, wake);
     const V cosine = Fma(d, n[0].cosine, n[1].cosine, hn::Mul(n[0].sine, n[1].sine));
-    const V sine = Fma(d, n[0].sine, n[1].cosine, hn::Neg(hn::Mul(n[0].cosine, n[1].sine)));
+    const V sine = Fms(d, n[0].sine, n[1].cosine, hn::Mul(n[0].cosine, n[1].sine));
     const V turn0 = Torque<polar>(wake[0], cosine, sine, c);
     const V turn1 = Torque<polar>(wake[1], cosine, hn::Neg(sine), c);
     const V largest = hn::Set(d, elastic::HWY_NAMESPACE::largest_angle);

@@ -3,6 +3,7 @@
 #include "multiprecision.hpp"
 
 #include "elastic/bessel.hpp"
+#include "elastic/bessel_table.hpp"
 #include "rodwake/core/rng.hpp"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 using namespace rodwake;
 using namespace rodwake::oracle;
@@ -148,6 +150,64 @@ TEST_CASE("core Bessel functions in every binade") {
     CAPTURE(worst.k0, worst.kappa1);
     CHECK(worst.k0 <= 3.0); // the header's claims
     CHECK(worst.kappa1 <= 4.0);
+}
+
+namespace {
+
+/// Largest and mean error of the kernels' K0 and K1 in one binade.
+struct BinadeUlps {
+    double largest[2] = {}, mean[2] = {};
+};
+
+BinadeUlps table_ulps(int binade, int points) {
+    RandomStream random(73 + static_cast<std::uint64_t>(binade - elastic::lowest_binade));
+    std::vector<double> z(points), k[2] = {z, z};
+    for (double& one : z)
+        one = std::ldexp(random.uniform(1.0, 2.0), binade);
+    z[0] = std::ldexp(1.0, binade);
+    z[1] = std::nextafter(std::ldexp(2.0, binade), 0.0);
+    elastic::table_bessel(z, k[0], k[1]);
+    BinadeUlps found;
+    for (int i = 0; i < points; ++i) {
+        const auto [k0, k1] = scaled_bessel(Real(z[i]));
+        for (int q = 0; q < 2; ++q) {
+            const double error = ulps(k[q][i], q == 0 ? k0 : k1);
+            found.largest[q] = std::max(found.largest[q], error);
+            found.mean[q] += error / points;
+        }
+    }
+    return found;
+}
+
+} // namespace
+
+TEST_CASE("the kernels' K0 and K1 in every binade of their table") {
+    constexpr int binades = elastic::end_binade - elastic::lowest_binade;
+    double mean[2] = {};
+    for (int binade = elastic::lowest_binade; binade < elastic::end_binade; ++binade) {
+        const BinadeUlps found = table_ulps(binade, 16);
+        CAPTURE(binade, found.largest[0], found.largest[1]);
+        for (int q = 0; q < 2; ++q) {
+            CHECK(found.largest[q] <= 2.0); // bessel_table.hpp
+            mean[q] += found.mean[q] / binades;
+        }
+    }
+    CAPTURE(mean[0], mean[1]);
+    CHECK(mean[0] <= 0.6);
+    CHECK(mean[1] <= 0.6);
+    CHECK(mean[0] > 0.25); // of exact values rounded once: else nothing was compared
+}
+
+TEST_CASE("the kernels' K0 and K1, many points", "[.][long]") {
+    for (int binade = elastic::lowest_binade; binade < elastic::end_binade; ++binade) {
+        const BinadeUlps found = table_ulps(binade, 2000);
+        std::printf("2^%d: K0 %.2f, mean %.2f; K1 %.2f, mean %.2f ulp\n", binade, found.largest[0],
+                    found.mean[0], found.largest[1], found.mean[1]);
+        for (int q = 0; q < 2; ++q) {
+            CHECK(found.largest[q] <= 2.0);
+            CHECK(found.mean[q] <= 0.6);
+        }
+    }
 }
 
 TEST_CASE("a count of ulps can fail") {

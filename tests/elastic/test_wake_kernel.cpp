@@ -136,7 +136,7 @@ TEST_CASE("the faster route of the field agrees with the closed form, and is tak
         const Field field({random.log_uniform(1e-3, 20.0), random.log_uniform(0.1, 10.0)});
         const double r = field.medium().xi * random.log_uniform(1e-6, 300.0), angle = random_angle(random, k);
         const double x = r * std::cos(angle), y = r * std::sin(angle), root = std::sqrt(2.0);
-        const SymmetricTensor got = field.at(x, y, {.strain = true}).strain,
+        const SymmetricTensor got = field.strain(x, y),
                               exact = FieldInternals::by_potentials(field, x, y, {.strain = true}).strain;
         all.push_back(relative({got.xx, root * got.xy, got.yy}, {exact.xx, root * exact.xy, exact.yy}));
         worst = std::max(worst, all.back());
@@ -148,6 +148,33 @@ TEST_CASE("the faster route of the field agrees with the closed form, and is tak
     CHECK(worst < 1e-12); // what field.hpp promises
     CHECK(worst_99 < 2e-14);
     CHECK(other_bits > 5000);
+}
+
+TEST_CASE("a strain has the same bits whatever is asked for beside it") {
+    RandomStream random(89);
+    for (int k = 0; k < 3000; ++k) {
+        const Field field({random.log_uniform(0.05, 20.0), 1.0});
+        const double r = random.log_uniform(1e-7, 300.0), angle = random_angle(random, k);
+        const double x = r * std::cos(angle), y = r * std::sin(angle);
+        const SymmetricTensor alone = field.strain(x, y);
+        for (const FieldRequest request : {FieldRequest{.strain = true},
+                                           {.strain = true, .polar = true},
+                                           {.displacement = true, .strain = true},
+                                           {.strain = true, .polar = true, .gradients = true}}) {
+            const FieldValues f = field.at(x, y, request);
+            CAPTURE(field.medium().eta, x, y);
+            REQUIRE(std::array{f.strain.xx, f.strain.xy, f.strain.yy} ==
+                    std::array{alone.xx, alone.xy, alone.yy});
+            REQUIRE(std::isnan(f.laplacian.x) != request.polar);
+            REQUIRE(std::isnan(f.displacement.x) != request.displacement);
+            REQUIRE(std::isnan(f.dipole.x));
+        }
+        const FieldValues polar = field.at(x, y, {.polar = true}), dipole = field.at(x, y, {.dipole = true});
+        REQUIRE(std::isnan(polar.strain.xx));
+        REQUIRE(polar.laplacian.x == field.at(x, y, {.strain = true, .polar = true}).laplacian.x);
+        REQUIRE(std::isnan(dipole.strain.xx));
+        REQUIRE(dipole.dipole.x == -alone.yy);
+    }
 }
 
 TEST_CASE("the kernel agrees with the reference table where its range ends and beyond") {
@@ -239,6 +266,10 @@ TEST_CASE("every instruction set gives the same bits") {
     const Medium medium{5.0, 0.7};
     const Sums first = batch.sums(medium), fine = batch.sums(medium, Accuracy::fine),
                single = batch.sums(medium, Accuracy::single);
+    const Field field(medium);
+    std::vector<SymmetricTensor> alone;
+    for (std::size_t i = 0; i < batch.x.size(); ++i)
+        alone.push_back(field.strain(batch.x[i], batch.y[i]));
     std::set<std::string> names;
     for_each_instruction_set([&] {
         names.insert(wake_kernel_target());
@@ -248,6 +279,9 @@ TEST_CASE("every instruction set gives the same bits") {
             REQUIRE(again.bits(i) == first.bits(i));
             REQUIRE(fine_again.bits(i) == fine.bits(i));
             REQUIRE(single_again.bits(i) == single.bits(i));
+            const SymmetricTensor strain = field.strain(batch.x[i], batch.y[i]);
+            REQUIRE(std::array{strain.xx, strain.xy, strain.yy} ==
+                    std::array{alone[i].xx, alone[i].xy, alone[i].yy});
         }
     });
     CHECK(names.size() > 1); // else nothing was compared

@@ -11,9 +11,9 @@
 // -(1 + nu) ln r. Everything is linear in the rod's strength: multiply by f/mu.
 //
 // Strain and polar vectors come from the kernels' algorithm (wake_kernel.hpp) where it keeps the bounds
-// below: eta from 0.1 to 10, 2e-6 < r/xi < 128, nu (r + x) <= 32 xi, and not within 7 degrees of the axis
-// ahead. Elsewhere, and for everything else, the closed form is evaluated; which of the two depends on the
-// place and the medium alone.
+// below: eta from 0.1 to 10, 2e-6 < r/xi < 128, nu (r + x) <= 32 xi; polar vectors not within 7 degrees of
+// the axis ahead. Elsewhere, and for everything else, the closed form is evaluated; which of the two depends
+// on the place and the medium alone.
 //
 // Accuracy: relative error in the vector or tensor norm typically below 1e-15, of the kernels'
 // algorithm below 5e-15 in 99 of 100 places. Bounds held by tests: 2e-13 on the reference table (r/xi in
@@ -72,6 +72,9 @@ public:
     /// medium.xi. Throws InputError outside the domain above.
     FieldValues at(double x, double y, FieldRequest request) const;
 
+    /// The strain alone: the same bits, sooner.
+    SymmetricTensor strain(double x, double y) const;
+
     const Medium& medium() const { return medium_; }
 
 private:
@@ -84,6 +87,8 @@ private:
         double inverse_nu, inverse_root_nu; ///< 1/nu, 1/sqrt(nu)
         double c_shear;                     ///< c_T = 1/(2 xi), 1/length
         double two_xi;
+        double lane_reach;         ///< the kernels' algorithm is taken up to this distance, in 2 xi
+        const double* bessel_rows; ///< its table of K0 and K1
     };
 
     FieldValues by_potentials(double x, double y, FieldRequest request) const;
