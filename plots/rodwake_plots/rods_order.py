@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import canvas, csv_columns, style, words
+from . import canvas, csv_columns, ranges, style, words
 from .errors import PlotError
 from .spec import Spec
 
@@ -20,6 +20,7 @@ def draw(run, spec):
     curves(axes["size"], t, [(series["largest"], style.ROD_COLOURS[2], "largest"), (series["weighted_size"], style.ROD_COLOURS[3], "of a rod, mean"),
                              (series["mean_size"], style.GREY, "mean")])
     axes["size"].set(ylabel="cluster size (rods)", yscale="log", xlabel=time.label)
+    ranges.plain_ticks(axes["size"].yaxis, series["mean_size"].min(), series["largest"].max())
     axes["order"].tick_params(labelbottom=False)
     for part in (axes["order"], axes["size"]):
         part.axvspan(means["from"] * time.factor, t[-1], color=style.INK, alpha=0.05, linewidth=0)
