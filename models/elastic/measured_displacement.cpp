@@ -78,6 +78,11 @@ void validate(const MeasuredGrid& g, const MeasuredOptions& o, std::optional<dou
         refuse("measured field: core = ", o.core, ", blend = ", o.blend, ", edge = ", o.edge,
                ": core and blend must be above 0, core + 2 blend at most edge, and edge at most ", last,
                ", where the measured field ends");
+    if (!(o.blend >= 2.0 * g.spacing))
+        refuse("measured field: blend = ", o.blend, ": at least two bins, which are ", g.spacing, " apart");
+    if (!(o.window <= 0.5 * g.box() && o.correlation <= 0.5 * g.box()))
+        refuse("measured field: window = ", o.window, ", correlation = ", o.correlation,
+               ": at most half the box, ", 0.5 * g.box());
     if (box && !(*box > std::numbers::sqrt2 * o.edge))
         refuse("measured field: in a box of ", *box, " f/mu what was measured up to edge = ", o.edge,
                " would meet its own image: the box must be larger than sqrt(2) edge");

@@ -20,6 +20,8 @@ void require(bool legal, const std::string& message) {
 void check_functions(const SensitivityProblem& problem) {
     require(problem.parameters > 0, "there are no parameters; use solve()");
     require(static_cast<bool>(problem.ode.jacobian), "the problem has no Jacobian");
+    require(!problem.ode.project && problem.ode.algebraic.empty(),
+            "sensitivities of projected or constrained problems are not offered");
     require(static_cast<bool>(problem.by_parameter), "the problem has no derivatives by the parameters");
     for (std::size_t i = 0; i < problem.ode.events.size(); ++i)
         require(!problem.ode.events[i].terminal ||

@@ -42,16 +42,19 @@ void sums(const Scene& scene, const Report& report) {
     want_plane(run.precision != elastic::Accuracy::full, "precision");
 }
 
-/// Newton's matrix of 3 N x 3 N doubles, and its factors.
+/// Newton's dense matrix, and its factors.
 void memory(const Scene& scene, const Report& report) {
-    constexpr std::size_t most = 3000;
-    if (scene.rods_run->method == integrate::Method::bdf && scene.rods.size() > most)
+    constexpr std::size_t most = 9000; // 0.65 GB
+    const RodsRun& run = *scene.rods_run;
+    const std::size_t size = rods::state_size(run.form, scene.rods.size());
+    if ((run.method == integrate::Method::bdf || run.form == rods::Form::dae) && size > most)
         report("rods_run.method",
-               fmt::format("rods_run.method: \"bdf\" keeps dense matrices of 3 N x 3 N numbers, for {} rods "
-                           "{:.2g} GB each: at "
-                           "most {} rods; \"erk\" and \"adams\" take any number",
-                           scene.rods.size(),
-                           72e-9 * static_cast<double>(scene.rods.size() * scene.rods.size()), most));
+               fmt::format(
+                   "rods_run.method: \"bdf\" keeps dense matrices of {0} x {0} numbers for {1} rods in form "
+                   "\"{2}\", {3:.2g} GB each: at most {4} rods; \"erk\" takes any number",
+                   size, scene.rods.size(), rods::to_string(run.form),
+                   8e-9 * static_cast<double>(size) * static_cast<double>(size),
+                   most / rods::state_size(run.form, 1)));
 }
 
 void order_of_rods(const Scene& scene, const Report& report) {

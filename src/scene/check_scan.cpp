@@ -1,5 +1,6 @@
 #include "check_scan.hpp"
 
+#include "rodwake/rods/separation_record.hpp"
 #include "rodwake/scene/scan_subject.hpp"
 
 #include <fmt/format.h>
@@ -120,6 +121,11 @@ void check_rods(const Scene& scene, const Report& report) {
         report("scan", "[scan] needs [[rods]] with [rods_run], or [granular]");
     else if (scene.rods.size() < 2)
         report("scan", "[scan] of rods needs two or more [[rods]]: a single rod has no outcome");
+    else if (scene.rods.size() > rods::most_followed_rods)
+        report("scan",
+               fmt::format(
+                   "[scan] compares how encounters end, which is followed for up to {} rods: here are {}",
+                   rods::most_followed_rods, scene.rods.size()));
     if (scene.medium && scene.medium->fitted)
         report("scan", "[scan] needs a medium of its own: medium.fitted = true takes it from [fit]");
     if (scene.medium && scene.medium->field != FieldBackend::exact)

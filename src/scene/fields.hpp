@@ -5,7 +5,8 @@
 
 namespace rodwake::scene {
 
-inline constexpr std::size_t max_rods = 1000; // one by one; at random a hundred times as many
+inline constexpr std::size_t max_rods = 1000;                 // one by one; at random a hundred times as many
+inline constexpr double largest_seed = 9223372036854775807.0; // 2^63 - 1, the largest TOML integer
 
 void fields(Visitor& v, Scales& scales);
 void fields(Visitor& v, FieldTable& table);

@@ -8,8 +8,6 @@ namespace {
 
 using enum Dimension;
 
-constexpr double largest_seed = 9223372036854775807.0; // 2^63 - 1, the largest TOML integer
-
 void parameter_fields(Visitor& v, Fit& fit) {
     const auto names = fit_parameter_names();
     v(key("parameters")

@@ -11,7 +11,6 @@ using enum Dimension;
 
 /// Area fraction of the densest layer of discs, pi/(2 sqrt 3), to the digits that make sense.
 constexpr double densest = 0.9069;
-constexpr double largest_seed = 9223372036854775807.0; // 2^63 - 1, the largest TOML integer
 
 void bead_fields(Visitor& v, Granular& bed) {
     v(key("phi_b")

@@ -158,7 +158,7 @@ void fields(Visitor& v, MeasuredMedium& measured) {
           .doc("runs of the rods in fields drawn from the measured one and its errors; 0: none")
           .example("32"),
       measured.samples);
-    v(key("seed").within(0.0, 1e12).doc("of these draws").example("1"), measured.seed);
+    v(key("seed").within(0, largest_seed).doc("of these draws").example("1"), measured.seed);
 }
 
 void fields(Visitor& v, Medium& medium) {

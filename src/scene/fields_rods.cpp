@@ -192,7 +192,7 @@ void fields(Visitor& v, RandomRods& random) {
           .example("0.5"),
       random.min_separation);
     v(key("heading")
-          .symbol("\theta")
+          .symbol("\\theta")
           .unit(angle)
           .doc("middle of the start directions, counter-clockwise from +x")
           .example("\"90 deg\""),
@@ -203,7 +203,8 @@ void fields(Visitor& v, RandomRods& random) {
           .doc("headings are uniform within this of it to both sides; pi: any")
           .example("\"30 deg\""),
       random.spread);
-    v(key("seed").within(0, 1e12).doc("of the random numbers; --seed replaces it").example("7"), random.seed);
+    v(key("seed").within(0, largest_seed).doc("of the random numbers; --seed replaces it").example("7"),
+      random.seed);
     v.derive([&] {
         if (crowding(random) > most_crowding)
             v.complain("min_separation",

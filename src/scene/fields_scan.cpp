@@ -73,7 +73,7 @@ void fields(Visitor& v, Scan& scan) {
           .doc("list: CSV whose header names the keys, a row a point")
           .example("\"points.csv\""),
       scan.file);
-    v(key("seed").within(0, 1e12).doc("of lhs and of the audit").example("1"), scan.seed);
+    v(key("seed").within(0, largest_seed).doc("of lhs and of the audit").example("1"), scan.seed);
     v(key("audit")
           .within(0, 1e7)
           .doc("adaptive: points tried at random in cells that were not divided, for the rate of what was "

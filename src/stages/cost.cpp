@@ -114,6 +114,12 @@ std::string field_cost(const scene::Scene& scene) {
                        0.01 * point * static_cast<double>(scene.field->nx * scene.field->ny));
 }
 
+/// Further runs of a case, in draws of a measured field.
+long samples_of(const scene::Scene& scene) {
+    const bool measured = scene.medium && scene.medium->field == scene::FieldBackend::measured;
+    return measured ? scene.medium->measured->samples : 0;
+}
+
 /// A run that is stopped when the measurement is over tells by how far it came.
 std::string rods_cost(const Plan& plan) {
     const assembly::RodsPlan& first = plan.rods.front();
@@ -131,8 +137,14 @@ std::string rods_cost(const Plan& plan) {
     if (!whole && !(reached > 0.0))
         return fmt::format("  rods: a step takes more than {:.2g} s\n", seconds);
     const double each = whole ? seconds : seconds * first.problem.t_end / reached;
+    double runs = 0.0;
+    for (const assembly::RodsPlan& one : plan.rods)
+        runs += 1.0 + static_cast<double>(samples_of(one.of.scene));
     return fmt::format(
-        "  rods: about {:.2g} s{}\n", each * static_cast<double>(plan.rods.size()),
+        "  rods: about {:.2g} s{}{}\n", each * runs,
+        first.of.scene.medium && first.of.scene.medium->measured
+            ? ", and some for smoothing the measured field"
+            : "",
         whole ? "" : fmt::format(" at the pace of the first {:.3g} of {:g}", reached, first.problem.t_end));
 }
 

@@ -23,10 +23,10 @@ double number(const json& value) {
     return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
 }
 
-/// What must be the same for a checkpoint to be taken up: version, git id, scene.
-std::string key_of(const scene::Scene& scene) {
+/// What must be the same for a checkpoint to be taken up: version, git id, scene, data of the field.
+std::string key_of(const scene::Scene& scene, const std::string& field) {
     const BuildInfo build = build_info();
-    return build.version + " " + build.git + "\n" + stage_key(scene, assembly::Stage::rods);
+    return build.version + " " + build.git + "\n" + stage_key(scene, assembly::Stage::rods) + "\n" + field;
 }
 
 json to_json(const rods::SeparationRecord& record) {
@@ -77,8 +77,9 @@ bool well_formed(const rods::RodCheckpoint& checkpoint, const scene::Scene& scen
 
 } // namespace
 
-std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene) {
-    return json{{"key", key_of(scene)},
+std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene,
+                            const std::string& field) {
+    return json{{"key", key_of(scene, field)},
                 {"time", checkpoint.time},
                 {"state", checkpoint.state},
                 {"headings", checkpoint.headings},
@@ -89,12 +90,12 @@ std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::
 }
 
 std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& file,
-                                                   const scene::Scene& scene) try {
+                                                   const scene::Scene& scene, const std::string& field) try {
     std::ifstream in(file);
     if (!in)
         return std::nullopt;
     const json value = json::parse(in);
-    if (value.at("key") != key_of(scene))
+    if (value.at("key") != key_of(scene, field))
         return std::nullopt;
     const rods::RodCheckpoint checkpoint{value.at("time").get<double>(),
                                          value.at("state").get<std::vector<double>>(),

@@ -11,10 +11,11 @@
 
 namespace rodwake::stages {
 
-std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene);
+std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene,
+                            const std::string& field);
 
 /// The checkpoint in a file; nothing if there is none, it is damaged, or it belongs to another scene.
 std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& file,
-                                                   const scene::Scene& scene);
+                                                   const scene::Scene& scene, const std::string& field);
 
 } // namespace rodwake::stages

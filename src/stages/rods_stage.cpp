@@ -26,15 +26,23 @@ struct Work {
 
     const assembly::Case& of() const { return plan->of; }
     std::string checkpoint_file() const { return of().folder + "checkpoint.json"; }
+    /// Changes with the data of a measured field.
+    std::string field_key() const {
+        if (!measured)
+            return {};
+        const elastic::SmoothingReport &x = measured->report_x(), &y = measured->report_y();
+        return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", x.chi2, x.lambda, y.chi2, y.lambda);
+    }
 };
 
 void resume(const Session& session, Work& one) {
     const auto file = session.directory.file(one.checkpoint_file());
-    one.options.resume_from = session.context.force ? std::nullopt : read_checkpoint(file, one.of().scene);
+    one.options.resume_from =
+        session.context.force ? std::nullopt : read_checkpoint(file, one.of().scene, one.field_key());
     if (one.options.resume_from)
         session.log->info("rods: going on from the checkpoint at t = {:.6g}", one.options.resume_from->time);
     else if (std::filesystem::exists(file))
-        session.log->warn("{}: damaged, or of another scene or version; starting from the beginning",
+        session.log->warn("{}: damaged, or of another scene, field or version; starting from the beginning",
                           file.string());
 }
 
@@ -44,7 +52,8 @@ void solve(const Session& session, Work& one, bool show_progress) {
     if (show_progress)
         one.options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
     one.options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) {
-        session.directory.write(one.checkpoint_file(), checkpoint_json(checkpoint, one.of().scene));
+        session.directory.write(one.checkpoint_file(),
+                                checkpoint_json(checkpoint, one.of().scene, one.field_key()));
     };
     resume(session, one);
     one.result = rods::simulate(one.problem, one.options);

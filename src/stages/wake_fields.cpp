@@ -2,8 +2,6 @@
 
 #include "measured_file.hpp"
 
-#include <algorithm>
-
 namespace rodwake::stages {
 
 namespace {
@@ -29,16 +27,17 @@ std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& sce
 }
 
 std::shared_ptr<const elastic::MeasuredDisplacement> WakeFields::measured(const scene::Scene& scene) {
-    const auto known = std::ranges::find(measured_, *scene.medium, [](const auto& one) { return one.first; });
-    if (known != measured_.end())
-        return known->second;
+    const double f_over_mu = scene.scales ? scene.scales->f_over_mu : 0.0;
+    for (const Smoothed& one : measured_)
+        if (one.medium == *scene.medium && one.f_over_mu == f_over_mu)
+            return one.field;
     const MeasuredInput input = read_measured(scene, session_.directory.path());
     auto fitted = std::make_shared<const elastic::MeasuredDisplacement>(
         input.grid, elastic::Medium{scene.medium->eta, scene.medium->xi}, input.options);
     session_.log->info("measured field: {}", input.file.string());
     tell(session_.log, "Ux", fitted->report_x());
     tell(session_.log, "Uy", fitted->report_y());
-    measured_.emplace_back(*scene.medium, fitted);
+    measured_.push_back({*scene.medium, f_over_mu, fitted});
     return fitted;
 }
 

@@ -6,7 +6,6 @@
 #include "session.hpp"
 
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace rodwake::stages {
@@ -23,7 +22,12 @@ public:
 private:
     const Session& session_;
     WakeTables tables_;
-    std::vector<std::pair<scene::Medium, std::shared_ptr<const elastic::MeasuredDisplacement>>> measured_;
+    struct Smoothed {
+        scene::Medium medium;
+        double f_over_mu; ///< the data are in units of it
+        std::shared_ptr<const elastic::MeasuredDisplacement> field;
+    };
+    std::vector<Smoothed> measured_;
 };
 
 } // namespace rodwake::stages
