@@ -174,4 +174,17 @@ TEST_CASE("a measured field says what it cannot do, and refuses what is no field
     refuses([](auto&, auto& o) { o.edge = 11.0; }, "at most 10.5, where the measured field ends");
     refuses([](auto&, auto& o) { o.core = 7.0; }, "core = 7, blend = 2");
     refuses([](auto&, auto& o) { o.core = 0.0; }, "must be above 0");
+    refuses([](auto& g, auto& o) { o.blend = 1.9 * g.spacing; }, "at least two bins");
+    refuses(
+        [](auto& g, auto& o) {
+            o.blend = 3.0;
+            o.correlation = 0.51 * g.box();
+        },
+        "at most half the box");
+    refuses(
+        [](auto& g, auto& o) {
+            o.blend = 3.0;
+            o.window = 0.51 * g.box();
+        },
+        "at most half the box");
 }

@@ -265,6 +265,10 @@ TEST_CASE("malformed sensitivity problems are refused with what is wrong") {
     refused([](auto& p) { p.parameters = 0; }, "no parameters");
     refused([](auto& p) { p.ode.jacobian = nullptr; }, "no Jacobian");
     refused([](auto& p) { p.by_parameter = nullptr; }, "by the parameters");
+    SensitivityProblem projected = falling(9.8, 3.0);
+    projected.ode.project = [](std::span<double>) { return 0.0; };
+    CHECK_THROWS_WITH(solve_with_sensitivities(projected, options_for(Method::bdf, 1e-8), times),
+                      Contains("projected or constrained"));
     refused([](auto& p) { p.initial.resize(1, 2); }, "1 x 2; they must be 2 x 2");
     refused([](auto& p) { p.initial(0, 0) = std::nan(""); }, "not finite");
     refused([](auto& p) { p.parameter_scale = {1.0}; }, "1 parameter scales for 2");

@@ -167,6 +167,18 @@ TEST_CASE("a form needs a method that can take it") {
         CHECK(parse(with("bdf", form)).rods_run->method == rodwake::integrate::Method::bdf);
 }
 
+TEST_CASE("dense matrices of too many rods are refused in every form") {
+    const auto with = [](int rods, const std::string& run) {
+        return "schema = 1\n[rods_random]\nextent = 500\ncount = " + std::to_string(rods) +
+               "\n[rods_run]\nt_end = 1\n" + run;
+    };
+    says(with(3001, "method = \"bdf\"\n"),
+         "9003 x 9003 numbers for 3001 rods in form \"angle\", 0.65 GB each");
+    says(with(1801, "form = \"dae\"\n"), "at most 1800 rods");
+    says(with(2251, "method = \"bdf\"\nform = \"director\"\n"), "at most 2250 rods");
+    CHECK(parse(with(3001, "")).rods.size() == 3001);
+}
+
 TEST_CASE("a tolerance of the table and no noise are accepted, dotted or as tables") {
     const std::string medium = "[medium]\neta = 1\nxi = 1\nfield = \"exact\"\n";
     CHECK(parse(two_rods(medium + "table.tolerance = 1e-6\n")).medium->table->tolerance == 1e-6);

@@ -44,6 +44,8 @@ TEST_CASE("the schema tells unit, symbol and range of a key") {
     };
     const auto kappa = find("coupling", "kappa");
     CHECK(kappa.at("symbol") == "\\kappa");
+    for (const auto& key : schema.at("keys")) // a backslash too few makes one
+        CHECK(std::ranges::none_of(key.value("symbol", std::string()), [](char c) { return c < ' '; }));
     CHECK(kappa.at("unit") == nlohmann::json{{"reduced", "mu v0/f"}, {"si", "1/s"}});
     CHECK(kappa.at("default") == "0.0");
     CHECK(find("medium", "eta").at("range") == nlohmann::json{{"above", -1.0}, {"to", 1e12}});

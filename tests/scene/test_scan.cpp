@@ -109,6 +109,9 @@ TEST_CASE("a scan needs rods that can meet, and axes") {
     CHECK(error_text("schema = 1\n[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\n[scan]\n" +
                      axis("key = \"rods.0.heading\"\nfrom = 0\nto = 1"))
               .find("[scan] of rods needs two or more [[rods]]") != std::string::npos);
+    CHECK(error_text("schema = 1\n[rods_random]\ncount = 101\nextent = 60\n[rods_run]\nt_end = 1\n[scan]\n" +
+                     axis("key = \"coupling.kappa\"\nfrom = 0\nto = 1"))
+              .find("followed for up to 100 rods: here are 101") != std::string::npos);
     says("", "x.toml:13:1: [scan] has no axes: give [[scan.axes]] with key, from and to");
     CHECK(error_text(scan(kappa) + "[[variants]]\nname = \"v\"\nset = { \"medium.eta\" = 2 }\n")
               .find("[scan] and [[variants]] do not go together: make the variants an axis") !=
