@@ -196,6 +196,7 @@ StageEnd run_rods_stage(Session& session) {
     const std::vector<assembly::RodsPlan>& plans = session.fitted() ? fitted : session.plan.rods;
     const std::size_t threads = std::max<std::size_t>(1, session.context.thread_count() / plans.size());
     std::vector<Work> cases;
+    cases.reserve(plans.size());
     for (const assembly::RodsPlan& plan : plans)
         cases.push_back(work_of(plan, fields, threads));
     parallel_for(cases.size(), session.context.thread_count(),
