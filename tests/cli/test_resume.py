@@ -55,7 +55,7 @@ class ResumeTest(ProgramTest):
         self.write("out/provenance.json", '{"status": "interrupted", "stages": {"rods": "interrupted"}}')
         self.write("out/checkpoint.json", "{damaged")
         done = self.expect(0, *short)
-        self.assertIn("checkpoint.json: damaged, or of another scene or version; starting from the beginning", done.stderr)
+        self.assertIn("checkpoint.json: damaged, or of another scene, field or version; starting from the beginning", done.stderr)
         self.assertEqual(self.status("out"), "finished")
         self.assertFalse((self.folder / "out/checkpoint.json").exists())
 
