@@ -103,16 +103,16 @@ TEST_CASE("errors that neighbours share are not taken for signal") {
 }
 
 TEST_CASE("the spread of draws is the error that the sigmas make") {
-    MeasuredGrid grid = sampled(16, 0.02, false);
+    MeasuredGrid grid = sampled(24, 0.02, false);
     std::vector<std::size_t> bins; // only these have errors: the others keep their weight
     for (std::size_t bin = 0; bin < grid.known.size(); ++bin) {
-        const double x = grid.place(bin % 16), y = grid.place(bin / 16);
+        const double x = grid.place(bin % 24), y = grid.place(bin / 24);
         grid.known[bin] = std::hypot(x - place.x, y - place.y) < 3.5;
         if (grid.known[bin])
             bins.push_back(bin);
     }
     for (const std::size_t bin : bins) // of all sizes
-        grid.sigma_x[bin] *= 0.5 + 0.1 * static_cast<double>(bin % 16);
+        grid.sigma_x[bin] *= 0.5 + 0.1 * static_cast<double>(bin % 24);
     const MeasuredDisplacement measured(grid, theory, options(0.03));
     double variance = 0.0;
     const double unmoved = strain_at(*measured.field());
@@ -153,7 +153,7 @@ TEST_CASE("errors that go together are not averaged out, and over a long way the
 }
 
 TEST_CASE("draws depend on seed and sample alone") {
-    const MeasuredDisplacement measured(sampled(16, 0.02, false), theory, options(0.03));
+    const MeasuredDisplacement measured(sampled(24, 0.02, false), theory, options(0.03));
     CHECK(strain_at(*measured.drawn(5, 3)) == strain_at(*measured.drawn(5, 3)));
     CHECK(strain_at(*measured.drawn(5, 3)) != strain_at(*measured.drawn(5, 4)));
     CHECK(strain_at(*measured.drawn(5, 3)) != strain_at(*measured.drawn(6, 3)));
