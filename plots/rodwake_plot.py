@@ -41,10 +41,14 @@ def plot(options):
     # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     warnings.simplefilter("ignore")
-    from rodwake_plots import draw, report, scan_page
+    from rodwake_plots import draw, report, scan_page, tradeoff
     from rodwake_plots.run_dir import RunDir
 
     with RunDir(options.run_dir) as run:
+        if run.has_tradeoff and not options.report_only:
+            print(*draw.in_style(tradeoff.write, run), sep="\n")
+        if run.holds_tradeoff_alone:
+            return
         figures = draw.figures_of(run)
         if not options.report_only:
             draw.write_all(run, figures, pdf=options.pdf)

@@ -68,6 +68,12 @@ def write_one(run, figure, endings):
             print(path)
 
 
+def in_style(write, *arguments):
+    """What does not stand in [[figures]], with the look of what does."""
+    with matplotlib.rc_context(SETTINGS):
+        return write(*arguments)
+
+
 def caption(run, figure):
     return KINDS[figure.kind].caption(run, figure)
 

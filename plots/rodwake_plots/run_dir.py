@@ -30,6 +30,7 @@ class RunDir:
         self._fit = FitResult(self.path) if (self.path / FIT).is_file() else None
         self._scan = ScanRun(self.path) if (self.path / SCAN).is_file() else None
         self.medium = self._json("medium.json")  # of the rods, where it was fitted
+        self.tradeoff = self._json("tradeoff.json")
         self.rods_order = self._json("rods_order.json")
         alone = (self._granular or self._fit or self._scan) and not (self.path / "result.h5").is_file()
         self._result = None if alone else Result(self.path / "result.h5")
@@ -86,6 +87,14 @@ class RunDir:
         if self._scan is None:
             raise PlotError(f"{self.path / SCAN}: no such file: this run has scanned nothing; [scan] in the scene and rodwake scan write it")
         return self._scan
+
+    @property
+    def has_tradeoff(self):
+        return self.tradeoff is not None
+
+    @property
+    def holds_tradeoff_alone(self):
+        return set((self.provenance or {}).get("stages", ())) == {"tradeoff"}
 
     @property
     def units(self):

@@ -37,6 +37,8 @@ const char* to_string(Stage stage) {
         return "field";
     case Stage::scan:
         return "scan";
+    case Stage::tradeoff:
+        return "tradeoff";
     case Stage::rods:
         break;
     }
@@ -84,7 +86,7 @@ Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInp
         plan.rods = plan_rods(scene);
     if (plan.fit && plan.fit->complete())
         plan.fit_plan = fit_plan(*scene.fit, *plan.fit);
-    if (plan.has(Stage::scan))
+    if (plan.has(Stage::scan) || (plan.has(Stage::tradeoff) && scene.scan))
         plan.scan = plan_scan(scene, inputs.list);
     return plan;
 }

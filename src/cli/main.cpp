@@ -27,6 +27,8 @@ int dispatch(const Options& options) {
         return verb_stages(options);
     case Verb::impact:
         return verb_impact(options);
+    case Verb::tradeoff:
+        return verb_tradeoff(options);
     case Verb::plot:
         return verb_plot(options);
     case Verb::info:

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 namespace rodwake::cli {
 
@@ -101,6 +102,48 @@ void add_scan(CLI::App& app, Options& options) {
     scan->add_flag("--rerun-failed", options.rerun_failed, "evaluate points again that failed");
 }
 
+/// "5ms" and "5 ms" are 0.005.
+CLI::AsNumberWithUnit seconds() {
+    return CLI::AsNumberWithUnit(
+        std::map<std::string, double>{{"us", 1e-6}, {"ms", 1e-3}, {"s", 1.0}, {"min", 60.0}, {"h", 3600.0}},
+        CLI::AsNumberWithUnit::CASE_SENSITIVE, "TIME");
+}
+
+void add_tradeoff(CLI::App& app, Options& options) {
+    CLI::App* tradeoff = add_verb(
+        app, options, Verb::tradeoff, "tradeoff",
+        "time and error of every way to solve the rods of a scene, or of its scan; the cheapest for an error",
+        "  rodwake tradeoff scenes/pair.toml\n"
+        "  rodwake tradeoff scenes/pair.toml --for 1e-6\n"
+        "  rodwake tradeoff scenes/pair.toml --within 1ms --error path\n"
+        "  rodwake tradeoff scenes/phase_perpendicular.toml --for 0.01 --error outcome");
+    add_scene(*tradeoff, options);
+    add_run(*tradeoff, options);
+    tradeoff->remove_option(tradeoff->get_option("--threads")); // all is timed on one
+    CLI::Option* error =
+        tradeoff->add_option("--for", options.want_error,
+                             "print the cheapest setting whose error is at most this, as keys of the scene");
+    error->check(CLI::NonNegativeNumber);
+    tradeoff
+        ->add_option("--within", options.want_time,
+                     "print the most accurate setting that takes at most this: 5ms, 2s, 1min")
+        ->transform(seconds())
+        ->excludes(error);
+    const std::map<std::string, stages::ErrorKind> kinds{{"final_state", stages::ErrorKind::final_state},
+                                                         {"contact_time", stages::ErrorKind::contact_time},
+                                                         {"outcome", stages::ErrorKind::outcome},
+                                                         {"path", stages::ErrorKind::path}};
+    tradeoff
+        ->add_option(
+            "--error", options.tradeoff.kind,
+            "final_state: at the end; contact_time; outcome: share that differs; path: at all output times "
+            "[final_state]")
+        ->transform(CLI::CheckedTransformer(kinds))
+        ->option_text("KIND");
+    tradeoff->add_option("--limit", options.tradeoff.limit, "give up a setting that takes longer [60s]")
+        ->transform(seconds());
+}
+
 void add_stage_verbs(CLI::App& app, Options& options) {
     add_stage_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
                    "  rodwake rods scenes/pair.toml -o results/pair\n"
@@ -121,6 +164,7 @@ void add_stage_verbs(CLI::App& app, Options& options) {
                    "  rodwake fit fitting/problems/monopole.toml -o results/monopole\n"
                    "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force");
     add_scan(app, options);
+    add_tradeoff(app, options);
     add_stage_verb(app, options, Verb::run, "run",
                    "every stage the scene names, then figures and report.html",
                    "  rodwake run scenes/quickstart.toml\n"

@@ -2,6 +2,7 @@
 // The command line, parsed.
 
 #include "rodwake/scan/run.hpp"
+#include "rodwake/stages/tradeoff.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -11,7 +12,7 @@
 
 namespace rodwake::cli {
 
-enum class Verb { check, field, rods, dem, impact, measure, fit, scan, run, plot, info };
+enum class Verb { check, field, rods, dem, impact, measure, fit, scan, tradeoff, run, plot, info };
 
 struct Options {
     Verb verb = Verb::check;
@@ -31,6 +32,9 @@ struct Options {
     std::string part;              ///< scan --part i/n
     bool merge = false;            ///< scan --merge
     bool rerun_failed = false;     ///< scan --rerun-failed
+    std::optional<double> want_error;  ///< tradeoff --for
+    std::optional<double> want_time;   ///< tradeoff --within, s
+    stages::TradeoffRequest tradeoff;  ///< tradeoff --error, --limit
     bool pdf = false;              ///< plot --pdf
     bool scene_reference = false;  ///< info --scene-reference
     bool schema = false;           ///< info --schema

@@ -46,6 +46,7 @@ bool has_table(const scene::Scene& scene, Stage stage) {
     case Stage::scan:
         return scene.scan.has_value();
     case Stage::rods:
+    case Stage::tradeoff:
         break;
     }
     return scene.rods_run.has_value();

@@ -2,6 +2,7 @@
 
 #include "scan/scan_columns.hpp"
 #include "series_columns.hpp"
+#include "tradeoff/tradeoff_files.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -169,6 +170,8 @@ constexpr FileKind plain_kinds[] = {
     {"cells.csv", Stage::scan, result, "cells of the refinement that were not divided", cells_columns},
     {"boundary.csv", Stage::scan, result, "boundaries between outcomes as curves", boundary_columns},
 
+    {"tradeoff.json", Stage::tradeoff, kept, "the reference, and the settings that were tried"},
+
     {"rods.csv", Stage::rods, result, "rods against time", rods_columns},
     {"rods_order.csv", Stage::rods, result, "order parameters of the rods against time", rods_order_columns},
     {"clusters.csv", Stage::rods, result, "clusters of the rods by size", clusters_columns},
@@ -198,6 +201,8 @@ std::vector<FileKind> all_kinds() {
     std::vector<FileKind> all(std::begin(plain_kinds), std::end(plain_kinds));
     all.push_back({"scan.csv", Stage::scan, result, "a row a point of the scan; of beds means over its runs",
                    scan_columns()});
+    all.push_back({"tradeoff.csv", Stage::tradeoff, result, "a row a setting: its error and its cost",
+                   tradeoff_columns()});
     all.push_back({"scan_runs.csv", Stage::scan, result, "a row a run of a scan of beds", scan_columns()});
     all.push_back(
         {"series.csv", Stage::measure, result, "a row for the scene and one for each variant", series});

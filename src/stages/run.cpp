@@ -6,6 +6,7 @@
 #include "measured_file.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/stages/run_folder.hpp"
+#include "rodwake/stages/tradeoff.hpp"
 #include "scan/scan_list.hpp"
 #include "scan/scan_request.hpp"
 #include "stage_list.hpp"
@@ -32,6 +33,8 @@ StageEnd run_stage(Session& session, Stage stage) {
         return run_field_stage(session);
     case Stage::scan:
         return run_scan_stage(session);
+    case Stage::tradeoff:
+        return run_tradeoff_stage(session);
     case Stage::rods:
         break;
     }
@@ -93,14 +96,16 @@ Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const fs::path&
     if (context.seed)
         assembly::apply_seed(scene, *context.seed);
     const auto has = [&](Stage stage) { return std::ranges::find(stages, stage) != stages.end(); };
-    if (has(Stage::field) || has(Stage::rods))
+    if (has(Stage::field) || has(Stage::rods) || has(Stage::tradeoff))
         require_measured(scene, folder, has(Stage::granular) || has(Stage::measure));
     assembly::PlanInputs inputs;
     if (has(Stage::fit))
         inputs.fit = read_fit_inputs(scene, folder,
                                      has(Stage::granular) || has(Stage::measure) ? OwnFiles::left_out
                                                                                  : OwnFiles::required);
-    if (has(Stage::scan))
+    if (has(Stage::tradeoff))
+        settings_of(scene); // refuses what it does not know
+    if (has(Stage::scan) || (has(Stage::tradeoff) && scene.scan))
         inputs.list = read_scan_list(scene);
     return assembly::make_plan(scene, stages, std::move(inputs));
 }

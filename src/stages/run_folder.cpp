@@ -22,8 +22,8 @@ using assembly::Stage;
 
 namespace {
 
-constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,
-                                Stage::field,    Stage::rods,    Stage::scan};
+constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,     Stage::field,
+                                Stage::rods,     Stage::scan,    Stage::tradeoff};
 
 /// Left behind by a run that was killed: see PendingFile.
 bool is_temporary(const std::string& name) {
@@ -189,6 +189,25 @@ std::string theory_key(const scene::Scene& scene, Stage stage) {
     return scene::to_plain_toml(key);
 }
 
+/// What the settings choose counts for nothing.
+std::string tradeoff_key(scene::Scene scene) {
+    scene.rods_run->method.reset();
+    scene.variants.clear();
+    scene.rods_order.reset();
+    if (scene.medium && scene.medium->field != scene::FieldBackend::measured) {
+        scene.medium->field = scene::FieldBackend::exact;
+        scene.medium->table.reset();
+    }
+    const scene::RodsRun any;
+    scene::RodsRun& run = *scene.rods_run;
+    run.form = any.form;
+    run.rtol = any.rtol;
+    run.atol = any.atol;
+    run.precision = any.precision;
+    run.turning_tolerance = any.turning_tolerance;
+    return scene.scan ? assembly::scan_key(scene) : theory_key(scene, Stage::rods);
+}
+
 } // namespace
 
 std::string stage_key(const scene::Scene& scene, Stage stage) {
@@ -203,11 +222,21 @@ std::string stage_key(const scene::Scene& scene, Stage stage) {
     }
     case Stage::scan:
         return assembly::scan_key(scene);
+    case Stage::tradeoff:
+        return tradeoff_key(scene);
     case Stage::field:
     case Stage::rods:
         break;
     }
     return theory_key(scene, stage);
+}
+
+bool holds_finished(const fs::path& folder, const scene::Scene& scene, Stage stage) {
+    const StageRecords records = records_of(folder);
+    const auto record = records.find(to_string(stage));
+    const std::optional<scene::Scene> old = scene_of(folder);
+    return record != records.end() && record->second == "finished" && old &&
+           stage_key(*old, stage) == stage_key(scene, stage);
 }
 
 RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const Stage> stages, bool force,
@@ -291,6 +320,7 @@ void RunFolder::drop_outdated(const scene::Scene& scene) {
         case Stage::fit:
             return scene.granular && (redone(Stage::granular) || redone(Stage::measure));
         case Stage::scan:
+        case Stage::tradeoff:
             return false;
         case Stage::field:
         case Stage::rods:

@@ -19,6 +19,10 @@ StageEnd run_rods_stage(Session& session);
 /// [rods_order] of a run that ended by itself: rods_order.csv, clusters.csv, rods_order.json.
 void write_rods_order(const Session& session, const assembly::Case& of, const rods::RodResult& result);
 
+/// The rods of the scene, or a sample of its scan, by every setting: tradeoff.csv, tradeoff.json. Goes on with
+/// what it had tried when it was interrupted.
+StageEnd run_tradeoff_stage(Session& session);
+
 /// [granular]: summary.json, table.csv, tracks.csv, trajectory.h5md, ...; with runs > 1 one folder a run in
 /// runs/.
 StageEnd run_granular_stage(Session& session);

@@ -17,7 +17,8 @@
 namespace rodwake::assembly {
 
 /// What a run can consist of, in the order in which it is done.
-enum class Stage { granular, measure, fit, field, rods, scan };
+/// `tradeoff` only where a command asks for it.
+enum class Stage { granular, measure, fit, field, rods, scan, tradeoff };
 const char* to_string(Stage stage);
 
 /// The stages a scene names: measures of a stored trajectory need no granular run, and a scan of beds takes

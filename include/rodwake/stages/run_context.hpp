@@ -2,6 +2,7 @@
 // What a stage needs of the outside, and all it gets: a terminal, a script and a test give each their own.
 
 #include "rodwake/scan/run.hpp"
+#include "rodwake/stages/tradeoff.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -40,6 +41,7 @@ struct RunContext {
     std::function<int()> checkpoint_requests; ///< how often a checkpoint was asked for; granular runs compare
 
     ScanRequest scan;
+    TradeoffRequest tradeoff;
     /// Who evaluates the points of a scan, and runs the beds; empty: threads of this process.
     std::function<scan::Execute(scan::Evaluate, std::function<bool()> stop)> executor;
 

@@ -32,6 +32,9 @@ std::string run_status(const std::filesystem::path& folder);
 /// What the results of a stage depend on, as text: scenes of the same text have the same results of it.
 std::string stage_key(const scene::Scene& scene, assembly::Stage stage);
 
+/// Whether the folder holds this stage of this scene, finished.
+bool holds_finished(const std::filesystem::path& folder, const scene::Scene& scene, assembly::Stage stage);
+
 /// Holds `rodwake.lock` of a folder until it goes.
 class FolderLock {
 public:

@@ -1,0 +1,121 @@
+// rodwake tradeoff: measures the settings of a scene, unless that is done already, and names the one asked
+// for.
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/stages/run.hpp"
+#include "rodwake/stages/run_folder.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+#include "verbs.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::cli {
+
+namespace {
+
+using stages::ErrorKind;
+using stages::Trial;
+
+double error_of(const Trial& trial, ErrorKind kind) { return trial.error[static_cast<std::size_t>(kind)]; }
+
+std::string time_text(double seconds) {
+    return seconds < 1e-3  ? fmt::format("{:.3g} us", 1e6 * seconds)
+           : seconds < 1.0 ? fmt::format("{:.3g} ms", 1e3 * seconds)
+                           : fmt::format("{:.3g} s", seconds);
+}
+
+std::string way_text(const stages::Setting& s) {
+    std::string text =
+        fmt::format("{}, {}, {}", method_name(s), rods::to_string(s.form), stages::name_of(s.field));
+    if (s.table_tolerance > 0.0)
+        text += fmt::format(" {:g}", s.table_tolerance);
+    if (s.precision != elastic::Accuracy::full)
+        text += ", " + stages::name_of(s.precision);
+    return text;
+}
+
+/// The settings that no other one beats.
+void print_front(const stages::Tradeoff& table, ErrorKind kind) {
+    const auto front = pareto_front(table, kind);
+    if (front.empty())
+        throw RunError(
+            fmt::format("no setting has a {}: the reference ends otherwise; --error names another kind",
+                        to_string(kind)));
+    fmt::print("{:>10}  {:>12}  {:>8}  {:>10}  {}\n", "error", "time", "rhs", "rtol", "method, form, field");
+    for (const Trial* trial : front)
+        fmt::print("{:>10.2g}  {:>12}  {:>8}  {:>10g}  {}\n", error_of(*trial, kind),
+                   time_text(trial->seconds), trial->rhs_evaluations, trial->setting.tolerance,
+                   way_text(trial->setting));
+}
+
+/// What to do where no setting is good enough.
+std::string advice(const stages::Tradeoff& table, ErrorKind kind, bool by_error) {
+    const auto front = pareto_front(table, kind);
+    if (front.empty())
+        return fmt::format("no setting has a {}; --error names another kind", to_string(kind));
+    const Trial& nearest = by_error ? *front.back() : *front.front();
+    return fmt::format("the {} one has an error of {:.2g} and takes {}",
+                       by_error ? "most accurate" : "fastest", error_of(nearest, kind),
+                       time_text(nearest.seconds));
+}
+
+int answer(const Options& options, const scene::Scene& scene, const stages::Tradeoff& table) {
+    const ErrorKind kind = options.tradeoff.kind;
+    if (!options.want_error && !options.want_time) {
+        print_front(table, kind);
+        return 0;
+    }
+    const Trial* best = options.want_error ? cheapest(table, kind, *options.want_error)
+                                           : most_accurate(table, kind, *options.want_time);
+    if (!best)
+        throw RunError(fmt::format("no setting that was tried {}: {}",
+                                   options.want_error
+                                       ? fmt::format("has an error of {:g} or less", *options.want_error)
+                                       : fmt::format("takes {} or less", time_text(*options.want_time)),
+                                   advice(table, kind, options.want_error.has_value())));
+    if (!options.quiet)
+        fmt::print(stderr, "{} {:.2g}, {} {}, {} right-hand sides\n", to_string(kind), error_of(*best, kind),
+                   time_text(best->seconds), table.unit, best->rhs_evaluations);
+    fmt::print("{}", scene_keys(scene, best->setting));
+    return 0;
+}
+
+/// 0, or the exit code of a measurement that did not come to its end.
+int measure(const Options& options, const scene::Scene& scene, const std::filesystem::path& folder) {
+    constexpr assembly::Stage stage[] = {assembly::Stage::tradeoff};
+    stages::RunContext context = context_of(options);
+    context.tradeoff = options.tradeoff;
+    const stages::StageEnd end =
+        stages::run(stages::plan_run(scene, stage, folder, context), folder, context);
+    if (end == stages::StageEnd::interrupted)
+        return signal_exit_code(stop_signal());
+    make_figures(folder, false, true);
+    return stop_signal() ? signal_exit_code(stop_signal()) : 0;
+}
+
+int describe_work(const scene::Scene& scene, const std::filesystem::path& folder) {
+    const auto settings = stages::settings_of(scene);
+    fmt::print("{} settings would be timed, results in {}:\n", settings.size(), folder.string());
+    for (const stages::Setting& setting : settings)
+        fmt::print("  rtol {:g}: {}\n", setting.tolerance, way_text(setting));
+    return 0;
+}
+
+} // namespace
+
+int verb_tradeoff(const Options& options) {
+    const scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    const std::filesystem::path folder = output_folder(options);
+    if (options.dry_run)
+        return describe_work(scene, folder);
+    stages::settings_of(scene); // refuses what cannot be measured
+    const bool done = !options.force && stages::holds_finished(folder, scene, assembly::Stage::tradeoff);
+    if (done && !options.quiet)
+        fmt::print(stderr, "measured already in {}; --force measures anew\n", folder.string());
+    const int code = done ? 0 : measure(options, scene, folder);
+    return code != 0 ? code : answer(options, scene, stages::read_tradeoff(folder));
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,207 @@
+// The tradeoff stage: a reference, then every setting against it.
+
+#include "../progress.hpp"
+#include "../stage_list.hpp"
+#include "rodwake/core/error.hpp"
+#include "subject.hpp"
+#include "tradeoff_files.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+namespace rodwake::stages {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double timed_for = 0.03; ///< s, of repeats of a setting
+constexpr long least_repeats = 3, most_repeats = 100;
+constexpr double long_run = 1.0; ///< s; such a run is not repeated
+constexpr double least_over_agreement = 10.0;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Of this thread: what else the machine does is not a cost of the setting.
+double cpu_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+class Measurement {
+public:
+    Measurement(const Session& session, const Subject& subject) : session_(session), subject_(subject) {}
+
+    bool stopped() const { return session_.context.stopped(); }
+
+    /// Once, within `limit` seconds. A setting that cannot be set up, or has no result, says why.
+    Answer solve_once(const Setting& setting, double limit) const {
+        try {
+            return subject_.prepare(setting, until(limit))();
+        } catch (const std::exception& error) {
+            return {{}, 0, describe(error)};
+        }
+    }
+
+    Trial measure(const Setting& setting, const Answer& reference, const Errors& least) const {
+        Trial trial{setting, {}, HUGE_VAL, 0, 0, "ok"};
+        trial.error.fill(HUGE_VAL);
+        const Answer answer = timed(trial);
+        trial.rhs_evaluations = answer.rhs_evaluations;
+        if (!answer.failure.empty())
+            trial.status = answer.failure;
+        if (answer.encounters.empty())
+            return trial;
+        trial.error = errors_between(answer, reference);
+        for (std::size_t kind = 0; kind < error_kinds; ++kind)
+            if (trial.error[kind] < least[kind])
+                trial.error[kind] = least[kind];
+        return trial;
+    }
+
+private:
+    std::function<bool()> until(double limit) const {
+        return [this, limit, start = Clock::now()] { return stopped() || seconds_since(start) > limit; };
+    }
+
+    Answer timed(Trial& trial) const {
+        Answer answer;
+        try {
+            const Subject::Work work =
+                subject_.prepare(trial.setting, until(session_.context.tradeoff.limit));
+            for (double all = 0.0; trial.repeats == 0 || goes_on(trial, all); ++trial.repeats) {
+                const double start = cpu_seconds();
+                answer = work();
+                const double took = cpu_seconds() - start;
+                trial.seconds = std::min(trial.seconds, took);
+                all += took;
+            }
+        } catch (const std::exception& error) {
+            answer.failure = describe(error);
+        }
+        return answer;
+    }
+
+    bool goes_on(const Trial& trial, double all) const {
+        return !stopped() && trial.repeats < most_repeats && trial.seconds < long_run &&
+               (trial.repeats < least_repeats || all < timed_for);
+    }
+
+    const Session& session_;
+    const Subject& subject_;
+};
+
+double state_error(const Errors& errors) { return errors[static_cast<std::size_t>(ErrorKind::final_state)]; }
+
+/// Tightened as long as that brings the two methods together. Throws RunError if one of them has no answer.
+Answer make_reference(const Session& session, const Measurement& measurement, const Subject& subject,
+                      Tradeoff& table) {
+    Answer best;
+    double least = HUGE_VAL;
+    const double limit = 10.0 * session.context.tradeoff.limit;
+    std::string failure;
+    for (const double tolerance : {1e-11, 1e-12, 1e-13}) {
+        std::array<Answer, 2> pair;
+        for (std::size_t k = 0; k < 2; ++k) {
+            Setting setting{.method = subject.reference[k], .tolerance = tolerance};
+            setting.field = subject.settings.front().field; // exact, or measured
+            pair[k] = measurement.solve_once(setting, limit);
+            failure = pair[k].failure.empty() ? failure : method_name(setting) + ": " + pair[k].failure;
+        }
+        if (measurement.stopped())
+            return best;
+        if (pair[0].encounters.empty() || pair[1].encounters.empty())
+            continue;
+        const Errors apart = errors_between(pair[0], pair[1]);
+        if (!(state_error(apart) < least))
+            continue;
+        least = state_error(apart);
+        best = std::move(pair[0]);
+        table.agreement = apart;
+        table.tolerance = tolerance;
+    }
+    if (best.encounters.empty() || !std::isfinite(least))
+        throw RunError("tradeoff: no reference: methods " + table.methods[0] + " and " + table.methods[1] +
+                       (failure.empty() ? " do not agree on the outcome"
+                                        : " have no answers to compare (" + failure + ")") +
+                       "; a shorter run, or a longer --limit, may have one");
+    for (std::size_t kind = 0; kind < error_kinds; ++kind)
+        table.least[kind] = least_over_agreement * table.agreement[kind];
+    return best;
+}
+
+void tell_reference(const Session& session, const Tradeoff& table) {
+    const auto kind = static_cast<std::size_t>(table.kind);
+    session.log->info(
+        "tradeoff: reference by {} and {} at rtol {:g}, which agree to {:.2g} ({}); errors below {:.2g} "
+        "are quoted as that",
+        table.methods[0], table.methods[1], table.tolerance, table.agreement[kind], to_string(table.kind),
+        table.least[kind]);
+}
+
+void write(const Session& session, const Tradeoff& table) {
+    session.directory.write("tradeoff.json", tradeoff_json(table));
+    session.directory.write("tradeoff.csv", tradeoff_csv(table));
+}
+
+/// What an interrupted measurement left; of the same scene, or the folder would have been refused.
+std::vector<Trial> earlier_trials(const Session& session) {
+    if (session.context.force || !std::filesystem::exists(session.directory.file("tradeoff.json")))
+        return {};
+    return read_tradeoff(session.directory.path()).trials;
+}
+
+Tradeoff empty_table(const Session& session, const Subject& subject) {
+    Tradeoff table;
+    table.unit = subject.unit;
+    table.kind = session.context.tradeoff.kind;
+    for (std::size_t k = 0; k < 2; ++k)
+        table.methods[k] = integrate::to_string(subject.reference[k]);
+    return table;
+}
+
+/// False: stopped on the way.
+bool measure_all(const Session& session, const Subject& subject, const Measurement& measurement,
+                 const Answer& reference, Tradeoff& table) {
+    const std::vector<Trial> earlier = earlier_trials(session);
+    Progress progress(session.context, "tradeoff", static_cast<double>(subject.settings.size()), "settings");
+    Clock::time_point written = Clock::now();
+    for (const Setting& setting : subject.settings) {
+        const auto known = std::ranges::find(earlier, setting, &Trial::setting);
+        Trial trial = known != earlier.end() ? *known : measurement.measure(setting, reference, table.least);
+        if (measurement.stopped())
+            return false;
+        table.trials.push_back(std::move(trial));
+        progress.update(static_cast<double>(table.trials.size()));
+        if (seconds_since(written) > 1.0) {
+            write(session, table);
+            written = Clock::now();
+        }
+    }
+    return true;
+}
+
+} // namespace
+
+StageEnd run_tradeoff_stage(Session& session) {
+    const Subject subject = session.plan.scan ? subject_of_scan(session) : subject_of_rods(session);
+    const Measurement measurement(session, subject);
+    Tradeoff table = empty_table(session, subject);
+    session.log->info("tradeoff: {} settings, each timed on one thread; the work is {}",
+                      subject.settings.size(), subject.unit);
+    const Answer reference = make_reference(session, measurement, subject, table);
+    if (measurement.stopped())
+        return StageEnd::interrupted;
+    tell_reference(session, table);
+    const bool all = measure_all(session, subject, measurement, reference, table);
+    write(session, table);
+    return all ? StageEnd::finished : StageEnd::interrupted;
+}
+
+} // namespace rodwake::stages
