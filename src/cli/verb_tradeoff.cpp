@@ -76,8 +76,8 @@ int answer(const Options& options, const scene::Scene& scene, const stages::Trad
                                        : fmt::format("takes {} or less", time_text(*options.want_time)),
                                    advice(table, kind, options.want_error.has_value())));
     if (!options.quiet)
-        fmt::print(stderr, "{} {:.2g}, {} {}, {} right-hand sides\n", to_string(kind), error_of(*best, kind),
-                   time_text(best->seconds), table.unit, best->rhs_evaluations);
+        fmt::print(stderr, "{} {:.2g}; {} for {}, {} right-hand sides\n", to_string(kind),
+                   error_of(*best, kind), time_text(best->seconds), table.unit, best->rhs_evaluations);
     fmt::print("{}", scene_keys(scene, best->setting));
     return 0;
 }
