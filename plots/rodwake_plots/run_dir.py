@@ -15,7 +15,7 @@ from .units import Units
 
 
 class RunDir:
-    """Opens result.h5, unless the run is a granular one, a fit or a scan alone, for as long as the `with` block lasts."""
+    """Opens result.h5, unless the run is a granular one, a fit, a scan or a tradeoff alone, for as long as the `with` block lasts."""
 
     def __init__(self, path):
         self.path = Path(path)
@@ -32,7 +32,7 @@ class RunDir:
         self.medium = self._json("medium.json")  # of the rods, where it was fitted
         self.tradeoff = self._json("tradeoff.json")
         self.rods_order = self._json("rods_order.json")
-        alone = (self._granular or self._fit or self._scan) and not (self.path / "result.h5").is_file()
+        alone = (self._granular or self._fit or self._scan or self.tradeoff) and not (self.path / "result.h5").is_file()
         self._result = None if alone else Result(self.path / "result.h5")
         if self.has_result and self.result.has("/rods") and self.outcome is None:
             self.result.close()
