@@ -18,7 +18,7 @@ class TradeoffTest(ProgramTest):
 
     def test_measured_once_and_answered(self):  # one measurement for all of them
         front = self.expect(0, "tradeoff", "pair.toml", "-o", "out")
-        self.assertIn("which agree to", front.stderr)
+        self.assertIn("erk and adams agree to", front.stderr)
         self.assertIn("method, form, field", front.stdout)
         self.rows = list(csv.DictReader((self.folder / "out/tradeoff.csv").read_text().splitlines()))
         self.table_is_as_promised()
