@@ -23,14 +23,9 @@ const Trial* cheapest(const Tradeoff& table, ErrorKind kind, double error) {
 
 const Trial* most_accurate(const Tradeoff& table, ErrorKind kind, double seconds) {
     const Trial* best = nullptr;
-    for (const Trial& trial : table.trials) {
-        const double error = error_of(trial, kind);
-        if (trial.seconds > seconds || !std::isfinite(error))
-            continue;
-        const double least = best ? error_of(*best, kind) : HUGE_VAL;
-        if (error < least || (error == least && trial.seconds < best->seconds))
-            best = &trial;
-    }
+    for (const Trial* trial : pareto_front(table, kind)) // ever slower and better
+        if (trial->seconds <= seconds)
+            best = trial;
     return best;
 }
 
