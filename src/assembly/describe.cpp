@@ -90,7 +90,16 @@ void add_crowd_lines(const Plan& plan, Lines& lines) {
         lines.push_back({true, problem.sums.accuracy == elastic::Accuracy::fine
                                    ? "sums of wakes to 1e-7 of each"
                                    : "sums of wakes in single precision"});
-    if (scene.rods_order)
+}
+
+void add_order_line(const scene::Scene& scene, Lines& lines) {
+    if (!scene.rods_order)
+        return;
+    if (order_of_bed(scene))
+        lines.push_back({true, fmt::format("order of the motile rods of the bed; clusters by links of less "
+                                           "than {:.4g} a",
+                                           scene.rods_order->link / scene.granular->bead_radius)});
+    else
         lines.push_back({true, fmt::format("order of the rods; clusters by links of less than {:g}",
                                            scene.rods_order->link)});
 }
@@ -103,6 +112,9 @@ std::string points_text(const scan::Design& design) {
                            ? fmt::format(" of {} run{} of the bed each, {} runs in all", design.runs,
                                          design.runs == 1 ? "" : "s", scan::size(design))
                            : "");
+    if (!order_of_bed(scene) && scene.granular)
+        lines.push_back(
+            {false, "order of the rods of the bed: with [rods_run], [rods_order] looks at its rods"});
 }
 
 void add_scan_lines(const Plan& plan, Lines& lines) {
@@ -152,3 +164,4 @@ std::vector<PlanLine> describe(const Plan& plan) {
 }
 
 } // namespace rodwake::assembly
+    add_order_line(plan.scene, lines);

@@ -204,8 +204,6 @@ StageEnd run_rods_stage(Session& session) {
     StageEnd end = solve_samples(session, cases) ? StageEnd::finished : StageEnd::interrupted;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         store(session, cases[i], static_cast<std::int64_t>(i));
-        if (cases[i].of().scene.rods_order)
-            write_rods_order(session, cases[i].of(), cases[i].result);
         const StageEnd one = report(session, cases[i]);
         if (end == StageEnd::finished)
             end = one;

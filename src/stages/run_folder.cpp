@@ -22,8 +22,8 @@ using assembly::Stage;
 
 namespace {
 
-constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,
-                                Stage::field,    Stage::rods,    Stage::scan};
+constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit, Stage::field,
+                                Stage::rods,     Stage::order,   Stage::scan};
 
 /// Left behind by a run that was killed: see PendingFile.
 bool is_temporary(const std::string& name) {
@@ -142,6 +142,12 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 
 } // namespace
 
+std::string stage_status(const fs::path& folder, Stage stage) {
+    const StageRecords records = records_of(folder);
+    const auto record = records.find(to_string(stage));
+    return record == records.end() ? "" : record->second;
+}
+
 std::string run_status(const fs::path& folder) {
     const nlohmann::json json = provenance_of(folder);
     if (!json.is_object() || !json.contains("status") || !json["status"].is_string())
@@ -152,7 +158,7 @@ std::string run_status(const fs::path& folder) {
 namespace {
 
 /// Beds as they are, whatever they are called in legends and whatever else the variants change.
-std::string beds_key(const scene::Scene& scene, bool measured) {
+std::string beds_key(const scene::Scene& scene, Stage stage) {
     std::string text;
     for (const assembly::Case& one : assembly::bed_cases(scene)) {
         scene::Scene key;
@@ -160,8 +166,12 @@ std::string beds_key(const scene::Scene& scene, bool measured) {
         if (key.granular) {
             key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
             key.granular->runs = std::min(key.granular->runs, 2L); // an ensemble may grow
-            if (measured)
+            if (stage == Stage::measure)
                 key.measure = one.scene.measure;
+            if (stage == Stage::order)
+                key.rods_order = one.scene.rods_order;
+            if (stage == Stage::order && one.scene.measure)
+                key.measure.emplace().trajectory = one.scene.measure->trajectory;
         }
         text += "# " + one.name + "\n" + scene::to_plain_toml(key);
     }
@@ -184,7 +194,8 @@ std::string theory_key(const scene::Scene& scene, Stage stage) {
     key.rods_run = scene.rods_run;
     if (key.rods_run)
         key.rods_run->max_steps = scene::RodsRun{}.max_steps; // a limit, raised when it was met
-    key.rods_order = scene.rods_order;
+    if (stage == Stage::order)
+        key.rods_order = scene.rods_order;
     key.variants = scene.variants;
     return scene::to_plain_toml(key);
 }
@@ -195,7 +206,9 @@ std::string stage_key(const scene::Scene& scene, Stage stage) {
     switch (stage) {
     case Stage::granular:
     case Stage::measure:
-        return beds_key(scene, stage == Stage::measure);
+        return beds_key(scene, stage);
+    case Stage::order:
+        return order_of_bed(scene) ? beds_key(scene, stage) : theory_key(scene, stage);
     case Stage::fit: {
         scene::Scene key;
         key.fit = scene.fit;
@@ -247,8 +260,9 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         if (record == old_.end() || (asked && force))
             continue;
         const bool finished = record->second == "finished", alike = same(stage);
-        // an unfinished measure or fit has nothing to lose, and its own files know what they are of
-        const bool light = (stage == Stage::measure || stage == Stage::fit) && !finished;
+        // an unfinished one has nothing to lose, and its own files know what they are of
+        const bool light =
+            (stage == Stage::measure || stage == Stage::fit || stage == Stage::order) && !finished;
         const bool more = (stage == Stage::granular && alike && grows(*old, scene)) ||
                           lacks_medium(path_, scene, stage) ||
                           (stage == Stage::scan && alike && (reopen_scan || scan_grows(*old, scene)));
@@ -269,6 +283,10 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
                     fmt::format("{}: holds a granular run of another scene, which this command does not "
                                 "replace even with --force; choose another folder with -o",
                                 path_.string()));
+            if (stage == Stage::rods && !asked && contains(stages, Stage::order))
+                throw InputError(fmt::format("{}: holds rods of another scene, which this command does not "
+                                             "integrate; rodwake rods SCENE does; -o names another folder",
+                                             path_.string()));
             dropped_.push_back(stage);
         }
     }
@@ -281,8 +299,12 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
 
 void RunFolder::drop_outdated(const scene::Scene& scene) {
     const bool fitted = scene.medium && scene.medium->fitted, own_field = measures_own_field(scene);
+    const auto redone = [&](Stage other) { return contains(stages_, other); };
+    const auto new_field = [&] {
+        return (fitted && redone(Stage::fit)) ||
+               (own_field && (redone(Stage::measure) || redone(Stage::granular)));
+    };
     const auto outdated = [&](Stage stage) {
-        const auto redone = [&](Stage other) { return contains(stages_, other); };
         switch (stage) {
         case Stage::granular:
             return false;
@@ -290,14 +312,17 @@ void RunFolder::drop_outdated(const scene::Scene& scene) {
             return redone(Stage::granular);
         case Stage::fit:
             return scene.granular && (redone(Stage::granular) || redone(Stage::measure));
+        case Stage::order:
+            return order_of_bed(scene)
+                       ? redone(Stage::granular)
+                       : redone(Stage::rods) || contains(dropped_, Stage::rods) || new_field();
         case Stage::scan:
             return false;
         case Stage::field:
         case Stage::rods:
             break;
         }
-        return (fitted && redone(Stage::fit)) ||
-               (own_field && (redone(Stage::measure) || redone(Stage::granular)));
+        return new_field();
     };
     for (const Stage stage : kept_)
         if (outdated(stage))

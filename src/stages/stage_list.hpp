@@ -16,8 +16,11 @@ StageEnd run_field_stage(Session& session);
 /// [[rods]] and [[variants]]: rods.csv, outcome.json, variants/<name>/..., and /rods in result.h5.
 StageEnd run_rods_stage(Session& session);
 
-/// [rods_order] of a run that ended by itself: rods_order.csv, clusters.csv, rods_order.json.
-void write_rods_order(const Session& session, const assembly::Case& of, const rods::RodResult& result);
+/// [rods_order]: rods_order.csv, clusters.csv, rods_order.json of the rods stage's rods.csv, or of the frames
+/// of the bed.
+StageEnd run_order_stage(Session& session);
+/// Throws InputError if the order is that of rods of the theory and the folder holds no finished run of them.
+void require_rods(const assembly::Plan& plan, const std::filesystem::path& folder);
 
 /// [granular]: summary.json, table.csv, tracks.csv, trajectory.h5md, ...; with runs > 1 one folder a run in
 /// runs/.

@@ -17,7 +17,7 @@
 namespace rodwake::assembly {
 
 /// What a run can consist of, in the order in which it is done.
-enum class Stage { granular, measure, fit, field, rods, scan };
+enum class Stage { granular, measure, fit, field, rods, order, scan };
 const char* to_string(Stage stage);
 
 /// The stages a scene names: measures of a stored trajectory need no granular run, and a scan of beds takes

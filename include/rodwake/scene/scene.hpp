@@ -129,7 +129,7 @@ struct RodsRun {
     bool operator==(const RodsRun&) const = default;
 };
 
-/// [rods_order]: order parameters and clusters of the rods in time.
+/// [rods_order]: order parameters and clusters of the rods in time. Of a bed (order_of_bed) m and s.
 struct RodsOrder {
     double link = 0.0;           ///< rods nearer than this are of one cluster, f/mu
     double from = 0.0;           ///< earlier times do not count in the means, f/(mu v0)
@@ -218,5 +218,8 @@ struct Scene {
 
     bool operator==(const Scene&) const = default;
 };
+
+/// Whether [rods_order] looks at the motile rods of the bed, in SI; else at those of [rods_run].
+inline bool order_of_bed(const Scene& scene) { return scene.rods_order && !scene.rods_run && scene.granular; }
 
 } // namespace rodwake::scene
