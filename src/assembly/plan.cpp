@@ -71,7 +71,9 @@ bool Plan::has(Stage stage) const { return std::ranges::find(stages, stage) != s
 std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
     std::vector<RodsPlan> plans;
     for (Case& one : cases_of(scene)) {
-        RodsPlan plan{std::move(one), {}, {}};
+        FieldChoice field = field_choice(one.scene);
+        one.scene = with_field(std::move(one.scene), field);
+        RodsPlan plan{std::move(one), {}, {}, std::move(field)};
         plan.problem = rod_problem(plan.of.scene);
         plan.options = rod_options(*plan.of.scene.rods_run, plan.problem);
         plans.push_back(std::move(plan));

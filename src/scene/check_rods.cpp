@@ -30,8 +30,9 @@ void random_start(const Scene& scene, const Report& report) {
 /// What only the sums of the exact field on the plane offer.
 void sums(const Scene& scene, const Report& report) {
     const RodsRun& run = *scene.rods_run;
-    const bool offered =
-        !scene.medium || (scene.medium->field == FieldBackend::exact && !scene.medium->periodic);
+    const bool exact = !scene.medium || scene.medium->field == FieldBackend::exact ||
+                       scene.medium->field == FieldBackend::automatic; // which then chooses it
+    const bool offered = exact && !(scene.medium && scene.medium->periodic);
     const auto want_plane = [&](bool asked, const char* key) {
         if (asked && !offered)
             report(
@@ -99,11 +100,11 @@ void rods_of_bed(const Scene& scene, const Report& report) {
 } // namespace
 
 void check_rods(const Scene& scene, const Report& report) {
-    if (!scene.rods_run)
     if (scene.rods_order && (scene.rods_run || scene.granular))
         order_of_rods(scene, report);
     if (order_of_bed(scene))
         rods_of_bed(scene, report);
+    if (!scene.rods_run)
         return;
     if (scene.rods_random)
         random_start(scene, report);

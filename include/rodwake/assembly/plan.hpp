@@ -3,6 +3,7 @@
 // execute.
 
 #include "rodwake/assembly/cases.hpp"
+#include "rodwake/assembly/field_choice.hpp"
 #include "rodwake/assembly/fit.hpp"
 #include "rodwake/assembly/granular.hpp"
 #include "rodwake/assembly/measure.hpp"
@@ -34,9 +35,10 @@ struct BedPlan {
 
 /// One set of rods in the elastic medium: the scene as written, or a variant of it.
 struct RodsPlan {
-    Case of;
+    Case of; ///< with medium.field as chosen
     rods::RodProblem problem;
     rods::RodOptions options;
+    FieldChoice field;
 };
 
 struct Plan {
