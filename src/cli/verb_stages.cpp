@@ -26,7 +26,7 @@ struct StageVerb {
 
 constexpr StageVerb stage_verbs[] = {
     {Verb::dem, Stage::granular, "no [granular] table, so there is no bed to simulate"},
-    {Verb::measure, Stage::measure, "no [measure] and no [rods_order] table, so there is nothing to measure"},
+    {Verb::measure, Stage::measure, "no [measure] table and no [rods_order], so there is nothing to measure"},
     {Verb::fit, Stage::fit, "no [fit] table, so there is nothing to fit"},
     {Verb::field, Stage::field,
      "no [field] table, so there is no field to compute; rodwake rods or run may do"},

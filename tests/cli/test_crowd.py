@@ -59,7 +59,7 @@ class CrowdTest(ProgramTest):
         for force in (), ("--force",):  # not this scene's rods
             self.assertIn("of another scene", self.measured("run", "-s", "coupling.kappa=1", *force, code=2))
         self.assertEqual((self.folder / "run/rods.csv").read_bytes(), kept["rods.csv"])
-        self.assertIn("no [measure] and no [rods_order]", self.expect(2, "measure", SCENES / "pair.toml").stderr)
+        self.assertIn("no [measure] table and no [rods_order]", self.expect(2, "measure", SCENES / "pair.toml").stderr)
 
 
 if __name__ == "__main__":
