@@ -1,8 +1,11 @@
 #include "chebyshev_grid.hpp"
 
+#include "rodwake/core/error.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace rodwake::elastic {
 
@@ -98,6 +101,14 @@ double chebyshev_node(std::size_t p, std::size_t pieces, std::size_t a, std::siz
 ChebyshevGrid::ChebyshevGrid(const Pieces& pieces, std::size_t functions)
     : pieces_(pieces), functions_(functions), data_(pieces.cells() * cell_nodes * functions),
       centre_(pieces.angle * angle_nodes * functions) {}
+
+ChebyshevGrid::ChebyshevGrid(const Pieces& pieces, std::size_t functions, std::vector<double> coefficients)
+    : pieces_(pieces), functions_(functions), data_(std::move(coefficients)),
+      centre_(pieces.angle * angle_nodes * functions) {
+    if (data_.size() != pieces.cells() * cell_nodes * functions)
+        throw InputError("table of the periodic field: its coefficients do not fit its pieces");
+    set_centre();
+}
 
 double* ChebyshevGrid::values(const Node& n) {
     const std::size_t cell = (n.piece * pieces_.place + n.row) * pieces_.place + n.column;

@@ -35,6 +35,8 @@ public:
     static constexpr std::size_t most = 4; ///< functions of a group
 
     ChebyshevGrid(const Pieces& pieces, std::size_t functions);
+    /// From the coefficients of another of these pieces. Throws InputError if there are more or fewer.
+    ChebyshevGrid(const Pieces& pieces, std::size_t functions, std::vector<double> coefficients);
 
     /// A node's values, to be set before `transform`: cell (row, column, angle piece), node (j, i, k).
     struct Node {
@@ -53,6 +55,9 @@ public:
     std::array<GridValue, most> at_centre(double angle) const;
     void set_centre();
 
+    const Pieces& pieces() const { return pieces_; }
+    /// After every cell's transform.
+    const std::vector<double>& coefficients() const { return data_; }
     std::size_t bytes() const { return data_.size() * sizeof(double); }
 
 private:

@@ -18,8 +18,19 @@ namespace {
 
 constexpr FieldRequest everything{true, true, true, true, false};
 
+/// Of each group: displacement, strain, polar vectors, dipole.
+constexpr std::size_t functions[] = {2, 3, 4, 2};
 /// What a cell of all groups takes, 11 functions.
 constexpr std::size_t cell_bytes = 11 * cell_nodes * sizeof(double);
+
+/// Its coefficients are moved out of the data.
+ChebyshevGrid read_grid(PeriodicTableData& data, std::size_t group) {
+    if (data.place_pieces < 1 || data.angle_pieces < 1)
+        throw InputError("table of the periodic field: it has no pieces");
+    const Pieces pieces{static_cast<std::size_t>(data.place_pieces),
+                        static_cast<std::size_t>(data.angle_pieces)};
+    return {pieces, functions[group], std::move(data.coefficients[group])};
+}
 
 /// A wave of the box answers to the heading over an angle of pi/c, a wake is 1/sqrt(c) wide: as many pieces
 /// as keep the error at 1e-8 (bench/periodic_bench.cpp), and as its order says for another tolerance.
@@ -29,6 +40,10 @@ Pieces pieces_for(double c, double tolerance) {
         return static_cast<std::size_t>(std::ceil(n * std::exp(decades / static_cast<double>(order))));
     };
     return {count(std::max(7.0, 1.2 + 2.15 * std::sqrt(c)), place_nodes), count(0.3 + 0.3 * c, angle_nodes)};
+}
+
+Pieces first_pieces(const Medium& medium, double box, double tolerance) {
+    return pieces_for(0.5 * box / medium.xi * std::max(1.0, medium.nu()), tolerance);
 }
 
 std::array<double, 5> sizes(const FieldValues& f) {
@@ -96,8 +111,9 @@ void PeriodicTable::Impl::store(const ChebyshevGrid::Node& node, const FieldValu
 }
 
 PeriodicTable::Impl::Impl(const Medium& m, double side, const Pieces& pieces, std::size_t threads)
-    : medium(m), box(side), field(m), groups{ChebyshevGrid(pieces, 2), ChebyshevGrid(pieces, 3),
-                                             ChebyshevGrid(pieces, 4), ChebyshevGrid(pieces, 2)} {
+    : medium(m), box(side),
+      field(m), groups{ChebyshevGrid(pieces, functions[0]), ChebyshevGrid(pieces, functions[1]),
+                       ChebyshevGrid(pieces, functions[2]), ChebyshevGrid(pieces, functions[3])} {
     parallel_for(pieces.angle * angle_nodes, threads, [&](std::size_t angle) { fill(pieces, angle); });
     parallel_for(pieces.cells(), threads, [&](std::size_t cell) {
         for (ChebyshevGrid& group : groups)
@@ -105,6 +121,30 @@ PeriodicTable::Impl::Impl(const Medium& m, double side, const Pieces& pieces, st
     });
     for (ChebyshevGrid& group : groups)
         group.set_centre();
+}
+
+PeriodicTable::Impl::Impl(PeriodicTableData data)
+    : medium{data.eta, data.xi}, box(data.box),
+      field(medium), groups{read_grid(data, 0), read_grid(data, 1), read_grid(data, 2), read_grid(data, 3)},
+      tolerance(data.tolerance), error(data.error) {}
+
+PeriodicTable::PeriodicTable(PeriodicTableData data) : impl_(std::make_shared<const Impl>(std::move(data))) {
+    const PeriodicField checked(impl_->medium, impl_->box); // throws for an illegal medium or box
+}
+
+PeriodicTableData PeriodicTable::data() const {
+    const Pieces& pieces = impl_->groups[0].pieces();
+    PeriodicTableData data{impl_->medium.eta,
+                           impl_->medium.xi,
+                           impl_->box,
+                           impl_->tolerance,
+                           impl_->error,
+                           static_cast<std::int32_t>(pieces.place),
+                           static_cast<std::int32_t>(pieces.angle),
+                           {}};
+    for (std::size_t g = 0; g < data.coefficients.size(); ++g)
+        data.coefficients[g] = impl_->groups[g].coefficients();
+    return data;
 }
 
 double PeriodicTable::Impl::error_at(const PeriodicField& exact, Vector lab) const {
@@ -132,15 +172,20 @@ double PeriodicTable::Impl::measured_error() const {
     return worst;
 }
 
+std::size_t PeriodicTable::expected_bytes(const Medium& medium, double box, double tolerance) {
+    return first_pieces(medium, box, tolerance).cells() * cell_bytes;
+}
+
 PeriodicTable::PeriodicTable(const Medium& medium, double box, double tolerance, std::size_t threads) {
     const PeriodicField checked(medium, box); // throws for an illegal medium or box
-    if (!(tolerance >= 1e-10 && tolerance <= 1e-3))
+    if (!(tolerance >= smallest_tolerance && tolerance <= largest_tolerance))
         throw InputError("tolerance of a table of the periodic field: from 1e-10 to 1e-3");
-    Pieces pieces = pieces_for(0.5 * box / medium.xi * std::max(1.0, medium.nu()), tolerance);
+    Pieces pieces = first_pieces(medium, box, tolerance);
     for (int attempt = 0; attempt < 4; ++attempt) {
         if (pieces.cells() > memory_limit / cell_bytes)
             out_of_reach(box, tolerance);
         auto made = std::make_shared<Impl>(medium, box, pieces, threads);
+        made->tolerance = tolerance;
         made->error = made->measured_error();
         impl_ = made;
         if (made->error <= tolerance)

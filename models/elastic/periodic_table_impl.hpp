@@ -15,9 +15,10 @@ struct PeriodicTable::Impl {
     double box;
     Field field;
     std::array<ChebyshevGrid, 4> groups; ///< displacement, strain, polar, dipole
-    double error = 0.0;
+    double tolerance = 0.0, error = 0.0;
 
     Impl(const Medium& m, double side, const Pieces& pieces, std::size_t threads);
+    explicit Impl(PeriodicTableData data);
 
     /// The smooth rest and its derivatives, the former by place in units of the box.
     struct Rest {

@@ -24,7 +24,7 @@ def figures_of(run):
 
 def defaults(run):
     """A figure for everything the run directory holds."""
-    there = {"bed": run.has_granular, "measure": run.has_granular, "theory": run.has_result, "fit": run.has_fit, "scan": run.has_scan}
+    there = {"bed": run.has_granular, "measure": run.has_granular, "theory": run.has_result, "rod_order": run.rods_order is not None, "fit": run.has_fit, "scan": run.has_scan}
     specs = [one for kind, module in KINDS.items() if there[schema.subject(kind)] for one in module.defaults(run)]
     if not specs:
         raise PlotError(f"{run.path}: holds no rods, no field, no cuts, no fit, no scan and no tables or trajectories of beads: nothing to draw")

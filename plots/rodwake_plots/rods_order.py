@@ -5,13 +5,14 @@ import numpy as np
 from . import canvas, csv_columns, ranges, style, words
 from .errors import PlotError
 from .spec import Spec
+from .units import Units
 
 SERIES, CLUSTERS, MEANS = "rods_order.csv", "clusters.csv", "rods_order.json"
 
 
 def draw(run, spec):
     series, clusters, means = tables(run)
-    time = run.units.time("t", series["t"][-1])
+    time = units_of(means).time("t", series["t"][-1])
     figure = canvas.figure(style.WIDE, 5.2)
     axes = figure.subplot_mosaic([["order", "share"], ["size", "share"]], width_ratios=[1.25, 1])
     t = series["t"] * time.factor
@@ -33,7 +34,7 @@ def draw(run, spec):
 def tables(run):
     means = run.rods_order
     if means is None:
-        raise PlotError(f"{run.path / MEANS}: no such file: [rods_order] in the scene and a run to its end write it")
+        raise PlotError(f"{run.path / MEANS}: no such file: [rods_order] in the scene and a finished run write it; of a bed rodwake measure does")
     return csv_columns.read(run.path / SERIES), csv_columns.read(run.path / CLUSTERS), means
 
 
@@ -55,12 +56,17 @@ def histogram(axes, clusters):
 
 def caption(run, _):
     means = tables(run)[2]
-    unit = run.units.length_html()
+    unit = units_of(means).length_html()
     told = "; ".join(f"{name} {estimate(means[key])}" for key, name in (
         ("polar", "polar order"), ("nematic", "nematic order"), ("weighted_size", "mean size of the cluster that a rod is in"),
         ("largest", "largest cluster")))
     return (f"Left: order of the rods and sizes of their clusters; rods nearer than {words.number(means['link'])} {unit} are linked. Right: share of "
             f"the rods in clusters of each size. Means over the shaded time, standard errors from {means['blocks']} blocks: {told}.")
+
+
+def units_of(means):
+    """Of a bed SI, whatever the theory's results are in."""
+    return Units("si" if means["units"]["time"] == "s" else "reduced")
 
 
 def estimate(value):

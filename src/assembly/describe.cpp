@@ -71,6 +71,16 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
                          : "contact: no rods_run.contact_distance"});
 }
 
+void add_choice_lines(const Plan& plan, Lines& lines) {
+    if (!plan.scene.medium || plan.scene.medium->field != scene::FieldBackend::automatic)
+        return;
+    for (const RodsPlan& one : plan.rods)
+        lines.push_back({true, fmt::format("field chosen for the rods{}: {} ({})", one.of.suffix(),
+                                           to_string(one.field.backend), one.field.why)});
+    if (plan.scene.field || plan.scan)
+        lines.push_back({true, "field of maps and scans: exact"});
+}
+
 /// What only many rods have.
 void add_crowd_lines(const Plan& plan, Lines& lines) {
     if (plan.rods.empty())
@@ -90,9 +100,21 @@ void add_crowd_lines(const Plan& plan, Lines& lines) {
         lines.push_back({true, problem.sums.accuracy == elastic::Accuracy::fine
                                    ? "sums of wakes to 1e-7 of each"
                                    : "sums of wakes in single precision"});
-    if (scene.rods_order)
+}
+
+void add_order_line(const scene::Scene& scene, Lines& lines) {
+    if (!scene.rods_order)
+        return;
+    if (order_of_bed(scene))
+        lines.push_back({true, fmt::format("order of the motile rods of the bed; clusters by links of less "
+                                           "than {:.4g} a",
+                                           scene.rods_order->link / scene.granular->bead_radius)});
+    else
         lines.push_back({true, fmt::format("order of the rods; clusters by links of less than {:g}",
                                            scene.rods_order->link)});
+    if (!order_of_bed(scene) && scene.granular)
+        lines.push_back(
+            {false, "order of the rods of the bed: with [rods_run], [rods_order] looks at its rods"});
 }
 
 std::string points_text(const scan::Design& design) {
@@ -142,8 +164,10 @@ std::vector<PlanLine> describe(const Plan& plan) {
     Lines lines;
     add_medium_lines(plan.scene, lines);
     add_field_lines(plan.scene, lines);
+    add_choice_lines(plan, lines);
     add_rod_lines(plan, lines);
     add_crowd_lines(plan, lines);
+    add_order_line(plan.scene, lines);
     add_scan_lines(plan, lines);
     add_unused_lines(plan.scene, lines);
     describe_granular(plan, lines);

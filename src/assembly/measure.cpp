@@ -17,10 +17,6 @@ using scene::Granular;
 using scene::Measure;
 using scene::Scene;
 
-measure::Layout layout_of(const granular::GranularProblem& p) {
-    return {p.box, p.bead_radius, granular::bead_mass(p), p.beads, p.rods.size()};
-}
-
 /// The table without what is worked out from other files, or only when the runs are put together.
 std::string key_text(const Measure& m, const MeasurePlan& plan) {
     scene::Scene key;
@@ -37,6 +33,10 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
 }
 
 } // namespace
+
+measure::Layout layout_of(const granular::GranularProblem& p) {
+    return {p.box, p.bead_radius, granular::bead_mass(p), p.beads, p.rods.size()};
+}
 
 std::int64_t steps_between_frames(const Scene& scene) {
     const Granular& bed = *scene.granular;

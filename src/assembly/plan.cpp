@@ -35,6 +35,8 @@ const char* to_string(Stage stage) {
         return "fit";
     case Stage::field:
         return "field";
+    case Stage::order:
+        return "order";
     case Stage::scan:
         return "scan";
     case Stage::tradeoff:
@@ -59,6 +61,8 @@ std::vector<Stage> stages_of(const scene::Scene& scene) {
         stages.push_back(Stage::field);
     if (scene.rods_run)
         stages.push_back(Stage::rods);
+    if (scene.rods_order && !(order_of_bed(scene) && scanned))
+        stages.push_back(Stage::order);
     if (scene.scan)
         stages.push_back(Stage::scan);
     return stages;
@@ -69,7 +73,9 @@ bool Plan::has(Stage stage) const { return std::ranges::find(stages, stage) != s
 std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
     std::vector<RodsPlan> plans;
     for (Case& one : cases_of(scene)) {
-        RodsPlan plan{std::move(one), {}, {}};
+        FieldChoice field = field_choice(one.scene);
+        one.scene = with_field(std::move(one.scene), field);
+        RodsPlan plan{std::move(one), {}, {}, std::move(field)};
         plan.problem = rod_problem(plan.of.scene);
         plan.options = rod_options(*plan.of.scene.rods_run, plan.problem);
         plans.push_back(std::move(plan));
@@ -80,7 +86,8 @@ std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
 Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInputs inputs) {
     Plan plan{scene, {stages.begin(), stages.end()}, {}, {}, std::move(inputs.fit), {}, {}};
     const bool scans_beds = plan.has(Stage::scan) && scan_subject(scene) == scene::ScanSubject::beds;
-    if (plan.has(Stage::granular) || plan.has(Stage::measure) || scans_beds)
+    const bool bed_order = plan.has(Stage::order) && order_of_bed(scene);
+    if (plan.has(Stage::granular) || plan.has(Stage::measure) || bed_order || scans_beds)
         plan.beds = plan_beds(scene);
     if (plan.has(Stage::rods))
         plan.rods = plan_rods(scene);

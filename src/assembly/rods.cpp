@@ -49,4 +49,8 @@ OutputUnits output_units(const scene::Scene& scene) {
     return {scene.scales->f_over_mu, scene.scales->f_over_mu / scene.scales->v0, "si", "m", "s"};
 }
 
+OutputUnits order_units(const scene::Scene& scene) {
+    return order_of_bed(scene) ? OutputUnits{1.0, 1.0, "si", "m", "s"} : output_units(scene);
+}
+
 } // namespace rodwake::assembly

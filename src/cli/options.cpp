@@ -155,10 +155,12 @@ void add_stage_verbs(CLI::App& app, Options& options) {
                    "-o results/fluid");
     add_stage_verb(
         app, options, Verb::measure, "measure",
-        "what [measure] names, of the granular run in the results folder or of measure.trajectory",
+        "what [measure] names, of the granular run in the results folder or of measure.trajectory; what "
+        "[rods_order] names, of the rods there",
         "  rodwake measure scenes/wake.toml\n"
         "  rodwake measure scenes/wake.toml -s measure.displacement=lagrangian --force\n"
-        "  rodwake measure scenes/wake.toml -s measure.trajectory=other/trajectory.h5md -o results/other");
+        "  rodwake measure scenes/wake.toml -s measure.trajectory=other/trajectory.h5md -o results/other\n"
+        "  rodwake measure scenes/crowd.toml -s rods_order.link=1 --force");
     add_stage_verb(app, options, Verb::fit, "fit",
                    "elastic parameters and couplings from measured profiles and tracks, with their errors",
                    "  rodwake fit fitting/problems/monopole.toml -o results/monopole\n"

@@ -4,6 +4,7 @@
 #include "rodwake/scan/mpi.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/stages/run.hpp"
+#include "rodwake/stages/run_folder.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
@@ -25,7 +26,7 @@ struct StageVerb {
 
 constexpr StageVerb stage_verbs[] = {
     {Verb::dem, Stage::granular, "no [granular] table, so there is no bed to simulate"},
-    {Verb::measure, Stage::measure, "no [measure] table, so there is nothing to measure"},
+    {Verb::measure, Stage::measure, "no [measure] table and no [rods_order], so there is nothing to measure"},
     {Verb::fit, Stage::fit, "no [fit] table, so there is nothing to fit"},
     {Verb::field, Stage::field,
      "no [field] table, so there is no field to compute; rodwake rods or run may do"},
@@ -43,6 +44,8 @@ bool has_table(const scene::Scene& scene, Stage stage) {
         return scene.fit.has_value();
     case Stage::field:
         return scene.field.has_value();
+    case Stage::order:
+        return scene.rods_order.has_value();
     case Stage::scan:
         return scene.scan.has_value();
     case Stage::rods:
@@ -52,18 +55,34 @@ bool has_table(const scene::Scene& scene, Stage stage) {
     return scene.rods_run.has_value();
 }
 
-std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene) {
+/// Whether the verb looks at the order of rods: of those it integrates, and of those that are to be measured.
+/// Beside [measure] rods of the theory may be integrated later, in a field that is measured now.
+bool has_order(Verb verb, const scene::Scene& scene, const std::filesystem::path& folder) {
+    if (!scene.rods_order)
+        return false;
+    const bool later =
+        scene.measure && !order_of_bed(scene) && stages::stage_status(folder, Stage::rods) != "finished";
+    return verb == Verb::rods ? !order_of_bed(scene) : verb == Verb::measure && !later;
+}
+
+std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene, const std::filesystem::path& folder) {
     const auto of = std::ranges::find(stage_verbs, verb, &StageVerb::verb);
     if (of == std::end(stage_verbs))
         return assembly::stages_of(scene);
-    if (!has_table(scene, of->stage))
+    const bool ordered = has_order(verb, scene, folder);
+    if (!has_table(scene, of->stage) && !(verb == Verb::measure && ordered))
         throw InputError(scene.path + ": " + of->lacks);
     if (scene.medium && scene.medium->fitted && (verb == Verb::field || verb == Verb::rods))
         throw InputError(
             scene.path +
             ": medium.fitted = true takes eta and xi from [fit]: rodwake run fits first; or give eta and "
             "xi in [medium]");
-    return {of->stage};
+    std::vector<Stage> stages;
+    if (has_table(scene, of->stage))
+        stages.push_back(of->stage);
+    if (ordered)
+        stages.push_back(Stage::order);
+    return stages;
 }
 
 int finish(const Options& options, stages::StageEnd end) {
@@ -125,7 +144,7 @@ int serve(const Options& options, const scene::Scene& scene, std::span<const Sta
 
 int verb_stages(const Options& options) {
     const scene::Scene scene = scene::read_scene(options.target, options.overrides);
-    const std::vector<Stage> stages = stages_of(options.verb, scene);
+    const std::vector<Stage> stages = stages_of(options.verb, scene, output_folder(options));
     if (options.dry_run)
         return verb_check(options);
     const auto job = job_of(options);

@@ -93,22 +93,33 @@ Estimate block_mean(std::span<const double> values, const std::vector<std::size_
     return mean;
 }
 
-/// Numbers from 0 without gaps.
-std::vector<std::size_t> blocks_of(std::span<const double> times, double from, double block) {
-    std::vector<std::size_t> numbers;
-    double last = 0.0;
-    for (const double time : times) {
-        const double at = std::floor((time - from) / block);
-        numbers.push_back(numbers.empty() ? 0 : numbers.back() + (at > last ? 1 : 0));
-        last = at;
+/// The instants that count, of all runs, and their blocks, numbered from 0 without gaps.
+struct Counted {
+    std::vector<const RodOrder*> orders;
+    std::vector<std::size_t> block_of;
+};
+
+Counted counted(std::span<const RodOrderSeries> runs, double from, double block) {
+    Counted late;
+    for (const RodOrderSeries& run : runs) {
+        std::optional<double> last; // block of this run
+        const auto first =
+            static_cast<std::size_t>(std::ranges::lower_bound(run.times, from) - run.times.begin());
+        for (std::size_t i = first; i < run.times.size(); ++i) {
+            const double at = std::floor((run.times[i] - from) / block);
+            const std::size_t next = late.block_of.empty() ? 0 : late.block_of.back() + 1;
+            late.block_of.push_back(last == at ? late.block_of.back() : next);
+            late.orders.push_back(&run.orders[i]);
+            last = at;
+        }
     }
-    return numbers;
+    return late;
 }
 
-std::vector<double> numbers_by_size(std::span<const RodOrder> orders) {
+std::vector<double> numbers_by_size(const std::vector<const RodOrder*>& orders) {
     std::vector<double> number;
-    for (const RodOrder& order : orders)
-        for (const std::size_t size : order.clusters) {
+    for (const RodOrder* order : orders)
+        for (const std::size_t size : order->clusters) {
             number.resize(std::max(number.size(), size), 0.0);
             number[size - 1] += 1.0;
         }
@@ -137,18 +148,15 @@ RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<do
     return {alignment(rods, 1.0), alignment(rods, 2.0), cluster_sizes(rods, link, box)};
 }
 
-MeanRodOrder mean_rod_order(std::span<const double> times, std::span<const RodOrder> orders, double from,
-                            double block) {
-    const auto first = static_cast<std::size_t>(std::ranges::lower_bound(times, from) - times.begin());
-    if (first == times.size())
+MeanRodOrder mean_rod_order(std::span<const RodOrderSeries> runs, double from, double block) {
+    const Counted late = counted(runs, from, block);
+    if (late.orders.empty())
         throw InputError(fmt::format("order of the rods: no time from {:g} on", from));
-    const auto late = orders.subspan(first);
-    const std::vector<std::size_t> block_of = blocks_of(times.subspan(first), from, block);
     const auto mean = [&](const auto& number) {
         std::vector<double> values;
-        for (const RodOrder& order : late)
-            values.push_back(number(order));
-        return block_mean(values, block_of);
+        for (const RodOrder* order : late.orders)
+            values.push_back(number(*order));
+        return block_mean(values, late.block_of);
     };
     MeanRodOrder result;
     result.polar = mean([](const RodOrder& o) { return o.polar; });
@@ -156,9 +164,9 @@ MeanRodOrder mean_rod_order(std::span<const double> times, std::span<const RodOr
     result.mean_size = mean([](const RodOrder& o) { return o.mean_size(); });
     result.weighted_size = mean([](const RodOrder& o) { return o.weighted_size(); });
     result.largest = mean([](const RodOrder& o) { return static_cast<double>(o.clusters.front()); });
-    result.clusters = numbers_by_size(late);
-    result.instants = late.size();
-    result.blocks = block_of.back() + 1;
+    result.clusters = numbers_by_size(late.orders);
+    result.instants = late.orders.size();
+    result.blocks = late.block_of.back() + 1;
     return result;
 }
 

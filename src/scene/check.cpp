@@ -54,8 +54,9 @@ public:
             add(listed ? "rods" : "rods_random", "[[rods]] need [rods_run] with t_end");
         if (run && !rods)
             add("rods_run", "[rods_run] needs [[rods]], or [rods_random]");
-        if (has("rods_order") && !run)
-            add("rods_order", "[rods_order] needs [rods_run], the run that is looked at");
+        if (has("rods_order") && !run && !bed)
+            add("rods_order", "[rods_order] needs [rods_run], or [granular] with motile rods: the run that "
+                              "is looked at");
         if (field && !has("medium"))
             add("field", "[field] needs [medium]");
         if (scene_.rods.size() > 1 && has("coupling") && !has("medium"))

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace rodwake::scene {
 
 namespace {
@@ -28,8 +30,9 @@ void random_start(const Scene& scene, const Report& report) {
 /// What only the sums of the exact field on the plane offer.
 void sums(const Scene& scene, const Report& report) {
     const RodsRun& run = *scene.rods_run;
-    const bool offered =
-        !scene.medium || (scene.medium->field == FieldBackend::exact && !scene.medium->periodic);
+    const bool exact = !scene.medium || scene.medium->field == FieldBackend::exact ||
+                       scene.medium->field == FieldBackend::automatic; // which then chooses it
+    const bool offered = exact && !(scene.medium && scene.medium->periodic);
     const auto want_plane = [&](bool asked, const char* key) {
         if (asked && !offered)
             report(
@@ -59,29 +62,50 @@ void memory(const Scene& scene, const Report& report) {
 
 void order_of_rods(const Scene& scene, const Report& report) {
     const RodsOrder& order = *scene.rods_order;
-    const double counts = scene.rods_run->t_end - order.from;
+    const bool bed = order_of_bed(scene);
+    const char *length = bed ? "m" : "f/mu", *time = bed ? "s" : "f/(mu v0)";
+    const double end = bed ? scene.granular->duration : scene.rods_run->t_end, counts = end - order.from;
     if (!(counts > 0.0))
-        report("rods_order.from",
-               fmt::format(
-                   "rods_order.from = {} f/(mu v0) is not before the end of the run, {}: nothing would count",
-                   order.from, scene.rods_run->t_end));
+        report(
+            "rods_order.from",
+            fmt::format("rods_order.from = {} {} is not before the end of the run, {}: nothing would count",
+                        order.from, time, end));
     else if (order.block && *order.block > counts)
-        report("rods_order.block",
-               fmt::format("rods_order.block = {} f/(mu v0) is longer than what counts, {}", *order.block,
-                           counts));
-    if (scene.medium && scene.medium->periodic && order.link > 0.5 * *scene.medium->periodic)
-        report("rods_order.link",
-               fmt::format("rods_order.link = {} f/mu: at most half the periodic box of {}", order.link,
-                           *scene.medium->periodic));
+        report("rods_order.block", fmt::format("rods_order.block = {} {} is longer than what counts, {}",
+                                               *order.block, time, counts));
+    const std::optional<double> box = bed            ? std::optional(scene.granular->box)
+                                      : scene.medium ? scene.medium->periodic
+                                                     : std::nullopt;
+    if (box && order.link > 0.5 * *box)
+        report("rods_order.link", fmt::format("rods_order.link = {} {}: at most half the periodic box of {}",
+                                              order.link, length, *box));
+}
+
+/// What [rods_order] of a bed is made from.
+void rods_of_bed(const Scene& scene, const Report& report) {
+    const auto motile = std::ranges::count_if(scene.granular->rods, [](const GranularRod& rod) {
+        return rod.shape.kind == granular::RodKind::motile;
+    });
+    if (motile < 2)
+        report("rods_order",
+               fmt::format("[rods_order] without [rods_run] looks at the motile rods of the bed, "
+                           "of which [[granular.rods]] has {}: at least 2",
+                           motile));
+    const bool foreign = scene.measure && !scene.measure->trajectory.empty();
+    if (!foreign && std::ranges::count(scene.granular->output.formats, "h5md") == 0)
+        report("rods_order", "[rods_order] of a bed is made from its frames: granular.output.formats must "
+                             "have \"h5md\"");
 }
 
 } // namespace
 
 void check_rods(const Scene& scene, const Report& report) {
+    if (scene.rods_order && (scene.rods_run || scene.granular))
+        order_of_rods(scene, report);
+    if (order_of_bed(scene))
+        rods_of_bed(scene, report);
     if (!scene.rods_run)
         return;
-    if (scene.rods_order)
-        order_of_rods(scene, report);
     if (scene.rods_random)
         random_start(scene, report);
     sums(scene, report);

@@ -91,7 +91,6 @@ void fields(Visitor& v, Scene& scene) {
             scene.rods = random_rods(*scene.rods_random);
     });
     v.table(key("rods_run").doc("Integration of the rods."), scene.rods_run);
-    v.table(key("rods_order").doc("Order parameters and clusters of the rods in time."), scene.rods_order);
     v.table(
         key("field").doc("The field of one rod at the origin heading along +x, on a grid and along cuts."),
         scene.field);
@@ -100,6 +99,11 @@ void fields(Visitor& v, Scene& scene) {
                      "own `a`."),
             scene.granular);
     const FigureUnits of_figures{units, si_units(bed_radius(scene)), file_units(bead_radius(scene))};
+    v.use_units(scene.granular && !scene.rods_run ? of_figures.bed : units);
+    v.table(key("rods_order")
+                .doc("Order parameters and clusters in time of the rods that are integrated; without "
+                     "[rods_run] of the motile rods of the bed, then SI with the bed's `a`."),
+            scene.rods_order);
     v.use_units(of_figures.bed);
     v.table(
         key("measure").doc("What is measured of the granular run; what is absent is not measured. SI, with "

@@ -182,15 +182,16 @@ void fields(Visitor& v, Medium& medium) {
           .example("1.0"),
       alpha);
     v(key("field")
-          .one_of({"exact", "table", "measured"})
+          .one_of({"exact", "table", "measured", "auto"})
           .not_yet({"dynamic"})
           .doc("how the field is evaluated; a table of it is made once, to table.tolerance, and kept in the "
                "user's cache folder; measured: the displacement field of measured.file, with theory where it "
-               "has none")
+               "has none; auto: for rods exact or a table, whichever the scene lets expect to take less time")
           .example("\"exact\""),
       choice(medium.field, {{"exact", FieldBackend::exact},
                             {"table", FieldBackend::table},
-                            {"measured", FieldBackend::measured}}));
+                            {"measured", FieldBackend::measured},
+                            {"auto", FieldBackend::automatic}}));
     v(key("periodic")
           .unit(length)
           .above(0.0)
@@ -204,7 +205,10 @@ void fields(Visitor& v, Medium& medium) {
                "Then eta, xi and their alternatives are not given")
           .example("true"),
       fitted);
-    v.table(key("table").doc("Interpolation of the field; not used with field = \"exact\"."), medium.table);
+    v.table(key("table").doc(
+                "Interpolation of the field; not used with field = \"exact\"; with \"auto\" the accuracy "
+                "asked of a table, without it rtol."),
+            medium.table);
     v.table(key("measured").doc("The field of rods in a bed, with field = \"measured\"."), medium.measured);
     if (fitted)
         return v.derive([&] { medium.fitted = !refuse_given(v, given, xi, alpha); });

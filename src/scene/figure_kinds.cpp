@@ -152,9 +152,9 @@ const std::vector<FigureKind>& figure_kinds() {
         {"trajectories", "paths of the rods of the theory", theory, {rods}, {"result.h5"}, {"x", "y"}},
         {"rods_movie", "film of the rods of the theory", theory, {rods}, {"result.h5"}, {"fps", "x", "y"}},
         {"rods_order",
-         "order parameters and clusters of the rods in time",
-         theory,
-         {rods, rods_order},
+         "order parameters and clusters of rods in time",
+         rod_order,
+         {rods_order},
          {"rods_order.csv", "clusters.csv"},
          {}},
         {"extensional_axis",
@@ -222,7 +222,7 @@ const std::vector<FigureKind>& figure_kinds() {
 }
 
 std::string_view to_string(FigureSubject subject) {
-    static constexpr std::string_view names[] = {"bed", "measure", "theory", "fit", "scan"};
+    static constexpr std::string_view names[] = {"bed", "measure", "theory", "rod_order", "fit", "scan"};
     return names[static_cast<std::size_t>(subject)];
 }
 

@@ -21,7 +21,7 @@ struct FigureNeed {
 
 /// Whose results a figure shows. The window of a figure is in metres for bed and measure, in the profiles'
 /// unit for fit, in that of its axes for scan.
-enum class FigureSubject { bed, measure, theory, fit, scan };
+enum class FigureSubject { bed, measure, theory, rod_order, fit, scan };
 std::string_view to_string(FigureSubject subject);
 
 struct FigureKind {

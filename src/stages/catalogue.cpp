@@ -22,7 +22,7 @@ constexpr ColumnInfo rods_columns[] = {
     {"theta<k>", "rad", "heading of rod k from +x, counter-clockwise, without jumps"}};
 
 constexpr ColumnInfo rods_order_columns[] = {
-    {"t", "{time}", "time"},
+    {"t", "{order time}", "time"},
     {"polar", "1", "polar order |<exp(i theta)>|"},
     {"nematic", "1", "nematic order |<exp(2 i theta)>|"},
     {"clusters", "1", "number of clusters"},
@@ -173,9 +173,10 @@ constexpr FileKind plain_kinds[] = {
     {"tradeoff.json", Stage::tradeoff, kept, "the reference, and the settings that were tried"},
 
     {"rods.csv", Stage::rods, result, "rods against time", rods_columns},
-    {"rods_order.csv", Stage::rods, result, "order parameters of the rods against time", rods_order_columns},
-    {"clusters.csv", Stage::rods, result, "clusters of the rods by size", clusters_columns},
-    {"rods_order.json", Stage::rods, result,
+    {"rods_order.csv", Stage::order, result, "order parameters of the rods against time, means over the runs",
+     rods_order_columns},
+    {"clusters.csv", Stage::order, result, "clusters of the rods by size", clusters_columns},
+    {"rods_order.json", Stage::order, result,
      "means of rods_order.csv from rods_order.from on, with standard errors"},
     {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did"},
     {"ensemble.csv", Stage::rods, result,

@@ -24,7 +24,7 @@ using nlohmann::ordered_json;
 
 /// Units of what a run writes: of its theory, and of the data that were fitted.
 struct ManifestUnits {
-    assembly::OutputUnits output;
+    assembly::OutputUnits output, order;
     std::string scan_length, scan_time;
     std::string data; ///< length_unit of [fit]
     bool si = false;  ///< of the scene's keys
@@ -35,8 +35,12 @@ ManifestUnits units_of(const fs::path& folder) {
         const scene::Scene scene = scene::read_scene(folder / "scene.toml");
         const assembly::OutputUnits output = assembly::output_units(scene);
         const bool beds = scan_subject(scene) == scene::ScanSubject::beds;
-        return {output, beds ? "a" : output.length_name, beds ? "s" : output.time_name,
-                scene.fit ? scene.fit->length_unit : "", scene.units == scene::UnitSystem::si};
+        return {output,
+                assembly::order_units(scene),
+                beds ? "a" : output.length_name,
+                beds ? "s" : output.time_name,
+                scene.fit ? scene.fit->length_unit : "",
+                scene.units == scene::UnitSystem::si};
     } catch (const InputError&) { // no scene yet
         return {};
     }
@@ -64,6 +68,8 @@ std::string unit_of(std::string_view unit, const ManifestUnits& units) {
         return units.scan_time;
     if (unit == "{time}")
         return units.output.time_name;
+    if (unit == "{order time}")
+        return units.order.time_name;
     return unit == "{data}" ? units.data : std::string(unit);
 }
 

@@ -102,6 +102,21 @@ void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, double 
     }
 }
 
+void for_each_frame(const std::filesystem::path& file, const measure::Layout& layout, std::size_t stride,
+                    const std::function<bool(const measure::Frame&, double)>& use) {
+    store::H5mdReader reader(file);
+    check_bed(file, reader.info(), layout);
+    store::StoredFrame stored;
+    measure::Frame frame;
+    const std::size_t frames = reader.info().frames();
+    for (std::size_t i = 0; i < frames; i += stride) {
+        reader.read(i, stored);
+        fill_frame(frame, stored, layout.box);
+        if (!use(frame, static_cast<double>(i + 1) / static_cast<double>(frames)))
+            return;
+    }
+}
+
 void check_trajectory(const std::filesystem::path& file, const assembly::MeasurePlan& plan) {
     const store::H5mdReader reader(file);
     check_bed(file, reader.info(), plan.sums.layout());
@@ -111,20 +126,18 @@ void check_trajectory(const std::filesystem::path& file, const assembly::Measure
 std::optional<measure::Measures> measure_trajectory(const std::filesystem::path& file,
                                                     const assembly::MeasurePlan& plan,
                                                     const std::function<bool(double)>& on_progress) {
-    store::H5mdReader reader(file);
-    const store::TrajectoryInfo& info = reader.info();
+    const store::TrajectoryInfo info = store::H5mdReader(file).info();
     check_bed(file, info, plan.sums.layout());
-    const std::size_t stride = stride_of(file, info, plan.interval);
     measure::Measures measures = plan.sums;
-    store::StoredFrame stored;
-    measure::Frame frame;
-    for (std::size_t i = 0; i < info.frames(); i += stride) {
-        reader.read(i, stored);
-        fill_frame(frame, stored, plan.sums.layout().box);
-        measures.add(frame);
-        if (!on_progress(static_cast<double>(i + 1) / static_cast<double>(info.frames())))
-            return std::nullopt;
-    }
+    bool stopped = false;
+    for_each_frame(file, plan.sums.layout(), stride_of(file, info, plan.interval),
+                   [&](const measure::Frame& frame, double part) {
+                       measures.add(frame);
+                       stopped = !on_progress(part);
+                       return !stopped;
+                   });
+    if (stopped)
+        return std::nullopt;
     if (measures.frames() == 0)
         throw InputError(fmt::format("{}: no frame from measure.from = {:g} s on; the last one is at {:g} s",
                                      file.string(), plan.sums.from(), info.time.back()));

@@ -14,6 +14,11 @@ namespace rodwake::stages {
 void fill_frame(measure::Frame& frame, const granular::State& state, double time, double box);
 void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, double box);
 
+/// Frames of a stored trajectory from the first, every `stride`, with the fraction done; `use` may return
+/// false to stop. Throws InputError if the file cannot be read or is of another bed.
+void for_each_frame(const std::filesystem::path& file, const measure::Layout& layout, std::size_t stride,
+                    const std::function<bool(const measure::Frame&, double)>& use);
+
 /// Throws InputError if the file cannot be read, is of another bed, or its frames do not fit the interval.
 void check_trajectory(const std::filesystem::path& file, const assembly::MeasurePlan& plan);
 

@@ -21,31 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The files of one run; of a trajectory from elsewhere only that.
-struct RunFiles {
-    fs::path folder, trajectory;
-    bool own = true; ///< made by this scene's granular run
-};
-
-std::vector<RunFiles> finished_runs(const assembly::Case& one, const fs::path& folder, const Logger& log) {
-    const std::string foreign = one.scene.measure->trajectory;
-    if (!foreign.empty())
-        return {{fs::path(foreign).parent_path(), foreign, false}};
-    std::vector<RunFiles> found;
-    const std::vector<GranularTask> tasks = granular_tasks(one, folder);
-    for (const GranularTask& task : tasks)
-        if (fs::exists(task.folder / "summary.json"))
-            found.push_back({task.folder, task.folder / "trajectory.h5md", true});
-    if (found.empty())
-        throw InputError(
-            (folder / one.folder).string() +
-            ": holds no finished granular run to measure; rodwake dem SCENE -o DIR makes one, rodwake run "
-            "does both; or name a file in measure.trajectory");
-    if (found.size() < tasks.size())
-        log->warn("measure: {} of {} runs are finished; the others are left out", found.size(), tasks.size());
-    return found;
-}
-
 /// What the run recorded on its way if it is of these keys, else its trajectory measured now.
 std::optional<measure::Measures> measures_of(const RunFiles& run, const assembly::MeasurePlan& plan,
                                              const std::function<bool(double)>& on_progress) {
@@ -154,6 +129,25 @@ std::optional<CaseResults> measure_case(const assembly::BedPlan& bed, const RunC
 }
 
 } // namespace
+
+std::vector<RunFiles> finished_runs(const assembly::Case& one, const fs::path& folder, const Logger& log) {
+    const std::string foreign = one.scene.measure ? one.scene.measure->trajectory : "";
+    if (!foreign.empty())
+        return {{fs::path(foreign).parent_path(), foreign, false}};
+    std::vector<RunFiles> found;
+    const std::vector<GranularTask> tasks = granular_tasks(one, folder);
+    for (const GranularTask& task : tasks)
+        if (fs::exists(task.folder / "summary.json"))
+            found.push_back({task.folder, task.folder / "trajectory.h5md", true});
+    if (found.empty())
+        throw InputError(
+            (folder / one.folder).string() +
+            ": holds no finished granular run to measure; rodwake dem SCENE -o DIR makes one, rodwake run "
+            "does both; or name a file in measure.trajectory");
+    if (found.size() < tasks.size())
+        log->warn("measure: {} of {} runs are finished; the others are left out", found.size(), tasks.size());
+    return found;
+}
 
 void require_trajectory(const assembly::Plan& plan) {
     const auto& frames = plan.beds.front().measures;

@@ -9,6 +9,17 @@ namespace rodwake::stages {
 /// Throws InputError, before anything is written, if measure.trajectory cannot be measured.
 void require_trajectory(const assembly::Plan& plan);
 
+/// The files of one run of a bed; of a trajectory from elsewhere only that.
+struct RunFiles {
+    std::filesystem::path folder, trajectory;
+    bool own = true; ///< made by this scene's granular run
+};
+
+/// What there is to measure of a case: its finished runs in a run folder, or measure.trajectory. Throws
+/// InputError if there is nothing.
+std::vector<RunFiles> finished_runs(const assembly::Case& one, const std::filesystem::path& folder,
+                                    const Logger& log);
+
 /// Throws InputError if there is nothing to measure in the folder.
 StageEnd measure_folder(const assembly::Plan& plan, const RunContext& context,
                         const std::filesystem::path& folder, const Logger& log);

@@ -22,12 +22,17 @@ const char* status_name(integrate::Termination termination) {
     return "failed";
 }
 
-nlohmann::ordered_json solver_json(const rods::RodResult& result, const rods::RodOptions& options) {
-    const integrate::OdeOptions& ode = options.ode;
+nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly::RodsPlan& plan) {
+    const integrate::OdeOptions& ode = plan.options.ode;
     const integrate::Statistics& n = result.solution.statistics;
     nlohmann::ordered_json solver;
     solver["method"] = integrate::to_string(ode.method);
-    solver["form"] = to_string(options.form);
+    solver["form"] = to_string(plan.options.form);
+    solver["field"] = assembly::to_string(plan.field.backend);
+    if (plan.field.tolerance > 0.0)
+        solver["field_tolerance"] = plan.field.tolerance;
+    if (!plan.field.why.empty())
+        solver["field_chosen"] = plan.field.why;
     solver["rtol"] = ode.rtol;
     solver["atol"] = ode.atol;
     solver["status"] = status_name(result.solution.status.termination);
@@ -36,7 +41,7 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const rods::Ro
     solver["jacobian_evaluations"] = n.jacobian_evaluations;
     solver["error_test_failures"] = n.error_test_failures;
     solver["convergence_failures"] = n.convergence_failures;
-    if (options.form != rods::Form::angle) // the largest ||n| - 1| after a step
+    if (plan.options.form != rods::Form::angle) // the largest ||n| - 1| after a step
         solver["director_drift"] = n.drift;
     if (!result.solution.status.ok())
         solver["message"] = result.solution.status.message();
@@ -45,7 +50,7 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const rods::Ro
 
 } // namespace
 
-std::string outcome_json(const rods::RodResult& result, const rods::RodOptions& options,
+std::string outcome_json(const rods::RodResult& result, const assembly::RodsPlan& plan,
                          const assembly::OutputUnits& units, const nlohmann::ordered_json& ensemble) {
     const rods::RodOutcome& outcome = result.outcome;
     nlohmann::ordered_json json;
@@ -63,7 +68,7 @@ std::string outcome_json(const rods::RodResult& result, const rods::RodOptions& 
     json["turn"] = outcome.turn;
     json["reason"] = outcome.reason;
     json["units"] = {{"length", units.length_name}, {"time", units.time_name}, {"turn", "rad"}};
-    json["solver"] = solver_json(result, options);
+    json["solver"] = solver_json(result, plan);
     if (!ensemble.is_null())
         json["ensemble"] = ensemble;
     return json.dump(2) + "\n";

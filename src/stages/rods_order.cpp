@@ -1,50 +1,40 @@
-// [rods_order]: order parameters and clusters of a run of the rods.
+#include "rods_order.hpp"
 
-#include "rodwake/measure/rod_order.hpp"
 #include "rodwake/store/csv.hpp"
-#include "stage_list.hpp"
 #include "values_json.hpp"
 
-#include <fmt/format.h>
-
-#include <cmath>
+#include <algorithm>
+#include <array>
+#include <numeric>
 
 namespace rodwake::stages {
 
 namespace {
 
 using measure::RodOrder;
+using measure::RodOrderSeries;
 
-/// At each stored time, in reduced units.
-std::vector<RodOrder> orders_of(const integrate::Solution& solution, double link, rods::Box box) {
-    std::vector<RodOrder> orders;
-    for (const std::vector<double>& state : solution.states) {
-        std::vector<measure::RodPlace> places;
-        for (std::size_t rod = 0; rod < state.size() / 3; ++rod) {
-            const rods::Pose pose = rods::pose(state, rod);
-            places.push_back({pose.x, pose.y, pose.heading});
-        }
-        orders.push_back(measure::rod_order(places, link, box));
-    }
-    return orders;
+constexpr std::size_t numbers = 6;
+
+/// In the order of the columns after t.
+std::array<double, numbers> numbers_of(const RodOrder& o) {
+    return {o.polar,       o.nematic,         static_cast<double>(o.clusters.size()),
+            o.mean_size(), o.weighted_size(), static_cast<double>(o.clusters.front())};
 }
 
-std::string series_csv(std::span<const double> times, std::span<const RodOrder> orders, double unit) {
+/// Means over the runs, as far as all of them go.
+std::string series_csv(const std::vector<RodOrderSeries>& runs) {
     const std::string names[] = {"t",         "polar",         "nematic", "clusters",
                                  "mean_size", "weighted_size", "largest"};
-    std::vector<std::vector<double>> columns(std::size(names));
-    for (std::size_t i = 0; i < orders.size(); ++i) {
-        const RodOrder& o = orders[i];
-        const double row[] = {times[i] * unit,
-                              o.polar,
-                              o.nematic,
-                              static_cast<double>(o.clusters.size()),
-                              o.mean_size(),
-                              o.weighted_size(),
-                              static_cast<double>(o.clusters.front())};
-        for (std::size_t k = 0; k < columns.size(); ++k)
-            columns[k].push_back(row[k]);
-    }
+    const auto shortest = std::ranges::min(runs, {}, [](const auto& run) { return run.times.size(); });
+    std::vector<std::vector<double>> columns(1 + numbers, std::vector<double>(shortest.times.size(), 0.0));
+    columns[0] = shortest.times;
+    for (const RodOrderSeries& run : runs)
+        for (std::size_t i = 0; i < shortest.times.size(); ++i) {
+            const auto row = numbers_of(run.orders[i]);
+            for (std::size_t k = 0; k < numbers; ++k)
+                columns[1 + k][i] += row[k] / static_cast<double>(runs.size());
+        }
     return store::to_csv(names, columns);
 }
 
@@ -63,44 +53,55 @@ std::string clusters_csv(const measure::MeanRodOrder& mean, std::size_t rods) {
     return store::to_csv(names, columns);
 }
 
-std::string means_json(const measure::MeanRodOrder& mean, const scene::RodsOrder& order, double block,
-                       const assembly::OutputUnits& units) {
+std::string means_json(const measure::MeanRodOrder& mean, const OrderKeys& keys, std::size_t runs) {
     const assembly::Values values{{"polar", mean.polar},
                                   {"nematic", mean.nematic},
                                   {"mean_size", mean.mean_size},
                                   {"weighted_size", mean.weighted_size},
                                   {"largest", mean.largest},
-                                  {"link", order.link * units.length},
-                                  {"from", order.from * units.time},
-                                  {"block", block * units.time},
+                                  {"link", keys.link},
+                                  {"from", keys.from},
+                                  {"block", keys.block},
+                                  {"runs", static_cast<std::int64_t>(runs)},
                                   {"instants", static_cast<std::int64_t>(mean.instants)},
                                   {"blocks", static_cast<std::int64_t>(mean.blocks)},
-                                  {"units.length", units.length_name},
-                                  {"units.time", units.time_name}};
+                                  {"units.length", keys.units.length_name},
+                                  {"units.time", keys.units.time_name}};
     return values_json(values).dump(2) + "\n";
 }
 
 } // namespace
 
-void write_rods_order(const Session& session, const assembly::Case& of, const rods::RodResult& result) {
-    const integrate::Solution& solution = result.solution;
-    const scene::RodsOrder& order = *of.scene.rods_order;
-    const auto finished = solution.status.termination;
-    if (finished == integrate::Termination::failed || finished == integrate::Termination::interrupted)
-        return;
-    if (solution.times.empty() || solution.times.back() < order.from)
-        return session.log->warn("order of the rods: the run ended before rods_order.from = {:g}",
-                                 order.from);
-    const rods::Box box = of.scene.medium ? of.scene.medium->periodic : std::nullopt;
-    const auto orders = orders_of(solution, order.link, box);
-    const double block = order.block.value_or((of.scene.rods_run->t_end - order.from) / 10.0);
-    const auto mean = measure::mean_rod_order(solution.times, orders, order.from, block);
+OrderKeys::OrderKeys(const scene::Scene& scene) : units(assembly::order_units(scene)) {
+    const scene::RodsOrder& order = *scene.rods_order;
+    const bool bed = order_of_bed(scene);
+    const double end = bed ? scene.granular->duration : scene.rods_run->t_end;
+    link = order.link * units.length;
+    from = order.from * units.time;
+    block = order.block.value_or((end - order.from) / 10.0) * units.time;
+    if (bed)
+        box = scene.granular->box;
+    else if (scene.medium && scene.medium->periodic)
+        box = *scene.medium->periodic * units.length;
+}
+
+void write_rods_order(const Session& session, const assembly::Case& of, const OrderKeys& keys,
+                      const std::vector<RodOrderSeries>& runs) {
+    if (std::ranges::none_of(
+            runs, [&](const auto& run) { return !run.times.empty() && run.times.back() >= keys.from; }))
+        return session.log->warn("order of the rods{}: the run ended before rods_order.from = {:g} {}",
+                                 of.suffix(), keys.from, keys.units.time_name);
+    const auto mean = measure::mean_rod_order(runs, keys.from, keys.block);
     const auto write = [&](const char* name, const std::string& text) {
         session.directory.write(of.folder + name, text);
     };
-    write("rods_order.csv", series_csv(solution.times, orders, session.units.time));
-    write("clusters.csv", clusters_csv(mean, of.scene.rods.size()));
-    write("rods_order.json", means_json(mean, order, block, session.units));
+    write("rods_order.csv", series_csv(runs));
+    const auto longest =
+        std::ranges::max_element(runs, {}, [](const auto& run) { return run.orders.size(); });
+    const auto& of_some_instant = longest->orders.front().clusters;
+    write("clusters.csv", clusters_csv(mean, std::accumulate(of_some_instant.begin(), of_some_instant.end(),
+                                                             std::size_t{0})));
+    write("rods_order.json", means_json(mean, keys, runs.size()));
     session.log->info("order of the rods{}: polar {:.3g} +- {:.2g}, nematic {:.3g} +- {:.2g}, a rod is in a "
                       "cluster of {:.3g} +- {:.2g}",
                       of.suffix(), mean.polar.value, mean.polar.error, mean.nematic.value, mean.nematic.error,

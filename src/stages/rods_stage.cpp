@@ -111,6 +111,7 @@ void store_attributes(Session& session, const Work& one, const std::string& grou
     out.attribute(group, "gamma1", c.gamma1);
     out.attribute(group, "gamma2", c.gamma2);
     if (one.of().scene.medium) {
+        out.attribute(group, "field", assembly::to_string(one.plan->field.backend));
         out.attribute(group, "eta", one.of().scene.medium->eta);
         out.attribute(group, "alpha", 1.0 / one.of().scene.medium->xi);
     }
@@ -133,7 +134,7 @@ void store(Session& session, const Work& one, std::int64_t order) {
     store_attributes(session, one, group, order);
     session.directory.write(one.of().folder + "rods.csv", store::to_csv(columns.names, columns.values));
     session.directory.write(one.of().folder + "outcome.json",
-                            outcome_json(one.result, one.options, session.units,
+                            outcome_json(one.result, *one.plan, session.units,
                                          one.samples.empty()
                                              ? nlohmann::ordered_json()
                                              : ensemble_json(one.samples, one.problem.box, session.units)));
@@ -197,15 +198,17 @@ StageEnd run_rods_stage(Session& session) {
     const std::size_t threads = std::max<std::size_t>(1, session.context.thread_count() / plans.size());
     std::vector<Work> cases;
     cases.reserve(plans.size());
-    for (const assembly::RodsPlan& plan : plans)
+    for (const assembly::RodsPlan& plan : plans) {
+        if (!plan.field.why.empty())
+            session.log->info("rods{}: field {}: {}", plan.of.suffix(),
+                              assembly::to_string(plan.field.backend), plan.field.why);
         cases.push_back(work_of(plan, fields, threads));
+    }
     parallel_for(cases.size(), session.context.thread_count(),
                  [&](std::size_t i) { solve(session, cases[i], i == 0); });
     StageEnd end = solve_samples(session, cases) ? StageEnd::finished : StageEnd::interrupted;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         store(session, cases[i], static_cast<std::int64_t>(i));
-        if (cases[i].of().scene.rods_order)
-            write_rods_order(session, cases[i].of(), cases[i].result);
         const StageEnd one = report(session, cases[i]);
         if (end == StageEnd::finished)
             end = one;

@@ -11,6 +11,8 @@
 #include "scan/scan_request.hpp"
 #include "stage_list.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace rodwake::stages {
@@ -31,6 +33,8 @@ StageEnd run_stage(Session& session, Stage stage) {
         return run_fit_stage(session);
     case Stage::field:
         return run_field_stage(session);
+    case Stage::order:
+        return run_order_stage(session);
     case Stage::scan:
         return run_scan_stage(session);
     case Stage::tradeoff:
@@ -65,13 +69,21 @@ StageEnd run_recorded(Session& session) {
 
 bool only(const Plan& plan, Stage stage) { return plan.stages.size() == 1 && plan.stages.front() == stage; }
 
-/// Measures and fits add to a granular run that is there.
+/// What rodwake measure does.
+bool only_measures(const Plan& plan) {
+    return std::ranges::all_of(plan.stages,
+                               [](Stage stage) { return stage == Stage::measure || stage == Stage::order; });
+}
+
+/// Measures and fits add to a run that is there.
 void require_run(const Plan& plan, const fs::path& folder) {
     if (run_status(folder).empty())
-        throw InputError(folder.string() +
-                         ": holds no rodwake run; rodwake dem SCENE makes one, rodwake run SCENE makes "
-                         "and measures it; -o names its folder");
-    require_same_beds(plan.scene, folder);
+        throw InputError(
+            fmt::format("{}: holds no rodwake run; rodwake {} SCENE makes one, rodwake run SCENE "
+                        "makes and measures it; -o names its folder",
+                        folder.string(), plan.beds.empty() ? "rods" : "dem"));
+    if (!plan.beds.empty())
+        require_same_beds(plan.scene, folder);
 }
 
 /// Before anything of the folder is touched.
@@ -79,8 +91,10 @@ void require_all(const Plan& plan, const fs::path& folder, const RunContext& con
     const bool foreign = plan.scene.measure && !plan.scene.measure->trajectory.empty();
     if (plan.has(Stage::granular))
         require_granular(plan, folder, context);
-    if (only(plan, Stage::measure) && !foreign)
+    if (only_measures(plan) && !foreign)
         require_run(plan, folder);
+    if (only_measures(plan) && plan.has(Stage::order))
+        require_rods(plan, folder);
     if (only(plan, Stage::fit) && plan.scene.granular && !run_status(folder).empty())
         require_same_beds(plan.scene, folder);
     if (plan.has(Stage::measure) && foreign)
@@ -137,7 +151,7 @@ StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context
             "stopped by a signal; what was computed is in {}; the same command goes on from the last "
             "checkpoint, or starts again where there is none yet",
             folder.string());
-    const bool drawn_later = only(plan, Stage::measure) || only(plan, Stage::fit) || only(plan, Stage::scan);
+    const bool drawn_later = only_measures(plan) || only(plan, Stage::fit) || only(plan, Stage::scan);
     if (end == StageEnd::finished || end == StageEnd::incomplete)
         session.log->info("results in {}{}", folder.string(),
                           drawn_later ? "; rodwake plot " + folder.string() + " draws them" : "");

@@ -22,8 +22,8 @@ using assembly::Stage;
 
 namespace {
 
-constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,     Stage::field,
-                                Stage::rods,     Stage::scan,    Stage::tradeoff};
+constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,  Stage::field,
+                                Stage::rods,     Stage::order,   Stage::scan, Stage::tradeoff};
 
 /// Left behind by a run that was killed: see PendingFile.
 bool is_temporary(const std::string& name) {
@@ -142,6 +142,12 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 
 } // namespace
 
+std::string stage_status(const fs::path& folder, Stage stage) {
+    const StageRecords records = records_of(folder);
+    const auto record = records.find(to_string(stage));
+    return record == records.end() ? "" : record->second;
+}
+
 std::string run_status(const fs::path& folder) {
     const nlohmann::json json = provenance_of(folder);
     if (!json.is_object() || !json.contains("status") || !json["status"].is_string())
@@ -150,11 +156,8 @@ std::string run_status(const fs::path& folder) {
 }
 
 bool holds_finished(const fs::path& folder, const scene::Scene& scene, Stage stage) {
-    const StageRecords records = records_of(folder);
-    const auto record = records.find(to_string(stage));
     const std::optional<scene::Scene> old = scene_of(folder);
-    return record != records.end() && record->second == "finished" && old &&
-           stage_key(*old, stage) == stage_key(scene, stage);
+    return stage_status(folder, stage) == "finished" && old && stage_key(*old, stage) == stage_key(scene, stage);
 }
 
 RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const Stage> stages, bool force,
@@ -194,8 +197,9 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         if (record == old_.end() || (asked && force))
             continue;
         const bool finished = record->second == "finished", alike = same(stage);
-        // an unfinished measure or fit has nothing to lose, and its own files know what they are of
-        const bool light = (stage == Stage::measure || stage == Stage::fit) && !finished;
+        // an unfinished one has nothing to lose, and its own files know what they are of
+        const bool light =
+            (stage == Stage::measure || stage == Stage::fit || stage == Stage::order) && !finished;
         const bool more = (stage == Stage::granular && alike && grows(*old, scene)) ||
                           lacks_medium(path_, scene, stage) ||
                           (stage == Stage::scan && alike && (reopen_scan || scan_grows(*old, scene)));
@@ -216,6 +220,10 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
                     fmt::format("{}: holds a granular run of another scene, which this command does not "
                                 "replace even with --force; choose another folder with -o",
                                 path_.string()));
+            if (stage == Stage::rods && !asked && contains(stages, Stage::order))
+                throw InputError(fmt::format("{}: holds rods of another scene, which this command does not "
+                                             "integrate; rodwake rods SCENE does; -o names another folder",
+                                             path_.string()));
             dropped_.push_back(stage);
         }
     }
@@ -228,8 +236,12 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
 
 void RunFolder::drop_outdated(const scene::Scene& scene) {
     const bool fitted = scene.medium && scene.medium->fitted, own_field = measures_own_field(scene);
+    const auto redone = [&](Stage other) { return contains(stages_, other); };
+    const auto new_field = [&] {
+        return (fitted && redone(Stage::fit)) ||
+               (own_field && (redone(Stage::measure) || redone(Stage::granular)));
+    };
     const auto outdated = [&](Stage stage) {
-        const auto redone = [&](Stage other) { return contains(stages_, other); };
         switch (stage) {
         case Stage::granular:
             return false;
@@ -237,6 +249,10 @@ void RunFolder::drop_outdated(const scene::Scene& scene) {
             return redone(Stage::granular);
         case Stage::fit:
             return scene.granular && (redone(Stage::granular) || redone(Stage::measure));
+        case Stage::order:
+            return order_of_bed(scene)
+                       ? redone(Stage::granular)
+                       : redone(Stage::rods) || contains(dropped_, Stage::rods) || new_field();
         case Stage::scan:
         case Stage::tradeoff:
             return false;
@@ -244,8 +260,7 @@ void RunFolder::drop_outdated(const scene::Scene& scene) {
         case Stage::rods:
             break;
         }
-        return (fitted && redone(Stage::fit)) ||
-               (own_field && (redone(Stage::measure) || redone(Stage::granular)));
+        return new_field();
     };
     for (const Stage stage : kept_)
         if (outdated(stage))

@@ -13,7 +13,7 @@ using assembly::Stage;
 namespace {
 
 /// Beds as they are, whatever they are called in legends and whatever else the variants change.
-std::string beds_key(const scene::Scene& scene, bool measured) {
+std::string beds_key(const scene::Scene& scene, Stage stage) {
     std::string text;
     for (const assembly::Case& one : assembly::bed_cases(scene)) {
         scene::Scene key;
@@ -21,8 +21,12 @@ std::string beds_key(const scene::Scene& scene, bool measured) {
         if (key.granular) {
             key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
             key.granular->runs = std::min(key.granular->runs, 2L); // an ensemble may grow
-            if (measured)
+            if (stage == Stage::measure)
                 key.measure = one.scene.measure;
+            if (stage == Stage::order)
+                key.rods_order = one.scene.rods_order;
+            if (stage == Stage::order && one.scene.measure)
+                key.measure.emplace().trajectory = one.scene.measure->trajectory;
         }
         text += "# " + one.name + "\n" + scene::to_plain_toml(key);
     }
@@ -45,7 +49,8 @@ std::string theory_key(const scene::Scene& scene, Stage stage) {
     key.rods_run = scene.rods_run;
     if (key.rods_run)
         key.rods_run->max_steps = scene::RodsRun{}.max_steps; // a limit, raised when it was met
-    key.rods_order = scene.rods_order;
+    if (stage == Stage::order)
+        key.rods_order = scene.rods_order;
     key.variants = scene.variants;
     return scene::to_plain_toml(key);
 }
@@ -54,7 +59,6 @@ std::string theory_key(const scene::Scene& scene, Stage stage) {
 std::string tradeoff_key(scene::Scene scene) {
     scene.rods_run->method.reset();
     scene.variants.clear();
-    scene.rods_order.reset();
     if (scene.medium && scene.medium->field != scene::FieldBackend::measured) {
         scene.medium->field = scene::FieldBackend::exact;
         scene.medium->table.reset();
@@ -75,7 +79,9 @@ std::string stage_key(const scene::Scene& scene, Stage stage) {
     switch (stage) {
     case Stage::granular:
     case Stage::measure:
-        return beds_key(scene, stage == Stage::measure);
+        return beds_key(scene, stage);
+    case Stage::order:
+        return order_of_bed(scene) ? beds_key(scene, stage) : theory_key(scene, stage);
     case Stage::fit: {
         scene::Scene key;
         key.fit = scene.fit;

@@ -16,8 +16,11 @@ StageEnd run_field_stage(Session& session);
 /// [[rods]] and [[variants]]: rods.csv, outcome.json, variants/<name>/..., and /rods in result.h5.
 StageEnd run_rods_stage(Session& session);
 
-/// [rods_order] of a run that ended by itself: rods_order.csv, clusters.csv, rods_order.json.
-void write_rods_order(const Session& session, const assembly::Case& of, const rods::RodResult& result);
+/// [rods_order]: rods_order.csv, clusters.csv, rods_order.json of the rods stage's rods.csv, or of the frames
+/// of the bed.
+StageEnd run_order_stage(Session& session);
+/// Throws InputError if the order is that of rods of the theory and the folder holds no finished run of them.
+void require_rods(const assembly::Plan& plan, const std::filesystem::path& folder);
 
 /// The rods of the scene, or a sample of its scan, by every setting: tradeoff.csv, tradeoff.json. Goes on with
 /// what it had tried when it was interrupted.
@@ -48,7 +51,7 @@ void serve_scan(const assembly::Plan& plan, const std::filesystem::path& folder,
 
 /// Content of outcome.json. Lengths and times in the session's output units. `ensemble`: null if there is
 /// none.
-std::string outcome_json(const rods::RodResult& result, const rods::RodOptions& options,
+std::string outcome_json(const rods::RodResult& result, const assembly::RodsPlan& plan,
                          const assembly::OutputUnits& units, const nlohmann::ordered_json& ensemble);
 
 } // namespace rodwake::stages

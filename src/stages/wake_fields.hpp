@@ -15,6 +15,7 @@ class WakeFields {
 public:
     explicit WakeFields(const Session& session) : session_(session), tables_(session.context) {}
 
+    /// With field = "auto" the exact one: for rods assembly::with_field has chosen before.
     std::shared_ptr<const elastic::WakeField> of(const scene::Scene& scene);
     /// With field = "measured"; smoothed at most once. Throws InputError as read_measured does.
     std::shared_ptr<const elastic::MeasuredDisplacement> measured(const scene::Scene& scene);

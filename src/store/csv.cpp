@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <limits>
 #include <string_view>
+#include <unordered_set>
 
 namespace rodwake::store {
 
@@ -87,9 +89,8 @@ double parse_number(std::string_view field, const std::string& name, bool requir
     return value;
 }
 
-bool contains(std::span<const std::string> names, std::string_view name) {
-    return std::ranges::find(names, name) != names.end();
-}
+/// Tables of many rods have tens of thousands of columns.
+using Names = std::unordered_set<std::string_view>;
 
 /// A column of the file: passed over, or a column of the table.
 struct FileColumn {
@@ -100,18 +101,21 @@ using Header = std::vector<FileColumn>;
 
 Header read_header(std::string_view line, Place& at, std::span<const std::string> required,
                    std::span<const std::string> optional) {
+    const Names needed(required.begin(), required.end()), welcome(optional.begin(), optional.end());
+    std::deque<std::string> found; // whose addresses stay
+    Names names;
     Header header;
     for_each_field(line, at, [&](std::size_t, std::string_view name) {
         if (name.empty())
             at.fail("empty column name in the header");
-        if (std::ranges::find(header, name, &FileColumn::name) != header.end())
+        if (!names.insert(found.emplace_back(name)).second)
             at.fail(fmt::format("column \"{}\" stands twice in the header", name));
-        const bool is_required = contains(required, name);
-        header.push_back({std::string(name), is_required || contains(optional, name), is_required});
+        const bool is_required = needed.contains(name);
+        header.push_back({std::string(name), is_required || welcome.contains(name), is_required});
     });
     at.column = 1;
     for (const std::string& name : required)
-        if (std::ranges::find(header, name, &FileColumn::name) == header.end())
+        if (!names.contains(name))
             at.fail(fmt::format("no column \"{}\"; the header must have at least {}", name,
                                 fmt::join(required, ",")));
     return header;

@@ -99,6 +99,21 @@ TEST_CASE("Beds of a scene: as written, and the variants that change it") {
     CHECK(made.beds[0].measures.has_value());
 }
 
+TEST_CASE("The order of rods is a stage of its own, after the rods or the bed that it looks at") {
+    const std::string order = "[rods_order]\nlink = 1.0\n";
+    const assembly::Plan theory = plan(rods_text + order);
+    CHECK(theory.stages.back() == Stage::order);
+    CHECK(says(theory, true, "order of the rods; clusters by links of less than 1"));
+    const std::string rods = "[[granular.rods]]\nposition = [\"10 a\", \"10 a\"]\n[[granular.rods]]\n"
+                             "position = [\"10 a\", \"20 a\"]\n";
+    const std::string bed =
+        "schema = 1\n[granular]\nphi_b = 0.3\nbox = \"40 a\"\nduration = \"1 s\"\n" + rods;
+    const assembly::Plan of_bed = plan(bed + "[rods_order]\nlink = \"2 a\"\n");
+    CHECK(of_bed.stages == std::vector{Stage::granular, Stage::order});
+    CHECK(of_bed.scene.rods_order->link == Approx(0.8e-3));
+    CHECK(says(of_bed, true, "order of the motile rods of the bed; clusters by links of less than 2 a"));
+}
+
 TEST_CASE("What is described is what is planned") {
     CHECK(says(plan(rods_text), true, "2 rods to t = 3, 1 variants"));
     CHECK(says(plan(rods_text), false, "granular bed: no [granular] table"));

@@ -120,22 +120,43 @@ TEST_CASE("sizes of clusters that are known") {
 }
 
 TEST_CASE("means of a run count from the time on, errors are those of blocks") {
-    std::vector<double> times;
-    std::vector<RodOrder> orders;
+    std::vector<RodOrderSeries> runs(1);
+    auto& [times, orders] = runs[0];
     for (int k = 0; k < 40; ++k) {
         times.push_back(k);
         // before 20 something else; then blocks of 5 alternate between 0.4 and 0.6
         const double polar = k < 20 ? 0.9 : k / 5 % 2 ? 0.6 : 0.4;
         orders.push_back({polar, 0.5, k % 2 ? std::vector<std::size_t>{2, 1} : std::vector<std::size_t>{3}});
     }
-    const MeanRodOrder mean = mean_rod_order(times, orders, 20.0, 5.0);
+    const MeanRodOrder mean = mean_rod_order(runs, 20.0, 5.0);
     CHECK(mean.instants == 20);
     CHECK(mean.blocks == 4);
     CHECK(mean.polar.value == Approx(0.5));
     CHECK(mean.polar.error == Approx(0.1 / std::sqrt(3.0))); // scatter 0.1 of four, s/sqrt(n)
     CHECK(mean.nematic.error == Approx(0.0).margin(1e-15));
     CHECK(mean.clusters == std::vector<double>{0.5, 0.5, 0.5});
-    CHECK(mean.largest.value == Approx(2.5).margin(0.11));               // blocks of 5 hold 3 of one kind
-    CHECK_FALSE(mean_rod_order(times, orders, 38.0, 5.0).polar.known()); // one block
-    CHECK_THROWS_AS(mean_rod_order(times, orders, 39.5, 5.0), InputError);
+    CHECK(mean.largest.value == Approx(2.5).margin(0.11));      // blocks of 5 hold 3 of one kind
+    CHECK_FALSE(mean_rod_order(runs, 38.0, 5.0).polar.known()); // one block
+    CHECK_THROWS_AS(mean_rod_order(runs, 39.5, 5.0), InputError);
+}
+
+TEST_CASE("blocks of several runs are values of their own") {
+    // runs of 10 instants at 0.2 and 0.8: two blocks of 5 each; a run that ends before `from` has none
+    const auto run = [](int instants, double polar) {
+        RodOrderSeries series;
+        for (int k = 0; k < instants; ++k) {
+            series.times.push_back(k);
+            series.orders.push_back({polar, 0.5, {1, 1}});
+        }
+        return series;
+    };
+    const std::vector<RodOrderSeries> runs{run(12, 0.2), run(2, 9.0), run(12, 0.8)};
+    const MeanRodOrder mean = mean_rod_order(runs, 2.0, 5.0);
+    CHECK(mean.instants == 20);
+    CHECK(mean.blocks == 4);
+    CHECK(mean.polar.value == Approx(0.5));
+    // four values, two at 0.2 and two at 0.8: s = 0.3 sqrt(4/3) and s/sqrt(4), widened as neighbours are
+    // alike
+    CHECK(mean.polar.error >= Approx(0.3 / std::sqrt(3.0)));
+    CHECK(mean.clusters == std::vector<double>{2.0});
 }

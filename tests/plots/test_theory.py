@@ -164,7 +164,8 @@ class CrowdTest(PlotCase):
         (self.folder / "clusters.csv").write_text("size,clusters,share\n1,0.5,0.1667\n2,0.5,0.3333\n3,0.5,0.5\n")
         mean = {"value": 0.85, "error": None, "samples": 1}
         (self.folder / "rods_order.json").write_text(json.dumps({
-            "polar": mean, "nematic": mean, "mean_size": mean, "weighted_size": mean, "largest": mean, "link": 1.0, "from": 0.5, "block": 0.5, "blocks": 1}))
+            "polar": mean, "nematic": mean, "mean_size": mean, "weighted_size": mean, "largest": mean, "link": 1.0, "from": 0.5, "block": 0.5, "blocks": 1,
+            "units": {"length": "f/mu", "time": "f/(mu v0)"}}))
 
     def test_film_and_order(self):
         self.build_crowd()

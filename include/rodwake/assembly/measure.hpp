@@ -18,6 +18,9 @@ struct MeasurePlan {
     std::string key_text;   ///< of what the sums depend on; sums of another text are of no use
 };
 
+/// What every frame of a bed has.
+measure::Layout layout_of(const granular::GranularProblem& problem);
+
 /// Nothing without [measure], or if no frame is needed for what it names. Throws InputError.
 std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem);
 

@@ -3,6 +3,7 @@
 // execute.
 
 #include "rodwake/assembly/cases.hpp"
+#include "rodwake/assembly/field_choice.hpp"
 #include "rodwake/assembly/fit.hpp"
 #include "rodwake/assembly/granular.hpp"
 #include "rodwake/assembly/measure.hpp"
@@ -18,7 +19,7 @@ namespace rodwake::assembly {
 
 /// What a run can consist of, in the order in which it is done.
 /// `tradeoff` only where a command asks for it.
-enum class Stage { granular, measure, fit, field, rods, scan, tradeoff };
+enum class Stage { granular, measure, fit, field, rods, order, scan, tradeoff };
 const char* to_string(Stage stage);
 
 /// The stages a scene names: measures of a stored trajectory need no granular run, and a scan of beds takes
@@ -35,9 +36,10 @@ struct BedPlan {
 
 /// One set of rods in the elastic medium: the scene as written, or a variant of it.
 struct RodsPlan {
-    Case of;
+    Case of; ///< with medium.field as chosen
     rods::RodProblem problem;
     rods::RodOptions options;
+    FieldChoice field;
 };
 
 struct Plan {

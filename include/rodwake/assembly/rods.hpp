@@ -21,5 +21,7 @@ struct OutputUnits {
     std::string system = "reduced", length_name = "f/mu", time_name = "f/(mu v0)";
 };
 OutputUnits output_units(const scene::Scene& scene);
+/// Of the files of [rods_order]: the same, or SI for rods of a bed.
+OutputUnits order_units(const scene::Scene& scene);
 
 } // namespace rodwake::assembly

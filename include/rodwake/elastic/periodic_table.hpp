@@ -21,18 +21,40 @@
 
 #include "rodwake/elastic/wake_field.hpp"
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace rodwake::elastic {
+
+/// A table as plain numbers, so that it can be stored. Lengths in the unit of xi.
+struct PeriodicTableData {
+    double eta = 0.0, xi = 0.0, box = 0.0;
+    double tolerance = 0.0;
+    double error = 0.0; ///< the largest found when it was made
+    std::int32_t place_pieces = 0, angle_pieces = 0;
+    std::array<std::vector<double>, 4> coefficients; ///< of displacement, strain, polar vectors, dipole
+
+    bool operator==(const PeriodicTableData&) const = default;
+};
 
 class PeriodicTable {
 public:
     static constexpr std::size_t memory_limit = 128'000'000; ///< bytes
+    static constexpr double smallest_tolerance = 1e-10, largest_tolerance = 1e-3;
 
-    /// `box` = L in the unit of medium.xi; `tolerance` from 1e-10 to 1e-3; built on up to `threads` threads,
+    /// Of the first try of a table; where it misses the tolerance the next takes up to twice as much.
+    static std::size_t expected_bytes(const Medium& medium, double box, double tolerance);
+
+    /// `box` = L in the unit of medium.xi; `tolerance` as above; built on up to `threads` threads,
     /// the same to the bit for any number. Throws InputError, also if the tolerance is out of reach.
     PeriodicTable(const Medium& medium, double box, double tolerance = 1e-8, std::size_t threads = 1);
+
+    /// The same table, to the bit, of what data() gave. Throws InputError for numbers that are none's.
+    explicit PeriodicTable(PeriodicTableData data);
+    PeriodicTableData data() const;
 
     /// Field of the source and all its images at (x, y), all in the lab frame, whose axes are the box's
     /// sides. Components in that frame too, and gradients by lab x and y. Throws InputError at the source or

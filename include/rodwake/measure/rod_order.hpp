@@ -34,6 +34,12 @@ struct RodOrder {
 /// cells of the size of link.
 RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<double> box = {});
 
+/// Of one run: times grow, as many as orders, all of the same rods.
+struct RodOrderSeries {
+    std::vector<double> times;
+    std::vector<RodOrder> orders;
+};
+
 /// Over the instants from a time on.
 struct MeanRodOrder {
     Estimate polar, nematic, mean_size, weighted_size, largest;
@@ -41,10 +47,9 @@ struct MeanRodOrder {
     std::size_t instants = 0, blocks = 0;
 };
 
-/// Instants of one block of time count as one value in the errors, which grow by correlation_factor where
-/// successive blocks correlate (statistics.hpp). Times grow; as many as orders, all of the same rods; block >
-/// 0. Throws InputError if no instant is at or after `from`.
-MeanRodOrder mean_rod_order(std::span<const double> times, std::span<const RodOrder> orders, double from,
-                            double block);
+/// Instants of one block of time of one run count as one value in the errors, which grow by
+/// correlation_factor where successive blocks correlate (statistics.hpp). `runs` have the same number of
+/// rods; block > 0. Throws InputError if no instant of any run is at or after `from`.
+MeanRodOrder mean_rod_order(std::span<const RodOrderSeries> runs, double from, double block);
 
 } // namespace rodwake::measure

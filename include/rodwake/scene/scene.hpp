@@ -34,7 +34,7 @@ struct Scales {
     bool operator==(const Scales&) const = default;
 };
 
-enum class FieldBackend { exact, table, measured };
+enum class FieldBackend { exact, table, measured, automatic };
 enum class PolarBasis { laplacian, divergence };
 
 /// [medium.table]: for backends that interpolate the field. The exact one has no use for it.
@@ -61,9 +61,9 @@ struct MeasuredMedium {
 /// [medium]: the elastic continuum. eta = (lambda_L + mu)/mu = K/mu, coefficient of grad div over mu; xi =
 /// mu/(zeta v0).
 struct Medium {
-    double eta = 1.0; ///< > -1
-    double xi = 1.0;  ///< > 0, in f/mu; alpha = 1/xi
-    FieldBackend field = FieldBackend::exact;
+    double eta = 1.0;                         ///< > -1
+    double xi = 1.0;                          ///< > 0, in f/mu; alpha = 1/xi
+    FieldBackend field = FieldBackend::exact; ///< automatic: assembly/field_choice.hpp
     std::optional<FieldTable> table;
     std::optional<MeasuredMedium> measured;
     std::optional<double> periodic; ///< side of the periodic box, f/mu; absent: infinite plane
@@ -129,7 +129,7 @@ struct RodsRun {
     bool operator==(const RodsRun&) const = default;
 };
 
-/// [rods_order]: order parameters and clusters of the rods in time.
+/// [rods_order]: order parameters and clusters of the rods in time. Of a bed (order_of_bed) m and s.
 struct RodsOrder {
     double link = 0.0;           ///< rods nearer than this are of one cluster, f/mu
     double from = 0.0;           ///< earlier times do not count in the means, f/(mu v0)
@@ -218,5 +218,8 @@ struct Scene {
 
     bool operator==(const Scene&) const = default;
 };
+
+/// Whether [rods_order] looks at the motile rods of the bed, in SI; else at those of [rods_run].
+inline bool order_of_bed(const Scene& scene) { return scene.rods_order && !scene.rods_run && scene.granular; }
 
 } // namespace rodwake::scene

@@ -29,6 +29,9 @@ using StageRecords = std::map<std::string, std::string>;
 /// "finished", "unfinished", ... of the run in a folder: the worst of its stages; empty if there is none.
 std::string run_status(const std::filesystem::path& folder);
 
+/// The same of one stage.
+std::string stage_status(const std::filesystem::path& folder, assembly::Stage stage);
+
 /// What the results of a stage depend on, as text: scenes of the same text have the same results of it.
 std::string stage_key(const scene::Scene& scene, assembly::Stage stage);
 

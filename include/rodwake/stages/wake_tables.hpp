@@ -1,9 +1,9 @@
 #pragma once
 // Tables of wakes, made once and kept for other runs.
 //
-// A table of the plane stands in $XDG_CACHE_HOME/rodwake (~/.cache/rodwake), its name a hash of what it was
-// made from and its bytes covered by checksums; a file that is damaged or of another version is made anew.
-// Without a writable cache folder a table is made for the run alone.
+// Each stands in $XDG_CACHE_HOME/rodwake (~/.cache/rodwake), its name a hash of what it was made from and its
+// bytes covered by checksums; a file that is damaged or of another version is made anew. Without a writable
+// cache folder a table is made for the run alone.
 
 #include "rodwake/elastic/periodic_table.hpp"
 #include "rodwake/elastic/plane_table.hpp"
@@ -22,6 +22,8 @@ std::filesystem::path table_folder();
 
 /// "plane-0123456789abcdef.rwt"
 std::string table_file_name(double eta, double tolerance);
+/// "box-0123456789abcdef.rwt"
+std::string table_file_name(const elastic::Medium& medium, double box, double tolerance);
 
 /// Thread-safe; a table is made or read at most once.
 class WakeTables {
@@ -31,12 +33,13 @@ public:
 
     /// The plane's table of this eta. Throws InputError for an illegal eta or tolerance.
     std::shared_ptr<const elastic::PlaneTable> plane(double eta, double tolerance);
-    /// The table of a medium in a box, for this run alone: it is made in a second or two. Throws InputError
-    /// for a box too large for the tolerance.
+    /// The table of a medium in a box. Throws InputError for a box too large for the tolerance.
     elastic::PeriodicTable periodic(const elastic::Medium& medium, double box, double tolerance);
 
 private:
-    std::shared_ptr<const elastic::PlaneTable> read_or_make(double eta, double tolerance) const;
+    elastic::PlaneTable read_or_make_plane(double eta, double tolerance) const;
+    elastic::PeriodicTable read_or_make_box(const elastic::Medium& medium, double box,
+                                            double tolerance) const;
 
     const RunContext& context_;
     std::filesystem::path folder_;
