@@ -169,3 +169,16 @@ TEST_CASE("forms in a periodic box agree") {
     for (const Way way : {ways[1], ways[3]})
         CHECK(difference(simulate(problem, options_of(way, 1e-7)), angle) < 1e-5); // 100 rtol
 }
+
+TEST_CASE("dae starts whatever the length of the run and the stiffness") {
+    for (const double t_end : {1e-9, 1.0, 1e9}) {
+        RodProblem problem = pair_of({.kappa = -0.5});
+        problem.rods = {{0.0, 2.5, 0.0}, {0.0, -2.5, 0.0}};
+        problem.t_end = t_end;
+        CAPTURE(t_end);
+        CHECK(simulate(problem, options_of({Form::dae, Method::bdf}, 1e-8)).solution.status.ok());
+    }
+    RodProblem stiff = pair_of({.kappa = 1e4});
+    stiff.t_end = 0.5;
+    CHECK(simulate(stiff, options_of({Form::dae, Method::bdf}, 1e-11)).solution.status.ok());
+}
