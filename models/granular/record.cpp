@@ -25,6 +25,13 @@ double neighbour_cutoff(double bead_radius, double phi_b) {
     return 1.4 * 2.0 * bead_radius * std::sqrt(0.9069 / phi_b);
 }
 
+bool in_absorbing_state(const Temperatures& T, const GranularProblem& problem) {
+    constexpr double still = 1e-6;
+    const Plates& plates = problem.plates;
+    const double speed = 2.0 * std::numbers::pi * plates.frequency * plates.amplitude(problem.gravity);
+    return problem.beads > 1 && T.xy < still * speed * speed;
+}
+
 std::array<const char*, 10> TableRow::names() {
     return {"t",    "energy",   "kinetic",       "T_xy",        "T_z",
             "psi6", "contacts", "floor_impulse", "lid_impulse", "max_overlap"};

@@ -61,6 +61,7 @@ struct Directors {
     }
     void rhs(State state, std::span<double> rate) const;
     void rhs_with_multipliers(State state, std::span<double> rate) const;
+    void start_multipliers(std::span<double> state) const;
     void jacobian(State state, Eigen::Ref<Eigen::MatrixXd> jacobian) const;
 };
 
@@ -89,6 +90,15 @@ void Directors::rhs_with_multipliers(State state, std::span<double> rate) const 
         rate[5 * a + 3] = h.y + multiplier * ny;
         rate[5 * a + 4] = nx * h.x + ny * h.y + multiplier * square + 0.5 * relaxation * (square - 1.0);
     }
+}
+
+/// Those of directors of length 1: their equation is linear. Left to the solver, which judges them by the
+/// tolerance of a guess, they would not be found where couplings are strong or rods close.
+void Directors::start_multipliers(std::span<double> state) const {
+    std::vector<double> rate(state.size());
+    rhs_with_multipliers(state, rate);
+    for (std::size_t i = 4; i < state.size(); i += 5)
+        state[i] -= rate[i];
 }
 
 /// From that of the angles: d theta/d n = (-n_y, n_x)/|n|^2.
@@ -189,6 +199,7 @@ integrate::OdeProblem to_ode(const RodProblem& problem, Form form) {
             ode.jacobian = [rods](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { rods->jacobian(y, j); };
     } else {
         ode.rhs = [rods](double, State y, std::span<double> f) { rods->rhs_with_multipliers(y, f); };
+        rods->start_multipliers(ode.initial_state);
         for (std::size_t i = 0; i < ode.initial_state.size(); ++i)
             ode.algebraic.push_back(i % stride == 4);
     }

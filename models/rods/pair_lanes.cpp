@@ -151,6 +151,15 @@ bool PairQueue::approach_contact(std::size_t lane, double gap, double rate) {
     return false;
 }
 
+/// Whether the rods of a lane without contact distance came so close that nothing holds behind that.
+bool PairQueue::passes_through(std::size_t lane, const PairResult& result) const {
+    const PairProblem& pair = pairs_[pair_[lane]];
+    const double first = separation(numbers(lanes.start, lane));
+    return pair.contact_distance == 0.0 && pair.couplings.any() &&
+           result.min_separation <=
+               passing_resolution(result.state, first, std::min(options_.atol, 0.1 * options_.rtol));
+}
+
 void PairQueue::finish(std::size_t lane, PairEnding end) {
     const PairLanes& l = lanes;
     PairResult& result = results_[pair_[lane]];
@@ -169,6 +178,8 @@ void PairQueue::finish(std::size_t lane, PairEnding end) {
     result.rhs_evaluations = 1 + 6 * static_cast<long>(l.attempts[lane]);
     if (contact_[lane])
         result.ending = Ending::contact;
+    else if (end == PairEnding::finished && passes_through(lane, result))
+        result.end = PairEnding::out_of_range; // rods::simulate says why
     else if (end == PairEnding::finished) {
         const LatePart late{l.late_least[lane], l.late_most[lane], l.late_turning[lane]};
         const Ending ending = classify_pair(result.state, result.rate, 0, 1, late, options_.criteria);

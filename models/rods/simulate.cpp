@@ -198,6 +198,28 @@ void explain_collision(integrate::Solution& solution, Box box) {
     solution.status.advice = "set rods_run.contact_distance, so that the run stops when two rods meet";
 }
 
+/// Without a contact distance a solver may step across the singularity of a head-on meeting. What follows is
+/// no solution.
+void refuse_passing(integrate::Solution& solution, const SeparationRecord& record, const RodProblem& problem,
+                    double atol) {
+    if (!solution.status.ok() || problem.contact_distance || problem.rods.size() < 2 ||
+        !(problem.medium && problem.couplings.any()))
+        return;
+    const double first = closest_pair(to_state(problem.rods), problem.box).distance;
+    const Separation& pair = record.smallest;
+    if (pair.distance > passing_resolution(solution.final_state, first, atol))
+        return;
+    integrate::Status& status = solution.status;
+    status.termination = integrate::Termination::failed;
+    status.reached = record.smallest_time;
+    status.wanted = problem.t_end;
+    status.flag = "COLLISION";
+    status.cause = fmt::format("rods[{}] and rods[{}] came within {:.3g}, and their fields are singular at "
+                               "contact: how they pass is within the tolerance",
+                               pair.first, pair.second, pair.distance);
+    status.advice = "set rods_run.contact_distance, so that the run stops when two rods meet";
+}
+
 /// Poses instead of states of another form.
 void to_poses(integrate::Solution& solution, const PoseTrack& track) {
     solution.states = track.outputs(solution.states);
@@ -259,6 +281,7 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
         to_poses(result.solution, track);
     prepend(result.solution, from, times);
     explain_collision(result.solution, problem.box);
+    refuse_passing(result.solution, record, problem, solver.atol);
     result.outcome = conclude(problem, model, result.solution, record, options.criteria);
     return result;
 }

@@ -51,6 +51,7 @@ public:
     std::vector<double> weighted_errors() const override;
 
 private:
+    void guess_slope();
     void attach_newton();
     bool find_start();
     void record_drift();
@@ -80,7 +81,7 @@ void IdaStepper::start(double t, State y) {
     if (memory_)
         earlier_ = counts();
     set_start(t, y);
-    N_VConst(0.0, slope_.get());
+    guess_slope();
     memory_.reset(made(IDACreate(context_.get())));
     void* ida = memory_.get();
     require(IDASetErrHandlerFn(ida, keep_text, static_cast<SundialsStepper*>(this)));
@@ -93,6 +94,18 @@ void IdaStepper::start(double t, State y) {
     require(IDASetStopTime(ida, end_time_));
     attach_newton();
     consistent_ = false;
+}
+
+/// y' before the algebraic components are known. IDACalcIC takes its scale of time from it: from zero it
+/// would take that of the whole run, which fails where the run is long or the problem stiff.
+void IdaStepper::guess_slope() {
+    const std::span<double> slope = elements(slope_.get());
+    if (calls_.rhs(time_, state(), slope) != ProblemCalls::fine)
+        N_VConst(0.0, slope_.get()); // told when the solver meets it
+    const std::vector<bool>& algebraic = calls_.problem().algebraic;
+    for (std::size_t i = 0; i < slope.size(); ++i)
+        if (algebraic[i])
+            slope[i] = 0.0;
 }
 
 void IdaStepper::attach_newton() {

@@ -155,8 +155,11 @@ void ProblemCalls::error_weights(State y, std::span<double> weights) const noexc
     constexpr double round_off =
         4.0 * std::numeric_limits<double>::epsilon(); // below it no step can be accepted
     const double share = 1.0 / std::sqrt(static_cast<double>(y.size()));
+    const std::vector<bool>& algebraic = problem_.algebraic;
     for (std::size_t i = 0; i < y.size(); ++i) {
-        const double size = std::abs(y[i]), tolerance = rtol_ * std::min(size, problem_.relative_cap) + atol_;
+        const bool capped = algebraic.empty() || !algebraic[i]; // a multiplier has an origin
+        const double size = std::abs(y[i]),
+                     tolerance = rtol_ * (capped ? std::min(size, problem_.relative_cap) : size) + atol_;
         weights[i] = 1.0 / std::max(share * tolerance, round_off * size);
     }
 }

@@ -259,6 +259,7 @@ private:
         s.T_z = sums.run.T_z / samples;
         s.max_overlap = simulation_.tallies().max_overlap;
         s.psi6 = sums.rows > 0 ? sums.psi6 / static_cast<double>(sums.rows) : 0.0;
+        s.absorbing_state = granular::in_absorbing_state(simulation_.temperatures(), bed_.problem);
         for (std::size_t i = 0; i < bed_.problem.rods.size(); ++i)
             s.rods.push_back(rod_summary(i, s.simulated_time));
         s.pair = sums.pair;

@@ -4,6 +4,8 @@
 #include "rodwake/core/error.hpp"
 #include "stage_list.hpp"
 
+#include <algorithm>
+
 namespace rodwake::stages {
 
 namespace {
@@ -63,6 +65,16 @@ void report_one(const Session& session, const GranularSummary& s) {
                           s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
 }
 
+void warn_of_absorbing(const Session& session, const BedWork& one, std::span<const GranularSummary> runs) {
+    const granular::Plates& plates = one.plan.bed.problem.plates;
+    if (const auto count = std::ranges::count(runs, true, &GranularSummary::absorbing_state))
+        session.log->warn(
+            "dem{}: {} of {} runs ended in an absorbing state: the beads move in step with the plates and no "
+            "longer move sideways, so T_xy falls to 0 and nothing is measured of a bed. Change "
+            "granular.plates.frequency ({:g} Hz) or gamma ({:g}), or raise phi_b",
+            one.of().suffix(), count, runs.size(), plates.frequency, plates.gamma);
+}
+
 StageEnd conclude(const Session& session, const BedWork& one) {
     std::vector<GranularSummary> finished;
     StageEnd end = StageEnd::finished;
@@ -78,6 +90,7 @@ StageEnd conclude(const Session& session, const BedWork& one) {
         if (result.end == StageEnd::failed)
             end = StageEnd::failed;
     }
+    warn_of_absorbing(session, one, finished);
     if (one.results.size() == 1 && !finished.empty() && one.of().label.empty())
         report_one(session, finished[0]);
     if (one.results.size() > 1 && !finished.empty()) {

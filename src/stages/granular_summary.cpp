@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -107,6 +108,7 @@ GranularSummary summary_of(const json& j, std::uint32_t run) {
     s.T_z = j.at("T_z");
     s.max_overlap = j.at("max_overlap");
     s.psi6 = j.at("psi6");
+    s.absorbing_state = j.at("absorbing_state");
     for (const json& rod : j.at("rods"))
         s.rods.push_back({rod.at("kind"), rod.at("mean_speed"), rod.at("net_turn"), rod.at("force")});
     s.pair.half_box_time = -1.0;
@@ -132,6 +134,7 @@ std::string summary_json(const granular::GranularProblem& problem, const Granula
                         {"T_z", s.T_z},
                         {"max_overlap", s.max_overlap},
                         {"psi6", s.psi6},
+                        {"absorbing_state", s.absorbing_state},
                         {"rods", rods_json(s.rods)}};
     if (problem.rods.size() == 2)
         out["pair"] = pair_json(s.pair);
@@ -161,6 +164,7 @@ std::string ensemble_json(const granular::GranularProblem& problem, std::span<co
         hashes.push_back(s.state_hash);
     }
     out["max_overlap"] = worst;
+    out["absorbing_runs"] = std::ranges::count(runs, true, &GranularSummary::absorbing_state);
     out["rods"] = mean_rods(problem, runs);
     if (problem.rods.size() == 2)
         out["pair"] = mean_pair(runs);

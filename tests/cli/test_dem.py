@@ -234,6 +234,17 @@ class ExtremesTest(BedTest):
     # The heading is read off an axis that is turned 11000 times by pitching: roundings add up like the sum.
     TURN = 11000 * 2.0**-53
 
+    def test_an_absorbing_state_is_told(self):
+        """At Gamma = 7 and 150 Hz beads alone end up in step with the plates; at 200 Hz they move."""
+        locked = setting(rods=[], plates__frequency='"150 Hz"', duration=0.4)
+        self.assertRegex(self.dem("locked", *locked).stderr, "1 of 1 runs ended in an absorbing state")
+        self.assertRegex((self.folder / "locked" / "log.txt").read_text(), r"absorbing state.*150 Hz.*gamma \(7\)")
+        self.assertIs(self.summary("locked")["absorbing_state"], True)
+        self.assertNotIn("absorbing", self.dem("moving", *setting(rods=[], duration=0.4)).stderr)
+        self.assertIs(self.summary("moving")["absorbing_state"], False)
+        self.dem("both", *locked, "-s", "granular.runs=2")
+        self.assertEqual(self.summary("both")["absorbing_runs"], 2)
+
     def test_pinned(self):
         self.dem("out", *setting(rods__0__imposed_speed=0, rods__0__heading=0.4))
         track = columns(self.out("out", "tracks.csv"))

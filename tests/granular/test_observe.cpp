@@ -187,3 +187,23 @@ TEST_CASE("a record that is stored and restored writes the same rows") {
         CHECK(std::memcmp(&record.sums(), &resumed.sums(), sizeof(RecordSums)) == 0);
     }
 }
+
+TEST_CASE("a bed that bounces in step with the plates is in an absorbing state, one that moves is not") {
+    for (const double frequency : {150.0, 200.0}) { // at Gamma = 7 the first is absorbing
+        GranularProblem problem;
+        problem.box = 20 * a;
+        problem.beads = 99;
+        problem.plates.frequency = frequency;
+        Simulation run(problem, make_start(problem, 0));
+        CHECK_FALSE(in_absorbing_state(run.temperatures(), problem));
+        run.advance(30'000);
+        CHECK(in_absorbing_state(run.temperatures(), problem) == (frequency == 150.0));
+    }
+    GranularProblem problem;
+    problem.beads = 1; // has no temperature
+    CHECK_FALSE(in_absorbing_state({}, problem));
+    problem.beads = 2;
+    CHECK(in_absorbing_state({}, problem));
+    problem.plates.gamma = 0.0; // at rest
+    CHECK_FALSE(in_absorbing_state({}, problem));
+}

@@ -125,3 +125,24 @@ TEST_CASE("an escape stays one when the run goes on") {
         CHECK(outcome.ending == Ending::escape);
     }
 }
+
+TEST_CASE("rods that pass through each other without a contact distance have no outcome") {
+    for (const double kappa : {0.5, 5.0, -0.5})
+        for (const auto method : {integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk}) {
+            rods::RodProblem problem = straight({{0, 0, 0}, {3, 0, M_PI}}, 20.0, std::nullopt);
+            problem.medium = elastic::Medium{1.0, 1.0};
+            problem.couplings.kappa = kappa;
+            rods::RodOptions options;
+            options.ode.method = method;
+            const auto result = rods::simulate(problem, options);
+            CAPTURE(kappa, integrate::to_string(method));
+            REQUIRE_FALSE(result.solution.status.ok());
+            CHECK(result.solution.status.reached == Approx(1.5).margin(1e-6)); // half the way each
+            CHECK_THAT(result.solution.status.advice, Catch::Matchers::Contains("contact_distance"));
+            problem.contact_distance = 0.1;
+            CHECK(rods::simulate(problem, options).outcome.ending == Ending::contact);
+            problem.contact_distance.reset();
+            problem.couplings.kappa = 0.0; // rods that feel nothing may pass
+            CHECK(rods::simulate(problem, options).solution.status.ok());
+        }
+}

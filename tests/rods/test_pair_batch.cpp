@@ -240,3 +240,13 @@ TEST_CASE("only a pair in the plane with a medium and a coupling becomes one of 
     for (const RodProblem& other : {box, three, apart, alone})
         CHECK_FALSE(to_pair_problem(other));
 }
+
+TEST_CASE("rods that pass through each other are handed over") {
+    PairProblem pair{elastic::Medium{1.0, 1.0}, {.kappa = 5.0}, {Pose{0, 0, 0}, Pose{3, 0, M_PI}}, 20.0, 0.0};
+    PairResult result;
+    simulate_pairs({&pair, 1}, {}, {&result, 1});
+    CHECK(result.end == PairEnding::out_of_range);
+    pair.contact_distance = 0.1;
+    simulate_pairs({&pair, 1}, {}, {&result, 1});
+    CHECK(result.ending == Ending::contact);
+}

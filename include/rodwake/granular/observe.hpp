@@ -1,6 +1,8 @@
 #pragma once
 // What one instant of a run looks like in a few numbers.
 
+#include "rodwake/granular/problem.hpp"
+
 namespace rodwake::granular {
 
 /// Granular temperatures of the beads, per mass, the motion of their centre of mass removed, m^2/s^2.
@@ -8,6 +10,13 @@ struct Temperatures {
     double xy = 0.0; ///< (var v_x + var v_y)/2
     double z = 0.0;  ///< var v_z
 };
+
+/// Whether the beads have stopped moving sideways between vibrating plates: an absorbing state, in which each
+/// bead bounces in step with the plates, or by itself, and meets no other. T.xy is then at most 1e-6 of the
+/// square of the plates' largest speed, Gamma g/(2 pi f); that of a bed that moves is 1e-3 to 1e-1 of it, and
+/// without collisions friction with the plates takes it to zero exponentially. Never of fewer than two beads,
+/// nor of static plates.
+bool in_absorbing_state(const Temperatures& T, const GranularProblem& problem);
 
 /// J; potential above z = 0. Spins of beads and rods are part of the kinetic energy.
 struct Energy {

@@ -53,7 +53,7 @@ struct OdeProblem {
     /// The tolerance of component i is rtol min(|y_i|, relative_cap) + atol, at least a few ulp of y_i; a
     /// step is accepted if the squares of the errors over the tolerances add up to at most 1. Finite for
     /// coordinates whose origin means nothing: the scale on which they matter, so that the result does not
-    /// depend on where the origin is.
+    /// depend on where the origin is. Algebraic components are not capped.
     double relative_cap = std::numeric_limits<double>::infinity();
     /// Longest step worth taking from (t, y), > 0; empty: none. For right-hand sides that are quiet until
     /// something happens: error control sees only the ends and stages of a step, and can step over it. The

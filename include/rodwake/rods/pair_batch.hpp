@@ -47,7 +47,8 @@ struct PairOptions {
 enum class PairEnding {
     finished,
     too_many_steps, ///< handed over: stiff, or endless turning
-    out_of_range    ///< handed over: beyond the kernels, or the steps became too small to add to the time
+    out_of_range ///< handed over: beyond the kernels, the steps became too small to add to the time, or the
+                 ///< rods passed through each other (passing_resolution)
 };
 
 struct PairResult {

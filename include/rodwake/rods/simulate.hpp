@@ -100,7 +100,8 @@ integrate::OdeProblem to_ode(const RodProblem& problem);
 /// difference quotients.
 integrate::OdeProblem to_ode(const RodProblem& problem, Form form);
 
-/// The state of rods with these poses (layout of model.hpp). lambda is 0, a guess: the solver finds it.
+/// The state of rods with these poses (layout of model.hpp). lambda is 0; to_ode sets the one that belongs to
+/// it.
 std::vector<double> to_form(Form form, integrate::State poses);
 /// The poses of a state; each heading the one nearest to that in `near` (one a rod), of which it may be any
 /// number of turns. A director need not have length 1.
