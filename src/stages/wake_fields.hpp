@@ -13,14 +13,19 @@ namespace rodwake::stages {
 /// Of one stage. Not thread-safe.
 class WakeFields {
 public:
-    explicit WakeFields(const Session& session) : session_(session), tables_(session.context) {}
+    /// `directory`: of the run, where measures of its own may stand. The context must outlive this.
+    WakeFields(const RunContext& context, std::filesystem::path directory, Logger log)
+        : directory_(std::move(directory)), log_(std::move(log)), tables_(context) {}
+    explicit WakeFields(const Session& session)
+        : WakeFields(session.context, session.directory.path(), session.log) {}
 
     std::shared_ptr<const elastic::WakeField> of(const scene::Scene& scene);
     /// With field = "measured"; smoothed at most once. Throws InputError as read_measured does.
     std::shared_ptr<const elastic::MeasuredDisplacement> measured(const scene::Scene& scene);
 
 private:
-    const Session& session_;
+    std::filesystem::path directory_;
+    Logger log_;
     WakeTables tables_;
     struct Smoothed {
         scene::Medium medium;
