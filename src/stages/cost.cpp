@@ -22,7 +22,9 @@ namespace {
 using assembly::Plan, assembly::Stage;
 
 /// More digits would not come again.
-std::string two_digits(double value) { return value < 99.5 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value); }
+std::string two_digits(double value) {
+    return value < 99.5 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+}
 
 /// Less than this share of a stage is not told from nothing in so short a time.
 constexpr double resolution = 0.02;

@@ -74,8 +74,10 @@ std::optional<double> seconds_without_rods(const Simulation& simulation) {
 /// Of a step that is twice as long, half: it brings the bed twice as far.
 std::optional<double> seconds_of_longer_step(const Simulation& simulation) {
     GranularProblem problem = simulation.problem();
+    granular::State state = simulation.state();
     problem.time_step *= 2.0;
-    const auto step = seconds_of_other(problem, simulation.state());
+    state.step /= 2; // the time, and with it the phase of the plates
+    const auto step = seconds_of_other(problem, state);
     return step ? std::optional(0.5 * *step) : std::nullopt;
 }
 
