@@ -158,8 +158,7 @@ std::vector<CostRow> rows_of(const BedPlan& bed, const Simulation& simulation, c
         rows.push_back({term, duration_text(each) + " a step", each / all,
                         without ? std::optional((times.step - *without) / all) : std::nullopt});
     };
-    if (bed.problem.beads > 0)
-        add("flight, bounces off the plates", p.flight, {});
+    add("flight, bounces off the plates", p.flight, {});
     if (!bed.problem.rods.empty())
         add("motion of the rods", p.rods, seconds_without_rods(simulation));
     add("search for contacts", p.search, {});
