@@ -1,9 +1,11 @@
 // The exact field behind elastic/wake_field.hpp: on the plane one wake for all headings, in a box one each.
 
+#include "field_algebra.hpp"
 #include "rodwake/elastic/mutual_wakes.hpp"
 #include "rodwake/elastic/periodic.hpp"
 #include "rodwake/elastic/wake_field.hpp"
 
+#include <cmath>
 #include <vector>
 
 namespace rodwake::elastic {
@@ -21,7 +23,7 @@ public:
         return medium_derivatives(field_, x, y, request);
     }
 
-    const Medium& medium() const { return field_.medium(); }
+    const Field& field() const { return field_; }
 
 private:
     Field field_;
@@ -32,12 +34,14 @@ public:
     PlaneField(const Medium& medium, const MutualWakesOptions& sums)
         : wake_(std::make_shared<const PlaneWake>(medium)), kernels_(medium, sums) {}
 
-    const Medium& medium() const override { return wake_->medium(); }
+    const Medium& medium() const override { return wake_->field().medium(); }
     std::shared_ptr<const Wake> wake(double /*heading*/) const override { return wake_; }
     void mutual(std::span<const Source> rods, FieldRequest request,
                 std::span<FieldValues> sums) const override;
 
 private:
+    void strains(std::span<const Source> rods, std::span<FieldValues> sums) const;
+
     std::shared_ptr<const PlaneWake> wake_;
     MutualWakes kernels_;
 };
@@ -67,11 +71,31 @@ private:
     std::vector<double> numbers_;
 };
 
+/// Of few rods, by the shortest way to the strain: the bits of WakeField::mutual.
+void PlaneField::strains(std::span<const Source> rods, std::span<FieldValues> sums) const {
+    for (FieldValues& sum : sums)
+        sum = empty_sum({.strain = true});
+    for (std::size_t b = 0; b < rods.size(); ++b) {
+        const double cosine = std::cos(rods[b].heading), sine = std::sin(rods[b].heading);
+        for (std::size_t a = 0; a < rods.size(); ++a) {
+            if (a == b)
+                continue;
+            const Vector at = turned(Vector{rods[a].x - rods[b].x, rods[a].y - rods[b].y}, cosine, -sine);
+            const SymmetricTensor lab = turned(wake_->field().strain(at.x, at.y), cosine, sine);
+            SymmetricTensor& sum = sums[a].strain;
+            sum = {sum.xx + lab.xx, sum.xy + lab.xy, sum.yy + lab.yy};
+        }
+    }
+}
+
 void PlaneField::mutual(std::span<const Source> rods, FieldRequest request,
                         std::span<FieldValues> sums) const {
     constexpr std::size_t worth_kernels = 8; // fewer fill too little of a tile
-    if (rods.size() < worth_kernels || rods.size() != sums.size() || request.displacement || request.dipole)
+    const bool few = rods.size() < worth_kernels;
+    if (rods.size() != sums.size() || request.displacement || request.dipole || (few && request.polar))
         return WakeField::mutual(rods, request, sums);
+    if (few)
+        return strains(rods, sums);
     Columns columns(rods.size());
     if (request.polar)
         kernels_.strain_and_polar(rods, columns.strain(), columns.polar());

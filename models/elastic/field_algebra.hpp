@@ -8,6 +8,20 @@ namespace rodwake::elastic {
 void add_times(FieldValues& sum, double factor, const FieldValues& f);
 inline void add(FieldValues& sum, const FieldValues& f) { add_times(sum, 1.0, f); }
 
+/// To be added to: zero what is asked for.
+inline FieldValues empty_sum(FieldRequest request) {
+    FieldValues sum = unrequested();
+    if (request.displacement)
+        sum.displacement = {};
+    if (request.strain)
+        sum.strain = {};
+    if (request.polar)
+        sum.laplacian = sum.gradient_of_trace = {};
+    if (request.dipole)
+        sum.dipole = {};
+    return sum;
+}
+
 /// Components in axes turned by the angle of this cosine and sine: S v, S t S^T. Gradients, which would turn
 /// as third-rank tensors, are left out: NaN.
 FieldValues turned(const FieldValues& f, double cosine, double sine);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -214,7 +215,9 @@ struct Simulation::Impl {
         return "a rod";
     }
 
-    void one_step() {
+    /// Calls mark with each of StepTimes when it is done.
+    template<class Mark>
+    void one_step(const Mark& mark) {
         const PlateStep plate = plate_step();
         fly_beads(plate);
         Range velocities = Range::empty();
@@ -225,15 +228,20 @@ struct Simulation::Impl {
             if (c.tally.deepest_flight > beads.deepest_flight)
                 beads = c.tally;
         }
+        mark(&StepTimes::flight);
         PlateTally rods;
         fly_rods(plate, velocities, rods);
         add(rods, tallies.rod_plate);
+        mark(&StepTimes::rods);
         ++step;
         guard_speeds(velocities);
         if (failure)
             return;
-        const WorstOverlap worst = contacts.resolve(
-            bodies, finder.find(bodies, velocities, problem.time_step, unseen_motion(rods), team), tallies);
+        const std::span<const Pair> overlapping =
+            finder.find(bodies, velocities, problem.time_step, unseen_motion(rods), team);
+        mark(&StepTimes::search);
+        const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies);
+        mark(&StepTimes::impulses);
         guard_depths(worst, rods, beads);
         if (step == problem.equilibration_steps)
             hold_rods();
@@ -266,7 +274,28 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 void Simulation::advance(std::int64_t steps) {
     for (std::int64_t i = 0; i < steps && !impl_->failure; ++i)
-        impl_->one_step();
+        impl_->one_step([](double StepTimes::*) {});
+}
+
+StepTimes& StepTimes::operator+=(const StepTimes& other) {
+    for (const auto part : {&StepTimes::flight, &StepTimes::rods, &StepTimes::search, &StepTimes::impulses})
+        this->*part += other.*part;
+    steps += other.steps;
+    return *this;
+}
+
+StepTimes Simulation::advance_timed(std::int64_t steps) {
+    using Clock = std::chrono::steady_clock;
+    StepTimes times;
+    for (; times.steps < steps && !impl_->failure; ++times.steps) {
+        auto before = Clock::now();
+        impl_->one_step([&](double StepTimes::*part) {
+            const auto now = Clock::now();
+            times.*part += std::chrono::duration<double>(now - before).count();
+            before = now;
+        });
+    }
+    return times;
 }
 
 std::int64_t Simulation::step() const { return impl_->step; }

@@ -174,11 +174,14 @@ void add_stage_verbs(CLI::App& app, Options& options) {
 }
 
 void add_verbs(CLI::App& app, Options& options) {
-    add_scene(*add_verb(app, options, Verb::check, "check",
-                        "validate a scene; say what will be modelled and what not, and what it will cost",
-                        "  rodwake check scenes/quickstart.toml\n"
-                        "  rodwake check scenes/pair.toml -s coupling.kappa=100"),
-              options);
+    CLI::App* check =
+        add_verb(app, options, Verb::check, "check",
+                 "validate a scene; say what will be modelled and what not, and what each part will cost",
+                 "  rodwake check scenes/quickstart.toml\n"
+                 "  rodwake check scenes/pair.toml -s coupling.kappa=100\n"
+                 "  rodwake check scenes/pair.toml --quiet && echo valid");
+    add_scene(*check, options);
+    check->add_flag("--quiet", options.quiet, "validate only: errors are printed, nothing is timed");
     add_field(app, options);
     add_stage_verbs(app, options);
     CLI::App* impact =

@@ -16,6 +16,8 @@ int verb_check(const Options& options) {
     context.seed = options.seed;
     context.threads = options.threads;
     const assembly::Plan plan = stages::plan_check(scene, output_folder(options), context);
+    if (options.quiet)
+        return 0;
     const std::vector<assembly::PlanLine> lines = assembly::describe(plan);
     fmt::print("{}\n# modelled\n", scene::to_toml(plan.scene));
     for (const assembly::PlanLine& line : lines)
@@ -25,7 +27,8 @@ int verb_check(const Options& options) {
     for (const assembly::PlanLine& line : lines)
         if (!line.modelled)
             fmt::print("  {}\n", line.text);
-    fmt::print("\n# expected cost\n{}\n{}: ok\n", stages::expected_cost(plan), options.target);
+    fmt::print("\n# expected cost\n{}\n{}: ok\n",
+               stages::expected_cost(plan, output_folder(options), context), options.target);
     return 0;
 }
 

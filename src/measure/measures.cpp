@@ -41,4 +41,9 @@ Accumulator* Measures::find(std::string_view name) {
     return found == parts_.end() ? nullptr : &found->sums;
 }
 
+std::size_t Measures::stride(std::string_view name) const {
+    const auto found = std::ranges::find(parts_, name, &Part::name);
+    return found == parts_.end() ? 0 : found->every;
+}
+
 } // namespace rodwake::measure

@@ -1,85 +1,76 @@
-// What a plan will cost, from a short measurement of each part on this machine.
+// What a plan will cost, from a short measurement of each part on this machine: the stages that are quick to
+// describe, and the table of all.
 
-#include "rodwake/assembly/describe.hpp"
-#include "rodwake/elastic/field.hpp"
+#include "cost_parts.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/stopwatch.hpp"
 #include "rodwake/fitting/problem.hpp"
-#include "rodwake/granular/simulation.hpp"
-#include "rodwake/granular/start.hpp"
 #include "rodwake/stages/run.hpp"
 #include "scan/scan_rods.hpp"
+#include "wake_fields.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ctime>
+#include <cmath>
+#include <functional>
 
 namespace rodwake::stages {
 
 namespace {
 
-using assembly::Plan;
-constexpr double budget = 0.5; ///< s, of each measurement
+using assembly::Plan, assembly::Stage;
 
-/// CPU seconds of this thread: what else the machine does is not a cost of the scene.
-double now() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+/// More digits would not come again.
+std::string two_digits(double value) {
+    return value < 99.5 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
 }
 
-double since(double start) { return now() - start; }
+/// Less than this share of a stage is not told from nothing in so short a time.
+constexpr double resolution = 0.02;
 
-/// Seconds of a call, repeated for a tenth of the budget.
-template<class Call>
-double seconds_of(const Call& call) {
-    const auto start = now();
-    long count = 0;
-    do {
-        call();
-        ++count;
-    } while (since(start) < 0.1 * budget);
-    return since(start) / static_cast<double>(count);
+std::string percent(double share) {
+    return share < 0.001 ? "< 0.1 %" : fmt::format("{:.{}f} %", 100.0 * share, share < 0.0995 ? 1 : 0);
 }
 
-/// Of a step on one thread, from the second half of a short run: in the first one the bed is not yet shaken.
-/// A lattice stands for every start.
-double seconds_of_step(granular::GranularProblem problem) {
-    problem.start = granular::Start::lattice;
-    problem.equilibration_steps += problem.steps; // the end is not to come first
-    granular::Simulation simulation(problem, granular::make_start(problem, 0), {}, 1);
-    constexpr std::int64_t chunk = 10;
-    const auto begin = now();
-    while (since(begin) < 0.5 * budget && !simulation.finished() && !simulation.failure())
-        simulation.advance(chunk);
-    const auto half = now();
-    std::int64_t steps = 0;
-    do {
-        simulation.advance(chunk);
-        steps += chunk;
-    } while (since(half) < 0.5 * budget && !simulation.finished() && !simulation.failure());
-    return since(half) / static_cast<double>(steps);
+std::string saving_text(const std::optional<double>& saved) {
+    if (!saved)
+        return "";
+    if (std::abs(*saved) < resolution)
+        return "next to nothing";
+    return *saved > 0.0 ? percent(*saved) : fmt::format("nothing, takes {} more", percent(-*saved));
 }
 
-double steps_of(const assembly::BedPlan& bed) {
-    return static_cast<double>(bed.problem.steps + bed.problem.equilibration_steps);
+// --- fits -------------------------------------------------------------------------------------------------
+
+/// Seconds of one evaluation at the start, with its derivatives or without.
+double evaluation_time(const fitting::Problem& problem, bool derivatives) {
+    std::vector<double> start;
+    for (const std::size_t i : fitting::free_parameters(problem))
+        start.push_back(problem.parameters[i].start);
+    const std::vector<double> values = fitting::all_values(problem, start);
+    const auto rows = static_cast<Eigen::Index>(problem.residuals);
+    Eigen::VectorXd residuals(rows);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(values.size()));
+    return seconds_of([&] { problem.evaluate(values, residuals, derivatives ? &jacobian : nullptr); },
+                      0.2 * cost_budget);
 }
 
-std::string bed_cost(const Plan& plan) {
-    const assembly::BedPlan& first = plan.beds.front();
-    const double step = seconds_of_step(first.problem);
-    const auto runs = static_cast<double>(first.of.scene.granular->runs);
-    double all = 0.0;
-    for (const assembly::BedPlan& bed : plan.beds) {
-        all += step * steps_of(first) * assembly::sphere_steps(bed.problem) /
-               assembly::sphere_steps(first.problem) * static_cast<double>(bed.of.scene.granular->runs);
+std::vector<CostRow> fit_rows(const Plan& plan, double whole) {
+    const auto each = [](double seconds) { return duration_text(seconds) + " an evaluation"; };
+    const double residuals = std::min(whole, evaluation_time(plan.fit_plan->problem, false));
+    std::vector<CostRow> rows = {
+        {"residuals", each(residuals), residuals / whole, {}},
+        {"derivatives by the parameters", each(whole - residuals), 1.0 - residuals / whole, {}}};
+    if (scene::Fit keys = *plan.scene.fit; keys.box && !keys.profiles.empty()) {
+        keys.box.reset();
+        const double plane = evaluation_time(assembly::fit_plan(keys, *plan.fit).problem, true);
+        rows.push_back(
+            {"images in the box (fit.box), of these", each(whole - plane), {}, 1.0 - plane / whole});
     }
-    const double one = step * steps_of(first);
-    std::string text = fmt::format("  granular run: about {:.2g} CPU seconds", one);
-    if (runs > 1.0)
-        text += fmt::format(" each, {:.2g} for {:g} runs", one * runs, runs);
-    if (plan.beds.size() > 1)
-        text += fmt::format("; {:.2g} for all {} beds", all, plan.beds.size());
-    return text + fmt::format("\n  output of a run: {}\n", assembly::describe_output(first));
+    if (const long starts = plan.scene.fit->search.starts; starts > 1)
+        rows.push_back({"fit.starts = 1", "", {}, 1.0 - 1.0 / static_cast<double>(starts)});
+    return rows;
 }
 
 std::string fit_cost(const Plan& plan) {
@@ -90,100 +81,98 @@ std::string fit_cost(const Plan& plan) {
                                    keys.search.starts, keys.search.starts == 1 ? "" : "s", all);
     if (!plan.fit_plan)
         return text + "; their time is known when the run has made the data\n";
-    const fitting::Problem& problem = plan.fit_plan->problem;
-    std::vector<double> start;
-    for (const std::size_t i : fitting::free_parameters(problem))
-        start.push_back(problem.parameters[i].start);
-    const std::vector<double> values = fitting::all_values(problem, start);
-    const auto rows = static_cast<Eigen::Index>(problem.residuals);
-    Eigen::VectorXd residuals(rows);
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(values.size()));
-    const double each = seconds_of([&] { problem.evaluate(values, residuals, &jacobian); });
-    return text + fmt::format(", {} residuals, about {:.2g} s\n", problem.residuals, all * each);
+    const double each = evaluation_time(plan.fit_plan->problem, true);
+    return text +
+           fmt::format(", {} residuals, about {}\n", plan.fit_plan->problem.residuals,
+                       duration_text(all * each)) +
+           cost_table(fit_rows(plan, each));
 }
 
-std::string field_cost(const scene::Scene& scene) {
-    const elastic::Field field({scene.medium->eta, scene.medium->xi});
-    double x = 0.0;
-    const double point = seconds_of([&] {
-        x = x > 3.0 ? 0.1 : x + 0.01;
-        for (int i = 0; i < 100; ++i)
-            field.at(x, 0.01 * i, {.displacement = true, .strain = true, .polar = true});
-    });
-    return fmt::format("  field maps: about {:.2g} s\n",
-                       0.01 * point * static_cast<double>(scene.field->nx * scene.field->ny));
+// --- field maps -------------------------------------------------------------------------------------------
+
+/// Seconds of a point of a row of the grid.
+double point_time(const elastic::Wake& wake, elastic::FieldRequest request) {
+    constexpr int points = 100;
+    const auto row = [&] {
+        for (int i = 0; i < points; ++i)
+            wake.at(0.03 * i - 1.0, 0.7, request);
+    };
+    return seconds_of(row, 0.1 * cost_budget) / points;
 }
 
-/// Further runs of a case, in draws of a measured field.
-long samples_of(const scene::Scene& scene) {
-    const bool measured = scene.medium && scene.medium->field == scene::FieldBackend::measured;
-    return measured ? scene.medium->measured->samples : 0;
+std::string field_cost(const Plan& plan, const std::filesystem::path& folder, const RunContext& context) {
+    const scene::Scene& scene = plan.scene;
+    const elastic::Medium medium{scene.medium->eta, scene.medium->xi};
+    const bool measured = scene.medium->field == scene::FieldBackend::measured;
+    const auto field = measured ? elastic::exact_field(medium, scene.medium->periodic)
+                                : WakeFields(context, folder, make_silent_logger()).of(scene);
+    const auto wake = field->wake(0.0);
+    const elastic::FieldRequest all{.displacement = true, .strain = true, .polar = true};
+    const double whole = point_time(*wake, all);
+    std::vector<CostRow> rows = {
+        {"displacement, strain, polar vectors", duration_text(whole) + " a point", 1.0, {}}};
+    if (field->box()) {
+        const double plane = point_time(*elastic::exact_field(medium)->wake(0.0), all);
+        rows.push_back({"images in the box (medium.periodic), of these",
+                        duration_text(std::max(0.0, whole - plane)) + " a point",
+                        {},
+                        1.0 - plane / whole});
+    }
+    return fmt::format("  field maps: about {}{}\n",
+                       duration_text(whole * static_cast<double>(scene.field->nx * scene.field->ny)),
+                       measured ? " in the field of theory, and some seconds for smoothing the measured one"
+                                : "") +
+           cost_table(rows);
 }
 
-/// A run that is stopped when the measurement is over tells by how far it came.
-std::string rods_cost(const Plan& plan) {
-    const assembly::RodsPlan& first = plan.rods.front();
-    rods::RodOptions options = first.options;
-    double reached = 0.0;
-    const auto start = now();
-    options.ode.on_step = [&](const integrate::Step& step) { reached = step.time; };
-    options.ode.stop_requested = [&] { return since(start) > budget; };
-    const rods::RodResult result = rods::simulate(first.problem, options);
-    const double seconds = since(start);
-    if (!result.solution.status.ok() &&
-        result.solution.status.termination != integrate::Termination::interrupted)
-        return fmt::format("  rods: the solver gives up ({})\n", result.solution.status.message());
-    const bool whole = result.solution.status.termination != integrate::Termination::interrupted;
-    if (!whole && !(reached > 0.0))
-        return fmt::format("  rods: a step takes more than {:.2g} s\n", seconds);
-    const double each = whole ? seconds : seconds * first.problem.t_end / reached;
-    double runs = 0.0;
-    for (const assembly::RodsPlan& one : plan.rods)
-        runs += 1.0 + static_cast<double>(samples_of(one.of.scene));
-    return fmt::format(
-        "  rods: about {:.2g} s{}{}\n", each * runs,
-        first.of.scene.medium && first.of.scene.medium->measured
-            ? ", and some for smoothing the measured field"
-            : "",
-        whole ? "" : fmt::format(" at the pace of the first {:.3g} of {:g}", reached, first.problem.t_end));
-}
+// --- scans of rods ----------------------------------------------------------------------------------------
 
 /// A few points spread over the scan stand for all.
-double seconds_of_point(const assembly::ScanPlan& plan) {
+double seconds_of_point(const assembly::ScanPlan& plan, double budget) {
     scan::Design spread = plan.design;
     if (spread.kind != scan::Kind::list)
         spread.kind = scan::Kind::sobol;
     spread.samples = 256;
     const scan::PointList points(spread);
     const scan::Evaluate evaluate = evaluate_rods(plan, nullptr);
-    const double start = now();
+    const Stopwatch watch;
     std::int64_t done = 0;
-    while (done < points.size() && since(start) < budget) {
+    while (done < points.size() && watch.seconds() < budget) {
         const scan::Point one[] = {points[done++]};
         scan::Result result[1];
         evaluate(one, result);
     }
-    return since(start) / static_cast<double>(done);
+    return watch.seconds() / static_cast<double>(done);
 }
 
-/// Of all runs, as dear as they are compared with the bed as written.
-std::string bed_scan_cost(const Plan& plan) {
-    const assembly::BedPlan& first = plan.beds.front();
-    const scan::Design& design = plan.scan->design;
-    const double one = seconds_of_step(first.problem) * steps_of(first);
-    double all = 0.0;
-    for (const double cost : design.costs)
-        all += one * cost / assembly::sphere_steps(first.problem) * static_cast<double>(design.runs);
-    const bool ends_early = first.schedule.stop_at_travel > 0.0;
-    return fmt::format(
-        "  scan: {} runs, about {:.2g} CPU seconds each (the bed as written), {:.2g} in all ({:.2g} "
-        "hours){}\n  output of a run: {}\n",
-        scan::size(design), one, all, all / 3600.0,
-        ends_early ? "; less, as far as runs end at stop_at_travel" : "", assembly::describe_output(first));
+bool varies(const assembly::ScanPlan& plan, std::string_view key) {
+    return std::ranges::any_of(plan.keys, [&](const auto& one) { return one.key == key; });
+}
+
+std::vector<CostRow> scan_rows(const assembly::ScanPlan& plan, double whole) {
+    std::vector<CostRow> rows;
+    const auto add = [&](std::string setting, const assembly::ScanPlan& other) {
+        const double each = seconds_of_point(other, 0.3 * cost_budget);
+        rows.push_back({std::move(setting), duration_text(each) + " a point", {}, 1.0 - each / whole});
+    };
+    assembly::ScanPlan other = plan;
+    scene::RodsRun& run = *other.base.rods_run;
+    if (run.rtol < 1e-3 && !varies(plan, "rods_run.rtol")) {
+        run.rtol = std::min(100.0 * run.rtol, 1e-3);
+        run.atol *= run.rtol / plan.base.rods_run->rtol;
+        add(fmt::format("rods_run.rtol = {:g} instead of {:g}", run.rtol, plan.base.rods_run->rtol), other);
+    }
+    const bool varied = varies(plan, "coupling.gamma1") || varies(plan, "coupling.gamma2");
+    if (plan.base.coupling && assembly::couplings_of(plan.base).polar() && !varied) {
+        other = plan;
+        other.base.coupling->gamma1 = other.base.coupling->gamma2 = 0.0;
+        add("no polar turning (gamma1, gamma2)", other);
+    }
+    return rows;
 }
 
 std::string scan_cost(const assembly::ScanPlan& plan) {
-    const double each = seconds_of_point(plan);
+    const double each = seconds_of_point(plan, 0.4 * cost_budget);
     double points = static_cast<double>(scan::size(plan.design));
     if (plan.design.kind == scan::Kind::adaptive) {
         points = 1.0;
@@ -192,25 +181,72 @@ std::string scan_cost(const assembly::ScanPlan& plan) {
     }
     return fmt::format("  scan: {:.2g} ms a point, {:.3g} points{}, about {:.2g} CPU seconds{}\n", 1e3 * each,
                        points, plan.design.kind == scan::Kind::adaptive ? " at the start" : "", each * points,
-                       plan.design.kind == scan::Kind::adaptive ? ", and more where it refines" : "");
+                       plan.design.kind == scan::Kind::adaptive ? ", and more where it refines" : "") +
+           cost_table(scan_rows(plan, each));
+}
+
+/// Failures are told, not thrown: a cost that cannot be measured is no fault of the scene.
+std::string guarded(Stage stage, const std::function<std::string()>& cost) {
+    try {
+        return cost();
+    } catch (const RunError& error) {
+        return fmt::format("  {}: its cost could not be measured: {}\n", to_string(stage), error.what());
+    }
+}
+
+std::string cost_of(Stage stage, const Plan& plan, const std::filesystem::path& folder,
+                    const RunContext& context) {
+    switch (stage) {
+    case Stage::granular:
+        return bed_cost(plan);
+    case Stage::measure:
+        return plan.has(Stage::granular) ? "" : "  measures: about as long as reading the trajectory takes\n";
+    case Stage::fit:
+        return fit_cost(plan);
+    case Stage::field:
+        return plan.scene.field->x.empty() ? "" : field_cost(plan, folder, context);
+    case Stage::rods:
+        return rods_cost(plan, folder, context);
+    case Stage::scan:
+        break;
+    }
+    return plan.scan->subject == scene::ScanSubject::beds ? bed_scan_cost(plan) : scan_cost(*plan.scan);
 }
 
 } // namespace
 
-std::string expected_cost(const Plan& plan) {
+std::string duration_text(double seconds) {
+    constexpr std::pair<double, const char*> units[] = {{1e-9, "ns"}, {1e-6, "us"}, {1e-3, "ms"}};
+    for (const auto& [unit, name] : units)
+        if (seconds < 999.5 * unit)
+            return fmt::format("{} {}", two_digits(seconds / unit), name);
+    return two_digits(seconds) + " s";
+}
+
+std::string cost_table(std::span<const CostRow> rows) {
+    if (rows.empty())
+        return "";
+    const CostRow head{"part or setting", "takes", {}, {}};
+    std::size_t term = head.term.size(), each = head.each.size();
+    for (const CostRow& row : rows) {
+        term = std::max(term, row.term.size());
+        each = std::max(each, row.each.size());
+    }
+    std::string text = fmt::format("    {:{}}  {:>{}}  {:>7}  {}\n", head.term, term, head.each, each,
+                                   "share", "left out or chosen, it saves");
+    for (const CostRow& row : rows) {
+        std::string line = fmt::format("    {:{}}  {:>{}}  {:>7}  {}", row.term, term, row.each, each,
+                                       row.share ? percent(*row.share) : "", saving_text(row.saved));
+        line.erase(line.find_last_not_of(' ') + 1);
+        text += line + "\n";
+    }
+    return text;
+}
+
+std::string expected_cost(const Plan& plan, const std::filesystem::path& folder, const RunContext& context) {
     std::string text;
-    if (plan.has(assembly::Stage::granular))
-        text += bed_cost(plan);
-    if (plan.has(assembly::Stage::measure) && !plan.has(assembly::Stage::granular))
-        text += "  measures: about as long as reading the trajectory takes\n";
-    if (plan.has(assembly::Stage::fit))
-        text += fit_cost(plan);
-    if (plan.has(assembly::Stage::field) && !plan.scene.field->x.empty())
-        text += field_cost(plan.scene);
-    if (plan.has(assembly::Stage::rods))
-        text += rods_cost(plan);
-    if (plan.scan)
-        text += plan.scan->subject == scene::ScanSubject::beds ? bed_scan_cost(plan) : scan_cost(*plan.scan);
+    for (const Stage stage : plan.stages)
+        text += guarded(stage, [&] { return cost_of(stage, plan, folder, context); });
     return text.empty() ? "  nothing to compute\n" : text;
 }
 

@@ -22,7 +22,6 @@ namespace {
 
 using granular::Simulation;
 
-constexpr std::int64_t sample_every = 10; // steps: 25 phases of a plate period at the default step
 constexpr std::int64_t period_frames = 50;
 
 double cpu_now(bool own_thread_only) {

@@ -12,6 +12,10 @@
 
 namespace rodwake::stages {
 
+/// Steps from one sample of temperatures and rods to the next: 25 phases of a plate period at the default
+/// step.
+inline constexpr std::int64_t sample_every = 10;
+
 /// What all runs of a bed share.
 struct GranularPlan {
     assembly::BedPlan bed;

@@ -31,12 +31,12 @@ std::shared_ptr<const elastic::MeasuredDisplacement> WakeFields::measured(const 
     for (const Smoothed& one : measured_)
         if (one.medium == *scene.medium && one.f_over_mu == f_over_mu)
             return one.field;
-    const MeasuredInput input = read_measured(scene, session_.directory.path());
+    const MeasuredInput input = read_measured(scene, directory_);
     auto fitted = std::make_shared<const elastic::MeasuredDisplacement>(
         input.grid, elastic::Medium{scene.medium->eta, scene.medium->xi}, input.options);
-    session_.log->info("measured field: {}", input.file.string());
-    tell(session_.log, "Ux", fitted->report_x());
-    tell(session_.log, "Uy", fitted->report_y());
+    log_->info("measured field: {}", input.file.string());
+    tell(log_, "Ux", fitted->report_x());
+    tell(log_, "Uy", fitted->report_y());
     measured_.push_back({*scene.medium, f_over_mu, fitted});
     return fitted;
 }

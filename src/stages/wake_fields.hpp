@@ -13,7 +13,11 @@ namespace rodwake::stages {
 /// Of one stage. Not thread-safe.
 class WakeFields {
 public:
-    explicit WakeFields(const Session& session) : session_(session), tables_(session.context) {}
+    /// `directory`: of the run, where measures of its own may stand. The context must outlive this.
+    WakeFields(const RunContext& context, std::filesystem::path directory, Logger log)
+        : directory_(std::move(directory)), log_(std::move(log)), tables_(context) {}
+    explicit WakeFields(const Session& session)
+        : WakeFields(session.context, session.directory.path(), session.log) {}
 
     /// With field = "auto" the exact one: for rods assembly::with_field has chosen before.
     std::shared_ptr<const elastic::WakeField> of(const scene::Scene& scene);
@@ -21,7 +25,8 @@ public:
     std::shared_ptr<const elastic::MeasuredDisplacement> measured(const scene::Scene& scene);
 
 private:
-    const Session& session_;
+    std::filesystem::path directory_;
+    Logger log_;
     WakeTables tables_;
     struct Smoothed {
         scene::Medium medium;

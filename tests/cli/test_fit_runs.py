@@ -83,7 +83,7 @@ class FittedMediumTest(FitTest):
             self.assertIn(part, modelled)
         for part in ("no dipole: f2d_over_mu is not in", "no images: no fit.box"):
             self.assertIn(part, left_out)
-        self.assertRegex(text, rf"fit: 1 start, about 50 evaluations of the model, {len(X)} residuals, about \S+ s\n")
+        self.assertRegex(text, rf"fit: 1 start, about 50 evaluations of the model, {len(X)} residuals, about \S+ [mun]?s\n")
         self.assertNotIn("nothing to compute", text)
         self.assertEqual(sorted(self.folder.rglob("*")), before)
         self.expect(0, "fit", "fit.toml", "--dry-run")

@@ -81,6 +81,19 @@ TEST_CASE("with losses an unshaken bed only loses energy") {
     }
 }
 
+TEST_CASE("timing the parts of steps does not change a bit") {
+    GranularProblem problem = shaken(30, 215);
+    problem.rods.push_back(beds::long_rod(10 * a, 10 * a, 0.3));
+    const State start = make_start(problem, 0);
+    Simulation timed(problem, start);
+    StepTimes times = timed.advance_timed(200);
+    times += timed.advance_timed(100);
+    CHECK(state_hash(timed.state()) == hash_with(problem, start, 1, 300));
+    CHECK(times.steps == 300);
+    for (const double part : {times.flight, times.rods, times.search, times.impulses})
+        CHECK(part > 0.0);
+}
+
 TEST_CASE("threads do not change a bit") {
     GranularProblem problem = shaken(240, 12000); // six chunks of beads
     problem.rods.push_back(beds::long_rod(100 * a, 100 * a, 0.3));

@@ -48,6 +48,8 @@ TEST_CASE("each measure sees every so many frames from the first time on", "[mea
     CHECK(measures.find("every")->as<Times>().seen == std::vector<double>{1.0, 1.5, 2.0, 2.5, 3.0, 3.5});
     CHECK(measures.find("third")->as<Times>().seen == std::vector<double>{1.0, 2.5});
     CHECK(measures.find("other") == nullptr);
+    CHECK(measures.stride("third") == 3);
+    CHECK(measures.stride("other") == 0);
     CHECK_THROWS_AS(measures.find("every")->as<MicrorheologyAccumulator>(), std::bad_any_cast);
 }
 

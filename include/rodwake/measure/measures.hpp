@@ -80,6 +80,8 @@ public:
 
     /// What was included under this name, null if nothing was.
     Accumulator* find(std::string_view name);
+    /// Of how many measured frames it takes one; 0: nothing was included under this name.
+    std::size_t stride(std::string_view name) const;
 
 private:
     struct Part {

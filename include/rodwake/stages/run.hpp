@@ -35,8 +35,11 @@ assembly::Plan plan_run(scene::Scene scene, std::span<const assembly::Stage> sta
 /// Throws InputError as plan_run does.
 assembly::Plan plan_check(scene::Scene scene, const std::filesystem::path& folder, const RunContext& context);
 
-/// What the stages of a plan will cost, a line each, from about half a second of each on this machine.
-std::string expected_cost(const assembly::Plan& plan);
+/// What the stages of a plan will cost: a line each, a table of what that consists of, and what leaving a
+/// part out or loosening a setting would save; from about half a second of the work itself on this machine.
+/// Tables of the field are read or made, and kept, as the run does it.
+std::string expected_cost(const assembly::Plan& plan, const std::filesystem::path& folder,
+                          const RunContext& context);
 
 /// Executes a plan. What was computed is kept however it ends; the same call goes on from there. Throws
 /// InputError if the folder cannot be used (another scene's run, a finished one without `force`), RunError if
