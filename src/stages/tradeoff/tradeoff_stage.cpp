@@ -3,6 +3,7 @@
 #include "../progress.hpp"
 #include "../stage_list.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/stopwatch.hpp"
 #include "subject.hpp"
 #include "tradeoff_files.hpp"
 
@@ -10,7 +11,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <ctime>
 
 namespace rodwake::stages {
 
@@ -26,13 +26,6 @@ constexpr double least_over_agreement = 10.0;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Of this thread: what else the machine does is not a cost of the setting.
-double cpu_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 class Measurement {
@@ -74,9 +67,9 @@ public:
                 subject_.prepare(trial.setting, until(session_.context.tradeoff.limit));
             double all = 0.0;
             for (long turn = 0; turn == 0 || goes_on(trial, turn, all); ++turn, ++trial.repeats) {
-                const double start = cpu_seconds();
+                const Stopwatch watch;
                 answer = work();
-                const double took = cpu_seconds() - start;
+                const double took = watch.seconds();
                 trial.seconds = std::min(trial.seconds, took);
                 all += took;
             }
