@@ -207,6 +207,9 @@ std::string cost_of(Stage stage, const Plan& plan, const std::filesystem::path& 
         return plan.scene.field->x.empty() ? "" : field_cost(plan, folder, context);
     case Stage::rods:
         return rods_cost(plan, folder, context);
+    case Stage::order: // reads what the stage before it left
+    case Stage::tradeoff:
+        return "";
     case Stage::scan:
         break;
     }
