@@ -25,19 +25,19 @@ struct Options {
     std::string json_log; ///< --log-json FILE
     std::string command;  ///< the whole line, as a shell takes it
     // verb-specific
-    std::string points;            ///< field --points; "-": standard input
-    std::string backend = "exact"; ///< field --backend
-    double table_tolerance = 1e-8; ///< field --table-tolerance
-    std::string cases;             ///< impact --cases; "-": standard input
-    std::string part;              ///< scan --part i/n
-    bool merge = false;            ///< scan --merge
-    bool rerun_failed = false;     ///< scan --rerun-failed
-    std::optional<double> want_error;  ///< tradeoff --for
-    std::optional<double> want_time;   ///< tradeoff --within, s
-    stages::TradeoffRequest tradeoff;  ///< tradeoff --error, --limit
-    bool pdf = false;              ///< plot --pdf
-    bool scene_reference = false;  ///< info --scene-reference
-    bool schema = false;           ///< info --schema
+    std::string points;               ///< field --points; "-": standard input
+    std::string backend = "exact";    ///< field --backend
+    double table_tolerance = 1e-8;    ///< field --table-tolerance
+    std::string cases;                ///< impact --cases; "-": standard input
+    std::string part;                 ///< scan --part i/n
+    bool merge = false;               ///< scan --merge
+    bool rerun_failed = false;        ///< scan --rerun-failed
+    std::optional<double> want_error; ///< tradeoff --for
+    std::optional<double> want_time;  ///< tradeoff --within, s
+    stages::TradeoffRequest tradeoff; ///< tradeoff --error, --limit
+    bool pdf = false;                 ///< plot --pdf
+    bool scene_reference = false;     ///< info --scene-reference
+    bool schema = false;              ///< info --schema
 };
 
 /// Result of parsing: either options to act on, or an exit code (help, version, usage error; the text is
