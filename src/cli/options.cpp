@@ -119,7 +119,7 @@ void add_tradeoff(CLI::App& app, Options& options) {
         "  rodwake tradeoff scenes/phase_perpendicular.toml --for 0.01 --error outcome");
     add_scene(*tradeoff, options);
     add_run(*tradeoff, options);
-    tradeoff->remove_option(tradeoff->get_option("--threads")); // all is timed on one
+    tradeoff->get_option("--threads")->description("threads of the reference; settings are timed on one");
     CLI::Option* error =
         tradeoff->add_option("--for", options.want_error,
                              "print the cheapest setting whose error is at most this, as keys of the scene");

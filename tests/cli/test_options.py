@@ -7,7 +7,7 @@ import subprocess
 import rodwake
 from rodwake import PAIR, THEORY_PAIR, ProgramTest, snapshot
 
-VERBS = ("check", "field", "rods", "dem", "measure", "fit", "scan", "run", "impact", "plot", "info")
+VERBS = ("check", "field", "rods", "dem", "measure", "fit", "scan", "tradeoff", "run", "impact", "plot", "info")
 COMMON = {"--output", "--set", "--threads", "--seed", "--dry-run", "--quiet", "--verbose", "--force", "--log-json"}
 # Of the common options, those that count; a verb that is not here has all.
 OPTIONS = {"check": {"--output", "--set", "--seed", "--quiet"}, "impact": {"--dry-run"}, "plot": {"--dry-run", "--quiet"}, "info": set()}

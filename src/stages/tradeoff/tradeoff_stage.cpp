@@ -3,6 +3,7 @@
 #include "../progress.hpp"
 #include "../stage_list.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
 #include "rodwake/core/stopwatch.hpp"
 #include "subject.hpp"
 #include "tradeoff_files.hpp"
@@ -34,13 +35,18 @@ public:
 
     bool stopped() const { return session_.context.stopped(); }
 
-    /// Once, within `limit` seconds. A setting that cannot be set up, or has no result, says why.
-    Answer solve_once(const Setting& setting, double limit) const {
-        try {
-            return subject_.prepare(setting, until(limit))();
-        } catch (const std::exception& error) {
-            return {{}, 0, describe(error)};
-        }
+    /// Each once and both at a time, within `limit` seconds. One that cannot be set up, or has no result,
+    /// says why.
+    std::array<Answer, 2> solve_both(const std::array<Setting, 2>& settings, double limit) const {
+        std::array<Answer, 2> answers;
+        std::array<Subject::Work, 2> work;
+        for (std::size_t k = 0; k < 2; ++k)
+            guarded(answers[k], [&] { work[k] = subject_.prepare(settings[k], until(limit)); });
+        parallel_for(2, session_.context.thread_count(), [&](std::size_t k) {
+            if (work[k])
+                guarded(answers[k], [&] { answers[k] = work[k](); });
+        });
+        return answers;
     }
 
     Trial measure(const Setting& setting, const Answer& reference, const Errors& least) const {
@@ -62,7 +68,7 @@ public:
     /// Into `seconds`, the least of these and earlier repeats, and `repeats`.
     Answer time(Trial& trial) const {
         Answer answer;
-        try {
+        guarded(answer, [&] {
             const Subject::Work work =
                 subject_.prepare(trial.setting, until(session_.context.tradeoff.limit));
             double all = 0.0;
@@ -73,13 +79,20 @@ public:
                 trial.seconds = std::min(trial.seconds, took);
                 all += took;
             }
-        } catch (const std::exception& error) {
-            answer.failure = describe(error);
-        }
+        });
         return answer;
     }
 
 private:
+    template<class Work>
+    static void guarded(Answer& answer, const Work& work) {
+        try {
+            work();
+        } catch (const std::exception& error) {
+            answer.failure = describe(error);
+        }
+    }
+
     std::function<bool()> until(double limit) const {
         return [this, limit, start = Clock::now()] { return stopped() || seconds_since(start) > limit; };
     }
@@ -103,13 +116,15 @@ Answer make_reference(const Session& session, const Measurement& measurement, co
     const double limit = 10.0 * session.context.tradeoff.limit;
     std::string failure;
     for (const double tolerance : {1e-11, 1e-12, 1e-13}) {
-        std::array<Answer, 2> pair;
+        std::array<Setting, 2> settings;
         for (std::size_t k = 0; k < 2; ++k) {
-            Setting setting{.method = subject.reference[k], .tolerance = tolerance};
-            setting.field = subject.settings.front().field; // exact, or measured
-            pair[k] = measurement.solve_once(setting, limit);
-            failure = pair[k].failure.empty() ? failure : method_name(setting) + ": " + pair[k].failure;
+            settings[k].method = subject.reference[k];
+            settings[k].tolerance = tolerance;
+            settings[k].field = subject.settings.front().field; // exact, or measured
         }
+        std::array<Answer, 2> pair = measurement.solve_both(settings, limit);
+        for (std::size_t k = 0; k < 2; ++k)
+            failure = pair[k].failure.empty() ? failure : table.methods[k] + ": " + pair[k].failure;
         if (measurement.stopped())
             return best;
         if (pair[0].encounters.empty() || pair[1].encounters.empty())
