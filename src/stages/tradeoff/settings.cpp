@@ -21,7 +21,7 @@ using scene::FieldBackend;
 constexpr std::array<const char*, error_kinds> error_names{"final_state", "contact_time", "outcome", "path"};
 
 /// Newton's dense matrix: beyond this an implicit step costs more than any number of explicit ones.
-constexpr std::size_t most_implicit = 600;
+constexpr std::size_t most_implicit = 320;
 constexpr std::size_t least_for_precision = 8; ///< rods whose wakes are added up in tiles
 
 /// rods_run.rtol, each decade.
