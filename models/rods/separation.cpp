@@ -115,7 +115,6 @@ Separation closest_pair(State y, Box box) {
     return best;
 }
 
-// No relative speed is above 2, so a pair farther apart than 3 * 2 times the present limit cannot lower it.
 double passing_resolution(State y, double first, double atol) {
     double farthest = 0.0;
     for (std::size_t i = 0; i < y.size(); ++i)
@@ -126,6 +125,7 @@ double passing_resolution(State y, double first, double atol) {
     return std::min(std::max(atol, rounding), 1e-3 * first);
 }
 
+// No relative speed is above 2, so a pair farther apart than 3 * 2 times the present limit cannot lower it.
 double encounter_step(State y, Box box) {
     constexpr double farthest = 6.0 * (1.0 + 1e-12); // with room for rounding
     double limit = std::numeric_limits<double>::infinity();

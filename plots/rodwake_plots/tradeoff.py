@@ -27,7 +27,7 @@ def draw(run):
     rows, told = table(run)
     figure = canvas.figure(style.WIDE, 3.9)
     axes = figure.subplots(1, 2, sharey=True)
-    error = np.where(np.isfinite(rows["error"]), rows["error"], np.nan)
+    error = np.where(np.isfinite(rows["error"]) & (np.array(rows["status"]) == "ok"), rows["error"], np.nan)
     if not np.isfinite(error).any():
         raise PlotError(f"{run.path / FILE}: no setting has a {told['error']}")
     floor = lowest(told, error)

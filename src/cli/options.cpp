@@ -128,6 +128,7 @@ void add_tradeoff(CLI::App& app, Options& options) {
         ->add_option("--within", options.want_time,
                      "print the most accurate setting that takes at most this: 5ms, 2s, 1min")
         ->transform(seconds())
+        ->check(CLI::PositiveNumber)
         ->excludes(error);
     const std::map<std::string, stages::ErrorKind> kinds{{"final_state", stages::ErrorKind::final_state},
                                                          {"contact_time", stages::ErrorKind::contact_time},
@@ -141,7 +142,8 @@ void add_tradeoff(CLI::App& app, Options& options) {
         ->transform(CLI::CheckedTransformer(kinds))
         ->option_text("KIND");
     tradeoff->add_option("--limit", options.tradeoff.limit, "give up a setting that takes longer [60s]")
-        ->transform(seconds());
+        ->transform(seconds())
+        ->check(CLI::PositiveNumber);
 }
 
 void add_stage_verbs(CLI::App& app, Options& options) {

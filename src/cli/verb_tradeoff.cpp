@@ -82,17 +82,33 @@ int answer(const Options& options, const scene::Scene& scene, const stages::Trad
     return 0;
 }
 
+constexpr assembly::Stage only[] = {assembly::Stage::tradeoff};
+
 /// 0, or the exit code of a measurement that did not come to its end.
 int measure(const Options& options, const scene::Scene& scene, const std::filesystem::path& folder) {
-    constexpr assembly::Stage stage[] = {assembly::Stage::tradeoff};
     stages::RunContext context = context_of(options);
     context.tradeoff = options.tradeoff;
-    const stages::StageEnd end =
-        stages::run(stages::plan_run(scene, stage, folder, context), folder, context);
+    const stages::StageEnd end = stages::run(stages::plan_run(scene, only, folder, context), folder, context);
     if (end == stages::StageEnd::interrupted)
         return signal_exit_code(stop_signal());
     make_figures(folder, false, true);
     return stop_signal() ? signal_exit_code(stop_signal()) : 0;
+}
+
+/// Whether the folder holds this measurement. Throws InputError if it is of other points: a list may change
+/// where the scene does not.
+bool is_done(const Options& options, const scene::Scene& scene, const std::filesystem::path& folder) {
+    if (options.force || !stages::holds_finished(folder, scene, assembly::Stage::tradeoff))
+        return false;
+    const stages::Tradeoff table = stages::read_tradeoff(folder);
+    if (stages::work_of(stages::plan_run(scene, only, folder, {})) != table.work)
+        throw InputError(folder.string() +
+                         ": holds a measurement of other points of the scan; choose another folder "
+                         "with -o, or --force to replace it");
+    if (!options.quiet)
+        fmt::print(stderr, "measured already in {}, with --limit {:g}s; --force measures anew\n",
+                   folder.string(), table.limit);
+    return true;
 }
 
 int describe_work(const scene::Scene& scene, const std::filesystem::path& folder) {
@@ -106,15 +122,14 @@ int describe_work(const scene::Scene& scene, const std::filesystem::path& folder
 } // namespace
 
 int verb_tradeoff(const Options& options) {
-    const scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    if (options.seed)
+        assembly::apply_seed(scene, *options.seed);
     const std::filesystem::path folder = output_folder(options);
     if (options.dry_run)
         return describe_work(scene, folder);
     stages::settings_of(scene); // refuses what cannot be measured
-    const bool done = !options.force && stages::holds_finished(folder, scene, assembly::Stage::tradeoff);
-    if (done && !options.quiet)
-        fmt::print(stderr, "measured already in {}; --force measures anew\n", folder.string());
-    const int code = done ? 0 : measure(options, scene, folder);
+    const int code = is_done(options, scene, folder) ? 0 : measure(options, scene, folder);
     return code != 0 ? code : answer(options, scene, stages::read_tradeoff(folder));
 }
 

@@ -57,6 +57,8 @@ std::string theory_key(const scene::Scene& scene, Stage stage) {
 
 /// What the settings choose counts for nothing.
 std::string tradeoff_key(scene::Scene scene) {
+    if (!scene.rods_run)
+        return theory_key(scene, Stage::rods);
     scene.rods_run->method.reset();
     scene.variants.clear();
     if (scene.medium && scene.medium->field != scene::FieldBackend::measured) {

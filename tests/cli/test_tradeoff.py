@@ -79,6 +79,7 @@ class TradeoffTest(ProgramTest):
         self.refuse(2, "excludes", "tradeoff", "pair.toml", "--for", "1e-3", "--within", "1s")
         self.refuse(2, "--within", "tradeoff", "pair.toml", "--within", "5 parsec")
         self.refuse(2, "--error", "tradeoff", "pair.toml", "--error", "size")
+        self.refuse(2, "--limit", "tradeoff", "pair.toml", "--limit=-1s")
         self.write("bed.toml", 'schema = 1\n[granular]\nphi_b = 0.5\nbox = "20 a"\nduration = "0.1 s"\n')
         self.refuse(2, "no .rods_run. table", "tradeoff", "bed.toml")
 

@@ -97,8 +97,9 @@ TEST_CASE("of many points an error is what 95 % keep to, and the share of outcom
 }
 
 TEST_CASE("the cheapest setting that is good enough, and the best one that is quick enough") {
-    const Tradeoff table = table_of({trial(4.0, 1e-8), trial(1.0, 1e-3), trial(2.0, 1e-5), trial(3.0, 1e-4),
-                                     trial(0.5, HUGE_VAL), trial(2.5, 1e-5)});
+    Tradeoff table = table_of({trial(4.0, 1e-8), trial(1.0, 1e-3), trial(2.0, 1e-5), trial(3.0, 1e-4),
+                               trial(0.5, HUGE_VAL), trial(2.5, 1e-5), trial(0.1, 1e-9)});
+    table.trials.back().status = "took too long"; // whatever its numbers are
     CHECK(cheapest(table, ErrorKind::final_state, 1e-4)->seconds == 2.0);
     CHECK(cheapest(table, ErrorKind::final_state, 1e-9) == nullptr);
     CHECK(cheapest(table, ErrorKind::path, 1e-3)->seconds == 2.0); // where errors are twice as large
@@ -130,6 +131,17 @@ TEST_CASE("settings are those that the scene allows") {
     CHECK(count(of_many, [](const Setting& s) { return s.method == integrate::Method::bdf; }) == 0);
     CHECK(count(of_many, [](const Setting& s) { return s.precision == elastic::Accuracy::single; }) > 0);
     CHECK_THROWS_AS(settings_of(stages_test::bed()), InputError);
+}
+
+TEST_CASE("what the settings choose makes no other measurement, and what they do not does") {
+    const auto key = [](const scene::Scene& scene) { return stage_key(scene, assembly::Stage::tradeoff); };
+    scene::Scene chosen = pair();
+    chosen.rods_run->method = integrate::Method::bdf;
+    chosen.rods_run->rtol = 1e-3;
+    chosen.medium->field = scene::FieldBackend::table;
+    CHECK(key(chosen) == key(pair()));
+    CHECK(key(pair(0.7)) != key(pair()));
+    CHECK_FALSE(key(stages_test::bed()).empty()); // beside a tradeoff another scene may be refused, not fatal
 }
 
 TEST_CASE("a setting's keys make the scene that it stands for") {

@@ -16,6 +16,10 @@
 #include <string>
 #include <vector>
 
+namespace rodwake::assembly {
+struct Plan;
+}
+
 namespace rodwake::stages {
 
 /// What the error of a setting is. Lengths in f/mu, times in f/(mu v0), headings in rad; the state of a point
@@ -71,6 +75,8 @@ struct Trial {
 
 struct Tradeoff {
     std::string unit;                        ///< of work: "a run", "1000 points of the scan"
+    std::string work;                        ///< the sample of a scan, as text (work_of); of a run empty
+    double limit = 0.0;                      ///< s; settings that took longer were given up
     ErrorKind kind = ErrorKind::final_state; ///< what is meant by "error"
     std::array<std::string, 2> methods;      ///< those of the reference
     double tolerance = 0.0;                  ///< of the reference
@@ -85,6 +91,8 @@ struct TradeoffRequest {
     double limit = 60.0; ///< s; a setting that takes longer is given up
 };
 
+/// The points of a scan of which a sample is solved, as text; of a scene without one empty.
+std::string work_of(const assembly::Plan& plan);
 /// tradeoff.json of a folder. Throws InputError for one that cannot be read.
 Tradeoff read_tradeoff(const std::filesystem::path& folder);
 

@@ -28,7 +28,7 @@ bool differ(const Encounter& a, const Encounter& b) { return !a.solved || !b.sol
 
 Errors errors_of(const Encounter& a, const Encounter& b) {
     if (differ(a, b))
-        return {HUGE_VAL, HUGE_VAL, 1.0, b.path.empty() ? NAN : HUGE_VAL};
+        return {HUGE_VAL, b.ending == Ending::contact ? HUGE_VAL : NAN, 1.0, b.path.empty() ? NAN : HUGE_VAL};
     return {largest_difference(a.final_state, b.final_state),
             a.ending == Ending::contact ? std::abs(a.time - b.time) : NAN, 0.0,
             b.path.empty() ? NAN : path_difference(a, b)};

@@ -21,6 +21,8 @@ struct Answer {
     std::string failure; ///< of a run; empty: none
 };
 
+inline constexpr const char* took_too_long = "took too long";
+
 /// The errors of one answer against the other, as ErrorKind tells.
 Errors errors_between(const Answer& one, const Answer& other);
 

@@ -9,7 +9,10 @@ namespace rodwake::stages {
 
 namespace {
 
-double error_of(const Trial& trial, ErrorKind kind) { return trial.error[static_cast<std::size_t>(kind)]; }
+/// NaN if there is none, or no result at all.
+double error_of(const Trial& trial, ErrorKind kind) {
+    return trial.status == "ok" ? trial.error[static_cast<std::size_t>(kind)] : NAN;
+}
 
 } // namespace
 

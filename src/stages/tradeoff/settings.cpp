@@ -135,7 +135,7 @@ std::string scene_keys(const scene::Scene& scene, const Setting& s) {
     std::string text = fmt::format("rods_run.method = \"{}\"\nrods_run.form = \"{}\"\nrods_run.rtol = {:g}\n"
                                    "rods_run.atol = {:g}\n",
                                    method_name(s), rods::to_string(s.form), s.tolerance, s.tolerance / 100.0);
-    if (scene.rods.size() >= least_for_precision)
+    if (scene.rods.size() >= least_for_precision || scene.rods_run->precision != s.precision)
         text += fmt::format("rods_run.precision = \"{}\"\n", name_of(s.precision));
     if (scene.rods_run->turning_tolerance > 0.0)
         text += "rods_run.turning_tolerance = 0\n";

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace rodwake::stages {
 
@@ -27,7 +28,7 @@ Answer answer_of(const rods::RodResult& run) {
     const integrate::Status& status = run.solution.status;
     Answer answer{{encounter_of(run)}, run.solution.statistics.rhs_evaluations, {}};
     if (status.termination == integrate::Termination::interrupted)
-        answer.failure = "took too long";
+        answer.failure = took_too_long;
     else if (!status.ok())
         answer.failure = "failed: " + status.flag;
     return answer;
@@ -44,20 +45,22 @@ std::array<Method, 2> reference_methods(const rods::RodProblem& problem) {
 
 /// Columns of a scan that tell how a point ends, by their place in Result::values.
 struct EndColumns {
-    std::size_t time = 0, separation = 0, rhs_evaluations = 0;
+    std::size_t time, separation, rhs_evaluations;
     std::vector<std::size_t> turns;
 
-    explicit EndColumns(const std::vector<std::string>& names) {
-        for (std::size_t k = 0; k < names.size(); ++k) {
-            if (names[k] == "time")
-                time = k;
-            else if (names[k] == "separation")
-                separation = k;
-            else if (names[k] == "rhs_evaluations")
-                rhs_evaluations = k;
-            else if (names[k].starts_with("turn"))
+    explicit EndColumns(const std::vector<std::string>& names)
+        : time(place(names, "time")), separation(place(names, "final_separation")),
+          rhs_evaluations(place(names, "rhs_evaluations")) {
+        for (std::size_t k = 0; k < names.size(); ++k)
+            if (names[k].starts_with("turn"))
                 turns.push_back(k);
-        }
+    }
+
+    static std::size_t place(const std::vector<std::string>& names, const std::string& name) {
+        const auto at = std::ranges::find(names, name);
+        if (at == names.end())
+            throw std::logic_error("tradeoff: a scan has no column " + name);
+        return static_cast<std::size_t>(at - names.begin());
     }
 };
 
@@ -78,7 +81,7 @@ Answer answer_of(std::span<const scan::Result> points, const assembly::ScanPlan&
     for (const scan::Result& point : points) {
         answer.encounters.push_back(encounter_of(point, columns, units));
         if (point.status == scan::Status::stopped)
-            answer.failure = "took too long";
+            answer.failure = took_too_long;
         else if (point.ok())
             answer.rhs_evaluations += static_cast<long>(point.values[columns.rhs_evaluations]);
     }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -32,6 +33,13 @@ constexpr assembly::ColumnInfo columns[] = {
     {"path", "1", "largest difference at the output times, f/mu and rad; empty: a scan"},
     {"repeats", "1", "how often it was timed"},
     {"status", "1", "ok, or why there is no result"}};
+
+/// A cell of words, which may have commas.
+std::string quoted(std::string text) {
+    std::ranges::replace(text, '\n', ' ');
+    std::ranges::replace(text, '"', '\'');
+    return text.find(',') == std::string::npos ? text : '"' + text + '"';
+}
 
 std::string cell(double value) { return std::isnan(value) ? "" : fmt::format("{:.6g}", value); }
 
@@ -71,7 +79,7 @@ ordered_json trial_json(const Trial& trial) {
             {"precision", name_of(s.precision)},
             {"tolerance", s.tolerance},
             {"errors", errors_json(trial.error)},
-            {"seconds", trial.seconds},
+            {"seconds", number(trial.seconds)},
             {"repeats", trial.repeats},
             {"rhs_evaluations", trial.rhs_evaluations},
             {"status", trial.status}};
@@ -107,7 +115,7 @@ Setting setting_of(const ordered_json& json) {
 }
 
 Trial trial_of(const ordered_json& json) {
-    return {setting_of(json),   errors_of(json.at("errors")), json.at("seconds"),
+    return {setting_of(json),   errors_of(json.at("errors")), number(json.at("seconds")),
             json.at("repeats"), json.at("rhs_evaluations"),   json.at("status")};
 }
 
@@ -124,6 +132,8 @@ std::span<const assembly::ColumnInfo> tradeoff_columns() { return columns; }
 std::string tradeoff_json(const Tradeoff& table) {
     ordered_json json;
     json["unit"] = table.unit;
+    json["work"] = table.work;
+    json["limit"] = table.limit;
     json["error"] = to_string(table.kind);
     json["reference"] = {{"methods", table.methods},
                          {"tolerance", table.tolerance},
@@ -149,7 +159,7 @@ std::string tradeoff_csv(const Tradeoff& table) {
             name_of(s.precision));
         for (const double error : trial.error)
             text += "," + cell(error);
-        text += fmt::format(",{},{}", trial.repeats, trial.status);
+        text += fmt::format(",{},{}", trial.repeats, quoted(trial.status));
     }
     return text + "\n";
 }
@@ -161,6 +171,8 @@ Tradeoff read_tradeoff(const std::filesystem::path& folder) {
         const ordered_json json = ordered_json::parse(in);
         Tradeoff table;
         table.unit = json.at("unit");
+        table.work = json.at("work");
+        table.limit = json.at("limit");
         table.kind = kind_named(json.at("error"));
         const ordered_json& reference = json.at("reference");
         table.methods = reference.at("methods");

@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace rodwake::stages {
 
@@ -40,8 +41,10 @@ public:
     std::array<Answer, 2> solve_both(const std::array<Setting, 2>& settings, double limit) const {
         std::array<Answer, 2> answers;
         std::array<Subject::Work, 2> work;
+        Clock::time_point start;
         for (std::size_t k = 0; k < 2; ++k)
-            guarded(answers[k], [&] { work[k] = subject_.prepare(settings[k], until(limit)); });
+            guarded(answers[k], [&] { work[k] = subject_.prepare(settings[k], until(start, limit)); });
+        start = Clock::now();
         parallel_for(2, session_.context.thread_count(), [&](std::size_t k) {
             if (work[k])
                 guarded(answers[k], [&] { answers[k] = work[k](); });
@@ -56,7 +59,7 @@ public:
         trial.rhs_evaluations = answer.rhs_evaluations;
         if (!answer.failure.empty())
             trial.status = answer.failure;
-        if (answer.encounters.empty())
+        if (!answer.failure.empty() || answer.encounters.empty())
             return trial;
         trial.error = errors_between(answer, reference);
         for (std::size_t kind = 0; kind < error_kinds; ++kind)
@@ -65,18 +68,25 @@ public:
         return trial;
     }
 
-    /// Into `seconds`, the least of these and earlier repeats, and `repeats`.
+    /// Into `seconds`, the least of these and earlier repeats, and `repeats`. The answer of the last one that
+    /// has any; one that was stopped, or given up after others were not, counts for nothing.
     Answer time(Trial& trial) const {
         Answer answer;
+        Clock::time_point start;
         guarded(answer, [&] {
             const Subject::Work work =
-                subject_.prepare(trial.setting, until(session_.context.tradeoff.limit));
+                subject_.prepare(trial.setting, until(start, session_.context.tradeoff.limit));
             double all = 0.0;
-            for (long turn = 0; turn == 0 || goes_on(trial, turn, all); ++turn, ++trial.repeats) {
+            for (long turn = 0; turn == 0 || goes_on(trial, turn, all); ++turn) {
+                start = Clock::now();
                 const Stopwatch watch;
-                answer = work();
+                Answer found = work();
                 const double took = watch.seconds();
+                if (stopped() || (!found.failure.empty() && trial.repeats > 0))
+                    return;
+                answer = std::move(found);
                 trial.seconds = std::min(trial.seconds, took);
+                ++trial.repeats;
                 all += took;
             }
         });
@@ -93,8 +103,9 @@ private:
         }
     }
 
-    std::function<bool()> until(double limit) const {
-        return [this, limit, start = Clock::now()] { return stopped() || seconds_since(start) > limit; };
+    /// From a start that is set later.
+    std::function<bool()> until(const Clock::time_point& start, double limit) const {
+        return [this, limit, &start] { return stopped() || seconds_since(start) > limit; };
     }
 
     bool goes_on(const Trial& trial, long turn, double all) const {
@@ -106,13 +117,19 @@ private:
     const Subject& subject_;
 };
 
-double state_error(const Errors& errors) { return errors[static_cast<std::size_t>(ErrorKind::final_state)]; }
+/// How far apart the methods are: in the kind that is asked for, if there is any, then in the last state.
+std::pair<double, double> distance(const Errors& apart, ErrorKind kind) {
+    const double asked = apart[static_cast<std::size_t>(kind)];
+    if (kind == ErrorKind::outcome && !(asked < 0.5)) // which of the two is right?
+        return {HUGE_VAL, HUGE_VAL};
+    return {std::isnan(asked) ? 0.0 : asked, apart[static_cast<std::size_t>(ErrorKind::final_state)]};
+}
 
 /// Tightened as long as that brings the two methods together. Throws RunError if one of them has no answer.
 Answer make_reference(const Session& session, const Measurement& measurement, const Subject& subject,
                       Tradeoff& table) {
     Answer best;
-    double least = HUGE_VAL;
+    std::pair least{HUGE_VAL, HUGE_VAL};
     const double limit = 10.0 * session.context.tradeoff.limit;
     std::string failure;
     for (const double tolerance : {1e-11, 1e-12, 1e-13}) {
@@ -127,19 +144,19 @@ Answer make_reference(const Session& session, const Measurement& measurement, co
             failure = pair[k].failure.empty() ? failure : table.methods[k] + ": " + pair[k].failure;
         if (measurement.stopped())
             return best;
-        if (pair[0].encounters.empty() || pair[1].encounters.empty())
+        if (!pair[0].failure.empty() || !pair[1].failure.empty())
             continue;
         const Errors apart = errors_between(pair[0], pair[1]);
         session.log->info("tradeoff: reference at rtol {:g}: {} and {} agree to {:.2g}", tolerance,
                           table.methods[0], table.methods[1], apart[static_cast<std::size_t>(table.kind)]);
-        if (!(state_error(apart) < least))
+        if (!(distance(apart, table.kind) < least))
             continue;
-        least = state_error(apart);
+        least = distance(apart, table.kind);
         best = std::move(pair[0]);
         table.agreement = apart;
         table.tolerance = tolerance;
     }
-    if (best.encounters.empty() || !std::isfinite(least))
+    if (best.encounters.empty())
         throw RunError("tradeoff: no reference: methods " + table.methods[0] + " and " + table.methods[1] +
                        (failure.empty() ? " do not agree on the outcome"
                                         : " have no answers to compare (" + failure + ")") +
@@ -162,17 +179,24 @@ void write(const Session& session, const Tradeoff& table) {
     session.directory.write("tradeoff.csv", tradeoff_csv(table));
 }
 
-/// What an interrupted measurement left; of the same scene, or the folder would have been refused.
-std::vector<Trial> earlier_trials(const Session& session) {
+/// What an interrupted measurement of the same work left, but for what a longer limit may bring to its end.
+std::vector<Trial> earlier_trials(const Session& session, const Tradeoff& table) {
     if (session.context.force || !std::filesystem::exists(session.directory.file("tradeoff.json")))
         return {};
-    return read_tradeoff(session.directory.path()).trials;
+    Tradeoff earlier = read_tradeoff(session.directory.path());
+    if (earlier.work != table.work)
+        return {};
+    if (earlier.limit < table.limit)
+        std::erase_if(earlier.trials, [](const Trial& trial) { return trial.status == took_too_long; });
+    return earlier.trials;
 }
 
 Tradeoff empty_table(const Session& session, const Subject& subject) {
     Tradeoff table;
     table.unit = subject.unit;
+    table.work = work_of(session.plan);
     table.kind = session.context.tradeoff.kind;
+    table.limit = session.context.tradeoff.limit;
     for (std::size_t k = 0; k < 2; ++k)
         table.methods[k] = integrate::to_string(subject.reference[k]);
     return table;
@@ -181,7 +205,7 @@ Tradeoff empty_table(const Session& session, const Subject& subject) {
 /// False: stopped on the way.
 bool measure_all(const Session& session, const Subject& subject, const Measurement& measurement,
                  const Answer& reference, Tradeoff& table) {
-    const std::vector<Trial> earlier = earlier_trials(session);
+    const std::vector<Trial> earlier = earlier_trials(session, table);
     Progress progress(session.context, "tradeoff", static_cast<double>(subject.settings.size()), "settings");
     Clock::time_point written = Clock::now();
     for (const Setting& setting : subject.settings) {
@@ -200,16 +224,17 @@ bool measure_all(const Session& session, const Subject& subject, const Measureme
 }
 
 /// What else the machine does comes and goes: a setting that met it has a second chance.
-void time_again(const Session& session, const Measurement& measurement, Tradeoff& table) {
-    for (Trial& trial : table.trials) {
-        if (session.context.stopped())
-            return;
-        if (trial.seconds < quick_run)
+void time_again(const Measurement& measurement, Tradeoff& table) {
+    for (Trial& trial : table.trials)
+        if (!measurement.stopped() && trial.status == "ok" && trial.seconds < quick_run)
             measurement.time(trial);
-    }
 }
 
 } // namespace
+
+std::string work_of(const assembly::Plan& plan) {
+    return plan.scan ? fmt::format("{}seed {}\n", plan.scan->description, plan.scan->design.seed) : "";
+}
 
 StageEnd run_tradeoff_stage(Session& session) {
     const Subject subject = session.plan.scan ? subject_of_scan(session) : subject_of_rods(session);
@@ -221,11 +246,10 @@ StageEnd run_tradeoff_stage(Session& session) {
     if (measurement.stopped())
         return StageEnd::interrupted;
     tell_reference(session, table);
-    const bool all = measure_all(session, subject, measurement, reference, table);
-    if (all)
-        time_again(session, measurement, table);
+    if (measure_all(session, subject, measurement, reference, table))
+        time_again(measurement, table);
     write(session, table);
-    return all ? StageEnd::finished : StageEnd::interrupted;
+    return measurement.stopped() ? StageEnd::interrupted : StageEnd::finished;
 }
 
 } // namespace rodwake::stages
