@@ -22,8 +22,8 @@ StageEnd run_order_stage(Session& session);
 /// Throws InputError if the order is that of rods of the theory and the folder holds no finished run of them.
 void require_rods(const assembly::Plan& plan, const std::filesystem::path& folder);
 
-/// The rods of the scene, or a sample of its scan, by every setting: tradeoff.csv, tradeoff.json. Goes on with
-/// what it had tried when it was interrupted.
+/// The rods of the scene, or a sample of its scan, by every setting: tradeoff.csv, tradeoff.json. Goes on
+/// with what it had tried when it was interrupted.
 StageEnd run_tradeoff_stage(Session& session);
 
 /// [granular]: summary.json, table.csv, tracks.csv, trajectory.h5md, ...; with runs > 1 one folder a run in
