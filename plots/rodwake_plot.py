@@ -41,8 +41,12 @@ def plot(options):
     # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     warnings.simplefilter("ignore")
-    from rodwake_plots import draw, report, scan_page, tradeoff
+    from rodwake_plots import draw, report, scan_page, tradeoff, ways
     from rodwake_plots.run_dir import RunDir
+
+    if ways.is_there(options.run_dir):
+        print(*draw.in_style(ways.write, options.run_dir), sep="\n")
+        return
 
     with RunDir(options.run_dir) as run:
         if run.has_tradeoff and not options.report_only:

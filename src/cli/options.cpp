@@ -110,38 +110,46 @@ CLI::AsNumberWithUnit seconds() {
 }
 
 void add_tradeoff(CLI::App& app, Options& options) {
-    CLI::App* tradeoff = add_verb(
-        app, options, Verb::tradeoff, "tradeoff",
-        "time and error of every way to solve the rods of a scene, or of its scan; the cheapest for an error",
-        "  rodwake tradeoff scenes/pair.toml\n"
-        "  rodwake tradeoff scenes/pair.toml --for 1e-6\n"
-        "  rodwake tradeoff scenes/pair.toml --within 1ms --error path\n"
-        "  rodwake tradeoff scenes/phase_perpendicular.toml --for 0.01 --error outcome");
+    CLI::App* tradeoff =
+        add_verb(app, options, Verb::tradeoff, "tradeoff",
+                 "time and error of every way to solve a scene, or one part of it; the cheapest for an error",
+                 "  rodwake tradeoff scenes/pair.toml\n"
+                 "  rodwake tradeoff scenes/pair.toml --for 1e-6\n"
+                 "  rodwake tradeoff scenes/pair.toml --within 1ms --error path\n"
+                 "  rodwake tradeoff scenes/phase_perpendicular.toml --for 0.01 --error outcome\n"
+                 "  rodwake tradeoff scenes/granular_quick.toml --for \"rod_speed 5%\"\n"
+                 "  rodwake tradeoff fitting/problems/monopole.toml --of fit --for \"optimum 0.01\"");
     add_scene(*tradeoff, options);
     add_run(*tradeoff, options);
-    tradeoff->get_option("--threads")->description("threads of the reference; settings are timed on one");
-    CLI::Option* error =
-        tradeoff->add_option("--for", options.want_error,
-                             "print the cheapest setting whose error is at most this, as keys of the scene");
-    error->check(CLI::NonNegativeNumber);
+    tradeoff->get_option("--threads")
+        ->description("threads of references and of runs of a bed; settings are timed on one");
+    tradeoff
+        ->add_option("--of", options.tradeoff_of,
+                     "rods (or their scan), bed, fit or field [the first of these in the scene]")
+        ->check(CLI::IsMember({"rods", "bed", "fit", "field"}));
+    CLI::Option* error = tradeoff->add_option(
+        "--for", options.want_error,
+        "print the cheapest setting whose error is at most this, as keys of the scene: 1e-6; of a bed 2% or "
+        "\"T_xy 1%\"");
     tradeoff
         ->add_option("--within", options.want_time,
                      "print the most accurate setting that takes at most this: 5ms, 2s, 1min")
         ->transform(seconds())
         ->check(CLI::PositiveNumber)
         ->excludes(error);
-    const std::map<std::string, stages::ErrorKind> kinds{{"final_state", stages::ErrorKind::final_state},
-                                                         {"contact_time", stages::ErrorKind::contact_time},
-                                                         {"outcome", stages::ErrorKind::outcome},
-                                                         {"path", stages::ErrorKind::path}};
     tradeoff
         ->add_option(
-            "--error", options.tradeoff.kind,
-            "final_state: at the end; contact_time; outcome: share that differs; path: at all output times "
-            "[final_state]")
-        ->transform(CLI::CheckedTransformer(kinds))
+            "--error", options.error_kind,
+            "of what: of rods final_state, contact_time, outcome (share that differs) or path (at all output "
+            "times); of a bed rod_speed, T_xy, T_z, psi6, wake, ...; of a fit optimum, interval or "
+            "objective; of a "
+            "field displacement, strain or gradients [the first]")
         ->option_text("KIND");
-    tradeoff->add_option("--limit", options.tradeoff.limit, "give up a setting that takes longer [60s]")
+    tradeoff
+        ->add_option(
+            "--limit", options.limit,
+            "give up a setting that takes longer; of a bed the CPU time each setting is measured for "
+            "[60s]")
         ->transform(seconds())
         ->check(CLI::PositiveNumber);
 }

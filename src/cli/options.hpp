@@ -3,6 +3,7 @@
 
 #include "rodwake/scan/run.hpp"
 #include "rodwake/stages/tradeoff.hpp"
+#include "rodwake/stages/ways.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -29,12 +30,14 @@ struct Options {
     std::string backend = "exact";    ///< field --backend
     double table_tolerance = 1e-8;    ///< field --table-tolerance
     std::string cases;                ///< impact --cases; "-": standard input
-    std::string part;                 ///< scan --part i/n
     bool merge = false;               ///< scan --merge
     bool rerun_failed = false;        ///< scan --rerun-failed
-    std::optional<double> want_error; ///< tradeoff --for
+    std::string want_error;           ///< tradeoff --for: "1e-6", "2%", "rod_speed 2%"; empty: not asked
     std::optional<double> want_time;  ///< tradeoff --within, s
-    stages::TradeoffRequest tradeoff; ///< tradeoff --error, --limit
+    std::string error_kind;           ///< tradeoff --error; empty: the first there is
+    std::string part;                 ///< scan --part i/n
+    std::string tradeoff_of;          ///< tradeoff --of; empty: what the scene names first
+    double limit = 60.0;              ///< tradeoff --limit, s
     bool pdf = false;                 ///< plot --pdf
     bool scene_reference = false;     ///< info --scene-reference
     bool schema = false;              ///< info --schema

@@ -3,6 +3,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/stages/run_folder.hpp"
+#include "rodwake/stages/ways.hpp"
 #include "signals.hpp"
 #include "verbs.hpp"
 
@@ -82,7 +83,7 @@ int verb_plot(const Options& options) {
         folder = folder.has_parent_path() ? folder.parent_path() : ".";
     if (!fs::is_directory(folder))
         throw InputError(options.target + ": not a run directory; rodwake run SCENE makes one");
-    if (stages::run_status(folder).empty())
+    if (stages::run_status(folder).empty() && !stages::read_ways(folder))
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
     if (options.dry_run)
         return 0; // there is something to draw; that is all there is to say

@@ -7,6 +7,7 @@
 #include "rodwake/stages/run_folder.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
+#include "tradeoff_words.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -18,13 +19,28 @@ namespace {
 using stages::ErrorKind;
 using stages::Trial;
 
-double error_of(const Trial& trial, ErrorKind kind) { return trial.error[static_cast<std::size_t>(kind)]; }
-
-std::string time_text(double seconds) {
-    return seconds < 1e-3  ? fmt::format("{:.3g} us", 1e6 * seconds)
-           : seconds < 1.0 ? fmt::format("{:.3g} ms", 1e3 * seconds)
-                           : fmt::format("{:.3g} s", seconds);
+/// --error, or the first kind. Throws InputError.
+ErrorKind kind_of(const Options& options) {
+    using enum ErrorKind;
+    for (const ErrorKind kind : {final_state, contact_time, outcome, path})
+        if (options.error_kind == to_string(kind))
+            return kind;
+    if (!options.error_kind.empty())
+        throw InputError(fmt::format("--error {}: must be one of final_state, contact_time, outcome, path",
+                                     options.error_kind));
+    return final_state;
 }
+
+/// Absent without --for. An error of rods has no value that it could be a part of.
+std::optional<double> error_wanted(const Options& options) {
+    const auto wanted = wanted_error(options);
+    if (wanted && (wanted->relative || !wanted->quantity.empty()))
+        throw InputError(fmt::format(
+            "--for \"{}\": of rods a plain number, such as 1e-6; --error says of what", options.want_error));
+    return wanted ? std::optional(wanted->error) : std::nullopt;
+}
+
+double error_of(const Trial& trial, ErrorKind kind) { return trial.error[static_cast<std::size_t>(kind)]; }
 
 std::string way_text(const stages::Setting& s) {
     std::string text =
@@ -62,19 +78,19 @@ std::string advice(const stages::Tradeoff& table, ErrorKind kind, bool by_error)
 }
 
 int answer(const Options& options, const scene::Scene& scene, const stages::Tradeoff& table) {
-    const ErrorKind kind = options.tradeoff.kind;
-    if (!options.want_error && !options.want_time) {
+    const ErrorKind kind = kind_of(options);
+    const std::optional<double> error = error_wanted(options);
+    if (!error && !options.want_time) {
         print_front(table, kind);
         return 0;
     }
-    const Trial* best = options.want_error ? cheapest(table, kind, *options.want_error)
-                                           : most_accurate(table, kind, *options.want_time);
+    const Trial* best =
+        error ? cheapest(table, kind, *error) : most_accurate(table, kind, *options.want_time);
     if (!best)
         throw RunError(fmt::format("no setting that was tried {}: {}",
-                                   options.want_error
-                                       ? fmt::format("has an error of {:g} or less", *options.want_error)
-                                       : fmt::format("takes {} or less", time_text(*options.want_time)),
-                                   advice(table, kind, options.want_error.has_value())));
+                                   error ? fmt::format("has an error of {:g} or less", *error)
+                                         : fmt::format("takes {} or less", time_text(*options.want_time)),
+                                   advice(table, kind, error.has_value())));
     if (!options.quiet)
         fmt::print(stderr, "{} {:.2g}; {} for {}, {} right-hand sides\n", to_string(kind),
                    error_of(*best, kind), time_text(best->seconds), table.unit, best->rhs_evaluations);
@@ -87,7 +103,7 @@ constexpr assembly::Stage only[] = {assembly::Stage::tradeoff};
 /// 0, or the exit code of a measurement that did not come to its end.
 int measure(const Options& options, const scene::Scene& scene, const std::filesystem::path& folder) {
     stages::RunContext context = context_of(options);
-    context.tradeoff = options.tradeoff;
+    context.tradeoff = {kind_of(options), options.limit};
     const stages::StageEnd end = stages::run(stages::plan_run(scene, only, folder, context), folder, context);
     if (end == stages::StageEnd::interrupted)
         return signal_exit_code(stop_signal());
@@ -119,18 +135,40 @@ int describe_work(const scene::Scene& scene, const std::filesystem::path& folder
     return 0;
 }
 
+/// --of, or the first part that the scene names.
+stages::Part part_of(const Options& options, const scene::Scene& scene) {
+    using enum stages::Part;
+    for (const stages::Part part : {rods, bed, fit, field})
+        if (options.tradeoff_of == to_string(part))
+            return part;
+    const bool foreign = scene.measure && !scene.measure->trajectory.empty();
+    return scene.rods_run || scene.scan ? rods
+           : scene.granular && !foreign ? bed
+           : scene.fit                  ? fit
+           : scene.field                ? field
+                                        : rods;
+}
+
+int tradeoff_of_rods(const Options& options, const scene::Scene& scene) {
+    const std::filesystem::path folder = output_folder(options);
+    if (options.dry_run)
+        return describe_work(scene, folder);
+    kind_of(options);
+    error_wanted(options);
+    stages::settings_of(scene); // refuses what cannot be measured
+    const int code = is_done(options, scene, folder) ? 0 : measure(options, scene, folder);
+    return code != 0 ? code : answer(options, scene, stages::read_tradeoff(folder));
+}
+
 } // namespace
 
 int verb_tradeoff(const Options& options) {
     scene::Scene scene = scene::read_scene(options.target, options.overrides);
     if (options.seed)
         assembly::apply_seed(scene, *options.seed);
-    const std::filesystem::path folder = output_folder(options);
-    if (options.dry_run)
-        return describe_work(scene, folder);
-    stages::settings_of(scene); // refuses what cannot be measured
-    const int code = is_done(options, scene, folder) ? 0 : measure(options, scene, folder);
-    return code != 0 ? code : answer(options, scene, stages::read_tradeoff(folder));
+    const stages::Part part = part_of(options, scene);
+    return part == stages::Part::rods ? tradeoff_of_rods(options, scene)
+                                      : tradeoff_of_ways(options, scene, part);
 }
 
 } // namespace rodwake::cli

@@ -3,6 +3,7 @@
 #include "scan/scan_columns.hpp"
 #include "series_columns.hpp"
 #include "tradeoff/tradeoff_files.hpp"
+#include "tradeoff/ways_files.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -170,6 +171,7 @@ constexpr FileKind plain_kinds[] = {
     {"cells.csv", Stage::scan, result, "cells of the refinement that were not divided", cells_columns},
     {"boundary.csv", Stage::scan, result, "boundaries between outcomes as curves", boundary_columns},
 
+    {"ways.json", Stage::tradeoff, kept, "the ways to compute a part of a scene that were tried"},
     {"tradeoff.json", Stage::tradeoff, kept, "the reference, and the settings that were tried"},
 
     {"rods.csv", Stage::rods, result, "rods against time", rods_columns},
@@ -204,6 +206,8 @@ std::vector<FileKind> all_kinds() {
                    scan_columns()});
     all.push_back({"tradeoff.csv", Stage::tradeoff, result, "a row a setting: its error and its cost",
                    tradeoff_columns()});
+    all.push_back({"ways.csv", Stage::tradeoff, result,
+                   "a row a way and quantity: value, bias, scatter, cost", ways_columns()});
     all.push_back({"scan_runs.csv", Stage::scan, result, "a row a run of a scan of beds", scan_columns()});
     all.push_back(
         {"series.csv", Stage::measure, result, "a row for the scene and one for each variant", series});

@@ -23,21 +23,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* ledger_file = "fit_starts.log";
 
-/// What the end of a start depends on: version, search, model and data.
-std::string key_of(const scene::Scene& scene, const assembly::FitPlan& plan) {
-    scene::Scene only_fit;
-    only_fit.fit = scene.fit;
-    std::string key = build_info().version + " " + build_info().git + "\n" + scene::to_toml(only_fit);
-    key += fmt::format("seed {}\n", plan.method.seed);
-    for (const assembly::FitProfileData& p : plan.profiles)
-        key += fmt::format("{}\n{}\n{}\n", fmt::join(p.data.place, " "), fmt::join(p.data.value, " "),
-                           fmt::join(p.data.sigma, " "));
-    for (const assembly::FitTrackData& t : plan.tracks)
-        for (std::size_t i = 0; i < t.data.times.size(); ++i)
-            key += fmt::format("{} {}\n", t.data.times[i], fmt::join(t.data.states[i], " "));
-    return key;
-}
-
 void log_data(const assembly::FitPlan& plan, const Logger& log) {
     for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
         const assembly::FitProfileData& p = plan.profiles[i];
@@ -132,12 +117,26 @@ fitting::Fit solve(const assembly::FitPlan& plan, fitting::Method& method, FitLe
 
 } // namespace
 
+std::string fit_key(const scene::Scene& scene, const assembly::FitPlan& plan) {
+    scene::Scene only_fit;
+    only_fit.fit = scene.fit;
+    std::string key = build_info().version + " " + build_info().git + "\n" + scene::to_toml(only_fit);
+    key += fmt::format("seed {}\n", plan.method.seed);
+    for (const assembly::FitProfileData& p : plan.profiles)
+        key += fmt::format("{}\n{}\n{}\n", fmt::join(p.data.place, " "), fmt::join(p.data.value, " "),
+                           fmt::join(p.data.sigma, " "));
+    for (const assembly::FitTrackData& t : plan.tracks)
+        for (std::size_t i = 0; i < t.data.times.size(); ++i)
+            key += fmt::format("{} {}\n", t.data.times[i], fmt::join(t.data.states[i], " "));
+    return key;
+}
+
 bool fit_was_stopped(const fs::path& folder) { return fs::exists(folder / ledger_file); }
 
 FitStageResult fit_in_folder(const scene::Scene& scene, const assembly::FitPlan& plan,
                              const RunContext& context, const fs::path& folder, const Logger& log) {
     log_data(plan, log);
-    FitLedger ledger(folder / ledger_file, key_of(scene, plan),
+    FitLedger ledger(folder / ledger_file, fit_key(scene, plan),
                      fitting::free_parameters(plan.problem).size());
     fitting::Method method = plan.method;
     method.threads = context.thread_count();

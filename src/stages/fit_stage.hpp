@@ -16,6 +16,9 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const assembly::FitPlan&
                              const RunContext& context, const std::filesystem::path& folder,
                              const Logger& log);
 
+/// What a fit depends on, as text: version, search, model and data.
+std::string fit_key(const scene::Scene& scene, const assembly::FitPlan& plan);
+
 /// Whether a fit was stopped in this folder and can go on.
 bool fit_was_stopped(const std::filesystem::path& folder);
 

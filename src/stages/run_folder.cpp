@@ -230,12 +230,12 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
     }
     if (stages_.empty())
         refuse("holds a finished run of this scene");
-    drop_outdated(scene);
+    drop_outdated(scene, stages);
     if (old && old->granular && scene.granular && contains(kept_, Stage::granular))
         kept_runs_ = old->granular->runs;
 }
 
-void RunFolder::drop_outdated(const scene::Scene& scene) {
+void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> asked) {
     const bool fitted = scene.medium && scene.medium->fitted, own_field = measures_own_field(scene);
     const auto redone = [&](Stage other) { return contains(stages_, other); };
     const auto new_field = [&] {
@@ -263,13 +263,15 @@ void RunFolder::drop_outdated(const scene::Scene& scene) {
         }
         return new_field();
     };
-    for (const Stage stage : kept_)
-        if (outdated(stage))
-            dropped_.push_back(stage);
-    std::erase_if(kept_, outdated);
-    std::erase_if(unaffected_, [&](const auto& record) {
-        return std::ranges::any_of(dropped_, [&](Stage stage) { return to_string(stage) == record.first; });
-    });
+    for (const Stage stage : std::vector(kept_)) // in the order in which they are done
+        if (outdated(stage)) {
+            (contains(asked, stage) ? stages_ : dropped_).push_back(stage);
+            std::erase(kept_, stage);
+            unaffected_.erase(to_string(stage));
+        }
+    std::ranges::sort(stages_);
+    for (const Stage stage : dropped_)
+        unaffected_.erase(to_string(stage));
 }
 
 StageRecords RunFolder::records(const std::string& status) const {

@@ -184,6 +184,15 @@ TEST_CASE("An ensemble grows, and what followed from it is dropped") {
     CHECK_FALSE(grown.kept_runs().has_value());
 }
 
+TEST_CASE("An ensemble grows, and what is asked for with it is done again") {
+    const Scratch scratch;
+    hold(scratch, bed(0.5, 2), {{"granular", "finished"}, {"measure", "finished"}, {"fit", "finished"}});
+    const Stages both{Stage::granular, Stage::measure};
+    const RunFolder grown(scratch / "run", bed(0.5, 4), both, false);
+    CHECK(grown.stages() == both);
+    CHECK(grown.kept().empty()); // the fit was of the measures
+}
+
 TEST_CASE("Whoever is killed while a folder is begun leaves one that can be taken up") {
     const Scratch scratch;
     const auto killed = [&](const scene::Scene& scene, const Stages& asked, bool force, int at) {
