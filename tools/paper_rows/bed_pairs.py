@@ -1,0 +1,146 @@
+"""Two rods in the bed: avoidance, attraction, pursuit; and the paper's films."""
+
+from math import nan, sqrt
+
+from . import judge, results
+from .bed import FLOW, drags, experiment, leaves
+from .entry import Row, Run, Subject
+
+CRYSTAL = Run("pair_crystal", "pair_crystal.toml", (), ("granular.runs=16",))
+FLUID = Run("pair_fluid", "pair_fluid.toml", (), ("granular.runs=16",))
+DENSITY = Run("pair_density", "pair_density.toml", quick=None)
+APOLAR = Run("apolar", "apolar_pair.toml", (), ("granular.runs=6",))
+PURSUIT = Run("pursuit", "pursuit_bed.toml", (), ("granular.runs=6",))
+PURSUIT_26 = Run("pursuit_26", "pursuit_bed.toml", ('granular.rods.1.position=["25 a", "34 a"]',), None)
+A = 4e-4       # m
+TURNED = 1 / 3  # of the other rod's turn: the rod that turns less "goes straight"
+
+
+def half_box(folder):
+    """Change of the separation over half a box, a."""
+    pair = results.told(folder, "summary")["pair"]
+    return pair.get("half_box_separation_change", nan) / A, pair.get("half_box_separation_change_error", nan) / A
+
+
+def changes(expected):
+    return lambda folder: judge.sign(*half_box(folder), expected, "a")
+
+
+def turns(folder):
+    """How far each rod has turned by the end of each run, radians."""
+    found = []
+    for path in sorted(folder.glob("runs/*/tracks.csv")):
+        row = results.table(path)[-1]
+        found.append((abs(float(row["theta0"])), abs(float(row["theta1"]))))
+    return found
+
+
+def one_straight(folder):
+    pairs = turns(folder)
+    runs, many = len(pairs), sum(min(pair) < TURNED * max(pair) for pair in pairs)
+    share = many / runs
+    found = judge.at_least(share, sqrt(max(share * (1 - share), 1 / runs) / runs), 0.5)
+    return judge.Judged(found.verdict, f"{many} of {runs} runs", found.difference)
+
+
+def curve(folder, distance):
+    """[(phi_b, Delta y, error)] of one distance at the start, a."""
+    rows = results.table(folder / "scan.csv")
+    return [(float(row["granular.phi_b"]), float(row["delta_y"]), float(row["delta_y_error"])) for row in rows
+            if row["delta_y"] and abs(2 * float(row["granular.rods.0.position.1"]) / A - distance) < 0.01]
+
+
+def pooled(folder, wanted):
+    found = [(value, error) for distance in (18, 24) for phi, value, error in curve(folder, distance) if wanted(phi)]
+    return judge.weighted(*zip(*found)) if found else (nan, nan)
+
+
+def avoid(folder):
+    return judge.sign(*pooled(folder, lambda phi: phi < 0.735), +1, "a")
+
+
+def attract(folder):
+    return judge.sign(*pooled(folder, lambda phi: phi > 0.745), -1, "a")
+
+
+def weakens(folder):
+    """|Delta y| at 0.80 against that at 0.78."""
+    (high, high_error), (low, low_error) = (pooled(folder, lambda phi, at=at: abs(phi - at) < 0.005) for at in (0.80, 0.78))
+    return judge.sign(high - low, sqrt(high_error**2 + low_error**2), +1, "a")
+
+
+def no_interaction(folder, motile):
+    """Against what the motile pair does."""
+    parts = []
+    for place in (folder, folder / "variants/crystal"):
+        pair = results.told(place, "summary")["pair"]
+        change, error = (pair.get(key, nan) / A for key in ("separation_change", "separation_change_error"))
+        parts.append(judge.none(change, error, abs(half_box(motile)[0]) / 2, "a"))
+    return judge.together(*parts)
+
+
+def rear_turns(folder):
+    pairs = results.told(folder, "measure")["pairs"]
+    return judge.sign(*results.estimate(pairs["non_reciprocity"]), +1)
+
+
+def captured(folder):
+    pairs = results.told(folder, "measure")["pairs"]
+    runs = sum(pairs[name] for name in ("contact", "pursuit", "escape", "undecided"))
+    share = (pairs["contact"] + pairs["pursuit"]) / runs
+    found = judge.at_least(share, sqrt(max(share * (1 - share), 1 / runs) / runs), 0.5)
+    return judge.Judged(found.verdict, f"{pairs['contact']} contacts and {pairs['pursuit']} pursuits in {runs} runs", "asked: half and more of the runs")
+
+
+SCATTER = "Single runs scatter widely: --full makes 50."
+ROWS = "In our crystal the rod that heads across the close-packed rows turns into them, whatever the other rod does."
+PAIRS = Subject("The bed: two rods", (
+    Row("trajectory_c", "Fig. 1 trajectory (c)", "15 a apart at φ_b = 0.78: the rods come together", changes(-1), (CRYSTAL,), ("tracks",), SCATTER),
+    Row("trajectory_d_inset", "Fig. 1 trajectory (d), inset", "at φ_b = 0.70 they part", changes(+1), (FLUID,), ("tracks",), SCATTER),
+    Row("trajectory_d_fluid", "Fig. 1 trajectory (d)", "Δy > 0 for φ_b < 0.74 (d₀ = 18 a and 24 a, pooled)", avoid, (DENSITY,), ("delta_y",), SCATTER),
+    Row("trajectory_d_crystal", "Fig. 1 trajectory (d)", "Δy < 0 for φ_b > 0.74 (d₀ = 18 a and 24 a, pooled)", attract, (DENSITY,), (), SCATTER),
+    Row("trajectory_d_weak", "text at Fig. 1 trajectory", "possible weakening of the attraction at φ_b = 0.80", weakens, (DENSITY,)),
+    Row("trajectory_ab", "Fig. 1 trajectory (a), (b)", "the same in experiment", experiment("only its simulation can be compared")),
+    Row("one_straight", "text at Fig. 1 trajectory", "more often one goes straight and the other turns (turns by less than a third of the other)",
+        one_straight, (CRYSTAL,), (), SCATTER),
+    Row("apolar_pair", "section IV", "apolar rods neither attract nor repel, φ_b = 0.70, 0.80 (less than half of what motile rods do)", no_interaction,
+        (APOLAR, CRYSTAL), ("tracks",), SCATTER),
+    Row("nonrecip_b", "Fig. 12 nonreciptheory (b)", "φ_b = 0.78, 39.4 a apart: the rear rod turns, the front one does not", rear_turns, (PURSUIT,),
+        ("nonreciptheory_b",), ROWS),
+    Row("nonrecip_b_end", "Fig. 12 nonreciptheory (b)", "and captures", captured, (PURSUIT,), (), ROWS),
+    Row("nonrecip_c", "Fig. 12 nonreciptheory (c)", "26 a apart (an experiment; here simulated): the rear rod turns", rear_turns, (PURSUIT_26,),
+        ("nonreciptheory_b",), ROWS),
+))
+
+APOLAR_RODS = ("granular.rods.0.kind=apolar", "granular.rods.1.kind=apolar", "granular.duration=10 s")
+FRAMES = "granular.output.frames=0.2 s"
+
+
+def film(name, scene, *settings):
+    return Run(f"film_{name}", scene, settings)
+
+
+def beside_film(judged):
+    """The verdict is that of the runs that the film shows one more of."""
+    return lambda _, *folders: judged(*folders)
+
+
+FILMS = Subject("The paper's films", (
+    Row("S1", "Movie S1", "two rods 15 a apart at φ_b = 0.78, experiment", experiment("S2 is its simulation")),
+    Row("S2", "Movie S2", "two rods 15 a apart at φ_b = 0.78 come together", beside_film(changes(-1)), (film("S2", "pair_film.toml"), CRYSTAL), ("film",),
+        SCATTER),
+    Row("S3", "Movie S3", "two rods at φ_b = 0.70, experiment", experiment("S4 is its simulation")),
+    Row("S4", "Movie S4", "two rods at φ_b = 0.70 part", beside_film(changes(+1)), (film("S4", "pair_film.toml", "granular.phi_b=0.70"), FLUID), ("film",),
+        SCATTER),
+    Row("S5", "Movie S5", "a rod drags the beads around it at φ_b = 0.70", beside_film(drags),
+        (film("S5", "rod_in_bed.toml", "granular.phi_b=0.70", FRAMES), FLOW), ("film",)),
+    Row("S6", "Movie S6", "a rod leaves the beads around it undisturbed at φ_b = 0.80", beside_film(leaves),
+        (film("S6", "rod_in_bed.toml", FRAMES), FLOW), ("film",)),
+    Row("S7", "Movie S7", "apolar rods at φ_b = 0.70 neither attract nor repel", beside_film(no_interaction),
+        (film("S7", "pair_film.toml", "granular.phi_b=0.70", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER),
+    Row("S8", "Movie S8", "apolar rods at φ_b = 0.80 neither attract nor repel", beside_film(no_interaction),
+        (film("S8", "pair_film.toml", "granular.phi_b=0.80", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER),
+    Row("S9", "Movie S9", "perpendicular start at φ_b = 0.78: the rear rod turns, the front one does not", beside_film(rear_turns),
+        (film("S9", "pursuit_film.toml"), PURSUIT), ("film",), ROWS),
+    Row("S10", "Movie S10", "perpendicular start in experiment, 26 a apart", experiment("row nonrecip_c simulates it")),
+))

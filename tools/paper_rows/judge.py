@@ -1,0 +1,105 @@
+"""Verdicts: what a value with its error says about the paper's value or statement. The rules stand in docs/paper.md.
+
+A statement is confirmed at two standard errors and refuted at three; between the two, and where the error is too large for the
+question, the verdict is "cannot tell". Exact results (the theory, solved to ten digits) have the error 0.
+"""
+
+from dataclasses import dataclass
+from math import hypot, inf, isfinite
+
+MATCHES, DIFFERS, UNKNOWN = VERDICTS = "matches", "differs", "cannot tell"
+CONFIRMED, REFUTED = 2.0, 3.0  # standard errors
+LARGEST = 1.0 / 3.0            # of the paper's value: with a larger error of ours three errors reach from it to 0
+
+
+@dataclass(frozen=True)
+class Judged:
+    verdict: str
+    ours: str
+    difference: str = ""
+
+
+def plain(value, digits=3):
+    return f"{value:.{digits}g}" if isfinite(value) else "unknown"
+
+
+def with_error(value, error, unit=""):
+    """-1.90 +- 0.47 a: as many places as two digits of the error ask for."""
+    if not error or not isfinite(error):
+        return f"{plain(value, 4)} {unit}".rstrip() + ("" if error == 0 else " (error unknown)")
+    places = max(0, -int(f"{error:.1e}".split("e")[1]) + 1)
+    return f"{value:.{places}f} ± {error:.{places}f} {unit}".rstrip()
+
+
+def unknown(why, ours=""):
+    return Judged(UNKNOWN, ours or "-", why)
+
+
+def by_distance(distance, error):
+    """The verdict on something that should not be above 0."""
+    if error is None or not isfinite(error) or not isfinite(distance):
+        return UNKNOWN
+    if distance + CONFIRMED * error <= 0.0:
+        return MATCHES
+    return DIFFERS if distance - REFUTED * error > 0.0 else UNKNOWN
+
+
+def number(value, error, paper, paper_error, unit=""):
+    """A value of the paper; paper_error is half of its last printed digit, or what it states."""
+    ours = with_error(value, error, unit)
+    if error is None or not isfinite(error):
+        return unknown("the error is unknown", ours)
+    off, both = abs(value - paper), hypot(error, paper_error)
+    told = with_error(value - paper, both, unit) + (f" ({off / both:.1f} errors)" if both > 0 else "")
+    if off > REFUTED * both:
+        return Judged(DIFFERS, ours, told)
+    if off > CONFIRMED * both or error > LARGEST * abs(paper):
+        return Judged(UNKNOWN, ours, told)
+    return Judged(MATCHES, ours, told)
+
+
+def sign(value, error, expected, unit=""):
+    """A direction: expected is +1 or -1."""
+    ours = with_error(value, error, unit)
+    told = f"{expected * value / error:.1f} errors on the paper's side" if error else ""
+    return Judged(by_distance(-expected * value, error), ours, told)
+
+
+def at_most(value, error, bound, unit=""):
+    return Judged(by_distance(value - bound, error), with_error(value, error, unit), f"asked: at most {plain(bound)} {unit}".rstrip())
+
+
+def at_least(value, error, bound, unit=""):
+    return Judged(by_distance(bound - value, error), with_error(value, error, unit), f"asked: at least {plain(bound)} {unit}".rstrip())
+
+
+def none(value, error, smallest, unit=""):
+    """"No effect": an effect of the size `smallest`, which would count, is ruled out."""
+    judged = at_most(abs(value), error, smallest, unit)
+    return Judged(judged.verdict, with_error(value, error, unit), f"asked: below {plain(smallest)} {unit} either way".replace("  ", " "))
+
+
+def between(value, error, low, high, unit=""):
+    """A range that the paper states."""
+    outside = max(low - value, value - high)
+    return Judged(by_distance(outside, error), with_error(value, error, unit), f"asked: {plain(low)} to {plain(high)} {unit}".rstrip())
+
+
+def holds(true, ours, difference=""):
+    """An exact result, or a class without an error."""
+    return Judged(MATCHES if true else DIFFERS, ours, difference)
+
+
+def together(*parts):
+    """Several that must all hold: one that differs decides, one that cannot tell leaves it open."""
+    verdicts = [part.verdict for part in parts]
+    verdict = DIFFERS if DIFFERS in verdicts else UNKNOWN if UNKNOWN in verdicts else MATCHES
+    joined = ("; ".join(text for text in texts if text) for texts in zip(*((part.ours, part.difference) for part in parts)))
+    return Judged(verdict, *joined)
+
+
+def weighted(values, errors):
+    """Mean with weights 1/error^2 and its standard error."""
+    weights = [1.0 / error**2 if error > 0 else inf for error in errors]
+    total = sum(weights)
+    return sum(w * v for w, v in zip(weights, values)) / total, total**-0.5

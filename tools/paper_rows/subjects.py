@@ -1,0 +1,5 @@
+"""The subjects of the page, in its order."""
+
+from . import bed, bed_pairs, fits, theory_field, theory_pairs
+
+ALL = (theory_field.FIELD, theory_pairs.PAIRS, bed.BED, bed_pairs.PAIRS, fits.WAKE_ROWS, bed_pairs.FILMS)

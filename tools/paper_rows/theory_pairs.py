@@ -1,0 +1,94 @@
+"""Two rods of the theory: who is captured, and who notices."""
+
+from . import judge, results
+from .entry import Row, Run, Subject
+
+ATTRACTION = Run("attraction", "attraction.toml")
+PURSUIT = Run("nonreciptheory", "nonreciptheory.toml")
+POLAR, APOLAR = Run("pletraj_a", "pletraj_a.toml"), Run("pletraj_b", "pletraj_b.toml")
+BY_KAPPA, BY_GAMMA = Run("capture_kappa", "capture_kappa.toml"), Run("capture_gamma", "capture_gamma.toml")
+BOTH = Run("capture_gamma_negative", "capture_gamma.toml", ("coupling.kappa=-100",))
+CAPTURED = ("contact", "pursuit")
+FIGURE_START = 1.0  # dx of pletraj_a.toml and pletraj_b.toml
+
+
+def meets(folder):
+    told = results.told(folder, "outcome")
+    return judge.holds(told["outcome"] == "contact", f"{told['outcome']} at t = {told['time']:.2f} f/(μ v₀)")
+
+
+def front_rests(folder):
+    told = results.told(folder, "outcome")
+    front, rear = sorted(map(abs, told["turn"]))
+    return judge.holds(told["outcome"] in CAPTURED and front < 1e-3 * rear,
+                       f"{told['outcome']}; the front rod turns by {front:.1e} rad, the rear one by {rear:.2f} rad")
+
+
+def encounters(folder, wanted, key="coupling.kappa"):
+    """(value of key, start, whether captured) of the points of a scan that are wanted."""
+    return [(float(row[key]), float(row["rods.1.position.0"]), row["outcome"] in CAPTURED)
+            for row in results.table(folder / "scan.csv") if wanted(row)]
+
+
+def kappa(low, high):
+    return lambda row: low <= float(row["coupling.kappa"]) <= high
+
+
+def exceptions(found, expected):
+    """The starts that do not do as expected, and the verdict on "all"."""
+    other = [start for start in found if start[2] != expected]
+    what = "captured" if expected else "not captured"
+    return judge.holds(not other, f"{len(found) - len(other)} of {len(found)} starts {what}"), other
+
+
+def all_captured(folder):
+    return exceptions(encounters(folder, kappa(100, 100)), True)[0]
+
+
+def always_captured(folder):
+    judged, other = exceptions(encounters(folder, kappa(0.1, 1e3)), True)
+    values = sorted({value for value, *_ in other})
+    return judge.holds(not other, judged.ours, "escapes at κ = " + ", ".join(f"{value:g}" for value in values))
+
+
+def negative_free(folder):
+    judged, other = exceptions(encounters(folder, kappa(-100, -100)), False)
+    return judge.holds(not other, judged.ours, "contact at dx = " + ", ".join(f"{dx:g}" for _, dx, _ in other))
+
+
+def figure_b(_, scan):
+    found = {value: captured for value, dx, captured in encounters(scan, kappa(-100, 100)) if dx == FIGURE_START and abs(value) == 100}
+    return judge.holds(found == {100.0: True, -100.0: False}, f"from dx = 1: κ = 100 {'is' if found[100.0] else 'is not'} captured, "
+                       f"κ = -100 {'is' if found[-100.0] else 'is not'}")
+
+
+def figure_a(_, scan):
+    here = encounters(scan, lambda row: float(row["rods.1.position.0"]) == FIGURE_START, "coupling.gamma1")
+    return exceptions(here, False)[0]
+
+
+def gamma_free(folder):
+    judged, other = exceptions([(row["coupling.gamma1"], row["coupling.gamma2"], row["outcome"] in CAPTURED)
+                                for row in results.table(folder / "scan.csv")], False)
+    signs = sorted({(one, two) for one, two, _ in other})
+    return judge.holds(not other, judged.ours, "captured at (γ₁, γ₂) = " + "; ".join(f"({one}, {two})" for one, two in signs) if signs else "")
+
+
+NEAR_CROSSING = "Off the paper's start: rods that would nearly meet if they walked straight (dx = 5) do meet, whatever turns them."
+PAIRS = Subject("Theory: two rods", (
+    Row("attraction_b", "Fig. 9 attraction (b)", "side by side 5 f/μ apart, κf/(μv₀) = 0.5, η = α = 1: they come together", meets,
+        (ATTRACTION,), ("attraction_b",)),
+    Row("nonrecip_a", "Fig. 12 nonreciptheory (a)", "κf/(μv₀) = 100: the rear rod turns and captures, the front one moves oblivious",
+        front_rests, (PURSUIT,), ("nonreciptheory_a",)),
+    Row("kappa_100", "text at Fig. 12 nonreciptheory", "perpendicular starts at κf/(μv₀) = 100 are always captured", all_captured,
+        (BY_KAPPA,)),
+    Row("kappa_positive", "text at Fig. 12 nonreciptheory", "γ = 0 and κ > 0 always leads to capture", always_captured, (BY_KAPPA,),
+        ("phase_diagram",), "Weak coupling turns the rear rod too slowly: the rods pass each other. Only κ of tens captures every start."),
+    Row("pletraj_a", "Fig. 11 pletraj (a)", "κ = 0, γ₁, γ₂ = ±10 v₀, α = 10: no capture", figure_a, (POLAR, BY_GAMMA), ("pletraj_a",)),
+    Row("gamma_all", "text at Fig. 11 pletraj", "κ = 0, γ₁, γ₂ = ±10 v₀: in all cases capture does not take place", gamma_free, (BY_GAMMA,),
+        ("phase_diagram",), NEAR_CROSSING + " (10, -10) captures over a wider range of starts."),
+    Row("gamma_kappa", "text at Fig. 11 pletraj", "γ₁, γ₂ = ±10 v₀ and κ < 0 (here -100): no capture", gamma_free, (BOTH,), ("phase_diagram",),
+        NEAR_CROSSING),
+    Row("pletraj_b", "Fig. 11 pletraj (b)", "κf/(μv₀) = 100 captures, -100 does not (α = 10, η = 1)", figure_b, (APOLAR, BY_KAPPA), ("pletraj_b",)),
+    Row("kappa_negative", "text at Fig. 11 pletraj", "κf/(μv₀) = -100: no capture", negative_free, (BY_KAPPA,), (), NEAR_CROSSING),
+))
