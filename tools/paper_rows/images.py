@@ -24,7 +24,7 @@ def markup(path, cache):
     if path.suffix == ".mp4":
         return f'<video controls loop muted playsinline aria-label="{alt}" src="data:video/mp4;base64,{encoded(path.read_bytes())}"></video>'
     data, (width, height) = shrunk(path, cache)
-    return f'<img loading="lazy" alt="{alt}" width="{width}" height="{height}" src="data:image/webp;base64,{encoded(data)}">'
+    return f'<img alt="{alt}" width="{width}" height="{height}" src="data:image/webp;base64,{encoded(data)}">'
 
 
 def encoded(data):

@@ -1,0 +1,196 @@
+"""tools/paper: its verdicts, its list of rows, what it runs again and what not, and its page with made-up rows."""
+
+import contextlib
+import io
+import sys
+import tempfile
+import tomllib
+import unittest
+from math import nan
+from pathlib import Path
+
+import browser
+import rodwake
+from PIL import Image
+from rodwake import SOURCE
+
+sys.path.insert(0, str(SOURCE / "tools"))
+from paper_rows import judge, lab, page, subjects, table  # noqa: E402
+from paper_rows.entry import Row, Run, Subject  # noqa: E402
+from paper_rows.judge import DIFFERS, MATCHES, UNKNOWN  # noqa: E402
+
+ROWS = [row for subject in subjects.ALL for row in subject.rows]
+PROGRAM = """#!/bin/sh
+# Stands for rodwake: notes its arguments, and ends as the scene's first comment says.
+echo "$*" >> "{calls}"
+scene="$2"
+while [ "$1" != -o ]; do shift; done
+mkdir -p "$2"
+code=$(sed -n 's/^# exit //p' "$scene")
+[ "$code" = 0 ] && echo '{{"status": "finished"}}' > "$2/provenance.json"
+[ "$code" = 1 ] && echo "no room left" >&2
+exit "$code"
+"""
+CHECK = """# modelled
+  bed: 99 runs for 4 runs
+# expected cost
+  {}
+    part or setting                         takes    share
+    search for contacts              14 us a step     48 %
+"""
+
+
+class VerdictTest(unittest.TestCase):
+    def verdicts(self, rule, cases):
+        for arguments, verdict in cases:
+            with self.subTest(rule=rule.__name__, arguments=arguments):
+                self.assertEqual(rule(*arguments).verdict, verdict)
+
+    def test_a_value_against_a_value(self):
+        # value, error, paper's value, its rounding
+        self.verdicts(judge.number, [((2.3, 0.1, 2.2, 0.05), MATCHES), ((2.5, 0.1, 2.2, 0.05), UNKNOWN), ((4.1, 0.05, 2.2, 0.05), DIFFERS),
+                                     ((2.2, 0.8, 2.2, 0.05), UNKNOWN), ((2.2, nan, 2.2, 0.05), UNKNOWN), ((9.0, 1.0, 2.2, 0.05), DIFFERS),
+                                     ((2.2, 0.0, 2.2, 0.0), MATCHES), ((2.3, 0.0, 2.2, 0.0), DIFFERS), ((-0.5, 0.01, -0.5, 0.05), MATCHES)])
+
+    def test_directions_and_bounds(self):
+        self.verdicts(judge.sign, [((-1.9, 0.5, -1), MATCHES), ((-0.9, 0.5, -1), UNKNOWN), ((1.4, 0.5, -1), UNKNOWN), ((1.6, 0.5, -1), DIFFERS),
+                                   ((-1.9, nan, -1), UNKNOWN), ((nan, 0.1, -1), UNKNOWN)])
+        self.verdicts(judge.at_most, [((1.0, 0.1, 1.3), MATCHES), ((1.2, 0.1, 1.3), UNKNOWN), ((1.7, 0.1, 1.3), DIFFERS)])
+        self.verdicts(judge.at_least, [((1.0, 0.1, 0.7), MATCHES), ((0.8, 0.1, 0.7), UNKNOWN), ((0.3, 0.1, 0.7), DIFFERS)])
+        self.verdicts(judge.between, [((1.0, 0.05, 0.8, 1.2), MATCHES), ((1.15, 0.05, 0.8, 1.2), UNKNOWN), ((0.5, 0.05, 0.8, 1.2), DIFFERS)])
+
+    def test_no_effect_needs_a_small_error_too(self):
+        self.verdicts(judge.none, [((0.1, 0.1, 1.0), MATCHES), ((-0.1, 0.1, 1.0), MATCHES), ((0.1, 0.9, 1.0), UNKNOWN), ((-2.0, 0.2, 1.0), DIFFERS)])
+
+    def test_parts_of_a_statement(self):
+        yes, no, open_ = (judge.Judged(verdict, verdict) for verdict in judge.VERDICTS)
+        self.assertEqual([judge.together(*parts).verdict for parts in ((yes, yes), (yes, open_), (open_, no))], [MATCHES, UNKNOWN, DIFFERS])
+
+    def test_numbers_are_printed_to_their_error(self):
+        self.assertEqual(judge.with_error(-1.898, 0.4711, "a"), "-1.90 ± 0.47 a")
+        self.assertEqual(judge.with_error(812.3, 35.1), "812 ± 35")
+        self.assertIn("unknown", judge.with_error(1.0, nan))
+
+
+class RowsTest(unittest.TestCase):
+    def test_every_figure_and_film_of_the_paper_has_a_row(self):
+        places = " ".join(row.place for row in ROWS)
+        for number in range(1, 13):
+            self.assertIn(f"Fig. {number} ", places)
+        for number in range(1, 11):
+            self.assertRegex(places, rf"Movie S{number}\b")
+
+    def test_rows_name_what_there_is(self):
+        self.assertEqual(len({row.id for row in ROWS}), len(ROWS))
+        one = lab.Lab("rodwake", "unused", 1, True)
+        for row in ROWS:
+            named = {figure["name"] for run in row.runs for figure in tomllib.loads(one.scene(run).read_text())["figures"]}
+            self.assertLessEqual(set(row.figures), named, row.id)
+
+    def test_a_name_stands_for_one_run(self):
+        runs = [run for row in ROWS for run in row.runs]
+        self.assertEqual(len({run.name for run in runs}), len(set(runs)))
+
+
+class LabCase(unittest.TestCase):
+    """A lab whose program is a script, in a fresh folder."""
+
+    def setUp(self):
+        self.enterContext(contextlib.redirect_stdout(io.StringIO()))
+        folder = tempfile.TemporaryDirectory(prefix="rodwake-paper-")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.calls = self.folder / "calls"
+        program = self.folder / "program"
+        program.write_text(PROGRAM.format(calls=self.calls))
+        program.chmod(0o755)
+        self.lab = lab.Lab(program, self.folder / "out", 1, True)
+
+    def run_of(self, code, settings=(), quick=()):
+        scene = self.folder / f"scene_{code}.toml"
+        scene.write_text(f"# exit {code}\n")
+        self.lab.scene = lambda run: scene
+        self.lab.command = lambda run, quick, *extra: ["rodwake", "run", str(scene), *self.lab.settings(run, quick), *extra]
+        return Run("one", scene.name, settings, quick)
+
+
+class LabTest(LabCase):
+    def test_what_is_done_is_not_done_again(self):
+        run = self.run_of(0)
+        self.assertEqual(self.lab.open([run, run]), [run])
+        self.lab.make(run)
+        self.assertEqual(self.lab.open([run]), [])
+        self.assertEqual(self.lab.found(run), (self.folder / "out/runs/one", False))
+        other = self.run_of(0, ("x=1",))
+        self.assertEqual(self.lab.open([other]), [other])
+        self.assertIsNone(self.lab.found(other))
+        self.lab.make(other)
+        self.assertIn("--force", self.calls.read_text().splitlines()[1])
+
+    def test_a_stopped_run_goes_on(self):
+        run = self.run_of(130)
+        for _ in range(2):
+            with self.assertRaises(SystemExit) as stopped:
+                self.lab.make(run)
+            self.assertEqual(stopped.exception.code, 130)
+        self.assertNotIn("--force", self.calls.read_text().splitlines()[1])
+        self.assertEqual(self.lab.open([run]), [run])
+
+    def test_a_full_result_stands_for_the_quick_one(self):
+        run = self.run_of(0, quick=("runs=2",))
+        self.lab.quick = False
+        self.lab.make(run)
+        self.lab.quick = True
+        self.assertEqual((self.lab.open([run]), self.lab.found(run)[1]), ([], False))
+
+    def test_a_failed_run_cannot_tell(self):
+        run = self.run_of(1)
+        self.lab.make(run)
+        found = table.judge_row(self.lab, Row("r", "Fig. 1", "says", lambda folder: judge.holds(True, "x"), (run,)))
+        self.assertEqual((found.judged.verdict, found.judged.difference), (UNKNOWN, "no room left"))
+
+    def test_the_cost_that_check_tells(self):
+        for line, seconds in (("granular run: about 45 CPU seconds each, 2.2e+03 for 50 runs", 2200),
+                              ("granular run: about 46 CPU seconds each, 1.9e+02 for 4 runs; 2.3e+03 for all 11 beds", 2300),
+                              ("scan: 800 runs, about 51 CPU seconds each (the bed as written), 4.2e+04 in all (12 hours)", 42000),
+                              ("granular run: about 23 CPU seconds", 23), ("rods: about 2.7 ms each, 11 ms for 4 runs: 47 steps", 0.011),
+                              ("output of a run: no frames", None)):
+            with self.subTest(line):
+                self.assertEqual(lab.expected_seconds(CHECK.format(line)), seconds)
+
+
+class PageTest(LabCase):
+    def made_up(self):
+        run = self.run_of(0)
+        self.lab.make(run)
+        figures = self.folder / "out/runs/one/figures"
+        figures.mkdir()
+        pictures = [Image.new("RGB", (800, 600), colour) for colour in ("white", "navy")]
+        pictures[0].save(figures / "curve.png")
+        pictures[0].save(figures / "film.gif", save_all=True, append_images=pictures[1:], duration=100)
+        ends = (judge.holds(True, "U_x & |x|^(1/2)"), judge.number(4.0, 0.1, 2.2, 0.05, "a"), judge.unknown("experiment"))
+        names = (("curve", "film"), ("curve",), ())
+        rows = [Row(f"row{k}", f"Fig. {k}", "says | so", lambda folder, end=end: end, (run,), name, "since") for k, (end, name) in enumerate(zip(ends, names))]
+        return table.judge_all(self.lab, [Subject("Made up", tuple(rows))])
+
+    def test_page(self):
+        text = page.document(self.lab, self.made_up())
+        self.assertEqual(browser.references(text), [])
+        for width in (1200, 400):
+            seen = browser.look(text, width)
+            self.assertEqual((seen["errors"], seen["loaded"], seen["beyond"]), ([], [], []))
+            self.assertEqual((seen["figures"], [natural > 0 for _, natural, _ in seen["images"]]), (2, [True, True]))
+            self.assertEqual(seen["headings"], ["Made up"])
+        self.assertIn("U<sub>x</sub> &amp; |x|<sup>1/2</sup>", text)
+
+    def test_table(self):
+        lines = table.markdown(self.made_up()).splitlines()
+        self.assertEqual(lines[0].split(";")[0], "1 matches, 1 differs, 1 cannot tell")
+        rows = [line for line in lines if line.startswith("| row") and "---" not in line][1:]
+        self.assertEqual([row.count(" | ") for row in rows], [5, 5, 5])
+        self.assertIn("**differs**. since", rows[1])
+        self.assertIn("says \\| so", rows[0])
+
+
+if __name__ == "__main__":
+    rodwake.main()
