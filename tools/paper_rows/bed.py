@@ -1,5 +1,6 @@
 """The vibrated bed: the apparatus, order and stiffness of the beads, flow and force around a rod."""
 
+import tomllib
 from math import hypot, nan
 
 import h5py
@@ -15,6 +16,24 @@ FLOW = Run("flow", "bead_drag.toml", (), ("granular.runs=4",))
 FORCE = Run("force", "force.toml", (), ("granular.runs=2", "granular.duration=10 s"))
 A = 0.4            # mm
 EXTINGUISHED = 0.25  # of what is there in the liquid
+
+
+APPARATUS = {"bead_radius": 4e-4, "box": 78 * 4e-4, "plates.gap": 1.2e-3, "plates.frequency": 200.0, "plates.gamma": 7.0,
+             "contacts.particle_particle.friction": 0.05, "contacts.particle_particle.restitution": 0.3,
+             "contacts.rod_wall.friction": 0.03, "contacts.rod_wall.restitution": 0.1,
+             "contacts.bead_wall.friction": 0.2, "contacts.bead_wall.restitution": 0.3,
+             "rods.0.length": 4.5e-3, "rods.0.thin_diameter": 0.8e-3}  # of section II, SI
+
+
+def apparatus(folder):
+    scene = tomllib.loads((folder / "scene.toml").read_text(encoding="utf-8"))["granular"]
+    other = []
+    for name, paper in APPARATUS.items():
+        value = scene
+        for key in name.split("."):
+            value = value[int(key) if key.isdigit() else key]
+        other += [] if abs(value - paper) < 1e-9 * paper else [f"{name} = {value}"]
+    return judge.holds(not other, "; ".join(other) or f"{len(APPARATUS)} keys as in the paper")
 
 
 def speed(folder):
@@ -139,6 +158,8 @@ def experiment(what):
 
 SINGLE_BOX = "One box size and a start from the lattice; the onset depends on both and on the waiting time."
 BED = Subject("The bed: rods, order, flow, force", (
+    Row("apparatus", "section II", "a = 0.4 mm, rods 4.5 mm long and 0.8 mm thin at one end, gap 1.2 mm, 200 Hz, Γ = 7.0, box 78 a, friction and "
+        "restitution of three kinds of contact", apparatus, (FLOW,)),
     Row("lone_rod", "section II", "a tapered rod on the shaken plate moves, thin end first", walks, (LONE,), ("track",)),
     Row("lone_apolar", "section IV", "a rod tapered to both ends is not motile (below 10 % of the motile one)", stays, (LONE_APOLAR, LONE)),
     Row("motile_crystal", "section I", "polar rods stay motile in the crystal, φ_b = 0.80", walks_in_crystal, (FLOW,)),

@@ -63,20 +63,37 @@ def attract(folder):
     return judge.sign(*pooled(folder, lambda phi: phi > 0.745), -1, "a")
 
 
+def sign_change(folder):
+    """Between the last density at which the rods part for sure and the next at which they come together for sure."""
+    places = sorted({phi for phi, *_ in curve(folder, 18)})
+    sure = {phi: value / error for phi in places for value, error in [pooled(folder, lambda one, at=phi: one == at)]}
+    apart = [phi for phi in places if sure[phi] > judge.CONFIRMED]
+    together = [phi for phi in places if sure[phi] < -judge.CONFIRMED and apart and phi > max(apart)]
+    if not together:
+        return judge.unknown("the errors leave it open: Δy over its error is " + ", ".join(f"{ratio:+.1f} at {phi:.2f}" for phi, ratio in sure.items()))
+    return judge.number((max(apart) + min(together)) / 2, (min(together) - max(apart)) / 2, 0.745, 0.01)
+
+
 def weakens(folder):
     """|Delta y| at 0.80 against that at 0.78."""
     (high, high_error), (low, low_error) = (pooled(folder, lambda phi, at=at: abs(phi - at) < 0.005) for at in (0.80, 0.78))
     return judge.sign(high - low, sqrt(high_error**2 + low_error**2), +1, "a")
 
 
-def no_interaction(folder, motile):
-    """Against what the motile pair does."""
-    parts = []
-    for place in (folder, folder / "variants/crystal"):
-        pair = results.told(place, "summary")["pair"]
+def rests(place):
+    """A pair that does not walk, against what the motile pair does."""
+    def judged(folder, motile):
+        pair = results.told(folder / place, "summary")["pair"]
         change, error = (pair.get(key, nan) / A for key in ("separation_change", "separation_change_error"))
-        parts.append(judge.none(change, error, abs(half_box(motile)[0]) / 2, "a"))
-    return judge.together(*parts)
+        return judge.none(change, error, abs(half_box(motile)[0]) / 2, "a")
+    return judged
+
+
+in_liquid, in_crystal = rests("."), rests("variants/crystal")
+
+
+def no_interaction(*folders):
+    return judge.together(in_liquid(*folders), in_crystal(*folders))
 
 
 def rear_turns(folder):
@@ -99,6 +116,7 @@ PAIRS = Subject("The bed: two rods", (
     Row("trajectory_d_inset", "Fig. 1 trajectory (d), inset", "at φ_b = 0.70 they part", changes(+1), (FLUID,), ("tracks",), SCATTER),
     Row("trajectory_d_fluid", "Fig. 1 trajectory (d)", "Δy > 0 for φ_b < 0.74 (d₀ = 18 a and 24 a, pooled)", avoid, (DENSITY,), ("delta_y",), SCATTER),
     Row("trajectory_d_crystal", "Fig. 1 trajectory (d)", "Δy < 0 for φ_b > 0.74 (d₀ = 18 a and 24 a, pooled)", attract, (DENSITY,), (), SCATTER),
+    Row("trajectory_d_change", "Fig. 1 trajectory (d)", "the sign changes at φ_b = 0.74 to 0.75", sign_change, (DENSITY,), (), SCATTER),
     Row("trajectory_d_weak", "text at Fig. 1 trajectory", "possible weakening of the attraction at φ_b = 0.80", weakens, (DENSITY,)),
     Row("trajectory_ab", "Fig. 1 trajectory (a), (b)", "the same in experiment", experiment("only its simulation can be compared")),
     Row("one_straight", "text at Fig. 1 trajectory", "more often one goes straight and the other turns (turns by less than a third of the other)",
@@ -136,9 +154,9 @@ FILMS = Subject("The paper's films", (
         (film("S5", "rod_in_bed.toml", "granular.phi_b=0.70", FRAMES), FLOW), ("film",)),
     Row("S6", "Movie S6", "a rod leaves the beads around it undisturbed at φ_b = 0.80", beside_film(leaves),
         (film("S6", "rod_in_bed.toml", FRAMES), FLOW), ("film",)),
-    Row("S7", "Movie S7", "apolar rods at φ_b = 0.70 neither attract nor repel", beside_film(no_interaction),
+    Row("S7", "Movie S7", "apolar rods at φ_b = 0.70 neither attract nor repel", beside_film(in_liquid),
         (film("S7", "pair_film.toml", "granular.phi_b=0.70", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER),
-    Row("S8", "Movie S8", "apolar rods at φ_b = 0.80 neither attract nor repel", beside_film(no_interaction),
+    Row("S8", "Movie S8", "apolar rods at φ_b = 0.80 neither attract nor repel", beside_film(in_crystal),
         (film("S8", "pair_film.toml", "granular.phi_b=0.80", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER),
     Row("S9", "Movie S9", "perpendicular start at φ_b = 0.78: the rear rod turns, the front one does not", beside_film(rear_turns),
         (film("S9", "pursuit_film.toml"), PURSUIT), ("film",), ROWS),

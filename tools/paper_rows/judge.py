@@ -61,7 +61,8 @@ def number(value, error, paper, paper_error, unit=""):
 def sign(value, error, expected, unit=""):
     """A direction: expected is +1 or -1."""
     ours = with_error(value, error, unit)
-    told = f"{expected * value / error:.1f} errors on the paper's side" if error else ""
+    side = expected * value
+    told = f"{abs(side) / error:.1f} errors {'with' if side > 0 else 'against'} the paper" if error else ""
     return Judged(by_distance(-expected * value, error), ours, told)
 
 
