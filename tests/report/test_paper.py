@@ -23,6 +23,7 @@ ROWS = [row for subject in subjects.ALL for row in subject.rows]
 PROGRAM = """#!/bin/sh
 # Stands for rodwake: notes its arguments, and ends as the scene's first comment says.
 echo "$*" >> "{calls}"
+[ "$1" = plot ] && mkdir -p "$2/figures" && touch "$2/figures/curve.png" && exit 0
 scene="$2"
 while [ "$1" != -o ]; do shift; done
 mkdir -p "$2"
@@ -126,6 +127,15 @@ class LabTest(LabCase):
         self.assertIsNone(self.lab.found(other))
         self.lab.make(other)
         self.assertIn("--force", self.calls.read_text().splitlines()[1])
+
+    def test_figures_that_are_missing_are_drawn(self):
+        run = self.run_of(0)
+        self.lab.scene(run).write_text('# exit 0\n[[figures]]\nname = "curve"\n')
+        self.lab.make(run)
+        self.assertEqual(self.lab.open([run]), [run])
+        self.lab.make(run)
+        self.assertEqual(self.lab.open([run]), [])
+        self.assertEqual(self.calls.read_text().splitlines()[1].split()[0], "plot")
 
     def test_a_stopped_run_goes_on(self):
         run = self.run_of(130)

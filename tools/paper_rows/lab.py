@@ -4,9 +4,11 @@ import hashlib
 import json
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
@@ -53,6 +55,11 @@ class Lab:
         provenance = self.runs / self.name(run, quick) / "provenance.json"
         return self.is_asked(run, quick) and provenance.is_file() and json.loads(provenance.read_text())["status"] == "finished"
 
+    def is_drawn(self, run, quick):
+        """A run that was stopped while its figures were drawn is finished without them."""
+        named = tomllib.loads(self.scene(run).read_text(encoding="utf-8")).get("figures", [])
+        return all((self.runs / self.name(run, quick) / "figures" / f"{figure['name']}.png").is_file() for figure in named)
+
     def found(self, run):
         """(folder, whether quick) of the best result there is; None."""
         for quick in (False, True) if run.quick is not None else (False,):
@@ -63,21 +70,24 @@ class Lab:
     def open(self, runs):
         """What is not done of these runs, each once."""
         left = {run.name: run for run in runs if not (self.quick and run.quick is None)}
-        return [run for run in left.values() if not self.is_done(run, False) and not (self.quick and self.is_done(run, True))]
+        return [run for run in left.values() if not any(self.is_done(run, quick) and self.is_drawn(run, quick) for quick in {False, self.quick})]
 
     def make(self, run):
         self.runs.mkdir(parents=True, exist_ok=True)
-        name = self.name(run, self.quick)
+        name, began = self.name(run, self.quick), time.monotonic()
+        code, errors = wait_for([str(self.program), *self.arguments(run, self.runs / name)])
+        if code in INTERRUPTED:
+            sys.exit(code)
+        if code not in (0, 3):
+            self.failed[run.name] = (errors.strip().splitlines() or [f"exit code {code}"])[-1]
+        print(f"  {name}: {time.monotonic() - began:.0f} s{' FAILED: ' + self.failed[run.name] if run.name in self.failed else ''}", flush=True)
+
+    def arguments(self, run, folder):
+        if self.is_done(run, self.quick):
+            return ["plot", str(folder)]
         fresh = () if self.is_asked(run, self.quick) else ("--force",)  # other settings, or none known: begin anew
         self.label(run, self.quick).write_text(self.asked(run, self.quick))
-        command = self.command(run, self.quick, "-o", str(self.runs / name), "-j", str(self.threads), "--quiet", *fresh)
-        began = time.monotonic()
-        done = subprocess.run([str(self.program), *command[1:]], cwd=SOURCE, capture_output=True, text=True, check=False)
-        if done.returncode in INTERRUPTED:
-            sys.exit(done.returncode)
-        if done.returncode not in (0, 3):
-            self.failed[run.name] = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
-        print(f"  {name}: {time.monotonic() - began:.0f} s{' FAILED: ' + self.failed[run.name] if run.name in self.failed else ''}", flush=True)
+        return self.command(run, self.quick, "-o", str(folder), "-j", str(self.threads), "--quiet", *fresh)[1:]
 
     def cost(self, run):
         """CPU seconds that `rodwake check` expects, at most; None where it does not say."""
@@ -86,6 +96,17 @@ class Lab:
         if done.returncode != 0:
             raise Failure(f"{shlex.join(command)}: {done.stderr.strip()}")
         return expected_seconds(done.stdout)
+
+
+def wait_for(command):
+    """(exit code, errors). Ctrl-C is handed on, once, and waited for: the program writes its checkpoint."""
+    with subprocess.Popen(command, cwd=SOURCE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        while True:
+            try:
+                _, errors = process.communicate()
+                return process.returncode, errors
+            except KeyboardInterrupt:
+                process.send_signal(signal.SIGINT)
 
 
 NUMBER = r"(\d[\d.]*(?:e[+-]?\d+)?)"
