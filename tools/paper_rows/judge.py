@@ -31,6 +31,11 @@ def with_error(value, error, unit=""):
     return f"{value:.{places}f} ± {error:.{places}f} {unit}".rstrip()
 
 
+def in_errors(distance, error):
+    ratio = abs(distance) / error
+    return "more than 100 errors" if ratio > 100 else f"{ratio:.1f} errors"
+
+
 def unknown(why, ours=""):
     return Judged(UNKNOWN, ours or "-", why)
 
@@ -50,7 +55,7 @@ def number(value, error, paper, paper_error, unit=""):
     if error is None or not isfinite(error):
         return unknown("the error is unknown", ours)
     off, both = abs(value - paper), hypot(error, paper_error)
-    told = with_error(value - paper, both, unit) + (f" ({off / both:.1f} errors)" if both > 0 else "")
+    told = with_error(value - paper, both, unit) + (f" ({in_errors(off, both)})" if both > 0 else "")
     if off > REFUTED * both:
         return Judged(DIFFERS, ours, told)
     if off > CONFIRMED * both or error > LARGEST * abs(paper):
@@ -62,7 +67,7 @@ def sign(value, error, expected, unit=""):
     """A direction: expected is +1 or -1."""
     ours = with_error(value, error, unit)
     side = expected * value
-    told = f"{abs(side) / error:.1f} errors {'with' if side > 0 else 'against'} the paper" if error else ""
+    told = f"{in_errors(side, error)} {'with' if side > 0 else 'against'} the paper" if error else ""
     return Judged(by_distance(-expected * value, error), ours, told)
 
 
