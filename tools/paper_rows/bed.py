@@ -83,13 +83,13 @@ CLASSES = ("exponential", "algebraic", "long-range")
 
 
 def class_change(upper, paper):
-    """Between the last density below the class and the first of it."""
+    """Between the last density below the class and the first of it; where the classes alternate, these two are in the other order."""
     def judged(folder):
         rank = {phi: CLASSES.index(told["order"]["class"]) for phi, told in by_density(folder).items() if told["order"]["class"] in CLASSES}
         below, above = ([phi for phi, k in rank.items() if (k >= upper) == wanted] for wanted in (False, True))
-        if not below or not above or max(below) > min(above):
-            return judge.unknown("the classes do not follow the density", str(rank))
-        return judge.number((max(below) + min(above)) / 2, (min(above) - max(below)) / 2, paper, 0.005)
+        if not below or not above:
+            return judge.unknown("one class only")
+        return judge.number((max(below) + min(above)) / 2, abs(min(above) - max(below)) / 2, paper, 0.005)
     return judged
 
 

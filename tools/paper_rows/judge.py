@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from math import hypot, inf, isfinite
 
 MATCHES, DIFFERS, UNKNOWN = VERDICTS = "matches", "differs", "cannot tell"
+NOTHING = "-"                  # instead of a value
 CONFIRMED, REFUTED = 2.0, 3.0  # standard errors
 LARGEST = 1.0 / 3.0            # of the paper's value: with a larger error of ours three errors reach from it to 0
 
@@ -37,7 +38,7 @@ def in_errors(distance, error):
 
 
 def unknown(why, ours=""):
-    return Judged(UNKNOWN, ours or "-", why)
+    return Judged(UNKNOWN, ours or NOTHING, why)
 
 
 def by_distance(distance, error):

@@ -58,10 +58,10 @@ def section(subject, rows, number, cache):
 def article(one, cache, shown):
     verdict = one.judged.verdict
     facts = [("Paper", one.row.says), ("rodwake", one.judged.ours), ("Difference" if verdict != judge.UNKNOWN else "Note", one.judged.difference),
-             ("Why", one.row.why if verdict != judge.MATCHES else "")]
+             ("Why", table.why(one))]
     listed = "".join(f"<dt>{name}</dt><dd>{typeset(text)}</dd>" for name, text in facts if text)
     quick = '<span class="few">few runs</span>' if one.quick else ""
-    return (f'<article id="{one.row.id}" class="{CLASS[verdict]}">\n<h3>{typeset(one.row.place)} <span class="badge">{verdict}</span>{quick}</h3>\n'
+    return (f'<article id="{one.row.id}" class="{CLASS[verdict]}">\n<h3>{escape(one.row.place)} <span class="badge">{verdict}</span>{quick}</h3>\n'
             f"<dl>{listed}</dl>\n{figures(one, cache, shown)}{made(one)}</article>")
 
 

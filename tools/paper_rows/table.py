@@ -51,8 +51,12 @@ def markdown(found):
     return "\n".join(lines) + "\n"
 
 
+def why(one):
+    """Of what differs or stays open, not of what has no value."""
+    return "" if one.judged.verdict == judge.MATCHES or one.judged.ours == judge.NOTHING else one.row.why
+
+
 def markdown_row(one):
-    why = f" {one.row.why}" if one.row.why and one.judged.verdict != judge.MATCHES else ""
     cells = (one.row.id + (" (q)" if one.quick else ""), one.row.place, one.row.says, one.judged.ours, one.judged.difference,
-             f"**{one.judged.verdict}**{'.' + why if why else ''}")
+             f"**{one.judged.verdict}**{'. ' + why(one) if why(one) else ''}")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
