@@ -192,6 +192,7 @@ class PageTest(LabCase):
             self.assertEqual((seen["figures"], [natural > 0 for _, natural, _ in seen["images"]]), (2, [True, True]))
             self.assertEqual(seen["headings"], ["Made up"])
         self.assertIn("U<sub>x</sub> &amp; |x|<sup>1/2</sup>", text)
+        self.assertEqual(page.typeset("U_x(x) of φ_b in row hop_a"), "U<sub>x</sub>(x) of φ<sub>b</sub> in row hop_a")
 
     def test_table(self):
         lines = table.markdown(self.made_up()).splitlines()

@@ -8,7 +8,7 @@ from .entry import Row, Run, Subject
 
 CRYSTAL = Run("pair_crystal", "pair_crystal.toml", (), ("granular.runs=16",))
 FLUID = Run("pair_fluid", "pair_fluid.toml", (), ("granular.runs=16",))
-DENSITY = Run("pair_density", "pair_density.toml", (), ("scan.axes.0.from=0.70", "scan.axes.0.to=0.78", "scan.axes.0.count=2", "granular.runs=8"))
+DENSITY = Run("pair_density", "pair_density.toml", (), ("scan.axes.0.from=0.70", "scan.axes.0.to=0.78", "scan.axes.0.count=2", "granular.runs=6"))
 APOLAR = Run("apolar", "apolar_pair.toml", (), ("granular.runs=6",))
 PURSUIT = Run("pursuit", "pursuit_bed.toml", (), ("granular.runs=6",))
 PURSUIT_26 = Run("pursuit_26", "pursuit_bed.toml", ('granular.rods.1.position=["25 a", "34 a"]',), None)

@@ -5,8 +5,9 @@ import io
 
 from PIL import Image, ImageSequence
 
-WIDEST, FILM_WIDTH = 1500, 460  # pixels
-QUALITY, FILM_QUALITY = 82, 45
+WIDEST, FILM_WIDTH = 1500, 400  # pixels
+QUALITY, FILM_QUALITY = 82, 30
+FRAMES = 30  # of a film, about: a page of films must not grow beyond some megabytes
 
 
 def source(folder, name):
@@ -54,7 +55,7 @@ def still(path):
 
 def film(path):
     with Image.open(path) as image, io.BytesIO() as out:
-        step = image.info.get("duration", 100)
-        first, *rest = (fitted(frame, FILM_WIDTH) for frame in ImageSequence.Iterator(image))
-        first.save(out, "WEBP", save_all=True, append_images=rest, duration=step, loop=0, quality=FILM_QUALITY, method=2)
+        every, step = -(-image.n_frames // FRAMES), image.info.get("duration", 100)
+        first, *rest = (fitted(frame, FILM_WIDTH) for k, frame in enumerate(ImageSequence.Iterator(image)) if k % every == 0)
+        first.save(out, "WEBP", save_all=True, append_images=rest, duration=step * every, loop=0, quality=FILM_QUALITY, method=4)
         return out.getvalue()

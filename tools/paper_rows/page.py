@@ -81,7 +81,7 @@ def made(one):
 def typeset(text):
     """Subscripts and powers: U_x, phi_b, |x|^(1/2)."""
     text = re.sub(r"\^\(([^)]+)\)", r"<sup>\1</sup>", escape(text))
-    return re.sub(r"(?<=[A-Za-zφεΔ])_([A-Za-z0-9]{1,2})\b", r"<sub>\1</sub>", text)
+    return re.sub(r"(?<![\w.])(\w)_(\w{1,2})\b", r"\1<sub>\2</sub>", text)
 
 
 def rules():
