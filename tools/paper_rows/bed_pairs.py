@@ -110,7 +110,7 @@ def captured(folder):
 
 
 SCATTER = "Single runs scatter widely: --full makes 50."
-ROWS = "In our crystal the rod that heads across the close-packed rows turns into them, whatever the other rod does."
+ROWS = "In our crystal the rod that heads across the close-packed rows turns towards them: the rows decide, not the other rod."
 PAIRS = Subject("The bed: two rods", (
     Row("trajectory_c", "Fig. 1 trajectory (c)", "15 a apart at φ_b = 0.78: the rods come together", changes(-1), (CRYSTAL,), ("tracks",), SCATTER),
     Row("trajectory_d_inset", "Fig. 1 trajectory (d), inset", "at φ_b = 0.70 they part", changes(+1), (FLUID,), ("tracks",), SCATTER),
