@@ -15,7 +15,7 @@ from PIL import Image
 from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "tools"))
-from paper_rows import judge, lab, page, subjects, table  # noqa: E402
+from paper_rows import bed_pairs, judge, lab, page, subjects, table  # noqa: E402
 from paper_rows.entry import Row, Run, Subject  # noqa: E402
 from paper_rows.judge import DIFFERS, MATCHES, UNKNOWN  # noqa: E402
 
@@ -91,6 +91,19 @@ class RowsTest(unittest.TestCase):
     def test_a_name_stands_for_one_run(self):
         runs = [run for row in ROWS for run in row.runs]
         self.assertEqual(len({run.name for run in runs}), len(set(runs)))
+
+
+class DensityTest(unittest.TestCase):
+    def test_separations_of_a_scan(self):
+        """Both distances at the start are pooled, and the sign changes between the last sure density and the next."""
+        points = [(0.70, 18, 2.0), (0.70, 24, 1.0), (0.74, 18, 0.1), (0.74, 24, -0.1), (0.78, 18, -2.0), (0.78, 24, -1.0), (0.78, 15, 9.0)]
+        lines = [f"{phi},{distance * bed_pairs.A!r},{change},0.2" for phi, distance, change in points]
+        with tempfile.TemporaryDirectory(prefix="rodwake-paper-") as name:
+            folder = Path(name)
+            (folder / "scan.csv").write_text("\n".join(["granular.phi_b,granular.rods.0.position.1,delta_y,delta_y_error", *lines]))
+            self.assertAlmostEqual(bed_pairs.pooled(folder, lambda phi: phi < 0.72)[0], 1.5)
+            self.assertEqual([rule(folder).verdict for rule in (bed_pairs.avoid, bed_pairs.attract, bed_pairs.weakens)], [MATCHES, MATCHES, UNKNOWN])
+            self.assertIn("0.740 ± 0.040", bed_pairs.sign_change(folder).ours)
 
 
 class LabCase(unittest.TestCase):

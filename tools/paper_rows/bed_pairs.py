@@ -44,10 +44,10 @@ def one_straight(folder):
 
 
 def curve(folder, distance):
-    """[(phi_b, Delta y, error)] of one distance at the start, a."""
+    """[(phi_b, Delta y, error)] of one distance at the start, a. The axis ties the rods' places to it, and its column holds it."""
     rows = results.table(folder / "scan.csv")
     return [(float(row["granular.phi_b"]), float(row["delta_y"]), float(row["delta_y_error"])) for row in rows
-            if row["delta_y"] and abs(2 * float(row["granular.rods.0.position.1"]) / A - distance) < 0.01]
+            if row["delta_y"] and abs(float(row["granular.rods.0.position.1"]) / A - distance) < 0.01]
 
 
 def pooled(folder, wanted):

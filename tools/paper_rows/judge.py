@@ -26,6 +26,8 @@ def plain(value, digits=3):
 
 def with_error(value, error, unit=""):
     """-1.90 +- 0.47 a: as many places as two digits of the error ask for."""
+    if not isfinite(value):
+        return NOTHING
     if not error or not isfinite(error):
         return f"{plain(value, 4)} {unit}".rstrip() + ("" if error == 0 else " (error unknown)")
     places = max(0, -int(f"{error:.1e}".split("e")[1]) + 1)
@@ -67,6 +69,8 @@ def number(value, error, paper, paper_error, unit=""):
 def sign(value, error, expected, unit=""):
     """A direction: expected is +1 or -1."""
     ours = with_error(value, error, unit)
+    if ours == NOTHING:
+        return unknown("no runs at these settings")
     side = expected * value
     told = f"{in_errors(side, error)} {'with' if side > 0 else 'against'} the paper" if error else ""
     return Judged(by_distance(-expected * value, error), ours, told)
