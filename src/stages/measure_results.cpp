@@ -23,6 +23,9 @@ std::string measure_json(const CaseResults& r, const MeasureOrigin& origin) {
         {"runs", r.runs}};
     for (const auto& [name, report] : r.reports)
         out[name] = values_json(report.values);
+    for (const auto& [name, report] : r.reports)
+        for (const assembly::MeasureTable& table : report.tables)
+            out["tables"][table.file] = table.comment;
     for (const auto& [name, reason] : r.not_measured)
         out["not_measured"][name] = reason;
     out["provenance"] = {{"command", origin.command},
