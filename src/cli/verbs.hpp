@@ -7,6 +7,8 @@
 
 namespace rodwake::cli {
 
+int verb_scenes(const Options& options);
+int verb_new(const Options& options);
 int verb_check(const Options& options);
 int verb_field_points(const Options& options);
 int verb_impact(const Options& options);
@@ -15,6 +17,10 @@ int verb_stages(
 int verb_tradeoff(const Options& options);
 int verb_plot(const Options& options);
 int verb_info(const Options& options);
+
+/// What is installed beside the program (plots, scenes, problems of fits with their data): share/rodwake of
+/// the installation the program is part of, else the source tree it was built from.
+std::filesystem::path shipped_folder();
 
 /// Figures and report.html by the plotting program. Throws RunError if it cannot be run or fails; a stop
 /// signal ends it early, and it returns.
