@@ -50,7 +50,11 @@ std::string unknown_option(const CLI::App& verb, const std::string& word) {
     const std::string name = word.substr(0, word.find('='));
     const Words known = option_names(verb);
     if (has(known, name)) // it was not taken as the verb's, so it stands before it
-        return fmt::format("{}: stands before the verb; write {} {}", name, command_of(verb), name);
+        return fmt::format("{}: comes after the verb: {} {}", name, command_of(verb), name);
+    for (const CLI::App* other : verb.get_subcommands({}))
+        if (has(option_names(*other), name))
+            return fmt::format("{}: comes after a verb, for example rodwake {} {}", name, other->get_name(),
+                               name);
     return fmt::format("{}: {} has no such option{}", name, command_of(verb), suggestion(name, known));
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -21,7 +22,11 @@ std::string read(const std::string& word, const char* what, Number& number) {
     const auto [at, error] = std::from_chars(word.data(), end, number);
     if (at != end || error == std::errc::invalid_argument)
         return fmt::format("{} is not {}", word.empty() ? "an empty word" : word, what);
-    return error == std::errc{} ? "" : fmt::format("{} is too large or too small for a number", word);
+    if (error == std::errc{})
+        return "";
+    return std::isinf(std::strtod(word.c_str(), nullptr))
+               ? word + " is too large for a number, which ends at 1.8e308"
+               : word + " is too close to 0; write 0";
 }
 
 } // namespace
@@ -57,7 +62,7 @@ CLI::Validator one_of(const std::vector<std::string>& legal) {
         if (std::ranges::find(legal, word) != legal.end())
             return "";
         const std::vector<std::string_view> names(legal.begin(), legal.end());
-        return fmt::format("{} must be one of {}{}", word, fmt::join(legal, ", "), did_you_mean(word, names));
+        return fmt::format("{} is none of {}{}", word, fmt::join(legal, ", "), did_you_mean(word, names));
     };
     return {check, "", "choice"};
 }

@@ -2,6 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
+#include "rodwake/scene/read.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -142,6 +143,16 @@ fs::path shipped_folder() {
     const fs::path program = fs::read_symlink("/proc/self/exe", error);
     const fs::path installed = program.parent_path().parent_path() / "share" / "rodwake";
     return !error && fs::is_directory(installed, error) ? installed : fs::path(RODWAKE_SOURCE_DIR);
+}
+
+scene::Scene scene_of(const Options& options) {
+    const fs::path path = options.target;
+    if (!fs::exists(path) && scene_files().contains(path.stem().string()))
+        throw InputError(
+            fmt::format("{}: no such file; rodwake scenes -o . copies the shipped scenes into this "
+                        "folder, rodwake scenes {} prints this one",
+                        options.target, path.stem().string()));
+    return scene::read_scene(path, options.overrides);
 }
 
 int verb_scenes(const Options& options) {

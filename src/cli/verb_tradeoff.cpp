@@ -2,7 +2,6 @@
 // for.
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/read.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/stages/run_folder.hpp"
 #include "signals.hpp"
@@ -122,7 +121,7 @@ int describe_work(const scene::Scene& scene, const std::filesystem::path& folder
 } // namespace
 
 int verb_tradeoff(const Options& options) {
-    scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    scene::Scene scene = scene_of(options);
     if (options.seed)
         assembly::apply_seed(scene, *options.seed);
     const std::filesystem::path folder = output_folder(options);
