@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -166,8 +168,7 @@ void add_tradeoff(CLI::App& app, Options& options) {
             "--error", [&options](const std::string& word) { options.tradeoff.kind = error_kinds.at(word); },
             "final_state: at the end; contact_time; outcome: share that differs; path: at all output times "
             "[final_state]")
-        ->check(one_of({"final_state", "contact_time", "outcome", "path"}))
-        ->option_text("KIND");
+        ->check(one_of({"final_state", "contact_time", "outcome", "path"}));
     tradeoff->add_option("--limit", options.tradeoff.limit, "give up a setting that takes longer [60s]")
         ->transform(seconds());
 }
@@ -237,6 +238,9 @@ void add_verbs(CLI::App& app, Options& options) {
     info->add_flag("--scene-reference", options.scene_reference,
                    "print docs/scene.md: every key a scene may have");
     info->add_flag("--schema", options.schema, "print the same as JSON, with the kinds of figures");
+    info->add_flag("--man", options.man, "print the manual page");
+    info->add_option("--completion", options.completion, "print the script that completes command lines")
+        ->check(one_of({"bash", "zsh"}));
 }
 
 } // namespace
@@ -251,5 +255,25 @@ void define_command_line(CLI::App& app, Options& options) {
         add_verb(app, options, Verb::help, "help", "what a verb does, and its options", "  rodwake help run");
     help->add_option("VERB", options.target, "verb; without, all of them");
 }
+
+std::vector<std::string> option_names(const CLI::Option& option) {
+    std::vector<std::string> names;
+    for (const std::string& name : option.get_snames())
+        names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames())
+        names.push_back("--" + name);
+    return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& verb) {
+    std::vector<std::string> all;
+    for (const CLI::Option* option : verb.get_options())
+        std::ranges::copy(option_names(*option), std::back_inserter(all));
+    return all;
+}
+
+bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+
+std::string exit_codes_text() { return exit_codes; }
 
 } // namespace rodwake::cli

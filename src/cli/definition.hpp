@@ -29,4 +29,21 @@ struct Question {
 /// The kind of scene first; two more of each kind.
 std::vector<Question> new_scene_questions();
 
+// What follows from the definition.
+
+/// "-o", "--output" of an option; nothing of a positional one.
+std::vector<std::string> option_names(const CLI::Option& option);
+
+/// Those of all options of a verb.
+std::vector<std::string> option_names(const CLI::App& verb);
+
+bool takes_value(const CLI::Option& option);
+
+std::string exit_codes_text();
+
+/// rodwake(1), and the scripts that complete command lines.
+std::string man_page(const CLI::App& app);
+std::string bash_completion(const CLI::App& app);
+std::string zsh_completion(const CLI::App& app);
+
 } // namespace rodwake::cli

@@ -56,6 +56,8 @@ struct Options {
     bool pdf = false;                           ///< plot --pdf
     bool scene_reference = false;               ///< info --scene-reference
     bool schema = false;                        ///< info --schema
+    bool man = false;                           ///< info --man
+    std::string completion;                     ///< info --completion
 };
 
 /// Result of parsing: either options to act on, or an exit code (help, version, usage error; the text is

@@ -1,5 +1,6 @@
 #include "usage.hpp"
 
+#include "definition.hpp"
 #include "rodwake/core/spelling.hpp"
 
 #include <fmt/format.h>
@@ -18,18 +19,6 @@ std::string suggestion(const std::string& word, const Words& known) {
         return "";
     const std::vector<std::string_view> views(known.begin(), known.end());
     return did_you_mean(word, views);
-}
-
-/// "--output", "-o" of each option.
-Words option_names(const CLI::App& app) {
-    Words names;
-    for (const CLI::Option* option : app.get_options()) {
-        for (const std::string& name : option->get_lnames())
-            names.push_back("--" + name);
-        for (const std::string& name : option->get_snames())
-            names.push_back("-" + name);
-    }
-    return names;
 }
 
 bool has(const Words& words, const std::string& word) {

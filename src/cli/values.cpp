@@ -64,7 +64,7 @@ CLI::Validator one_of(const std::vector<std::string>& legal) {
         const std::vector<std::string_view> names(legal.begin(), legal.end());
         return fmt::format("{} is none of {}{}", word, fmt::join(legal, ", "), did_you_mean(word, names));
     };
-    return {check, "", "choice"};
+    return {check, fmt::format("{{{}}}", fmt::join(legal, ",")), "choice"};
 }
 
 CLI::Validator seconds() {
