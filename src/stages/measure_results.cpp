@@ -67,7 +67,7 @@ void write_measures(const fs::path& folder, const CaseResults& r, const MeasureO
 }
 
 std::vector<std::string> describe(const CaseResults& r) {
-    const std::string name = r.label.empty() ? "measure" : fmt::format("measure ({})", r.label);
+    const std::string name = r.label.empty() ? "measure" : fmt::format("measure ({})", r.name);
     std::vector<std::string> lines;
     for (const auto& [measure, report] : r.reports)
         lines.push_back(name + ": " + report.line);
