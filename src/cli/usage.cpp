@@ -56,14 +56,14 @@ std::string positional_names(const CLI::App& verb) {
     return names.empty() ? "no arguments" : fmt::format("one {}", fmt::join(names, " "));
 }
 
-std::string missing_value(const CLI::App& verb, std::string text) {
+std::string missing_value(const CLI::App& verb, const std::string& text) {
     const std::string option = text.substr(0, text.find(':'));
     const std::string use = option == "--set" ? ", table.key=value" : "";
     return fmt::format("{}: its value is missing{}; see {} --help", option, use, command_of(verb));
 }
 
 std::string other_error(const CLI::App& verb, const CLI::ParseError& error) {
-    const std::string text = error.what();
+    std::string text = error.what();
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
         return missing_value(verb, text);
     if (dynamic_cast<const CLI::RequiredError*>(&error))
