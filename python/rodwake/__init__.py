@@ -1,0 +1,22 @@
+"""rodwake: motile rods in an elastic medium.
+
+Reduced units throughout, as in scenes: lengths in f/mu, times in f/(mu v0), angles in radians. Exceptions are `Error` and its
+subclasses; long work ends cleanly at Ctrl-C.
+
+    import rodwake
+    medium = rodwake.Medium(eta=1.0, alpha=1.0)
+    rodwake.strain([-3.0, 2.0], [0.0, 1.0], medium)                 # (2, 2, 2)
+    rodwake.simulate([[0, 2.5, 0], [0, -2.5, 0]], medium, kappa=0.5, t_end=60, contact_distance=0.1).outcome
+    rodwake.Scene.load("pair.toml").set("coupling.kappa", 3.0).run("results/pair")
+"""
+
+from ._core import Medium, RodResult
+from ._core import version as __version__
+from .errors import Error, InputError, Problem, RunError, SceneError
+from .fields import dipole, displacement, grad_div, laplacian, strain
+from .rods import simulate
+from .runs import Quantity, RodPath, Run, Trajectory, open_run
+from .scenes import Scene
+
+__all__ = ["Error", "InputError", "Medium", "Problem", "Quantity", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError",
+           "Trajectory", "__version__", "dipole", "displacement", "grad_div", "laplacian", "open_run", "simulate", "strain"]
