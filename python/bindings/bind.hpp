@@ -13,5 +13,10 @@ void bind_medium(py::module_& module);
 void bind_fields(py::module_& module);
 void bind_rods(py::module_& module);
 void bind_scene(py::module_& module);
+void bind_integrate(py::module_& module);
+void bind_fit(py::module_& module);
+void bind_granular(py::module_& module);
+void bind_run(py::module_& module);
+void bind_scan(py::module_& module);
 
 } // namespace rodwake::python

@@ -12,4 +12,9 @@ PYBIND11_MODULE(_core, module) {
     bind_fields(module);
     bind_rods(module);
     bind_scene(module);
+    bind_run(module);
+    bind_integrate(module);
+    bind_fit(module);
+    bind_granular(module);
+    bind_scan(module);
 }

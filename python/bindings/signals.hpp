@@ -14,8 +14,10 @@ namespace rodwake::python {
 /// asks Python now and then, so that a step costs nothing.
 class Interrupt {
 public:
+    explicit Interrupt(unsigned polls_a_look = 16) : polls_a_look_(polls_a_look) {}
+
     bool operator()() {
-        if (++polls_ % polls_a_look != 0 || Clock::now() < next_)
+        if (++polls_ % polls_a_look_ != 0 || Clock::now() < next_)
             return raised_;
         next_ = Clock::now() + std::chrono::milliseconds(50);
         const pybind11::gil_scoped_acquire acquire;
@@ -30,7 +32,7 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    static constexpr unsigned polls_a_look = 16;
+    unsigned polls_a_look_; ///< the clock is not free either
     unsigned polls_ = 0;
     Clock::time_point next_ = Clock::now() + std::chrono::milliseconds(50);
     bool raised_ = false;

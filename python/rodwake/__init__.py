@@ -10,13 +10,21 @@ subclasses; long work ends cleanly at Ctrl-C.
     rodwake.Scene.load("pair.toml").set("coupling.kappa", 3.0).run("results/pair")
 """
 
-from ._core import Medium, RodResult
+from ._core import Medium, RodEquations, RodResult
 from ._core import version as __version__
 from .errors import Error, InputError, Problem, RunError, SceneError
 from .fields import dipole, displacement, grad_div, laplacian, strain
+from .fitting import Estimate, FitResult, Profile, Track, fit, fit_rods, fit_wake
+from .granular import Bed, run_bed
+from .ode import Event, Hit, OdeResult, integrate
 from .rods import simulate
 from .runs import Quantity, RodPath, Run, Trajectory, open_run
+from .scans import scan
 from .scenes import Scene
 
-__all__ = ["Error", "InputError", "Medium", "Problem", "Quantity", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError",
-           "Trajectory", "__version__", "dipole", "displacement", "grad_div", "laplacian", "open_run", "simulate", "strain"]
+__all__ = [
+    "Bed", "Error", "Estimate", "Event", "FitResult", "Hit", "InputError", "Medium", "OdeResult", "Problem", "Profile", "Quantity",
+    "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Trajectory", "__version__",
+    "dipole", "displacement", "fit", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
+    "simulate", "strain",
+]

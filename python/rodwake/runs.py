@@ -176,5 +176,7 @@ def _plain(value: Any) -> Any:
 
 def _unwrapped(group: Any, box: Floats) -> Floats:
     """Places with the images of the box that they have walked to; the image of z is 0."""
-    place = np.asarray(group["position/value"], dtype=float)
-    return place + box * np.asarray(group["image/value"]) if "image" in group else place
+    place: Floats = np.asarray(group["position/value"], dtype=float)
+    if "image" in group:
+        place += box * np.asarray(group["image/value"])
+    return place

@@ -2,67 +2,57 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import os
 from pathlib import Path
-from typing import Any, Callable, Iterable, Optional, Union
+from typing import Any, Callable, Iterable, Mapping, Optional, Union
 
 from . import _core
+from .errors import RunError
 from .runs import Run, open_run
+from .toml import toml
 
 Folder = Union[str, "os.PathLike[str]"]
 Progress = Callable[[str, float, float, str], None]
 _log = logging.getLogger("rodwake")
 
 
-def _toml(value: Any) -> str:
-    """A value as a scene file has it. Strings may have a unit ("5 s")."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if hasattr(value, "tolist"):  # of NumPy
-        value = value.tolist()
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(_toml(one) for one in value)}]"
-    if isinstance(value, (int, float)):
-        return repr(value)
-    raise TypeError(f"a scene holds numbers, strings, true, false and lists of them, not {type(value).__name__}")
-
-
 class Scene:
-    """A scene that was read and checked. Immutable: `set` gives another one.
+    """A scene that was read and checked. Scene.load reads a file, Scene.parse a text. What is wrong with a scene raises SceneError,
+    which lists all its problems."""
 
-    Scene.load reads a file, Scene.parse a text. What is wrong with a scene raises SceneError, which lists all its problems.
-    """
-
-    def __init__(self, core: Any, read: Callable[[list[str]], Any], changes: tuple[tuple[str, Any], ...]) -> None:
-        self._core, self._read, self._changes = core, read, changes
+    def __init__(self, text: Optional[str], name: str, changes: tuple[tuple[str, Any], ...] = ()) -> None:
+        self._text, self._name, self._changes = text, name, changes
+        self._core = self._read(changes)
 
     @classmethod
     def load(cls, path: Folder) -> Scene:
         """The scene in a TOML file."""
-
-        def read(changes: list[str]) -> Any:
-            return _core.read_scene(path, changes)
-
-        return cls(read([]), read, ())
+        return cls(None, os.fspath(path))
 
     @classmethod
     def parse(cls, text: str, name: str = "scene") -> Scene:
         """The scene in a text; `name` stands for its file in messages, and files are looked for beside it."""
+        return cls(text, name)
 
-        def read(changes: list[str]) -> Any:
-            return _core.parse_scene(text, name, changes)
+    def _read(self, changes: tuple[tuple[str, Any], ...]) -> Any:
+        settings = [f"{key}={toml(value)}" for key, value in changes]
+        return _core.read_scene(self._name, settings) if self._text is None else _core.parse_scene(self._text, self._name, settings)
 
-        return cls(read([]), read, ())
+    def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
+        """Sets a key as `-s key=value` does, and returns the scene: set("coupling.kappa", 3.0), set("rods.1.position.0", 2.0),
+        set("rods_run.t_end", "5 s"). Plain numbers are in the scene's own units. Keys that fit only together are set together:
+        set({"scan.resolution": 128, "scan.axes.0.count": 32}). If that cannot be, SceneError tells why and nothing is changed."""
+        changes = (*self._changes, *(key.items() if isinstance(key, Mapping) else [(key, value)]))
+        self._core, self._changes = self._read(changes), changes
+        return self
 
-    def set(self, key: str, value: Any) -> Scene:
-        """The scene with another value for a key, as `-s key=value` has it: set("coupling.kappa", 3.0),
-        set("rods.1.position.0", 2.0), set("rods_run.t_end", "5 s"). Plain numbers are in the scene's own units."""
-        changes = (*self._changes, (key, value))
-        return Scene(self._read([f"{key}={_toml(value)}" for key, value in changes]), self._read, changes)
+    def copy(self) -> Scene:
+        """Another scene like this, to set keys of."""
+        return Scene(self._text, self._name, self._changes)
+
+    def __reduce__(self) -> Any:
+        return Scene, (self._text, self._name, self._changes)
 
     @property
     def path(self) -> str:
@@ -71,6 +61,7 @@ class Scene:
 
     @property
     def title(self) -> str:
+        """Its title, maybe empty."""
         return str(self._core.title)
 
     @property
@@ -100,10 +91,14 @@ class Scene:
         Messages go to the logger 'rodwake' of the module logging. Ctrl-C ends the run at its next step and raises
         KeyboardInterrupt; what was computed is kept, and the same call goes on from there. Raises RunError if a stage failed.
         """
-        names = None if stages is None else list(stages)
-        end = _core.run(self._core, folder, names, threads, seed, force, self._command(folder, stages=names), _log.log, progress)
+        return self._run(folder, None if stages is None else list(stages), threads, seed, force, progress)
+
+    def _run(self, folder: Folder, stages: Optional[list[str]], threads: int, seed: Optional[int], force: bool,
+             progress: Optional[Progress], execute: Optional[Callable[..., None]] = None) -> Run:
+        """`execute` evaluates the points of a scan: see scans.py."""
+        command = self._command(folder, stages=stages)
+        end = _core.run(self._core, folder, stages, threads, seed, force, command, _log.log, progress, execute)
         if end == "failed":
-            from .errors import RunError
             raise RunError(f"{folder}: the run failed; {Path(folder) / 'log.txt'} tells why")
         return open_run(folder)
 

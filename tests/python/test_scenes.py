@@ -3,6 +3,7 @@
 import json
 import logging
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -26,11 +27,17 @@ class ReadTest(unittest.TestCase):
 
     def test_values_are_set_as_by_the_program(self):
         scene = rodwake.Scene.load(PAIR)
-        changed = scene.set("coupling.kappa", 3).set("rods.1.position", np.array([1.0, -2.0])).set("rods_run.method", "bdf").set("rods_run.rtol", 1e-6)
+        changed = scene.copy().set("coupling.kappa", 3).set("rods.1.position", np.array([1.0, -2.0])).set("rods_run.method", "bdf").set("rods_run.rtol", 1e-6)
         text = changed.to_toml()
         for line in (r"kappa = 3\b", r"position = \[1(\.0)?, -2(\.0)?\]", 'method = "bdf"', "# atol: rtol / 100"):
             self.assertRegex(text, line)
-        self.assertNotIn('method = "bdf"', scene.to_toml())  # as it was
+        self.assertNotIn('method = "bdf"', scene.to_toml())  # of which it is a copy
+        self.assertEqual(pickle.loads(pickle.dumps(changed)).to_toml(), text)
+        scene.set({"coupling.kappa": 7, "rods_run.t_end": 5.0})
+        self.assertRegex(scene.to_toml(), r"(?s)kappa = 7\b.*t_end = 5\b")
+        with self.assertRaises(rodwake.SceneError):
+            scene.set("coupling.kappa", "much")
+        self.assertRegex(scene.to_toml(), r"kappa = 7\b")  # as it was
 
     def test_all_problems_of_a_scene_are_told(self):
         with self.assertRaises(rodwake.SceneError) as raised:
