@@ -10,6 +10,8 @@ subclasses; long work ends cleanly at Ctrl-C.
     rodwake.Scene.load("pair.toml").set("coupling.kappa", 3.0).run("results/pair")
 """
 
+import importlib
+
 from ._core import Medium, RodEquations, RodResult
 from ._core import version as __version__
 from .errors import Error, InputError, Problem, RunError, SceneError
@@ -28,3 +30,10 @@ __all__ = [
     "dipole", "displacement", "fit", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
     "simulate", "strain",
 ]
+
+
+def __getattr__(name: str) -> object:
+    """rodwake.plots without `import rodwake.plots`: matplotlib is loaded when it is asked for."""
+    if name == "plots":
+        return importlib.import_module(".plots", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,11 +1,12 @@
 """cmake --install puts the package where Debian's interpreter finds it under the prefix."""
 
 import os
+import shutil
 import subprocess
 import sys
 import unittest
 
-from program import new_folder
+from program import SOURCE, new_folder
 
 CMAKE, BUILD = os.environ["RODWAKE_CMAKE"], os.environ["RODWAKE_BINARY_DIR"]
 TRY = "import rodwake; print(rodwake.__file__); print(rodwake.simulate([[0, 0, 0]], t_end=2.0).poses[-1, 0, 0])"
@@ -16,10 +17,10 @@ def install(prefix, **environment):
                    env={**os.environ, **environment})
 
 
-def imported(*options, **environment):
+def imported(program=sys.executable, **environment):
     """What a fresh interpreter prints that knows no other rodwake."""
     clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    return subprocess.run([sys.executable, *options, "-B", "-c", TRY], check=True, capture_output=True, text=True, cwd="/",
+    return subprocess.run([program, "-B", "-c", TRY], check=True, capture_output=True, text=True, cwd="/",
                           env={**clean, **environment}).stdout.splitlines()
 
 
@@ -47,6 +48,28 @@ class InstallTest(unittest.TestCase):
         self.assertEqual((place, value), (str(packages / "rodwake/__init__.py"), "2.0"))
         installed = {path.name for path in (packages / "rodwake").iterdir()}
         self.assertTrue({"py.typed", "scenes.py"} <= installed, installed)
+
+    def test_pip(self):
+        """Into an environment of its own that sees Debian's packages, from a copy of the sources; nothing is loaded from elsewhere."""
+        folder = new_folder(self)
+        source, home = folder / "source", folder / "env"
+        listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "--cached", "--others", "--exclude-standard", "python", "plots", "*.toml", "setup.py",
+                                 "README.md", "CMakeLists.txt"], check=True, capture_output=True, text=True).stdout.split()
+        for name in listed:
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(SOURCE / name, source / name)
+        subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", home], check=True)
+        python = home / "bin/python3"
+        done = subprocess.run([python, "-m", "pip", "install", "--no-build-isolation", "--no-deps", "--no-index", "--quiet", source],
+                              capture_output=True, text=True, env={**os.environ, "RODWAKE_BUILD": BUILD, "PYTHONPATH": ""})
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        place, value = imported(program=python)
+        self.assertTrue(place.startswith(str(home)), place)
+        self.assertEqual(value, "2.0")
+        kinds = subprocess.run([python, "-B", "-c", "import rodwake; print(rodwake.plots.kinds(), rodwake.plots._plots('draw').__file__)"],
+                               check=True, capture_output=True, text=True, cwd="/", env={**os.environ, "PYTHONPATH": ""}).stdout
+        self.assertIn("phase_diagram", kinds)
+        self.assertIn(str(home), kinds)
 
 
 if __name__ == "__main__":
