@@ -15,7 +15,7 @@ class DocsTest(unittest.TestCase):
         text = PAGE.read_text()
         examples = list(re.finditer(r"```python\n(.*?)```", text, re.DOTALL))
         self.assertGreaterEqual(len(examples), 5)
-        names = {"scenes": SCENES, "folder": new_folder(self)}
+        names = {"scenes": SCENES, "folder": new_folder(self), "__name__": "__main__"}
         for example in examples:
             line = text.count("\n", 0, example.start(1))
             with contextlib.redirect_stdout(io.StringIO()):
