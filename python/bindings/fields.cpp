@@ -8,9 +8,11 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/elastic/wake_field.hpp"
 #include "rodwake/elastic/wake_kernel.hpp"
+#include "signals.hpp"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 namespace rodwake::python {
@@ -128,18 +130,29 @@ private:
     std::vector<std::shared_ptr<const elastic::Wake>> wakes_;
 };
 
-void evaluate(const Request& r) {
+void evaluate(const Request& r, const std::atomic<bool>& stopped) {
     const bool batched = !r.medium.box && (r.quantity == Quantity::strain || request_of(r.quantity).polar);
     const std::optional<PointSum> one_by_one =
         batched ? std::nullopt : std::optional<PointSum>(std::in_place, r);
     const std::size_t points = r.x.size();
     parallel_for((points + block - 1) / block, r.threads, [&](std::size_t task) {
         const std::size_t from = task * block, to = std::min(points, from + block);
+        if (stopped)
+            return;
         if (batched)
             add_batch(r, from, to);
         else
             one_by_one->add(from, to);
     });
+}
+
+/// What takes longer than starting a thread can be interrupted.
+void evaluate_attended(const Request& r) {
+    std::atomic<bool> stopped = false;
+    if (r.x.size() * r.rods.size() > 16 * block)
+        return attended([&] { evaluate(r, stopped); }, [] {}, [&] { stopped = true; });
+    const py::gil_scoped_release release;
+    evaluate(r, stopped);
 }
 
 std::vector<Source> sources_of(const Array& rods) {
@@ -161,8 +174,7 @@ Array field(Quantity quantity, const Array& x, const Array& y, const Medium& med
         medium, quantity, sources_of(rods), numbers(x), numbers(y), {}, std::max<std::size_t>(threads, 1)};
     Array out({x.size(), static_cast<py::ssize_t>(request.width())});
     request.out = {out.mutable_data(), static_cast<std::size_t>(out.size())};
-    const py::gil_scoped_release release;
-    evaluate(request);
+    evaluate_attended(request);
     return out;
 }
 

@@ -136,7 +136,7 @@ class RunTest(unittest.TestCase):
 class InterruptTest(unittest.TestCase):
     def interrupted(self, text):
         """Runs a Python text, presses Ctrl-C once it has printed a line, and gives what it printed then."""
-        script = "import rodwake, sys\nprint('begun', flush=True)\ntry:\n    " + text + "\nexcept KeyboardInterrupt:\n    print('KeyboardInterrupt')\n"
+        script = "import numpy as np\nimport rodwake\nprint('begun', flush=True)\ntry:\n    " + text + "\nexcept KeyboardInterrupt:\n    print('KeyboardInterrupt')\n"
         with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, env=os.environ) as child:
             child.stdout.readline()
             time.sleep(0.5)
@@ -153,6 +153,9 @@ class InterruptTest(unittest.TestCase):
     def test_simulate(self):
         rods = "[[8.0 * i, 8.0 * k, 0.1 * i * k] for i in range(12) for k in range(12)]"
         self.assertEqual(self.interrupted(f"rodwake.simulate({rods}, rodwake.Medium(), kappa=5, t_end=1e7, max_steps=10**9)"), "KeyboardInterrupt\n")
+
+    def test_a_field_of_many_points(self):
+        self.assertEqual(self.interrupted("rodwake.displacement(np.linspace(1, 2, 10**7), 0.5, rodwake.Medium(periodic=9.0))"), "KeyboardInterrupt\n")
 
 
 class OpenTest(unittest.TestCase):
