@@ -25,7 +25,7 @@ using elastic::Source;
 
 enum class Quantity { displacement, strain, laplacian, grad_div, dipole };
 
-constexpr std::size_t block = 1024;
+constexpr std::size_t block = 2048;
 
 struct Request {
     Medium medium;
@@ -68,8 +68,7 @@ void put(const elastic::SymmetricTensor& t, double* row) {
 }
 
 /// Strain and polar vectors on the plane.
-void add_batch(const Request& r, std::size_t from, std::size_t to) {
-    const elastic::WakeKernel kernel(r.medium.elastic);
+void add_batch(const Request& r, const elastic::WakeKernel& kernel, std::size_t from, std::size_t to) {
     const std::size_t count = to - from;
     const elastic::Places places{r.x.subspan(from, count), r.y.subspan(from, count)};
     std::array<std::array<double, block>, 7> sums;
@@ -134,13 +133,14 @@ void evaluate(const Request& r, const std::atomic<bool>& stopped) {
     const bool batched = !r.medium.box && (r.quantity == Quantity::strain || request_of(r.quantity).polar);
     const std::optional<PointSum> one_by_one =
         batched ? std::nullopt : std::optional<PointSum>(std::in_place, r);
+    const elastic::WakeKernel kernel(r.medium.elastic);
     const std::size_t points = r.x.size();
     parallel_for((points + block - 1) / block, r.threads, [&](std::size_t task) {
         const std::size_t from = task * block, to = std::min(points, from + block);
         if (stopped)
             return;
         if (batched)
-            add_batch(r, from, to);
+            add_batch(r, kernel, from, to);
         else
             one_by_one->add(from, to);
     });
@@ -149,7 +149,7 @@ void evaluate(const Request& r, const std::atomic<bool>& stopped) {
 /// What takes longer than starting a thread can be interrupted.
 void evaluate_attended(const Request& r) {
     std::atomic<bool> stopped = false;
-    if (r.x.size() * r.rods.size() > 16 * block)
+    if (r.x.size() * r.rods.size() > 8 * block)
         return attended([&] { evaluate(r, stopped); }, [] {}, [&] { stopped = true; });
     const py::gil_scoped_release release;
     evaluate(r, stopped);

@@ -48,8 +48,18 @@ struct Run {
     rods::RodResult result;
     std::size_t rods = 0;
     std::string method;
-    Array t, poses;
+    mutable std::optional<std::pair<Array, Array>> path = {}; ///< t and poses, made when they are asked for
 };
+
+const std::pair<Array, Array>& arrays_of(const Run& run) {
+    if (!run.path) {
+        Path path = path_of(run.result.solution);
+        const auto rows = static_cast<py::ssize_t>(path.times.size());
+        run.path.emplace(array_of(std::move(path.times), {rows}),
+                         array_of(std::move(path.poses), {rows, static_cast<py::ssize_t>(run.rods), 3}));
+    }
+    return *run.path;
+}
 
 Run simulate(const Array& poses, const Medium* medium, double kappa, double gamma1, double gamma2,
              double t_end, const std::optional<Array>& output_times, Number contact_distance,
@@ -70,11 +80,6 @@ Run simulate(const Array& poses, const Medium* medium, double kappa, double gamm
     }
     interrupt.rethrow();
     run.rods = problem.rods.size();
-    const auto rods = static_cast<py::ssize_t>(run.rods);
-    Path path = path_of(run.result.solution);
-    const auto rows = static_cast<py::ssize_t>(path.times.size());
-    run.t = array_of(std::move(path.times), {rows});
-    run.poses = array_of(std::move(path.poses), {rows, rods, 3});
     return run;
 }
 
@@ -88,7 +93,7 @@ std::string text_of(const Run& run) {
     const rods::RodOutcome& outcome = run.result.outcome;
     return "<RodResult: " + to_string(outcome.ending) +
            " at t = " + std::string(py::str(py::float_(outcome.time))) + ", " + std::to_string(run.rods) +
-           " rods, " + std::to_string(run.t.size()) + " times>";
+           " rods, " + std::to_string(arrays_of(run).first.size()) + " times>";
 }
 
 constexpr const char* about =
@@ -100,8 +105,12 @@ void bind_rods(py::module_& module) {
     const auto outcome = [](const Run& run) { return to_string(run.result.outcome.ending); };
     const auto message = [](const Run& run) { return run.result.solution.status.message(); };
     py::class_<Run>(module, "RodResult", about)
-        .def_readonly("t", &Run::t, "(T,): the output times, then the end if it is another time")
-        .def_readonly("poses", &Run::poses, "(T, N, 3): x, y and heading of each rod at each time")
+        .def_property_readonly(
+            "t", [](const Run& run) { return arrays_of(run).first; },
+            "(T,): the output times, then the end if it is another time")
+        .def_property_readonly(
+            "poses", [](const Run& run) { return arrays_of(run).second; },
+            "(T, N, 3): x, y and heading of each rod at each time")
         .def_property_readonly("outcome", outcome, "'contact', 'pursuit', 'escape' or 'undecided'")
         .def_property_readonly(
             "time", [](const Run& run) { return run.result.outcome.time; },
