@@ -39,6 +39,9 @@ class InstallTest(unittest.TestCase):
             install(prefix, DESTDIR=str(root))
             found = [path for path in sys.path if path.startswith(prefix + "/") and (root / path[1:] / "rodwake/__init__.py").is_file()]
             self.assertEqual(len(found), 1, (prefix, sys.path))
+            stage = root / "_CPack_Packages/Linux/DEB/rodwake"  # what CPack does
+            install(f"{stage}{prefix}")
+            self.assertTrue((stage / found[0][1:] / "rodwake/__init__.py").is_file(), sorted(stage.rglob("rodwake")))
 
     def test_any_other_prefix_by_its_path(self):
         prefix = new_folder(self)
