@@ -49,6 +49,11 @@ if(RODWAKE_TESTS)
 endif()
 # Plots need the interpreter that has matplotlib: Debian's own, whichever python3 comes first on PATH.
 set(RODWAKE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with matplotlib and h5py, for rodwake plot")
+if(RODWAKE_PYTHON_PACKAGE)
+    set(PYTHON_EXECUTABLE ${RODWAKE_PYTHON}) # of pybind11
+    find_package(pybind11 2.10 QUIET)
+    set_package_properties(pybind11 PROPERTIES PURPOSE "the Python package" TYPE OPTIONAL)
+endif()
 
 # ccache takes up precompiled headers only if told so.
 find_program(CCACHE_PROGRAM ccache)

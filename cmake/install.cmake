@@ -1,4 +1,4 @@
-# cmake --install: headers, libraries, the program, plots; find_package(rodwake) afterwards.
+# cmake --install: headers, libraries, the program with what it ships; find_package(rodwake) afterwards. cpack makes a .deb of it.
 include(CMakePackageConfigHelpers)
 
 # What a part stands on, itself last: <out>_parts, and <out>_packages that its linker needs.
@@ -47,6 +47,9 @@ install(DIRECTORY include/rodwake DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY plots/ DESTINATION ${CMAKE_INSTALL_DATADIR}/rodwake/plots PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY fitting/problems fitting/data DESTINATION ${CMAKE_INSTALL_DATADIR}/rodwake/fitting)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/rodwake)
+install(FILES ${CMAKE_BINARY_DIR}/shell/rodwake.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${CMAKE_BINARY_DIR}/shell/rodwake DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(FILES ${CMAKE_BINARY_DIR}/shell/_rodwake DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(cmake/rodwakeConfig.cmake.in ${CMAKE_BINARY_DIR}/rodwakeConfig.cmake
@@ -54,3 +57,15 @@ configure_package_config_file(cmake/rodwakeConfig.cmake.in ${CMAKE_BINARY_DIR}/r
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/rodwakeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/rodwakeConfig.cmake ${CMAKE_BINARY_DIR}/rodwakeConfigVersion.cmake cmake/FindHDF5C.cmake
         DESTINATION ${package_dir})
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The rodwake authors")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON) # the libraries that the program is linked with
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "python3, python3-numpy, python3-matplotlib, python3-h5py") # of rodwake plot
+include(CPack)

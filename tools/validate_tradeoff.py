@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 """Validation of `rodwake tradeoff`: the numbers of docs/validation.md, "Speed against accuracy".
 
-    tools/validate_tradeoff.py [--program build/release/rodwake] [--only scenes,promise] [--random 50] [--seed 1] [--keep DIR]
+    tools/validate_tradeoff.py [--program build/release/rodwake] [--only scenes,promise,fits,beds] [--random 50] [--seed 1] [--keep DIR]
 
 scenes: work-precision tables and figures of named scenes, and each setting whose error is outside [0.01, 100] of its tolerance.
 promise: on random scenes `--for E` is asked twice, in measurements of their own. The setting of the first is run, and its error taken
 against a solution that the command did not use; the table of the second says whether another one would have been much faster.
+fits: each way to fit the problems of fitting/problems. beds: what the bed of a rod costs to some errors, and whether ensembles of the
+settings that are printed keep to them: 12 of each, against 400 runs at the shortest step.
 Prints Markdown. --keep DIR keeps the results and takes up what is there.
 """
 
@@ -160,6 +162,72 @@ def slowness(first, second, wanted):
     return times[chosen] / float(cheapest(second, wanted)["seconds"])
 
 
+FITS = ("monopole", "dipole", "joint", "pair")
+
+
+def fits(lab):
+    print("| problem | searches agree to | optimum to 1e-2 | to 1e-6 | interval to 0.5 | to 0.01 |\n|---|---|---|---|---|---|")
+    for name in FITS:
+        file, out = SOURCE / f"fitting/problems/{name}.toml", lab.folder / name
+        told = lab.run("tradeoff", file, "--of", "fit", "-o", out).stderr
+        agreement = next((line.split("agree to")[1].split()[0] for line in (told + (out / "tradeoff_fit/log.txt").read_text()).splitlines() if "agree to" in line), "")
+        answers = [cost(lab, file, out, "fit", wanted) for wanted in ("optimum 1e-2", "optimum 1e-6", "interval 0.5", "interval 0.01")]
+        print(f"| {name} | {agreement} | {' | '.join(answers)} |")
+
+
+def cost(lab, file, out, part, wanted):
+    """What the answer costs, and its settings."""
+    done = lab.run("tradeoff", file, "--of", part, "-o", out, "--for", wanted, may_fail=True)
+    if done.returncode:
+        return "none"
+    settings = ", ".join(line.split(" = ")[1].strip('"') for line in done.stdout.splitlines()[:3])
+    return f"{done.stderr.splitlines()[-1].rsplit(' in ', 1)[-1]} ({settings})"
+
+
+BED = """schema = 1
+[granular]
+phi_b = 0.5
+box = "20 a"
+duration = "2 s"
+equilibrate = "0.5 s"
+runs = 2
+[granular.output]
+formats = []
+last_period = false
+[[granular.rods]]
+kind = "motile"
+position = ["10 a", "10 a"]
+heading = 0.0
+"""
+REPEATS, REFERENCE_RUNS, STEP = 12, 400, 5e-6
+
+
+def beds(lab):
+    file, out = lab.file("bed", BED), lab.folder / "bed"
+    lab.run("tradeoff", file, "-o", out, "--quiet", "--limit", "20s")
+    true = ensemble(lab, file, "bed_reference", (f'granular.time_step="{STEP:g} s"', f"granular.runs={REFERENCE_RUNS}"), 900001)
+    print("| asked | step | runs | CPU | rms error of the ensembles over what was asked |\n|---|---|---|---|---|")
+    for quantity, percent in (("rod_speed", 20), ("rod_speed", 10), ("T_xy", 2), ("T_z", 0.5), ("psi6", 5)):
+        done = lab.run("tradeoff", file, "-o", out, "--limit", "20s", "--for", f"{quantity} {percent}%", may_fail=True)
+        if done.returncode:
+            print(f"| {quantity} {percent} % | none: {done.stderr.splitlines()[-1]} | | | |")
+            continue
+        keys = [line.replace(" = ", "=") for line in done.stdout.splitlines()]
+        value = dict(key.split("=") for key in keys)
+        means = [ensemble(lab, file, f"bed_{quantity}_{percent}_{k}", keys, 1000 * (k + 1))[quantity] for k in range(REPEATS)]
+        rms = math.sqrt(sum((mean / true[quantity] - 1) ** 2 for mean in means) / REPEATS)
+        took = done.stderr.splitlines()[-1].rsplit("; ", 1)[-1].removesuffix(" of CPU")
+        print(f"| {quantity} {percent} % | {value['granular.time_step']} | {value['granular.runs']} | {took} | {100 * rms / percent:.2f} +- {100 * rms / percent / math.sqrt(2 * REPEATS):.2f} |")
+
+
+def ensemble(lab, file, name, keys, seed):
+    """Means of an ensemble; of one run its values."""
+    out = lab.folder / name
+    lab.run("dem", file, "-o", out, "--quiet", "--force", *[f"-s{key}" for key in keys], "--seed", seed)
+    told = json.loads((out / "summary.json").read_text())
+    return {"rod_speed": told["rods"][0]["mean_speed"], **{key: told[key] for key in ("T_xy", "T_z", "psi6")}}
+
+
 def median(values):
     return sorted(values)[len(values) // 2]
 
@@ -180,6 +248,10 @@ def main():
             named_scenes(lab)
         if "promise" in options.only.split(","):
             promise(lab, options.random, options.seed)
+        if "fits" in options.only.split(","):
+            fits(lab)
+        if "beds" in options.only.split(","):
+            beds(lab)
 
 
 if __name__ == "__main__":

@@ -35,7 +35,8 @@ def write(folder):
 
 
 def found(way, name):
-    return next((one for one in way["found"] if one["quantity"] == name), None)
+    """None where there is none, or an error without bound."""
+    return next((one for one in way["found"] if one["quantity"] == name and one["bias"] is not None), None)
 
 
 def key(way, name):

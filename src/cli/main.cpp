@@ -14,6 +14,10 @@ namespace {
 
 int dispatch(const Options& options) {
     switch (options.verb) {
+    case Verb::scenes:
+        return verb_scenes(options);
+    case Verb::new_scene:
+        return verb_new(options);
     case Verb::check:
         return verb_check(options);
     case Verb::field:
@@ -33,6 +37,8 @@ int dispatch(const Options& options) {
         return verb_plot(options);
     case Verb::info:
         return verb_info(options);
+    case Verb::help: // its lines are turned into those with --help
+        break;
     }
     return 2;
 }

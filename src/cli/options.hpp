@@ -7,17 +7,34 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace rodwake::cli {
 
-enum class Verb { check, field, rods, dem, impact, measure, fit, scan, tradeoff, run, plot, info };
+enum class Verb {
+    scenes,
+    new_scene,
+    check,
+    field,
+    rods,
+    dem,
+    impact,
+    measure,
+    fit,
+    scan,
+    tradeoff,
+    run,
+    plot,
+    info,
+    help
+};
 
 struct Options {
     Verb verb = Verb::check;
-    std::string target;                 ///< scene, run directory or file the verb works on
+    std::string target;                 ///< scene, run directory, file or verb that the verb works on
     std::string output;                 ///< -o; empty: results/<name of the scene>
     std::vector<std::string> overrides; ///< -s table.key=value
     std::size_t threads = 0;            ///< -j; 0: one for each core
@@ -26,21 +43,24 @@ struct Options {
     std::string json_log; ///< --log-json FILE
     std::string command;  ///< the whole line, as a shell takes it
     // verb-specific
-    std::string points;               ///< field --points; "-": standard input
-    std::string backend = "exact";    ///< field --backend
-    double table_tolerance = 1e-8;    ///< field --table-tolerance
-    std::string cases;                ///< impact --cases; "-": standard input
-    bool merge = false;               ///< scan --merge
-    bool rerun_failed = false;        ///< scan --rerun-failed
-    std::string want_error;           ///< tradeoff --for: "1e-6", "2%", "rod_speed 2%"; empty: not asked
-    std::optional<double> want_time;  ///< tradeoff --within, s
-    std::string error_kind;           ///< tradeoff --error; empty: the first there is
-    std::string part;                 ///< scan --part i/n
-    std::string tradeoff_of;          ///< tradeoff --of; empty: what the scene names first
-    double limit = 60.0;              ///< tradeoff --limit, s
-    bool pdf = false;                 ///< plot --pdf
-    bool scene_reference = false;     ///< info --scene-reference
-    bool schema = false;              ///< info --schema
+    std::map<std::string, std::string> answers; ///< new: by option, empty where none is given
+    std::string points;                         ///< field --points; "-": standard input
+    std::string backend = "exact";              ///< field --backend
+    double table_tolerance = 1e-8;              ///< field --table-tolerance
+    std::string cases;                          ///< impact --cases; "-": standard input
+    std::string part;                           ///< scan --part i/n
+    bool merge = false;                         ///< scan --merge
+    bool rerun_failed = false;                  ///< scan --rerun-failed
+    std::string want_error;          ///< tradeoff --for: "1e-6", "2%", "rod_speed 2%"; empty: not asked
+    std::optional<double> want_time; ///< tradeoff --within, s
+    std::string error_kind;          ///< tradeoff --error; empty: the first there is
+    std::string tradeoff_of;         ///< tradeoff --of; empty: what the scene names first
+    double limit = 60.0;             ///< tradeoff --limit, s
+    bool pdf = false;                ///< plot --pdf
+    bool scene_reference = false;    ///< info --scene-reference
+    bool schema = false;             ///< info --schema
+    bool man = false;                ///< info --man
+    std::string completion;          ///< info --completion
 };
 
 /// Result of parsing: either options to act on, or an exit code (help, version, usage error; the text is

@@ -1,7 +1,7 @@
 // rodwake check: the resolved scene, what will be modelled and what not and why, and what it will cost.
 
 #include "rodwake/assembly/describe.hpp"
-#include "rodwake/scene/read.hpp"
+#include "rodwake/scene/advice.hpp"
 #include "rodwake/scene/write.hpp"
 #include "rodwake/stages/run.hpp"
 #include "verbs.hpp"
@@ -11,13 +11,14 @@
 namespace rodwake::cli {
 
 int verb_check(const Options& options) {
-    const scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    const scene::Scene scene = scene_of(options);
     stages::RunContext context;
     context.seed = options.seed;
     context.threads = options.threads;
     const assembly::Plan plan = stages::plan_check(scene, output_folder(options), context);
     if (options.quiet)
         return 0;
+    const std::vector<std::string> doubts = scene::advice(plan.scene);
     const std::vector<assembly::PlanLine> lines = assembly::describe(plan);
     fmt::print("{}\n# modelled\n", scene::to_toml(plan.scene));
     for (const assembly::PlanLine& line : lines)
@@ -27,6 +28,8 @@ int verb_check(const Options& options) {
     for (const assembly::PlanLine& line : lines)
         if (!line.modelled)
             fmt::print("  {}\n", line.text);
+    if (!doubts.empty())
+        fmt::print("\n# is this what you mean?\n  {}\n", fmt::join(doubts, "\n  "));
     fmt::print("\n# expected cost\n{}\n{}: ok\n",
                stages::expected_cost(plan, output_folder(options), context), options.target);
     return 0;

@@ -1,3 +1,4 @@
+#include "definition.hpp"
 #include "rodwake/assembly/schema.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
@@ -72,6 +73,17 @@ int describe_file(const fs::path& file) {
     return 0;
 }
 
+/// The manual page or a completion script.
+int print_of_definition(const Options& options) {
+    Options unused;
+    CLI::App app("", "rodwake");
+    define_command_line(app, unused);
+    fmt::print("{}", options.man                   ? man_page(app)
+                     : options.completion == "zsh" ? zsh_completion(app)
+                                                   : bash_completion(app));
+    return 0;
+}
+
 } // namespace
 
 int verb_info(const Options& options) {
@@ -83,6 +95,8 @@ int verb_info(const Options& options) {
         fmt::print("{}", assembly::schema_json());
         return 0;
     }
+    if (options.man || !options.completion.empty())
+        return print_of_definition(options);
     if (options.target.empty())
         return print_versions();
     if (!fs::exists(options.target))

@@ -26,17 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// plots/ of the installation beside the program, else of the source tree it was built from.
-fs::path plotting_program() {
-    std::error_code error;
-    const fs::path program = fs::read_symlink("/proc/self/exe", error);
-    const fs::path installed =
-        program.parent_path().parent_path() / "share" / "rodwake" / "plots" / "rodwake_plot.py";
-    if (!error && fs::exists(installed, error))
-        return installed;
-    return fs::path(RODWAKE_SOURCE_PLOTS) / "rodwake_plot.py";
-}
-
 /// Passes a signal that asks us to stop on to the child; Ctrl-C reaches it anyway, SIGTERM does not.
 int wait_for(pid_t child) {
     int status = 0;
@@ -65,7 +54,8 @@ int run(const std::vector<std::string>& command) {
 } // namespace
 
 void make_figures(const fs::path& run_directory, bool pdf, bool quiet) {
-    std::vector<std::string> command = {RODWAKE_PYTHON, plotting_program().string(), run_directory.string()};
+    std::vector<std::string> command = {
+        RODWAKE_PYTHON, (shipped_folder() / "plots" / "rodwake_plot.py").string(), run_directory.string()};
     if (pdf)
         command.emplace_back("--pdf");
     if (quiet)

@@ -2,7 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/mpi.hpp"
-#include "rodwake/scene/read.hpp"
+#include "rodwake/scene/advice.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/stages/run_folder.hpp"
 #include "signals.hpp"
@@ -143,7 +143,7 @@ int serve(const Options& options, const scene::Scene& scene, std::span<const Sta
 } // namespace
 
 int verb_stages(const Options& options) {
-    const scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    const scene::Scene scene = scene_of(options);
     const std::vector<Stage> stages = stages_of(options.verb, scene, output_folder(options));
     if (options.dry_run)
         return verb_check(options);
@@ -152,6 +152,8 @@ int verb_stages(const Options& options) {
     if (job && job->rank() > 0)
         return serve(options, scene, stages, context, *job);
     const assembly::Plan plan = stages::plan_run(scene, stages, output_folder(options), context);
+    for (const std::string& doubt : scene::advice(plan.scene))
+        context.log(stages::Severity::warning, doubt);
     return finish(options, stages::run(plan, output_folder(options), context));
 }
 

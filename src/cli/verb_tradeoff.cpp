@@ -2,7 +2,6 @@
 // for.
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/read.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/stages/run_folder.hpp"
 #include "signals.hpp"
@@ -163,7 +162,7 @@ int tradeoff_of_rods(const Options& options, const scene::Scene& scene) {
 } // namespace
 
 int verb_tradeoff(const Options& options) {
-    scene::Scene scene = scene::read_scene(options.target, options.overrides);
+    scene::Scene scene = scene_of(options);
     if (options.seed)
         assembly::apply_seed(scene, *options.seed);
     const stages::Part part = part_of(options, scene);

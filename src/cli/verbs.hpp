@@ -2,11 +2,14 @@
 // One function a verb; each returns the exit code and throws InputError or RunError.
 
 #include "options.hpp"
+#include "rodwake/scene/scene.hpp"
 
 #include <filesystem>
 
 namespace rodwake::cli {
 
+int verb_scenes(const Options& options);
+int verb_new(const Options& options);
 int verb_check(const Options& options);
 int verb_field_points(const Options& options);
 int verb_impact(const Options& options);
@@ -15,6 +18,14 @@ int verb_stages(
 int verb_tradeoff(const Options& options);
 int verb_plot(const Options& options);
 int verb_info(const Options& options);
+
+/// What is installed beside the program (plots, scenes, problems of fits with their data): share/rodwake of
+/// the installation the program is part of, else the source tree it was built from.
+std::filesystem::path shipped_folder();
+
+/// The scene of the command line with its -s settings. Throws InputError, which says where a shipped scene is
+/// found.
+scene::Scene scene_of(const Options& options);
 
 /// Figures and report.html by the plotting program. Throws RunError if it cannot be run or fails; a stop
 /// signal ends it early, and it returns.

@@ -1,9 +1,11 @@
 #include "apply_overrides.hpp"
 
 #include "nesting.hpp"
+#include "rodwake/core/spelling.hpp"
 #include "toml.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <fmt/format.h>
 
 namespace rodwake::scene {
@@ -15,6 +17,14 @@ bool is_bare_string(const std::string& text) {
     const bool starts_toml = text.empty() || std::string("\"'[{").find(text.front()) != std::string::npos;
     const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20; };
     return !starts_toml && std::none_of(text.begin(), text.end(), control);
+}
+
+/// A number that TOML writes otherwise: .5, 5., 99999999999999999999.
+std::optional<double> plain_number(const std::string& text) {
+    double number = 0.0;
+    const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool is_whole = at == text.data() + text.size() && error == std::errc{};
+    return is_whole ? std::optional(number) : std::nullopt;
 }
 
 std::string trimmed(const std::string& text) {
@@ -35,19 +45,51 @@ public:
     Walker(Node& root, const Override& item, Problems& problems)
         : at_(&root), item_(item), problems_(problems) {}
 
-    void put() {
-        if (!is_path(item_.path)) {
+    void apply() {
+        if (!is_path(item_.path))
             fail(fmt::format("{} is not a key such as \"coupling.kappa\"",
                              describe_value(Node{{}, item_.path})));
-            return;
-        }
+        else if (item_.unsets)
+            unset();
+        else
+            put();
+    }
+
+private:
+    void put() {
         for (const auto& segment : split_path(item_.path))
             if (!step(segment))
                 return;
         *at_ = item_.value;
     }
 
-private:
+    void unset() {
+        Node* parent = at_;
+        std::string last;
+        for (const auto& segment : split_path(item_.path)) {
+            parent = at_;
+            last = segment;
+            if (!is_there(segment) || !step(segment))
+                return;
+        }
+        if (auto* list = parent->as<Node::List>())
+            list->erase(list->begin() + list_index(last));
+        else
+            std::erase_if(*parent->as<Node::Table>(), [&](const Entry& entry) { return entry.key == last; });
+    }
+
+    /// Whether a table has this key; of a list and of a value `step` tells.
+    bool is_there(const std::string& segment) {
+        const auto* table = at_->as<Node::Table>();
+        if (!table || at_->find(segment))
+            return true;
+        std::vector<std::string_view> keys;
+        for (const Entry& entry : *table)
+            keys.push_back(entry.key);
+        return fail(fmt::format("nothing to unset: {} has no {}{}", walked_.empty() ? "the scene" : walked_,
+                                segment, did_you_mean(segment, keys)));
+    }
+
     bool step(const std::string& segment) {
         const bool moved = at_->as<Node::List>() ? into_list(segment) : into_table(segment);
         walked_ += (walked_.empty() ? "" : ".") + segment;
@@ -102,9 +144,17 @@ std::optional<Override> parse_override(const std::string& text, Problems& proble
         return std::nullopt;
     }
     const std::string value = trimmed(text.substr(equals + 1));
+    if (value.empty())
+        return Override{path, {}, place, true};
+    if (is_too_large(value)) {
+        problems.add(place, path, fmt::format("{} is too large for a number, which ends at 1.8e308", value));
+        return std::nullopt;
+    }
     std::string why;
     if (auto node = parse_toml_value(value, place, why))
         return Override{path, *node, place};
+    if (const auto number = plain_number(value))
+        return Override{path, Node{place, *number}, place};
     if (is_bare_string(value))
         return Override{path, Node{place, value}, place};
     problems.add(place, path, "the value is not valid TOML: " + why);
@@ -112,7 +162,7 @@ std::optional<Override> parse_override(const std::string& text, Problems& proble
 }
 
 void apply_override(Node& root, const Override& item, Problems& problems) {
-    Walker(root, item, problems).put();
+    Walker(root, item, problems).apply();
 }
 
 } // namespace rodwake::scene

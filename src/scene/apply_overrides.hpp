@@ -13,15 +13,17 @@ struct Override {
     std::string path; ///< "rods.1.position"
     Node value;
     Place place;
+    bool unsets = false; ///< "table.key=": the key is taken out, and its value counts for nothing
 
     /// "coupling.kappa=-100.0"
     std::string text() const { return path + "=" + to_inline(value); }
 };
 
-/// Reads "table.key=value" as given to -s; nothing, and a problem, if it has no such form.
+/// Reads "table.key=value" or "table.key=" as given to -s; nothing, and a problem, if it has no such form.
 std::optional<Override> parse_override(const std::string& text, Problems& problems);
 
-/// Puts the value into the document. Missing tables are made; list entries must exist.
+/// Puts the value into the document, or takes the key out. Missing tables are made; list entries, and what is
+/// to be taken out, must exist.
 void apply_override(Node& root, const Override& item, Problems& problems);
 
 } // namespace rodwake::scene

@@ -91,7 +91,7 @@ is; strings with a unit become bead radii, which is what `rodwake measure` write
 
 On the command line `-s table.key=value` replaces a value: `-s coupling.kappa=2`, `-s rods.1.position.0=2.0` (entries
 of lists are numbered from 0), `-s rods_run.method=adams`. Where keys are alternatives, the one set wins over those in
-the file.
+the file. `-s noise=` takes a key, a table or an entry of a list out.
 )md";
 
 } // namespace

@@ -3,20 +3,11 @@
 #include "node.hpp"
 #include "rodwake/scene/document.hpp"
 
-#include <cctype>
 #include <fmt/format.h>
-#include <vector>
 
 namespace rodwake::scene {
 
 namespace {
-
-std::string lower(std::string_view word) {
-    std::string text(word);
-    for (char& c : text)
-        c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
 
 /// " ([coupling] has it)" for a key that stands in the wrong table.
 std::string where_it_belongs(const std::string& name) {
@@ -27,44 +18,6 @@ std::string where_it_belongs(const std::string& name) {
 }
 
 } // namespace
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    // Three rows of the usual table: the swap looks two rows back.
-    std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j)
-        last[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        row[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                row[j] = std::min(row[j], before[j - 2] + 1);
-        }
-        before.swap(last);
-        last.swap(row);
-    }
-    return last[b.size()];
-}
-
-std::string_view nearest(std::string_view name, Names known) {
-    std::string_view best;
-    if (name.size() > 64) // no key is near, and the table would be large
-        return best;
-    std::size_t best_distance = std::clamp<std::size_t>(name.size() / 3, 1, 3) + 1;
-    for (const std::string_view candidate : known) {
-        const std::size_t distance = edit_distance(lower(name), lower(candidate));
-        if (distance < best_distance) {
-            best_distance = distance;
-            best = candidate;
-        }
-    }
-    return best;
-}
-
-std::string did_you_mean(std::string_view name, Names known) {
-    const std::string_view near = nearest(name, known);
-    return near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near);
-}
 
 std::string one_of_text(Names legal, std::string_view found) {
     return fmt::format("must be one of {}{}", comma_list(legal), did_you_mean(found, legal));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "rodwake/core/spelling.hpp"
+
 #include <algorithm>
 #include <span>
 #include <string>
@@ -8,15 +10,6 @@
 namespace rodwake::scene {
 
 using Names = std::span<const std::string_view>;
-
-/// Number of single-character edits (insert, delete, replace, swap of neighbours) from one word to the other.
-std::size_t edit_distance(std::string_view a, std::string_view b);
-
-/// The known name nearest to `name`, or empty if none is close (a third of its length, at most 3 edits).
-std::string_view nearest(std::string_view name, Names known);
-
-/// ` (did you mean "kappa"?)`, or empty.
-std::string did_you_mean(std::string_view name, Names known);
 
 /// `must be one of x, y (did you mean "x"?)`
 std::string one_of_text(Names legal, std::string_view found);

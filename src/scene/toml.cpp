@@ -2,6 +2,9 @@
 
 #include "nesting.hpp"
 
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <toml++/toml.h>
 
 namespace rodwake::scene {
@@ -53,7 +56,20 @@ struct Converter {
     }
 };
 
+/// What toml++ quotes from the file.
+std::string in_quotes(const std::string& why) {
+    const auto begin = why.find('\''), end = why.find('\'', begin + 1);
+    return end == std::string::npos ? "" : why.substr(begin + 1, end - begin - 1);
+}
+
 } // namespace
+
+bool is_too_large(const std::string& text) {
+    double number = 0.0;
+    const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return at == text.data() + text.size() && error == std::errc::result_out_of_range &&
+           std::isinf(std::strtod(text.c_str(), nullptr)); // not what is too small
+}
 
 std::optional<Node> parse_toml(std::string_view text, const std::string& name, Problems& problems) {
     const auto source = std::make_shared<const std::string>(name);
@@ -65,7 +81,10 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, P
         return Converter{source}.convert(toml::parse(text));
     } catch (const toml::parse_error& error) {
         const auto at = error.source().begin;
-        problems.add({source, at.line, at.column}, "", "not valid TOML: " + std::string(error.description()));
+        const std::string why(error.description()), number = in_quotes(why);
+        problems.add({source, at.line, at.column}, "",
+                     is_too_large(number) ? number + " is too large for a number, which ends at 1.8e308"
+                                          : "not valid TOML: " + why);
         return std::nullopt;
     }
 }

@@ -16,4 +16,7 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, P
 /// `why`, if it is not one.
 std::optional<Node> parse_toml_value(std::string_view text, const Place& place, std::string& why);
 
+/// Whether the text is a number beyond the range of a double, such as 1e400.
+bool is_too_large(const std::string& text);
+
 } // namespace rodwake::scene

@@ -29,8 +29,7 @@ void write_table(const std::filesystem::path& folder, const assembly::MeasureTab
     std::vector<std::string> names;
     for (const assembly::ColumnInfo& head : table.heads)
         names.emplace_back(head.name);
-    store::write_atomically(folder / table.file,
-                            "# " + table.comment + "\n" + store::to_csv(names, table.columns));
+    store::write_atomically(folder / table.file, store::to_csv(names, table.columns));
 }
 
 void write_image(const std::filesystem::path& folder, const assembly::MeasureImage& image, double a) {

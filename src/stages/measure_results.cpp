@@ -23,6 +23,9 @@ std::string measure_json(const CaseResults& r, const MeasureOrigin& origin) {
         {"runs", r.runs}};
     for (const auto& [name, report] : r.reports)
         out[name] = values_json(report.values);
+    for (const auto& [name, report] : r.reports)
+        for (const assembly::MeasureTable& table : report.tables)
+            out["tables"][table.file] = table.comment;
     for (const auto& [name, reason] : r.not_measured)
         out["not_measured"][name] = reason;
     out["provenance"] = {{"command", origin.command},
@@ -64,7 +67,7 @@ void write_measures(const fs::path& folder, const CaseResults& r, const MeasureO
 }
 
 std::vector<std::string> describe(const CaseResults& r) {
-    const std::string name = r.label.empty() ? "measure" : fmt::format("measure ({})", r.label);
+    const std::string name = r.label.empty() ? "measure" : fmt::format("measure ({})", r.name);
     std::vector<std::string> lines;
     for (const auto& [measure, report] : r.reports)
         lines.push_back(name + ": " + report.line);

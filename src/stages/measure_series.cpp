@@ -86,10 +86,7 @@ assembly::Values comparisons(const std::vector<CaseResults>& cases) {
 } // namespace
 
 void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases) {
-    std::string content =
-        "# a row for the scene and one for each variant; lengths in a, speeds in a/s, force in N, stiffness "
-        "in 1/a^2; class 0 exponential, 1 algebraic, 2 long-range; empty: not measured\n" +
-        header();
+    std::string content = header();
     for (const CaseResults& one : cases)
         content += line_of(one);
     store::write_atomically(folder / "series.csv", content);

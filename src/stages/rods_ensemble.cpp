@@ -73,8 +73,7 @@ std::string ensemble_csv(const std::vector<RodResult>& samples, rods::Box box, c
         for (std::size_t c = 0; c < columns.size(); ++c)
             columns[c].push_back(row[c]);
     }
-    return "# outcome: 0 contact, 1 pursuit, 2 escape, 3 undecided; empty: the solver failed\n" +
-           store::to_csv(names, columns);
+    return store::to_csv(names, columns);
 }
 
 ordered_json ensemble_json(const std::vector<RodResult>& samples, rods::Box box, const OutputUnits& units) {

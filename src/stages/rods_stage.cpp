@@ -148,7 +148,7 @@ void store(Session& session, const Work& one, std::int64_t order) {
 
 StageEnd report(const Session& session, const Work& one) {
     const integrate::Status& status = one.result.solution.status;
-    const std::string name = one.of().label.empty() ? std::string("rods") : "rods, " + one.of().label;
+    const std::string name = one.of().label.empty() ? std::string("rods") : "rods, " + one.of().name;
     if (status.termination == integrate::Termination::failed) {
         session.log->error("{}: {}", name, status.message());
         return StageEnd::failed;

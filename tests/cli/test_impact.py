@@ -87,7 +87,7 @@ class ImpactTest(ProgramTest):
         self.refuse(2, "nope.csv: cannot read", "impact", "--cases", "nope.csv")
         self.refuse(2, "--cases is required", "impact")
         self.write("cases.csv", INPUT + "\n")
-        self.refuse(2, "not expected: out -o", "impact", "--cases", "cases.csv", "-o", "out")
+        self.refuse(2, "-o: rodwake impact has no such option", "impact", "--cases", "cases.csv", "-o", "out")
 
 
 if __name__ == "__main__":

@@ -100,7 +100,7 @@ class ShareTest(ScanTest):
     def test_wrong_shares(self):
         for part in ("0/3", "4/3", "1", "1/0", "a/b", "1/2x", "-1/2"):
             self.refuse_scan("--part", "grid.toml", "out", f"--part={part}")
-        self.refuse_scan("excludes", "grid.toml", "out", "--part", "1/2", "--merge")
+        self.refuse_scan("--part and --merge: give one of them", "grid.toml", "out", "--part", "1/2", "--merge")
         self.refuse_scan("an adaptive scan cannot be computed in parts", "scan.toml", "out", "--part", "1/2")
         self.refuse_scan("out: holds no shares", "grid.toml", "out", "--merge")
         self.shares((1,), 2)

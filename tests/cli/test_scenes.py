@@ -4,32 +4,7 @@ import tomllib
 
 import rodwake
 from rodwake import SCENES, ProgramTest
-
-
-LONG = {"pair_crystal", "pair_density", "pair_fluid", "pair_series"}  # minutes, and nothing to draw of less: only checked
-
-
-def settings(**keys):
-    return [part for key, value in keys.items() for part in ("-s", f"{key.replace('__', '.')}={value}")]
-
-
-def bed(duration, frames, runs=1, **keys):
-    return settings(granular__duration=duration, granular__output__frames=frames, granular__runs=runs, granular__equilibrate=0.05, **keys)
-
-
-SHORTER = {"rod_in_bed": settings(granular__duration=0.5),  # its film has a hundred pictures
-           "order": bed(0.35, 0.01, measure__block=0.1, measure__order_interval=0.05), "wake": bed(0.6, 0.05, measure__from=0),
-           "quickstart": bed(1.0, 0.1, measure__interval=0.05, measure__from=0, measure__block=0.2), "wake_large": bed(0.2, 0.02, measure__from=0), "bead_drag": bed(0.5, 0.1), "pursuit_bed": bed(0.3, 0.1, 2),
-           "crowd": settings(rods_random__count=40, rods_run__t_end=4, rods_order__from=1),
-           "pair_measured": bed(1.0, 0.1, measure__interval=0.05, measure__from=0, measure__block=0.2, measure__spacing="2 a", medium__measured__smoothing=1,
-                               medium__measured__samples=2, field__nx=20, field__ny=20),
-           "apolar_pair": bed(0.3, 0.1, 2), "pair_film": bed(0.5, 0.25), "pursuit_film": bed(0.5, 0.25), "capture_kappa": [], "capture_gamma": [],
-           "force": bed(0.3, 0.1, 2), "pair_density_quick": settings(scan__axes__0__values=[0.66, 0.70], granular__runs=1)}
-COARSE = settings(scan__resolution=16, scan__axes__0__count=8, scan__axes__1__count=8, scan__audit=10)  # of scans
-
-
-def shorter(scene):
-    return SHORTER.get(scene.stem, COARSE if "[scan]" in scene.read_text() else [])
+from shorter import LONG, shorter
 
 
 class ScenesTest(ProgramTest):
@@ -47,7 +22,7 @@ class ScenesTest(ProgramTest):
     def test_run(self):
         for scene in (scene for scene in self.scenes() if scene.stem not in LONG):
             with self.subTest(scene.name):
-                self.expect(0, "run", scene, "--quiet", *shorter(scene))
+                self.expect(0, "run", scene, "--quiet", *shorter(scene.stem))
                 out = self.folder / "results" / scene.stem
                 self.assertEqual(self.status(out), "finished")
                 named = {figure["name"] + ".png" for figure in tomllib.loads(scene.read_text())["figures"]}

@@ -76,7 +76,7 @@ class TradeoffTest(ProgramTest):
         self.assertTrue(all(math.isfinite(float(row["error"])) for row in self.rows))
 
     def test_what_cannot_be_asked(self):
-        self.refuse(2, "excludes", "tradeoff", "pair.toml", "--for", "1e-3", "--within", "1s")
+        self.refuse(2, "--for and --within: give one of them", "tradeoff", "pair.toml", "--for", "1e-3", "--within", "1s")
         self.refuse(2, "--within", "tradeoff", "pair.toml", "--within", "5 parsec")
         self.refuse(2, "--error", "tradeoff", "pair.toml", "--error", "size")
         self.refuse(2, "--limit", "tradeoff", "pair.toml", "--limit=-1s")

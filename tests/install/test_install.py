@@ -59,7 +59,7 @@ class InstallTest(unittest.TestCase):
 
     def test_every_example_is_tried(self):
         tried = {name.removeprefix("test_example_") for name in dir(self) if name.startswith("test_example_")}
-        self.assertEqual({path.name for path in EXAMPLES.iterdir()}, tried)
+        self.assertEqual({path.parent.name for path in EXAMPLES.glob("*/CMakeLists.txt")}, tried)
 
     def test_example_pair(self):
         text = self.output_of("pair")
@@ -142,6 +142,30 @@ class InstallTest(unittest.TestCase):
         self.addCleanup(plots.with_suffix(".kept").replace, plots)
         plots.write_text("print('the installed one')\n")
         self.assertEqual(run(program, "plot", self.folder / "out").stdout, "the installed one\n")
+
+    def test_the_installed_program_has_its_scenes_completion_and_manual_page(self):
+        for name, options in (("man/man1/rodwake.1", ["--man"]), ("bash-completion/completions/rodwake", ["--completion", "bash"]),
+                              ("zsh/site-functions/_rodwake", ["--completion", "zsh"])):
+            self.assertEqual((self.prefix / "share" / name).read_text(), run(self.prefix / "bin/rodwake", "info", *options).stdout)
+        own = self.prefix / "share/rodwake/scenes/own.toml"
+        own.write_text("# Mine.\nschema = 1\n")
+        self.addCleanup(own.unlink)
+        self.assertIn("own\n    Mine.\n", run(self.prefix / "bin/rodwake", "scenes").stdout)
+        self.assertEqual(run(self.prefix / "bin/rodwake", "scenes", "-o", self.folder / "copied").returncode, 0)
+        self.assertTrue((self.folder / "copied/fitting/data/profile_Ux_x.csv").is_file())
+
+    def test_a_debian_package(self):
+        config = Path(os.environ["RODWAKE_BINARY_DIR"]) / "CPackConfig.cmake"
+        done = run("cpack", "--config", config, "-B", self.folder / "deb")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        package, = (self.folder / "deb").glob("rodwake_*.deb")
+        needed = run("dpkg-deb", "-f", package, "Depends").stdout
+        for name in ("libc6", "libsundials-", "libhdf5-", "libnlopt", "python3-matplotlib", "python3-h5py"):
+            self.assertIn(name, needed)
+        self.assertEqual(run("dpkg-deb", "-x", package, self.folder / "root").returncode, 0)
+        done = run(self.folder / "root/usr/bin/rodwake", "scenes", "pair")
+        self.assertEqual(done.stdout, (rodwake.SOURCE / "scenes/pair.toml").read_text(), done.stderr)
+        self.assertTrue((self.folder / "root/usr/share/man/man1/rodwake.1").is_file())
 
     def test_installed_files_name_no_folder_of_the_source(self):
         texts = [p for p in self.prefix.rglob("*") if p.suffix in (".hpp", ".cmake", ".py", ".toml", ".md", ".css")]

@@ -1,6 +1,5 @@
 // What a person sees: place, found, legal, nearest name.
 
-#include "scene/suggest.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>
@@ -123,19 +122,4 @@ TEST_CASE("long values are shortened") {
     const auto message = error_text(two_rods(), {"rods_run.method=" + std::string(1000, 'x')});
     CHECK(message.find("rods_run.method: ") == std::string::npos);
     CHECK(message.find(std::string(30, 'x').append("...")) != std::string::npos);
-}
-
-TEST_CASE("edit distance and the nearest name") {
-    using namespace rodwake::scene;
-    CHECK(edit_distance("", "abc") == 3);
-    CHECK(edit_distance("kappa", "kappa") == 0);
-    CHECK(edit_distance("kapa", "kappa") == 1);
-    CHECK(edit_distance("kpapa", "kappa") == 1); // neighbours swapped
-    CHECK(edit_distance("kitten", "sitting") == 3);
-    const std::vector<std::string_view> known{"kappa", "gamma1", "gamma2"};
-    CHECK(nearest("KAPPA", known) == "kappa");
-    CHECK(nearest("gama2", known) == "gamma2");
-    CHECK(nearest("temperature", known) == "");
-    CHECK(nearest("x", known) == "");
-    CHECK(nearest(std::string(100000, 'k'), known) == "");
 }

@@ -1,3 +1,4 @@
+#include "rodwake/scene/advice.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>
@@ -57,8 +58,13 @@ TEST_CASE("errors of overrides name the override") {
               .starts_with("-s rods.0.heading=0: no entry 0: the scene has no"));
     CHECK(error_text(complete, {"coupling.kappa=[1"})
               .starts_with("-s coupling.kappa=[1: the value is not valid TOML: "));
-    CHECK(error_text(complete, {"coupling.kappa="})
-              .starts_with("-s coupling.kappa=: the value is not valid TOML: "));
+    CHECK(error_text(complete, {"coupling.kapa="}) ==
+          "-s coupling.kapa=: nothing to unset: coupling has no kapa (did you mean \"kappa\"?)");
+    CHECK(error_text(complete, {"rods.2="}) == "-s rods.2=: no entry 2: rods has 2 (numbered from 0)");
+    CHECK(error_text(complete, {"nothing="}) == "-s nothing=: nothing to unset: the scene has no nothing");
+    CHECK(error_text(complete, {"schema="}).find("the scene needs the key schema") != std::string::npos);
+    CHECK(error_text(complete, {"coupling.kappa=-1e400"}) ==
+          "-s coupling.kappa=-1e400: -1e400 is too large for a number, which ends at 1.8e308");
     CHECK(error_text(complete, {"title=a\nb = 1"}).find("a value is one line") != std::string::npos);
     for (const std::string bad : {"nothing", "=1", "a..b=1", ".a=1", "a.=1", ""})
         CHECK(error_text(complete, {bad}) ==
@@ -69,4 +75,28 @@ TEST_CASE("several wrong overrides and the file's own errors come together") {
     const std::string text = replaced(complete, "kappa = 0.5", "kapa = 0.5");
     const auto problems = problems_of(text, {"medium.eta=-2", "nonsense", "rods.7.heading=1"});
     CHECK(problems.size() == 4);
+}
+
+TEST_CASE("a key, a table and an entry of a list are taken out") {
+    CHECK(parse(complete, {"coupling.kappa="}).coupling->kappa == 0.0);
+    CHECK(!parse(two_rods("[coupling]\nkappa = 1\n[medium]\neta = 1\nxi = 1\n"), {"coupling= "}).coupling);
+    CHECK(parse(two_rods(), {"rods.0="}).rods.size() == 1);
+}
+
+TEST_CASE("numbers that TOML writes otherwise") {
+    CHECK(parse(complete, {"coupling.kappa=.5"}).coupling->kappa == 0.5);
+    CHECK(parse(complete, {"coupling.kappa = 5."}).coupling->kappa == 5.0);
+    CHECK(error_text(replaced(complete, "kappa = 0.5", "kappa = 1e400"))
+              .find("1e400 is too large for a number") != std::string::npos);
+}
+
+TEST_CASE("angles that were meant in degrees are pointed out") {
+    using rodwake::scene::advice;
+    CHECK(advice(parse(complete)).empty());
+    CHECK(advice(parse(complete, {"rods.1.heading=6.28"})).empty());
+    CHECK(advice(parse(complete, {"rods.1.heading=90 deg"})).empty());
+    CHECK(advice(parse(complete, {"rods.1.heading=-90"})) ==
+          std::vector<std::string>{
+              "rods[1].heading = -90 rad is -14.3 turns; a plain number is in rad, degrees are "
+              "\"-90 deg\""});
 }

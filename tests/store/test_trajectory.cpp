@@ -177,7 +177,7 @@ TEST_CASE("Extended XYZ is what the format says, to the last bit") {
         std::getline(in, line);
         CHECK(has(line,
                   "Lattice=\"0.0312 0 0 0 0.0312 0 0 0 0.0014\" Properties=species:S:1:kind:S:1:pos:R:3:velo:"
-                  "R:3:id:I:1:radius:R:1 pbc=\"T T F\" Time="));
+                  "R:3:id:I:1:molecule:I:1:radius:R:1 pbc=\"T T F\" Time="));
         CHECK(has(line, " Step=" + std::to_string(samples.frames[k].step) + " kinetic_energy="));
         const auto place = store::wrap(samples.frames[k].position, samples.layout).place;
         for (std::size_t i = 0; i < 15; ++i) {

@@ -260,6 +260,8 @@ class ExtendedXyzTest(SampleTest):
             self.assertEqual(columns["species"][:, 0].tolist(), ["Al"] * BEADS + ["Cu"] * (SPHERES - BEADS))
             self.assertEqual(columns["kind"][:, 0].tolist(), ["bead"] * BEADS + ["rod"] * (SPHERES - BEADS))
             self.assertEqual(columns["id"][:, 0].tolist(), list(range(1, SPHERES + 1)))
+            rods = [int(rod) + 1 for rod in self.open("sample.h5md")["parameters/rod_of_sphere"][:]]
+            self.assertEqual(columns["molecule"][:, 0].tolist(), [0] * BEADS + rods)
             self.assert_same_bits(columns["pos"], file["position/value"][index])
             self.assert_same_bits(columns["velo"], file["velocity/value"][index])
             self.assert_same_bits(columns["radius"], file["radius"][:])

@@ -10,12 +10,12 @@ namespace rodwake::assembly {
 
 struct Case {
     std::string name;   ///< of the variant; "scene" for the scene as written
-    std::string label;  ///< for messages and legends; empty for the scene as written
+    std::string label;  ///< for legends, where it may hold TeX; empty for the scene as written
     std::string folder; ///< where its files go, "" or "variants/<name>/"
     scene::Scene scene;
 
-    /// " (label)" for messages; empty for the scene as written.
-    std::string suffix() const { return label.empty() ? "" : " (" + label + ")"; }
+    /// " (name)" for messages; empty for the scene as written.
+    std::string suffix() const { return label.empty() ? "" : " (" + name + ")"; }
 };
 
 /// The scene as written, then each variant.

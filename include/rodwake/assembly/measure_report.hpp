@@ -35,9 +35,9 @@ struct ColumnInfo {
     std::string_view meaning;
 };
 
-/// A CSV file: a comment line, and columns of equal length. NaN is an empty field.
+/// A CSV file: columns of equal length. NaN is an empty field.
 struct MeasureTable {
-    std::string file, comment;
+    std::string file, comment;         ///< what it is, for measure.json
     std::span<const ColumnInfo> heads; ///< static
     std::vector<Column> columns;
 };

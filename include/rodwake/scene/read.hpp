@@ -4,7 +4,8 @@
 // Overrides are those of `-s`: "table.key=value". The value is TOML; what is not TOML is taken as a string,
 // so quotes may be left out ("rods_run.method=adams", "rods_run.t_end=5 s"). List entries go by index from 0:
 // "rods.1.heading=0.3", "rods.1.position.0=2.0". Overriding one of several alternative keys (alpha for xi)
-// drops the alternative that the file gives.
+// drops the alternative that the file gives. "table.key=" takes the key out, or a table, or an entry of a
+// list.
 
 #include "rodwake/scene/problem.hpp"
 #include "rodwake/scene/scene.hpp"

@@ -3,6 +3,7 @@
 #include "../progress.hpp"
 #include "../stage_list.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/stages/evaluate.hpp"
 #include "rodwake/stages/run.hpp"
 #include "scan_beds.hpp"
 #include "scan_request.hpp"
@@ -94,9 +95,13 @@ StageEnd report(const Session& session, const scan::Counts& counts, const scan::
 
 } // namespace
 
+scan::Evaluate point_evaluator(const ScanPlan& plan, const fs::path& folder, const RunContext& context) {
+    return evaluate_of(plan, folder, context, make_silent_logger());
+}
+
 void serve_scan(const assembly::Plan& plan, const fs::path& folder, const RunContext& context,
                 scan::MpiJob& job) {
-    job.serve(evaluate_of(*plan.scan, folder, context, make_silent_logger()));
+    job.serve(point_evaluator(*plan.scan, folder, context));
 }
 
 StageEnd run_scan_stage(Session& session) {

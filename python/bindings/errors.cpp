@@ -1,0 +1,41 @@
+#include "bind.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/problem.hpp"
+
+#include <pybind11/stl.h>
+
+namespace rodwake::python {
+
+namespace {
+
+py::object error_class(const char* name) { return py::module_::import("rodwake.errors").attr(name); }
+
+void raise(const char* name, const py::object& error) {
+    PyErr_SetObject(error_class(name).ptr(), error.ptr());
+}
+
+void raise_scene_error(const scene::SceneError& error) {
+    const py::object problem = error_class("Problem");
+    py::list problems;
+    for (const scene::Problem& p : error.problems())
+        problems.append(problem(p.file, p.line, p.column, p.key, p.message));
+    raise("SceneError", error_class("SceneError")(error.what(), problems));
+}
+
+void translate(std::exception_ptr thrown) {
+    try {
+        std::rethrow_exception(std::move(thrown));
+    } catch (const scene::SceneError& error) {
+        raise_scene_error(error);
+    } catch (const InputError& error) {
+        raise("InputError", error_class("InputError")(error.what()));
+    } catch (const RunError& error) {
+        raise("RunError", error_class("RunError")(error.what()));
+    }
+}
+
+} // namespace
+
+void bind_errors(py::module_&) { py::register_local_exception_translator(translate); }
+
+} // namespace rodwake::python

@@ -1,0 +1,120 @@
+// A granular run in the hands of Python: advanced as far as wanted, its state as arrays.
+
+#include "bind.hpp"
+#include "callbacks.hpp"
+#include "rodwake/assembly/plan.hpp"
+#include "rodwake/granular/simulation.hpp"
+#include "rodwake/granular/start.hpp"
+#include "signals.hpp"
+
+#include <pybind11/stl.h>
+
+#include <algorithm>
+
+namespace rodwake::python {
+
+namespace {
+
+class Bed {
+public:
+    Bed(const scene::Scene& scene, std::uint32_t run, std::size_t threads)
+        : plan_(plan_of(scene)), simulation_(plan_.problem, granular::make_start(plan_.problem, run), {},
+                                             std::max<std::size_t>(threads, 1)) {}
+
+    /// Up to so many steps; fewer if the run is over. Looks for Ctrl-C now and then, which changes no bit.
+    void advance(std::int64_t steps) {
+        Interrupt interrupt(1);
+        {
+            const py::gil_scoped_release release;
+            while (steps > 0 && !simulation_.finished() && !simulation_.failure() && !interrupt()) {
+                const std::int64_t some = std::min<std::int64_t>(steps, 50);
+                simulation_.advance(some);
+                steps -= some;
+            }
+        }
+        interrupt.rethrow();
+        if (const auto& failure = simulation_.failure())
+            throw RunError("step " + std::to_string(failure->step) + ": " + failure->message);
+    }
+
+    const granular::Simulation& simulation() const { return simulation_; }
+    const assembly::BedPlan& plan() const { return plan_; }
+    /// Steps from t = 0 on; negative during the equilibration.
+    std::int64_t step() const { return simulation_.step() - plan_.problem.equilibration_steps; }
+
+private:
+    static assembly::BedPlan plan_of(const scene::Scene& scene) {
+        if (!scene.granular)
+            throw InputError(scene.path + ": no [granular] table, so there is no bed to simulate");
+        constexpr assembly::Stage stage[] = {assembly::Stage::granular};
+        assembly::BedPlan plan = assembly::make_plan(scene, stage).beds.at(0);
+        if (plan.of.scene.granular->start == scene::GranularStart::restart)
+            throw InputError(scene.path + ": start = \"restart\" needs the program; Scene.run does it");
+        return plan;
+    }
+
+    assembly::BedPlan plan_;
+    granular::Simulation simulation_;
+};
+
+/// Columns x, y, z as rows.
+Array vectors(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {
+    Array rows({static_cast<py::ssize_t>(x.size()), py::ssize_t{3}});
+    double* out = rows.mutable_data();
+    for (std::size_t i = 0; i < x.size(); ++i, out += 3) {
+        out[0] = x[i];
+        out[1] = y[i];
+        out[2] = z[i];
+    }
+    return rows;
+}
+
+Array rod_poses(const Bed& bed) {
+    const std::size_t count = bed.plan().problem.rods.size();
+    Array rows({static_cast<py::ssize_t>(count), py::ssize_t{3}});
+    double* out = rows.mutable_data();
+    for (std::size_t i = 0; i < count; ++i, out += 3) {
+        const granular::RodBody& rod = bed.simulation().rod(i);
+        out[0] = rod.position.x();
+        out[1] = rod.position.y();
+        out[2] = rod.heading();
+    }
+    return rows;
+}
+
+py::tuple temperatures(const Bed& bed) {
+    const granular::Temperatures T = bed.simulation().temperatures();
+    return py::make_tuple(T.xy, T.z);
+}
+
+} // namespace
+
+void bind_granular(py::module_& module) {
+    py::class_<Bed>(module, "Bed")
+        .def(py::init<const scene::Scene&, std::uint32_t, std::size_t>())
+        .def("advance", &Bed::advance)
+        .def_property_readonly("step", &Bed::step)
+        .def_property_readonly("steps", [](const Bed& b) { return b.plan().problem.steps; })
+        .def_property_readonly("frame_every", [](const Bed& b) { return b.plan().schedule.frame_every; })
+        .def_property_readonly("time_step", [](const Bed& b) { return b.plan().problem.time_step; })
+        .def_property_readonly("box", [](const Bed& b) { return b.plan().problem.box; })
+        .def_property_readonly("bead_radius", [](const Bed& b) { return b.plan().problem.bead_radius; })
+        .def_property_readonly("time", [](const Bed& b) { return b.simulation().time(); })
+        .def_property_readonly("finished", [](const Bed& b) { return b.simulation().finished(); })
+        .def("positions",
+             [](const Bed& b) {
+                 const granular::Beads beads = b.simulation().state().beads;
+                 return vectors(beads.x, beads.y, beads.z);
+             })
+        .def("velocities",
+             [](const Bed& b) {
+                 const granular::Beads beads = b.simulation().state().beads;
+                 return vectors(beads.vx, beads.vy, beads.vz);
+             })
+        .def("rods", &rod_poses)
+        .def("temperatures", &temperatures)
+        .def("psi6", [](const Bed& b) { return b.simulation().psi6(b.plan().schedule.order_cutoff); })
+        .def("state_hash", [](const Bed& b) { return granular::state_hash(b.simulation().state()); });
+}
+
+} // namespace rodwake::python

@@ -1,0 +1,182 @@
+// Initial-value problems of the user, and those of rods with the user's events and terms.
+
+#include "bind.hpp"
+#include "callbacks.hpp"
+#include "rod_problem.hpp"
+#include "signals.hpp"
+
+#include <pybind11/stl.h>
+
+#include <algorithm>
+
+namespace rodwake::python {
+
+namespace {
+
+using integrate::State;
+
+integrate::Crossing crossing_of(const std::string& direction) {
+    if (direction == "rising")
+        return integrate::Crossing::rising;
+    if (direction == "falling")
+        return integrate::Crossing::falling;
+    if (direction != "any")
+        throw InputError("direction = '" + direction + "': expected 'any', 'rising' or 'falling'");
+    return integrate::Crossing::any;
+}
+
+/// Functions of Python as those of a problem. `calls` must outlive them.
+std::function<void(double, State, std::span<double>)> rate_of(const py::function& f, Callbacks& calls) {
+    return [f = f.ptr(), &calls](double t, State y, std::span<double> rate) {
+        calls([&] {
+            const py::object value = py::reinterpret_borrow<py::function>(f)(t, array_of(y));
+            std::ranges::copy(numbers(returned(value, y.size(), "the right-hand side")), rate.begin());
+        });
+    };
+}
+
+std::function<void(double, State, Eigen::Ref<Eigen::MatrixXd>)> jacobian_of(const py::function& f,
+                                                                            Callbacks& calls) {
+    return [f = f.ptr(), &calls](double t, State y, Eigen::Ref<Eigen::MatrixXd> jacobian) {
+        calls([&] {
+            const py::object value = py::reinterpret_borrow<py::function>(f)(t, array_of(y));
+            const Array rows = returned(value, y.size() * y.size(), "the Jacobian");
+            for (std::size_t i = 0; i < y.size(); ++i)
+                for (std::size_t j = 0; j < y.size(); ++j)
+                    jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+                        rows.data()[i * y.size() + j];
+        });
+    };
+}
+
+std::function<double(double, State)> value_of(const py::function& f, Callbacks& calls) {
+    return [f = f.ptr(), &calls](double t, State y) {
+        return calls([&] { return py::reinterpret_borrow<py::function>(f)(t, array_of(y)).cast<double>(); });
+    };
+}
+
+/// Equations of motion of rods as a function that Python can call and `solve` knows without Python.
+struct RodEquations {
+    integrate::OdeProblem problem;
+
+    void require(const Array& y) const {
+        if (static_cast<std::size_t>(y.size()) != problem.initial_state.size())
+            throw InputError("y has " + std::to_string(y.size()) + " numbers; the rods have " +
+                             std::to_string(problem.initial_state.size()) + ": x, y, heading of each");
+    }
+    Array rate(double t, const Array& y) const {
+        require(y);
+        Array rate(y.size());
+        problem.rhs(t, numbers(y), {rate.mutable_data(), static_cast<std::size_t>(rate.size())});
+        return rate;
+    }
+    Array jacobian(double t, const Array& y) const {
+        require(y);
+        if (!problem.jacobian)
+            throw InputError("these equations have no Jacobian: their field has no gradients");
+        Eigen::MatrixXd j = Eigen::MatrixXd::Zero(y.size(), y.size());
+        problem.jacobian(t, numbers(y), j);
+        const Eigen::MatrixXd rows = j.transpose(); // C order
+        return array_of({rows.data(), rows.data() + rows.size()}, {y.size(), y.size()});
+    }
+};
+
+RodEquations equations(const Array& poses, const Medium* medium, double kappa, double gamma1, double gamma2) {
+    rods::RodProblem problem = problem_of(poses, medium, {kappa, gamma1, gamma2});
+    problem.t_end = 1.0; // means nothing to the equations
+    return {rods::to_ode(problem)};
+}
+
+/// name, value(t, y), direction, terminal
+using EventTuple = std::tuple<std::string, py::function, std::string, bool>;
+
+struct Options {
+    std::string method;
+    double rtol;
+    std::optional<double> atol;
+    long max_steps;
+    double max_step;
+};
+
+integrate::OdeOptions ode_options(const Options& given, Interrupt& interrupt) {
+    integrate::OdeOptions options;
+    options.method = method_of(given.method).value_or(integrate::Method::adams);
+    options.rtol = given.rtol;
+    options.atol = given.atol.value_or(given.rtol / 100.0);
+    options.max_steps = given.max_steps;
+    options.max_step = given.max_step;
+    options.stop_requested = [&] { return interrupt(); };
+    return options;
+}
+
+integrate::OdeProblem problem_with(const py::object& rhs, const Array& y0, double t0,
+                                   const std::optional<py::function>& jacobian,
+                                   const std::vector<EventTuple>& events, Callbacks& calls) {
+    integrate::OdeProblem problem;
+    if (py::isinstance<RodEquations>(rhs))
+        problem = rhs.cast<const RodEquations&>().problem;
+    else
+        problem.rhs = rate_of(rhs.cast<py::function>(), calls);
+    if (jacobian)
+        problem.jacobian = jacobian_of(*jacobian, calls);
+    problem.initial_state = copied(y0);
+    problem.start_time = t0;
+    for (const auto& [name, value, direction, terminal] : events)
+        problem.events.push_back({name, value_of(value, calls), crossing_of(direction), terminal});
+    return problem;
+}
+
+/// t, y (T, n), final_time, final_state, hits [(event, time, state)], status, message, statistics
+py::tuple told(integrate::Solution&& s) {
+    const auto columns = static_cast<py::ssize_t>(s.final_state.size());
+    const auto rows = static_cast<py::ssize_t>(s.times.size());
+    std::vector<double> states;
+    for (const std::vector<double>& state : s.states)
+        states.insert(states.end(), state.begin(), state.end());
+    py::list hits;
+    for (integrate::EventHit& hit : s.hits)
+        hits.append(py::make_tuple(hit.event, hit.time, array_of(std::move(hit.state), {columns})));
+    return py::make_tuple(array_of(std::move(s.times), {rows}), array_of(std::move(states), {rows, columns}),
+                          s.final_time, array_of(std::move(s.final_state), {columns}), hits,
+                          status_of(s.status), s.status.message(), statistics_of(s.statistics));
+}
+
+py::tuple solve(const py::object& rhs, const Array& y0, const Array& times, double t0,
+                const std::optional<py::function>& jacobian, const std::vector<EventTuple>& events,
+                const std::string& method, double rtol, std::optional<double> atol, long max_steps,
+                double max_step) {
+    Callbacks calls;
+    Interrupt interrupt;
+    const integrate::OdeOptions options = ode_options({method, rtol, atol, max_steps, max_step}, interrupt);
+    const integrate::OdeProblem problem = problem_with(rhs, y0, t0, jacobian, events, calls);
+    integrate::Solution solution;
+    {
+        const py::gil_scoped_release release;
+        solution = integrate::solve(problem, options, numbers(times));
+    }
+    calls.rethrow();
+    interrupt.rethrow();
+    return told(std::move(solution));
+}
+
+constexpr const char* about =
+    R"(Equations of motion of rods as a function: call it with (t, y), integrate it, or add terms of your own to it.
+
+RodEquations(poses, medium=None, kappa=0, gamma1=0, gamma2=0): poses (N, 3) as simulate has them. y is x, y and heading of
+each rod in turn, 3 N numbers. Integrated as it is, it runs without Python, and no encounter is stepped over.)";
+
+} // namespace
+
+void bind_integrate(py::module_& module) {
+    py::class_<RodEquations>(module, "RodEquations", about)
+        .def(py::init(&equations), py::arg("poses"), py::arg("medium") = py::none(), py::kw_only(),
+             py::arg("kappa") = 0.0, py::arg("gamma1") = 0.0, py::arg("gamma2") = 0.0)
+        .def_property_readonly(
+            "y0", [](const RodEquations& e) { return array_of(e.problem.initial_state); },
+            "(3 N,): the poses as a state")
+        .def("__call__", &RodEquations::rate, py::arg("t"), py::arg("y"), "dy/dt, (3 N,)")
+        .def("jacobian", &RodEquations::jacobian, py::arg("t"), py::arg("y"), "d rate_i/d y_j, (3 N, 3 N)");
+    module.def("solve", &solve);
+}
+
+} // namespace rodwake::python

@@ -1,0 +1,84 @@
+#include "medium.hpp"
+
+#include "bind.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+namespace rodwake::python {
+
+namespace {
+
+using Number = std::optional<double>;
+
+double eta_of(const Number& eta, const Number& poisson_ratio) {
+    if (eta && poisson_ratio)
+        throw InputError("eta and poisson_ratio are two names of one number: give one of them");
+    return poisson_ratio ? elastic::eta_from_poisson_ratio(*poisson_ratio) : eta.value_or(1.0);
+}
+
+double xi_of(const Number& xi, const Number& alpha) {
+    if (xi && alpha)
+        throw InputError("xi and alpha = 1/xi are two names of one number: give one of them");
+    return alpha ? elastic::xi_from_alpha(*alpha) : xi.value_or(1.0);
+}
+
+Medium make_medium(const Number& eta, const Number& xi, const Number& alpha, const Number& poisson_ratio,
+                   const Number& periodic) {
+    const Medium medium{{eta_of(eta, poisson_ratio), xi_of(xi, alpha)}, periodic};
+    validate(medium.elastic);
+    if (periodic && !(std::isfinite(*periodic) && *periodic > 0.0))
+        throw InputError("periodic = " + std::to_string(*periodic) + ": the side of a box is above 0");
+    return medium;
+}
+
+/// The call that makes it again.
+std::string text_of(const Medium& m) {
+    const auto number = [](double value) { return std::string(py::repr(py::float_(value))); };
+    return "Medium(eta=" + number(m.elastic.eta) + ", xi=" + number(m.elastic.xi) +
+           (m.box ? ", periodic=" + number(*m.box) : "") + ")";
+}
+
+py::tuple values_of(const Medium& m) { return py::make_tuple(m.elastic.eta, m.elastic.xi, m.box); }
+
+constexpr const char* about = R"(The elastic medium that rods move in.
+
+eta       lambda/mu, compression over shear modulus K/mu; above -1
+xi        screening length mu/(zeta v0) in f/mu; above 0. Or alpha = 1/xi
+periodic  side of a periodic box in f/mu; None: infinite plane
+
+poisson_ratio gives eta = (1 + p)/(1 - p) instead. Without arguments eta = 1, xi = 1. Immutable.)";
+
+} // namespace
+
+void bind_medium(py::module_& module) {
+    const py::none none;
+    py::class_<Medium>(module, "Medium", about)
+        .def(py::init(&make_medium), py::kw_only(), py::arg("eta") = none, py::arg("xi") = none,
+             py::arg("alpha") = none, py::arg("poisson_ratio") = none, py::arg("periodic") = none)
+        .def_property_readonly(
+            "eta", [](const Medium& m) { return m.elastic.eta; }, "lambda/mu = K/mu")
+        .def_property_readonly(
+            "xi", [](const Medium& m) { return m.elastic.xi; }, "screening length, f/mu")
+        .def_property_readonly(
+            "alpha", [](const Medium& m) { return 1.0 / m.elastic.xi; }, "1/xi, mu/f")
+        .def_property_readonly(
+            "poisson_ratio", [](const Medium& m) { return elastic::poisson_ratio(m.elastic.eta); },
+            "(eta - 1)/(eta + 1), in two dimensions")
+        .def_readonly("periodic", &Medium::box, "side of the periodic box, f/mu; None: infinite plane")
+        .def("__repr__", &text_of)
+        .def("__eq__",
+             [](const Medium& m, const py::object& other) {
+                 return py::isinstance<Medium>(other) &&
+                        values_of(m).equal(values_of(other.cast<const Medium&>()));
+             })
+        .def("__hash__", [](const Medium& m) { return py::hash(values_of(m)); })
+        .def(py::pickle(&values_of, [](const py::tuple& values) {
+            return make_medium(values[0].cast<double>(), values[1].cast<double>(), {}, {},
+                               values[2].cast<Number>());
+        }));
+}
+
+} // namespace rodwake::python

@@ -1,0 +1,15 @@
+#pragma once
+// The medium as Python has it: eta, xi and the domain.
+
+#include "rodwake/elastic/medium.hpp"
+
+#include <optional>
+
+namespace rodwake::python {
+
+struct Medium {
+    elastic::Medium elastic;
+    std::optional<double> box; ///< side of the periodic box, f/mu; absent: infinite plane
+};
+
+} // namespace rodwake::python

@@ -1,0 +1,20 @@
+// rodwake._core: what the Python modules of the package call. It is theirs alone; its interface may change.
+
+#include "bind.hpp"
+#include "rodwake/core/build_info.hpp"
+
+PYBIND11_MODULE(_core, module) {
+    using namespace rodwake::python;
+    module.doc() = "Compiled part of rodwake.";
+    module.attr("version") = rodwake::build_info().version;
+    bind_errors(module);
+    bind_medium(module);
+    bind_fields(module);
+    bind_rods(module);
+    bind_scene(module);
+    bind_run(module);
+    bind_integrate(module);
+    bind_fit(module);
+    bind_granular(module);
+    bind_scan(module);
+}

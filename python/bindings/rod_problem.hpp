@@ -1,0 +1,26 @@
+#pragma once
+// From arrays and names to problems of the rods part.
+
+#include "arrays.hpp"
+#include "medium.hpp"
+#include "rodwake/rods/simulate.hpp"
+
+#include <optional>
+#include <string>
+
+namespace rodwake::python {
+
+/// Rods in these poses (N, 3), in this medium; null: rods walk straight. Throws InputError for other shapes.
+rods::RodProblem problem_of(const Array& poses, const Medium* medium, const rods::Couplings& couplings);
+
+/// "bdf", "adams" or "erk"; nothing for "auto". Throws InputError for other names.
+std::optional<integrate::Method> method_of(const std::string& name);
+
+/// "angle", "director" or "dae". Throws InputError for other names.
+rods::Form form_of(const std::string& name);
+
+/// 'reached_end', 'stopped_at_event', 'interrupted' or 'failed'
+const char* status_of(const integrate::Status& status);
+py::dict statistics_of(const integrate::Statistics& statistics);
+
+} // namespace rodwake::python

@@ -1,0 +1,128 @@
+// Runs of scenes: on a thread of their own, so that Python hears of their progress and they of Ctrl-C.
+
+#include "rodwake/stages/run.hpp"
+#include "bind.hpp"
+#include "rodwake/core/error.hpp"
+#include "scan.hpp"
+#include "signals.hpp"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+namespace rodwake::python {
+
+namespace {
+
+namespace fs = std::filesystem;
+using assembly::Stage;
+using Words = std::vector<std::string>;
+
+/// Of those that the scene has the ones with these names, in the order in which they are done.
+std::vector<Stage> stages_of(const scene::Scene& scene, const std::optional<Words>& names) {
+    std::vector<Stage> all = assembly::stages_of(scene);
+    if (!names)
+        return all;
+    const auto named = [](const std::string& name) {
+        return [&name](Stage stage) { return name == assembly::to_string(stage); };
+    };
+    for (const std::string& name : *names)
+        if (std::ranges::none_of(all, named(name)))
+            throw InputError(scene.path + ": has no stage '" + name +
+                             "'; Scene.stages lists those that it has");
+    std::erase_if(all, [&](Stage stage) {
+        return std::ranges::find(*names, assembly::to_string(stage)) == names->end();
+    });
+    return all;
+}
+
+/// What a run says while it works, kept for the thread that has the interpreter.
+class Reports {
+public:
+    struct Progress {
+        std::string what, unit;
+        double value, end;
+    };
+
+    void log(stages::Severity severity, const std::string& message) {
+        const std::lock_guard lock(mutex_);
+        messages_.emplace_back(severity, message);
+    }
+    void progress(const stages::ProgressReport& report) {
+        const std::lock_guard lock(mutex_);
+        progress_ = Progress{std::string(report.what), std::string(report.unit), report.value, report.end};
+    }
+
+    /// on_log(level, message), on_progress(what, value, end, unit): with the interpreter.
+    void deliver(const py::object& on_log, const py::object& on_progress) {
+        std::unique_lock lock(mutex_);
+        const auto messages = std::exchange(messages_, {});
+        const auto progress = std::exchange(progress_, std::nullopt);
+        lock.unlock();
+        constexpr int levels[] = {10, 20, 30, 40}; // of the module logging: debug, info, warning, error
+        for (const auto& [severity, message] : messages)
+            on_log(levels[static_cast<int>(severity)], message);
+        if (progress && !on_progress.is_none())
+            on_progress(progress->what, progress->value, progress->end, progress->unit);
+    }
+
+private:
+    std::mutex mutex_;
+    std::vector<std::pair<stages::Severity, std::string>> messages_;
+    std::optional<Progress> progress_;
+};
+
+stages::RunContext context_of(std::size_t threads, std::optional<std::uint64_t> seed, bool force,
+                              Reports& reports, const std::atomic<bool>& stopped) {
+    stages::RunContext context;
+    context.threads = threads;
+    context.seed = seed;
+    context.force = force;
+    context.log = [&](stages::Severity severity, const std::string& text) { reports.log(severity, text); };
+    context.progress = [&](const stages::ProgressReport& report) { reports.progress(report); };
+    context.stop = [&] { return stopped.load(); };
+    return context;
+}
+
+std::string name_of(stages::StageEnd end) {
+    switch (end) {
+    case stages::StageEnd::finished:
+        return "finished";
+    case stages::StageEnd::failed:
+        return "failed";
+    case stages::StageEnd::interrupted:
+        return "interrupted";
+    case stages::StageEnd::incomplete:
+        break;
+    }
+    return "incomplete";
+}
+
+std::string run(const scene::Scene& scene, const fs::path& folder, const std::optional<Words>& names,
+                std::size_t threads, std::optional<std::uint64_t> seed, bool force,
+                const std::string& command, const py::object& on_log, const py::object& on_progress,
+                const py::object& execute) {
+    Reports reports;
+    std::atomic<bool> stopped = false;
+    stages::RunContext context = context_of(threads, seed, force, reports, stopped);
+    context.command = command;
+    if (!execute.is_none())
+        context.executor = executor_in_python(execute);
+    const std::vector<Stage> stages = stages_of(scene, names);
+    stages::StageEnd end = stages::StageEnd::failed;
+    const auto work = [&] {
+        end = stages::run(stages::plan_run(scene, stages, folder, context), folder, context);
+    };
+    attended(
+        work, [&] { reports.deliver(on_log, on_progress); }, [&] { stopped = true; });
+    return name_of(end);
+}
+
+} // namespace
+
+void bind_run(py::module_& module) { module.def("run", &run); }
+
+} // namespace rodwake::python

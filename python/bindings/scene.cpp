@@ -1,0 +1,57 @@
+// Scenes: read, written, described.
+
+#include "bind.hpp"
+#include "rodwake/assembly/describe.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/scene/write.hpp"
+#include "rodwake/stages/run.hpp"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+namespace rodwake::python {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+Words stage_names(const scene::Scene& scene) {
+    Words names;
+    for (const assembly::Stage stage : assembly::stages_of(scene))
+        names.emplace_back(assembly::to_string(stage));
+    return names;
+}
+
+std::string check(const scene::Scene& scene, const fs::path& folder, std::size_t threads, bool cost) {
+    stages::RunContext context;
+    context.threads = threads;
+    const py::gil_scoped_release release;
+    const assembly::Plan plan = stages::plan_check(scene, folder, context);
+    const std::vector<assembly::PlanLine> lines = assembly::describe(plan);
+    std::string modelled, left_out;
+    for (const assembly::PlanLine& line : lines)
+        (line.modelled ? modelled : left_out) += "  " + line.text + "\n";
+    std::string text = "modelled\n" + modelled + "\nnot modelled\n" + left_out;
+    if (cost)
+        text += "\nexpected cost\n" + stages::expected_cost(plan, folder, context) + "\n";
+    return text;
+}
+
+} // namespace
+
+void bind_scene(py::module_& module) {
+    py::class_<scene::Scene>(module, "Scene")
+        .def_readonly("path", &scene::Scene::path)
+        .def_readonly("title", &scene::Scene::title)
+        .def("stages", &stage_names)
+        .def("to_toml", &scene::to_toml);
+    module.def("read_scene",
+               [](const fs::path& path, const Words& set) { return scene::read_scene(path, set); });
+    module.def("parse_scene", [](const std::string& text, const std::string& name, const Words& set) {
+        return scene::parse_scene(text, name, set);
+    });
+    module.def("check", &check);
+}
+
+} // namespace rodwake::python

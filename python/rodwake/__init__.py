@@ -1,0 +1,39 @@
+"""rodwake: motile rods in an elastic medium.
+
+Reduced units throughout, as in scenes: lengths in f/mu, times in f/(mu v0), angles in radians. Exceptions are `Error` and its
+subclasses; long work ends cleanly at Ctrl-C.
+
+    import rodwake
+    medium = rodwake.Medium(eta=1.0, alpha=1.0)
+    rodwake.strain([-3.0, 2.0], [0.0, 1.0], medium)                 # (2, 2, 2)
+    rodwake.simulate([[0, 2.5, 0], [0, -2.5, 0]], medium, kappa=0.5, t_end=60, contact_distance=0.1).outcome
+    rodwake.Scene.load("pair.toml").set("coupling.kappa", 3.0).run("results/pair")
+"""
+
+import importlib
+
+from ._core import Medium, RodEquations, RodResult
+from ._core import version as __version__
+from .errors import Error, InputError, Problem, RunError, SceneError
+from .fields import dipole, displacement, grad_div, laplacian, strain
+from .fitting import Estimate, FitResult, Profile, Track, fit, fit_rods, fit_wake
+from .granular import Bed, run_bed
+from .ode import Event, Hit, OdeResult, integrate
+from .rods import simulate
+from .runs import Quantity, RodPath, Run, Trajectory, open_run
+from .scans import scan
+from .scenes import Scene
+
+__all__ = [
+    "Bed", "Error", "Estimate", "Event", "FitResult", "Hit", "InputError", "Medium", "OdeResult", "Problem", "Profile", "Quantity",
+    "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Trajectory", "__version__",
+    "dipole", "displacement", "fit", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
+    "simulate", "strain",
+]
+
+
+def __getattr__(name: str) -> object:
+    """rodwake.plots without `import rodwake.plots`: matplotlib is loaded when it is asked for."""
+    if name == "plots":
+        return importlib.import_module(".plots", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,130 @@
+"""Least squares on arrays: the medium from displacement profiles, couplings from tracks of rods."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, Mapping, Optional, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from .toml import toml
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Displacement along a line in the frame of the rod, in any unit of length, the same for all."""
+
+    place: ArrayLike  # (P,): the coordinate that varies
+    value: ArrayLike  # (P,)
+    sigma: Optional[ArrayLike] = None  # (P,): standard errors; None: equal and unknown
+    component: Literal["Ux", "Uy"] = "Ux"
+    along: Literal["x", "y"] = "x"
+    at: float = 0.0  # the other coordinate
+    name: str = "profile"
+
+
+@dataclass(frozen=True)
+class Track:
+    """Measured motion of rods in reduced units: t (T,) and poses (T, N, 3) of x, y, heading, turns counted. The first row is the
+    start. Without sigmas the errors come from the scatter."""
+
+    t: ArrayLike
+    poses: ArrayLike
+    sigma_position: Optional[float] = None
+    sigma_heading: Optional[float] = None
+    free_headings: bool = False  # fit the headings at the start too
+    contact_distance: Optional[float] = None
+    contact_time: Optional[float] = None  # a datum; needs contact_distance
+    sigma_contact: Optional[float] = None
+    independent: float = 1.0  # independent rows a row is worth, in (0, 1]
+    name: str = "track"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted value. standard_error: infinite if the data do not fix it, NaN if it has none (fixed, or held by a bound)."""
+
+    name: str
+    value: float
+    standard_error: float
+    low: float  # 95 % interval
+    high: float
+    free: bool
+    bound: Optional[str]  # 'lower' or 'upper' if the value is held there
+
+
+class FitResult:
+    """What a fit found. Matrices are of the parameters in `free`, in this order."""
+
+    def __init__(self, core: Any) -> None:
+        self._core = core
+        self.parameters: dict[str, Estimate] = {one.name: one for one in core.estimates(Estimate)}
+        self.free: list[str] = core.free()
+        self.covariance: Floats = core.covariance()
+        self.correlation: Floats = core.correlation()
+        self.chi2: float = core.chi2
+        self.dof: int = core.dof
+        self.probability: float = core.probability  # of so large a chi2 if model and errors are right
+        self.termination: str = core.termination  # 'converged', 'roundoff', 'budget', 'failed'
+        self.reason: str = core.reason
+        self.diagnostics: list[str] = core.diagnostics  # bounds, what the data do not fix, other minima, in words
+        self.evaluations: int = core.evaluations
+
+    def report(self) -> str:
+        """All of it as a page of text."""
+        return str(self._core.text())
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{one.name}={one.value:.6g}" for one in self.parameters.values())
+        return f"<FitResult: {values}; chi2 = {self.chi2:.4g}, dof = {self.dof}, {self.termination}>"
+
+
+def fit_wake(profiles: Sequence[Profile], parameters: Sequence[str], **options: Any) -> FitResult:
+    """Fits the wake of a rod to profiles of displacement.
+
+    parameters  names of those that are fitted: f_over_mu, eta, xi or alpha, f2d_over_mu, x0, offset, offset_y
+    options     keys of [fit] (docs/scene.md): start, fixed, bounds and tied, mappings by name; core (points closer to the rod are
+                left out), independent_spacing, box, heading, method, loss, starts, seed, tolerance, ...; `threads`
+
+    Lengths are in the unit of the profiles. The result is that of `rodwake fit` for the same data, to the last bit.
+    """
+    return fit(profiles=profiles, parameters=parameters, **options)
+
+
+def fit_rods(tracks: Sequence[Track], parameters: Sequence[str], **options: Any) -> FitResult:
+    """Fits couplings and medium to tracks of rods: kappa, gamma1, gamma2, eta, alpha or xi. Options as for fit_wake."""
+    return fit(tracks=tracks, parameters=parameters, **options)
+
+
+def fit(*, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), threads: int = 1,
+        **options: Any) -> FitResult:
+    """Profiles and tracks in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fitting.md)."""
+    spacing = options.get("independent_spacing")
+    keys: dict[str, Any] = {"parameters": list(parameters), **options, "profiles": [_profile_keys(one, i) for i, one in enumerate(profiles)],
+            "trajectories": [_track_keys(one, i) for i, one in enumerate(tracks)]}
+    text = f"schema = 1\nfit = {toml({key: value for key, value in keys.items() if value is not None and value != []})}\n"
+    scene = _core.parse_scene(text, "fit", [])
+    return FitResult(_core.fit(scene, [_profile(one, spacing) for one in profiles], [(one.t, one.poses, one.independent) for one in tracks],
+                               threads))
+
+
+def _profile_keys(one: Profile, index: int) -> Mapping[str, Any]:
+    return {"file": f"profile {index}", "name": one.name, "component": one.component, "along": one.along, "at": one.at}
+
+
+def _track_keys(one: Track, index: int) -> Mapping[str, Any]:
+    names = ("name", "sigma_position", "sigma_heading", "free_headings", "contact_distance", "contact_time", "sigma_contact")
+    return {"file": f"track {index}", **{name: getattr(one, name) for name in names if getattr(one, name) is not None}}
+
+
+def _profile(one: Profile, independent_spacing: Optional[float]) -> tuple[ArrayLike, ArrayLike, Optional[ArrayLike], float]:
+    """With the independent values a point is worth: below 1 where neighbours are closer than independent_spacing."""
+    steps = np.sort(np.diff(np.sort(np.asarray(one.place, dtype=float))))
+    independent = 1.0
+    if independent_spacing is not None and steps.size and steps[steps.size // 2] > 0:  # a gap where the rod was does not count
+        independent = min(1.0, steps[steps.size // 2] / independent_spacing)
+    return one.place, one.value, one.sigma, independent

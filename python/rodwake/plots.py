@@ -1,0 +1,60 @@
+"""Figures of a run, those of `rodwake plot`, as matplotlib figures: save them with savefig, or look at them in a notebook."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import sys
+from pathlib import Path
+from typing import Any, Iterator, Union
+
+from .errors import InputError
+from .runs import Run, open_run
+from .scenes import Folder
+
+_HERE = Path(__file__).resolve().parent
+# Beside the package (pip), in the source tree, and below the prefix of an installation.
+_PLACES = (_HERE.parent, _HERE.parents[1] / "plots", _HERE.parents[3] / "share/rodwake/plots")
+
+
+def kinds() -> list[str]:
+    """What can be drawn: 'trajectories', 'cut', 'snapshot', 'phase_diagram', ... (docs/scene.md, kinds of figures)."""
+    return [kind for kind, module in _plots("draw").KINDS.items() if hasattr(module, "draw")]
+
+
+def draw(run: Union[Run, Folder], kind: str, **options: Any) -> Any:
+    """One figure of a run. Options are keys of [[figures]]: draw(run, "cut", cut=0, component="Uy", title="The wake")."""
+    with _opened(run) as folder:
+        return _drawn(folder, _plots("spec").from_scene({"figures": [{"name": kind, "kind": kind, **options}]})[0])
+
+
+def figures(run: Union[Run, Folder]) -> dict[str, Any]:
+    """The figures that the scene asks for, or else one for everything the run holds, by their names; films aside."""
+    with _opened(run) as folder:
+        drawable = kinds()
+        return {one.name: _drawn(folder, one) for one in _plots("draw").figures_of(folder) if one.kind in drawable}
+
+
+def _plots(module: str) -> Any:
+    """A module of the plotting package."""
+    for place in _PLACES:
+        if (place / "rodwake_plots").is_dir() and str(place) not in sys.path:
+            sys.path.append(str(place))
+            break
+    return importlib.import_module(f"rodwake_plots.{module}")
+
+
+@contextlib.contextmanager
+def _opened(run: Union[Run, Folder]) -> Iterator[Any]:
+    try:
+        with _plots("run_dir").RunDir((run if isinstance(run, Run) else open_run(run)).folder) as folder:
+            yield folder
+    except _plots("errors").PlotError as error:
+        raise InputError(str(error)) from error
+
+
+def _drawn(folder: Any, figure: Any) -> Any:
+    kind = _plots("draw").KINDS[figure.kind]
+    if not hasattr(kind, "draw"):
+        raise InputError(f"kind {figure.kind!r} is written to a file, not drawn: rodwake plot does it")
+    return _plots("draw").in_style(kind.draw, folder, figure)

@@ -1,0 +1,72 @@
+"""Scans: the points of a phase diagram, evaluated by threads, by processes or by a cluster."""
+
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+from concurrent.futures import Executor, Future, wait
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Callable, Mapping, Optional, Union
+
+from . import _core
+from .scenes import Folder, Progress, Scene
+
+_FLIGHT = 64  # chunks that are handed out at once
+
+
+def scan(scene: Scene, axes: Optional[Mapping[str, Any]] = None, *, executor: Any = None, folder: Optional[Folder] = None,
+         threads: int = 0, chunk: int = 0, progress: Optional[Progress] = None, force: bool = False) -> Any:
+    """Evaluates a scene at many values of its keys: a row a point, as a pandas DataFrame (attrs["units"]) or a NumPy structured array.
+
+    axes      values of each key, {"coupling.kappa": [1, 10], "rods.1.position.0": np.linspace(-6, 6, 64)}: every combination.
+              None: the [scan] of the scene, whatever its design
+    executor  who evaluates the points: None for threads of this process (`threads`, 0: one for each core), an executor of
+              concurrent.futures, or a Dask client. Results are the same to the last bit
+    folder    where the run is kept (open_run), so that a scan that was stopped goes on; None: nowhere
+    chunk     points that are handed out together; 0: some for each worker
+    progress  called as progress(what, value, end, unit)
+
+    Dask and process pools import rodwake where they work, so it must be installed there.
+    """
+    if axes is not None:
+        scene = scene.copy().set("scan", {"design": "grid", "axes": [{"key": key, "values": list(values)} for key, values in axes.items()]})
+    with tempfile.TemporaryDirectory(prefix="rodwake-") as unkept:
+        place = Path(folder if folder is not None else unkept).resolve()
+        execute = None if executor is None else _distributor(scene, place, executor, chunk)
+        return scene._run(place, ["scan"], threads, None, force, progress, execute).table("scan.csv")
+
+
+def _distributor(scene: Scene, folder: Path, executor: Any, chunk: int) -> Callable[..., None]:
+    """What hands points out: execute(points, take, stopped), records as bytes."""
+    pool: Executor = executor.get_executor() if hasattr(executor, "get_executor") else executor  # Dask's client has one
+    source = (scene.to_toml(), scene.path, str(folder))
+
+    def execute(points: bytes, take: Callable[[bytes], None], stopped: Callable[[], bool]) -> None:
+        count = len(points) // _core.point_size
+        size = (chunk or min(1000, max(1, math.ceil(count / _FLIGHT)))) * _core.point_size
+        waiting = [points[at:at + size] for at in range(0, len(points), size)][::-1]
+        flying: set[Future[bytes]] = set()
+        try:
+            while (waiting and not stopped()) or flying:
+                while waiting and len(flying) < _FLIGHT and not stopped():
+                    flying.add(pool.submit(_evaluate, source, waiting.pop()))
+                done, flying = wait(flying, timeout=0.1, return_when="FIRST_COMPLETED")
+                for one in done:
+                    take(one.result())
+        finally:
+            for one in flying:
+                one.cancel()
+
+    return execute
+
+
+@lru_cache(maxsize=8)
+def _evaluator(text: str, path: str, folder: str, process: int) -> Any:
+    return _core.PointEvaluator(_core.parse_scene(text, path, []), folder)
+
+
+def _evaluate(source: tuple[str, str, str], points: bytes) -> bytes:
+    """In the process that works."""
+    return bytes(_evaluator(*source, os.getpid())(points))

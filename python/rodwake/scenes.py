@@ -1,0 +1,112 @@
+"""Scenes: the TOML files that the program runs."""
+
+from __future__ import annotations
+
+import logging
+import os
+from pathlib import Path
+from typing import Any, Callable, Iterable, Mapping, Optional, Union
+
+from . import _core
+from .errors import RunError
+from .runs import Run, open_run
+from .toml import toml
+
+Folder = Union[str, "os.PathLike[str]"]
+Progress = Callable[[str, float, float, str], None]
+_log = logging.getLogger("rodwake")
+
+
+class Scene:
+    """A scene that was read and checked. Scene.load reads a file, Scene.parse a text. What is wrong with a scene raises SceneError,
+    which lists all its problems."""
+
+    def __init__(self, text: Optional[str], name: str, changes: tuple[tuple[str, Any], ...] = ()) -> None:
+        self._text, self._name, self._changes = text, name, changes
+        self._core = self._read(changes)
+
+    @classmethod
+    def load(cls, path: Folder) -> Scene:
+        """The scene in a TOML file."""
+        return cls(None, os.fspath(path))
+
+    @classmethod
+    def parse(cls, text: str, name: str = "scene") -> Scene:
+        """The scene in a text; `name` stands for its file in messages, and files are looked for beside it."""
+        return cls(text, name)
+
+    def _read(self, changes: tuple[tuple[str, Any], ...]) -> Any:
+        settings = [f"{key}={toml(value)}" for key, value in changes]
+        return _core.read_scene(self._name, settings) if self._text is None else _core.parse_scene(self._text, self._name, settings)
+
+    def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
+        """Sets a key as `-s key=value` does, and returns the scene: set("coupling.kappa", 3.0), set("rods.1.position.0", 2.0),
+        set("rods_run.t_end", "5 s"). Plain numbers are in the scene's own units. Keys that fit only together are set together:
+        set({"scan.resolution": 128, "scan.axes.0.count": 32}). If that cannot be, SceneError tells why and nothing is changed."""
+        changes = (*self._changes, *(key.items() if isinstance(key, Mapping) else [(key, value)]))
+        self._core, self._changes = self._read(changes), changes
+        return self
+
+    def copy(self) -> Scene:
+        """Another scene like this, to set keys of."""
+        return Scene(self._text, self._name, self._changes)
+
+    def __reduce__(self) -> Any:
+        return Scene, (self._text, self._name, self._changes)
+
+    @property
+    def path(self) -> str:
+        """The file it came from, or its name."""
+        return str(self._core.path)
+
+    @property
+    def title(self) -> str:
+        """Its title, maybe empty."""
+        return str(self._core.title)
+
+    @property
+    def stages(self) -> list[str]:
+        """What a run of it does, in order: 'granular', 'measure', 'fit', 'field', 'rods', 'order', 'scan'."""
+        return list(self._core.stages())
+
+    def to_toml(self) -> str:
+        """The scene with every default written out. Scene.parse reads the same scene from it."""
+        return str(self._core.to_toml())
+
+    def check(self, folder: Folder = ".", *, cost: bool = False) -> str:
+        """What will be modelled, what will not and why; with `cost` also how long it will take, which is measured for about half a
+        second. Raises InputError for what cannot be modelled. Data files are also looked for in `folder`."""
+        return _core.check(self._core, folder, 0, cost)
+
+    def run(self, folder: Folder, *, stages: Optional[Iterable[str]] = None, threads: int = 0, seed: Optional[int] = None,
+            force: bool = False, progress: Optional[Progress] = None) -> Run:
+        """Runs the scene into a folder as `rodwake run` does, figures aside, and opens the results.
+
+        stages    some of those the scene has; None: all
+        threads   0: one for each core; results do not depend on it
+        seed      replaces those of the scene
+        force     do again what the folder holds already; else a finished run is refused
+        progress  called some times a second as progress(what, value, end, unit); what it raises ends the run
+
+        Messages go to the logger 'rodwake' of the module logging. Ctrl-C ends the run at its next step and raises
+        KeyboardInterrupt; what was computed is kept, and the same call goes on from there. Raises RunError if a stage failed.
+        """
+        return self._run(folder, None if stages is None else list(stages), threads, seed, force, progress)
+
+    def _run(self, folder: Folder, stages: Optional[list[str]], threads: int, seed: Optional[int], force: bool,
+             progress: Optional[Progress], execute: Optional[Callable[..., None]] = None) -> Run:
+        """`execute` evaluates the points of a scan: see scans.py."""
+        command = self._command(folder, stages=stages)
+        end = _core.run(self._core, folder, stages, threads, seed, force, command, _log.log, progress, execute)
+        if end == "failed":
+            raise RunError(f"{folder}: the run failed; {Path(folder) / 'log.txt'} tells why")
+        return open_run(folder)
+
+    def _command(self, folder: Folder, **options: Any) -> str:
+        """What makes the run again, for provenance.json."""
+        changes = "".join(f".set({key!r}, {value!r})" for key, value in self._changes)
+        given = "".join(f", {name}={value!r}" for name, value in options.items() if value is not None)
+        return f"rodwake.Scene.load({self.path!r}){changes}.run({os.fspath(folder)!r}{given})"
+
+    def __repr__(self) -> str:
+        return f"<Scene {self.path!r}: {', '.join(self.stages)}>"

@@ -1,0 +1,23 @@
+"""Values as a scene file has them."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Mapping
+
+
+def toml(value: Any) -> str:
+    """Numbers, strings ("5 s" has a unit), true, false, lists and mappings of them; NumPy's too."""
+    if hasattr(value, "tolist"):  # of NumPy
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(toml(one) for one in value)}]"
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = {toml(one)}" for key, one in value.items()) + "}"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    raise TypeError(f"a scene holds numbers, strings, true, false, lists and tables of them, not {type(value).__name__}")

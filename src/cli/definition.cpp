@@ -1,0 +1,286 @@
+// The verbs and their options, as CLI11 takes them: parsing, help, the man page and completion follow from
+// these.
+
+#include "definition.hpp"
+
+#include "rodwake/core/build_info.hpp"
+#include "values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <map>
+
+namespace rodwake::cli {
+
+namespace {
+
+constexpr const char* exit_codes =
+    "Exit codes: 0 ok, 1 runtime failure, 2 usage or scene error, 3 finished with failed points,\n"
+    "            130/143 stopped by Ctrl-C/SIGTERM.\n";
+
+constexpr std::uint64_t largest_seed = 9223372036854775807; // 2^63 - 1, the largest integer a scene can hold
+
+/// Flags of the verbs that compute something of a scene.
+void add_scene(CLI::App& verb, Options& options) {
+    verb.add_option("SCENE", options.target, "scene file (TOML)")->required();
+    verb.add_option("-s,--set", options.overrides, "change a key of the scene: table.key=value; repeatable")
+        ->allow_extra_args(false);
+    verb.add_option("-o,--output", options.output, "folder for the results [results/<scene name>]");
+    verb.add_option("--seed", options.seed, "seed of everything random, 0 to 2^63 - 1")
+        ->check(whole_number_from(0, largest_seed));
+}
+
+void add_quiet(CLI::App& verb, Options& options, const char* does = "no progress, no summary; errors only") {
+    verb.add_flag("--quiet", options.quiet, does);
+}
+
+void add_force(CLI::App& verb, Options& options, const char* does = "replace a finished run") {
+    verb.add_flag("--force", options.force, does);
+}
+
+void add_dry_run(CLI::App& verb, Options& options) {
+    verb.add_flag("--dry-run", options.dry_run, "say what would be done, do nothing");
+}
+
+void add_run(CLI::App& verb, Options& options) {
+    verb.add_option("-j,--threads", options.threads, "threads [one for each core]")
+        ->check(whole_number_from(1, 1024));
+    add_force(verb, options);
+    add_dry_run(verb, options);
+    add_quiet(verb, options);
+    verb.add_flag("-v,--verbose", options.verbose, "more detail")->excludes("--quiet");
+    verb.add_option("--log-json", options.json_log, "also log to FILE, one JSON object a line");
+}
+
+CLI::App* add_verb(CLI::App& app, Options& options, Verb verb, const std::string& name,
+                   const std::string& does, const std::string& examples) {
+    CLI::App* sub = app.add_subcommand(name, does);
+    sub->footer("Examples:\n" + examples + "\n" + exit_codes);
+    sub->callback([&options, verb] { options.verb = verb; });
+    return sub;
+}
+
+void add_stage_verb(CLI::App& app, Options& options, Verb verb, const std::string& name,
+                    const std::string& does, const std::string& examples) {
+    CLI::App* sub = add_verb(app, options, verb, name, does, examples);
+    add_scene(*sub, options);
+    add_run(*sub, options);
+}
+
+void add_scenes(CLI::App& app, Options& options) {
+    CLI::App* scenes = add_verb(app, options, Verb::scenes, "scenes",
+                                "list the scenes that are shipped; print one; copy them all",
+                                "  rodwake scenes\n"
+                                "  rodwake scenes pair > my.toml\n"
+                                "  rodwake scenes -o .");
+    CLI::Option* name = scenes->add_option("NAME", options.target, "print this scene");
+    scenes->add_option("-o,--output", options.output, "copy all into scenes and fitting of this folder")
+        ->excludes(name);
+    add_force(*scenes, options, "replace files that differ");
+    add_quiet(*scenes, options, "say nothing of the files copied");
+}
+
+void add_new(CLI::App& app, Options& options) {
+    CLI::App* verb = add_verb(app, options, Verb::new_scene, "new",
+                              "a scene of your own to begin with: three questions, or the options below",
+                              "  rodwake new my.toml\n"
+                              "  rodwake new --kind rods --rods 3 --kappa 2 > three.toml\n"
+                              "  rodwake new --kind bed --phi-b 0.7 bed.toml\n"
+                              "  rodwake new --kind scan --start parallel --kappa 100 phase.toml");
+    verb->add_option("FILE", options.target, "file to write [standard output]");
+    for (const Question& question : new_scene_questions())
+        verb->add_option(question.option, options.answers[question.option],
+                         fmt::format("{} [{}]", question.text, question.fallback))
+            ->check(question.legal);
+    add_force(*verb, options, "replace FILE if it is there");
+}
+
+void add_field(CLI::App& app, Options& options) {
+    CLI::App* field =
+        add_verb(app, options, Verb::field, "field", "field of one rod, at points or on a scene's grid",
+                 "  rodwake field --points points.csv > field.csv\n"
+                 "  rodwake field scenes/ufield.toml -o results/ufield");
+    add_scene(*field, options);
+    field->get_option("SCENE")->required(false)->description("scene file with a [field] table");
+    add_run(*field, options);
+    field->add_option(
+        "--points", options.points,
+        "CSV with columns x,y,xi,eta (- for standard input); the field goes to standard output");
+    field
+        ->add_option(
+            "--backend", options.backend,
+            "evaluation of --points: exact, or table: from tables to --table-tolerance, made for each "
+            "eta of a thousand points or more (fewer, and boxes, are exact)")
+        ->check(one_of({"exact", "table"}));
+    field->add_option("--table-tolerance", options.table_tolerance, "relative error of tables, 1e-12 to 0.1")
+        ->check(number_from(1e-12, 0.1));
+}
+
+void add_scan(CLI::App& app, Options& options) {
+    CLI::App* scan =
+        add_verb(app, options, Verb::scan, "scan", "vary keys of a scene over a design: phase diagrams",
+                 "  rodwake scan scenes/phase_perpendicular.toml -j 2\n"
+                 "  mpiexec -n 64 rodwake scan scenes/phase_gamma_zero.toml -o results/gamma\n"
+                 "  rodwake scan scenes/phase_perpendicular.toml -s scan.resolution=512\n"
+                 "  rodwake scan scenes/phase_alpha.toml -s scan.design=grid -o results/alpha --part 3/16\n"
+                 "  rodwake scan scenes/phase_alpha.toml -s scan.design=grid -o results/alpha --merge\n"
+                 "  rodwake scan scenes/phase_perpendicular.toml --rerun-failed");
+    add_scene(*scan, options);
+    add_run(*scan, options);
+    scan->add_option("--part", options.part,
+                     "i/n: only the i-th of n shares of the points (i from 1), into its own folder below -o");
+    scan->add_flag("--merge", options.merge,
+                   "take over what the shares below -o hold, evaluate what is missing, write the results")
+        ->excludes("--part");
+    scan->add_flag("--rerun-failed", options.rerun_failed, "evaluate points again that failed");
+}
+
+void add_tradeoff(CLI::App& app, Options& options) {
+    CLI::App* tradeoff =
+        add_verb(app, options, Verb::tradeoff, "tradeoff",
+                 "time and error of every way to solve a scene, or one part of it; the cheapest for an error",
+                 "  rodwake tradeoff scenes/pair.toml\n"
+                 "  rodwake tradeoff scenes/pair.toml --for 1e-6\n"
+                 "  rodwake tradeoff scenes/pair.toml --within 1ms --error path\n"
+                 "  rodwake tradeoff scenes/phase_perpendicular.toml --for 0.01 --error outcome\n"
+                 "  rodwake tradeoff scenes/granular_quick.toml --for \"rod_speed 5%\"\n"
+                 "  rodwake tradeoff fitting/problems/monopole.toml --of fit --for \"optimum 0.01\"");
+    add_scene(*tradeoff, options);
+    add_run(*tradeoff, options);
+    tradeoff->get_option("--threads")
+        ->description("threads of references and of runs of a bed; settings are timed on one");
+    tradeoff
+        ->add_option("--of", options.tradeoff_of,
+                     "rods (or their scan), bed, fit or field [the first of these in the scene]")
+        ->check(one_of({"rods", "bed", "fit", "field"}));
+    CLI::Option* error = tradeoff->add_option(
+        "--for", options.want_error,
+        "print the cheapest setting whose error is at most this, as keys of the scene: 1e-6; of a bed 2% or "
+        "\"T_xy 1%\"");
+    tradeoff
+        ->add_option("--within", options.want_time,
+                     "print the most accurate setting that takes at most this: 5ms, 2s, 1min")
+        ->transform(seconds())
+        ->excludes(error);
+    tradeoff
+        ->add_option(
+            "--error", options.error_kind,
+            "of what: of rods final_state, contact_time, outcome (share that differs) or path (at all output "
+            "times); of a bed rod_speed, T_xy, T_z, psi6, wake, ...; of a fit optimum, interval or "
+            "objective; of "
+            "a field displacement, strain or gradients [the first]")
+        ->option_text("KIND");
+    tradeoff
+        ->add_option(
+            "--limit", options.limit,
+            "give up a setting that takes longer; of a bed the CPU time each setting is measured for [60s]")
+        ->transform(seconds());
+}
+
+void add_stage_verbs(CLI::App& app, Options& options) {
+    add_stage_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
+                   "  rodwake rods scenes/pair.toml -o results/pair\n"
+                   "  rodwake rods scenes/pair.toml -s coupling.kappa=100 -s rods_run.method=bdf");
+    add_stage_verb(app, options, Verb::dem, "dem",
+                   "granular run of a scene; the same command resumes one that was stopped",
+                   "  rodwake dem scenes/granular_quick.toml\n"
+                   "  rodwake dem scenes/pair_crystal.toml -s granular.phi_b=0.70 -s granular.runs=50 -j 2 "
+                   "-o results/fluid");
+    add_stage_verb(
+        app, options, Verb::measure, "measure",
+        "what [measure] names, of the granular run in the results folder or of measure.trajectory; what "
+        "[rods_order] names, of the rods there",
+        "  rodwake measure scenes/wake.toml\n"
+        "  rodwake measure scenes/wake.toml -s measure.displacement=lagrangian --force\n"
+        "  rodwake measure scenes/wake.toml -s measure.trajectory=other/trajectory.h5md -o results/other\n"
+        "  rodwake measure scenes/crowd.toml -s rods_order.link=1 --force");
+    add_stage_verb(app, options, Verb::fit, "fit",
+                   "elastic parameters and couplings from measured profiles and tracks, with their errors",
+                   "  rodwake fit fitting/problems/monopole.toml -o results/monopole\n"
+                   "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force");
+    add_scan(app, options);
+    add_tradeoff(app, options);
+    add_stage_verb(app, options, Verb::run, "run",
+                   "every stage the scene names, then figures and report.html",
+                   "  rodwake run scenes/quickstart.toml\n"
+                   "  rodwake run scenes/attraction.toml -o results/attraction --force");
+}
+
+void add_verbs(CLI::App& app, Options& options) {
+    add_scenes(app, options);
+    add_new(app, options);
+    CLI::App* check =
+        add_verb(app, options, Verb::check, "check",
+                 "validate a scene; say what will be modelled and what not, and what each part will cost",
+                 "  rodwake check scenes/quickstart.toml\n"
+                 "  rodwake check scenes/pair.toml -s coupling.kappa=100\n"
+                 "  rodwake check scenes/pair.toml --quiet && echo valid");
+    add_scene(*check, options);
+    add_quiet(*check, options, "validate only: errors are printed, nothing is timed");
+    add_field(app, options);
+    add_stage_verbs(app, options);
+    CLI::App* impact =
+        add_verb(app, options, Verb::impact, "impact", "single impacts, one a row: the contact law by itself",
+                 "  rodwake impact --cases cases.csv > impacts.csv");
+    impact
+        ->add_option("--cases", options.cases,
+                     "CSV with columns Kxx,Kxy,Kxz,Kyy,Kyz,Kzz,vx,vy,vz,mu,e (- for standard input); "
+                     "Px,Py,Pz,wx,wy,wz go to standard output")
+        ->required();
+    add_dry_run(*impact, options);
+    CLI::App* plot =
+        add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
+                 "  rodwake plot results/quickstart --pdf");
+    plot->add_option("RESULT", options.target, "run directory, or its result.h5")->required();
+    plot->add_flag("--pdf", options.pdf, "PDF beside each PNG");
+    add_dry_run(*plot, options);
+    add_quiet(*plot, options);
+    CLI::App* info =
+        add_verb(app, options, Verb::info, "info", "versions and CPU; or what a result file holds",
+                 "  rodwake info\n  rodwake info results/quickstart/result.h5");
+    info->add_option("FILE", options.target, "result file or run directory");
+    info->add_flag("--scene-reference", options.scene_reference,
+                   "print docs/scene.md: every key a scene may have");
+    info->add_flag("--schema", options.schema, "print the same as JSON, with the kinds of figures");
+    info->add_flag("--man", options.man, "print the manual page");
+    info->add_option("--completion", options.completion, "print the script that completes command lines")
+        ->check(one_of({"bash", "zsh"}));
+}
+
+} // namespace
+
+void define_command_line(CLI::App& app, Options& options) {
+    app.set_version_flag("-V,--version", "rodwake " + build_info().version);
+    app.footer("Start with:  rodwake scenes, or rodwake new\nHelp on a verb:  rodwake help run\n" +
+               std::string(exit_codes));
+    app.require_subcommand(0, 1);
+    add_verbs(app, options);
+    CLI::App* help =
+        add_verb(app, options, Verb::help, "help", "what a verb does, and its options", "  rodwake help run");
+    help->add_option("VERB", options.target, "verb; without, all of them");
+}
+
+std::vector<std::string> option_names(const CLI::Option& option) {
+    std::vector<std::string> names;
+    for (const std::string& name : option.get_snames())
+        names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames())
+        names.push_back("--" + name);
+    return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& verb) {
+    std::vector<std::string> all;
+    for (const CLI::Option* option : verb.get_options())
+        std::ranges::copy(option_names(*option), std::back_inserter(all));
+    return all;
+}
+
+bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+
+std::string exit_codes_text() { return exit_codes; }
+
+} // namespace rodwake::cli

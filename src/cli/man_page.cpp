@@ -1,0 +1,64 @@
+// The manual page rodwake(1), in the man macros of roff.
+
+#include "definition.hpp"
+#include "rodwake/core/build_info.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+namespace rodwake::cli {
+
+namespace {
+
+/// Text that roff prints as it stands.
+std::string plain(const std::string& text) {
+    std::string out = text.starts_with(".") || text.starts_with("'") ? "\\&" : "";
+    for (const char c : text)
+        out += c == '\\' ? "\\e" : c == '-' ? "\\-" : std::string(1, c);
+    return out;
+}
+
+/// "-o, --output TEXT" of an option, "SCENE" of a positional one.
+std::string term(const CLI::Option& option) {
+    if (option.get_positional())
+        return plain(option.get_name(true));
+    std::string names;
+    for (const std::string& name : option_names(option))
+        names += (names.empty() ? "" : ", ") + name;
+    return plain(takes_value(option) ? names + " " + option.get_type_name() : names);
+}
+
+std::string options_text(const CLI::App& app) {
+    std::string text;
+    for (const CLI::Option* option : app.get_options())
+        text += fmt::format(".TP\n.B {}\n{}\n", term(*option), plain(option->get_description()));
+    return text;
+}
+
+/// The examples of a verb, without the exit codes that follow them.
+std::string examples_text(const CLI::App& verb) {
+    std::istringstream lines(verb.get_footer());
+    std::string text;
+    for (std::string line; std::getline(lines, line);)
+        if (line.starts_with("  rodwake") || line.starts_with("  mpiexec"))
+            text += plain(line) + "\n";
+    return ".PP\n.nf\n" + text + ".fi\n";
+}
+
+} // namespace
+
+std::string man_page(const CLI::App& app) {
+    std::string text =
+        fmt::format(".TH RODWAKE 1 \"\" \"rodwake {}\"\n.SH NAME\nrodwake \\- motile rods in an elastic "
+                    "medium\n.SH SYNOPSIS\n.B rodwake\n.I VERB\n[\\fIOPTIONS\\fR]\n",
+                    build_info().version);
+    text += ".SH OPTIONS\n" + options_text(app) + ".SH VERBS\n";
+    for (const CLI::App* verb : app.get_subcommands({}))
+        text += fmt::format(".SS {}\n{}.\n{}{}", verb->get_name(), plain(verb->get_description()),
+                            options_text(*verb), examples_text(*verb));
+    text += fmt::format(".SH EXIT STATUS\n.nf\n{}.fi\n", plain(exit_codes_text()));
+    return text + ".SH SEE ALSO\nEvery key of a scene: rodwake info \\-\\-scene\\-reference.\n";
+}
+
+} // namespace rodwake::cli

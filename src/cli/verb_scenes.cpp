@@ -1,0 +1,164 @@
+// rodwake scenes: lists the scenes that are shipped, prints one, or copies them all with the data they read.
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
+#include "rodwake/scene/read.hpp"
+#include "verbs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <vector>
+
+namespace rodwake::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Folders below the shipped one that `scenes -o` copies. The names of scenes leave "scenes/" out.
+constexpr const char* copied_folders[] = {"scenes", "fitting/problems", "fitting/data"};
+constexpr std::string_view scenes_prefix = "scenes/";
+
+std::string text_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string text(std::istreambuf_iterator<char>(file), {});
+    if (!file.is_open() || file.bad())
+        throw RunError(path.string() + ": cannot be read; install rodwake anew");
+    return text;
+}
+
+/// Scenes by the name they are asked for: "pair", "fitting/problems/monopole".
+std::map<std::string, fs::path> scene_files() {
+    std::map<std::string, fs::path> files;
+    for (const fs::path folder : {"scenes", "fitting/problems"}) {
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(shipped_folder() / folder, error))
+            if (entry.path().extension() == ".toml") {
+                const std::string name = (folder / entry.path().stem()).string();
+                files[name.starts_with(scenes_prefix) ? name.substr(scenes_prefix.size()) : name] =
+                    entry.path();
+            }
+        if (error)
+            throw RunError((shipped_folder() / folder).string() + ": no shipped scenes: " + error.message());
+    }
+    return files;
+}
+
+/// The comment that a scene begins with.
+std::string description(const fs::path& scene) {
+    std::istringstream lines(text_of(scene));
+    std::string text;
+    for (std::string line; std::getline(lines, line) && line.starts_with("# ");)
+        text += (text.empty() ? "" : " ") + line.substr(2);
+    return text;
+}
+
+/// Words in lines of at most 78 characters, all indented.
+std::string wrapped(const std::string& text) {
+    constexpr std::size_t width = 78;
+    std::istringstream words(text);
+    std::string out, line = "   ";
+    for (std::string word; words >> word;) {
+        if (line.size() + 1 + word.size() > width) {
+            out += line + "\n";
+            line = "   ";
+        }
+        line += " " + word;
+    }
+    return out + line + "\n";
+}
+
+int list() {
+    const auto files = scene_files();
+    for (const bool of_fits : {false, true})
+        for (const auto& [name, path] : files)
+            if (name.starts_with("fitting/") == of_fits)
+                fmt::print("{}\n{}", name, wrapped(description(path)));
+    fmt::print(
+        "\nrodwake scenes pair > my.toml prints one; rodwake scenes -o . copies all, with the data of the "
+        "fits.\n");
+    return 0;
+}
+
+int print(std::string name) {
+    if (name.ends_with(".toml"))
+        name.resize(name.size() - 5);
+    if (name.starts_with(scenes_prefix))
+        name.erase(0, scenes_prefix.size());
+    const auto files = scene_files();
+    const auto found = files.find(name);
+    if (found == files.end()) {
+        std::vector<std::string_view> known;
+        std::ranges::transform(files, std::back_inserter(known),
+                               [](const auto& file) { return std::string_view(file.first); });
+        throw InputError(fmt::format("{}: no such scene is shipped{}; rodwake scenes lists them", name,
+                                     did_you_mean(name, known)));
+    }
+    fmt::print("{}", text_of(found->second));
+    return 0;
+}
+
+/// Files as they are to stand below the target, with what they are copied from.
+std::map<fs::path, fs::path> copies(const fs::path& target) {
+    std::map<fs::path, fs::path> from;
+    for (const char* folder : copied_folders)
+        for (const auto& entry : fs::directory_iterator(shipped_folder() / folder))
+            if (entry.is_regular_file())
+                from[target / folder / entry.path().filename()] = entry.path();
+    return from;
+}
+
+int copy_all(const Options& options) {
+    auto from = copies(options.output);
+    std::erase_if(from, [](const auto& file) {
+        return fs::exists(file.first) && text_of(file.first) == text_of(file.second);
+    });
+    for (const auto& [to, source] : from)
+        if (!options.force && fs::exists(to))
+            throw InputError(to.string() + ": is there and differs from the shipped one; copy into another "
+                                           "folder, or --force to replace it");
+    for (const auto& [to, source] : from)
+        try {
+            fs::create_directories(to.parent_path());
+            fs::copy_file(source, to, fs::copy_options::overwrite_existing);
+        } catch (const fs::filesystem_error& error) {
+            throw RunError(to.string() + ": cannot be written: " + error.code().message());
+        }
+    if (!options.quiet)
+        fmt::print("{} files copied into {} and {}\n", from.size(),
+                   (fs::path(options.output) / "scenes").string(),
+                   (fs::path(options.output) / "fitting").string());
+    return 0;
+}
+
+} // namespace
+
+fs::path shipped_folder() {
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    const fs::path installed = program.parent_path().parent_path() / "share" / "rodwake";
+    return !error && fs::is_directory(installed, error) ? installed : fs::path(RODWAKE_SOURCE_DIR);
+}
+
+scene::Scene scene_of(const Options& options) {
+    const fs::path path = options.target;
+    if (!fs::exists(path) && scene_files().contains(path.stem().string()))
+        throw InputError(
+            fmt::format("{}: no such file; rodwake scenes -o . copies the shipped scenes into this "
+                        "folder, rodwake scenes {} prints this one",
+                        options.target, path.stem().string()));
+    return scene::read_scene(path, options.overrides);
+}
+
+int verb_scenes(const Options& options) {
+    if (!options.output.empty())
+        return copy_all(options);
+    return options.target.empty() ? list() : print(options.target);
+}
+
+} // namespace rodwake::cli

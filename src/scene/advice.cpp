@@ -1,0 +1,73 @@
+#include "rodwake/scene/advice.hpp"
+
+#include "rodwake/scene/document.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::scene {
+
+namespace {
+
+constexpr double turn = 2.0 * std::numbers::pi;
+
+class Advice {
+public:
+    void angle(const std::string& key, double radians) {
+        if (std::abs(radians) > turn)
+            list.push_back(
+                fmt::format("{0} = {1:.6g} rad is {2:.3g} turns; a plain number is in rad, degrees are "
+                            "\"{1:.6g} deg\"",
+                            key, radians, radians / turn));
+    }
+
+    /// The ends and the values of an axis, which are as a scene file has them.
+    void axis(std::size_t index, const ScanAxis& axis) {
+        const auto info = key_info(axis.name());
+        if (!info || info->unit_reduced != "rad")
+            return;
+        const std::string key = fmt::format("scan.axes[{}]", index);
+        value(key + ".from", axis.from);
+        value(key + ".to", axis.to);
+        for (std::size_t i = 0; i < axis.values.size(); ++i)
+            value(fmt::format("{}.values[{}]", key, i), axis.values[i]);
+    }
+
+    std::vector<std::string> list;
+
+private:
+    void value(const std::string& key, const std::optional<Value>& written) {
+        if (!written)
+            return;
+        if (const auto* real = std::get_if<double>(&*written))
+            angle(key, *real);
+        else if (const auto* whole = std::get_if<std::int64_t>(&*written))
+            angle(key, static_cast<double>(*whole));
+    }
+};
+
+} // namespace
+
+std::vector<std::string> advice(const Scene& scene) {
+    Advice advice;
+    if (scene.rods_random)
+        advice.angle("rods_random.heading", scene.rods_random->heading);
+    else
+        for (std::size_t i = 0; i < scene.rods.size(); ++i)
+            advice.angle(fmt::format("rods[{}].heading", i), scene.rods[i].heading);
+    if (scene.granular) {
+        advice.angle("granular.orientation", scene.granular->orientation);
+        for (std::size_t i = 0; i < scene.granular->rods.size(); ++i)
+            advice.angle(fmt::format("granular.rods[{}].heading", i), scene.granular->rods[i].heading);
+    }
+    if (scene.fit)
+        advice.angle("fit.heading", scene.fit->heading);
+    if (scene.scan)
+        for (std::size_t i = 0; i < scene.scan->axes.size(); ++i)
+            advice.axis(i, scene.scan->axes[i]);
+    return advice.list;
+}
+
+} // namespace rodwake::scene

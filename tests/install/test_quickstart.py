@@ -1,0 +1,72 @@
+"""tools/quickstart: the steps it takes, with stand-ins for apt, cmake and the program that record what they are asked."""
+
+import os
+import shutil
+import subprocess
+
+import rodwake
+from rodwake import SOURCE, ProgramTest
+
+STAND_INS = {
+    "dpkg-query": 'echo "install ok installed"',
+    "id": "echo $UID_WANTED",
+    "apt-get": 'echo "apt-get $*" >> "$RECORD"',
+    "cmake": 'echo "cmake $*" >> "$RECORD"\nif [ "$1" = --install ]; then mkdir -p "$4/bin"; cp "$BIN/rodwake" "$4/bin"; fi',
+    "rodwake": 'echo "rodwake $*" >> "$RECORD"',
+}
+
+
+class QuickstartTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        shutil.copytree(SOURCE / "tools", self.folder / "tree/tools")
+        for name, text in STAND_INS.items():
+            self.write(f"bin/{name}", f"#!/bin/sh\n{text}\n").chmod(0o755)
+
+    def quickstart(self, *options, user=1000, path=""):
+        record = self.folder / "record"
+        record.unlink(missing_ok=True)
+        done = subprocess.run([self.folder / "tree/tools/quickstart", *options], cwd=self.folder, text=True, capture_output=True, env={
+            "PATH": f"{self.folder / 'bin'}:{path}:{os.environ['PATH']}", "HOME": str(self.folder / "home"), "BIN": str(self.folder / "bin"),
+            "RECORD": str(record), "UID_WANTED": str(user)})
+        return done, record.read_text().splitlines() if record.exists() else []
+
+    def test_a_user_gets_the_command_in_local(self):
+        done, steps = self.quickstart()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        prefix = self.folder / "home/.local"
+        self.assertEqual([step.split()[:3] for step in steps], [
+            ["cmake", "--preset", "release"], ["cmake", "--build", "--preset"],
+            ["cmake", "--install", str(self.folder / "tree/build/release")], ["rodwake", "run", str(self.folder / "tree/scenes/quickstart.toml")]])
+        self.assertIn(f'export PATH="{prefix}/bin:$PATH"', done.stdout)
+        done, _ = self.quickstart(path=prefix / "bin")
+        self.assertNotIn("export PATH", done.stdout)
+
+    def test_a_prefix(self):
+        done, steps = self.quickstart("--prefix", "here")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(steps[2].endswith(f"--prefix {self.folder / 'here'}"))
+        self.assertTrue((self.folder / "here/bin/rodwake").is_file())
+
+    def test_root_gets_it_for_all(self):
+        self.write("bin/cmake", '#!/bin/sh\necho "cmake $*" >> "$RECORD"\ncase $1 in --install) exit 7 ;; esac\n')
+        done, steps = self.quickstart(user=0)
+        self.assertEqual((done.returncode, steps[-1].split()[-1]), (7, "/usr/local"))  # an error ends it: nothing is run
+
+    def test_packages_only(self):
+        self.assertEqual(self.quickstart("--deps-only")[1], [])
+
+    def test_usage(self):
+        for options in (["--prefix"], ["--prefix", ""], ["--nonsense"], ["--deps-only", "x"]):
+            done, steps = self.quickstart(*options)
+            self.assertEqual((done.returncode, steps), (2, []), options)
+            self.assertIn("usage: tools/quickstart", done.stderr)
+
+    def test_the_container_repeats_it(self):
+        text = (SOURCE / "Containerfile").read_text()
+        self.assertIn("RUN /opt/rodwake/tools/quickstart --deps-only\nRUN /opt/rodwake/tools/quickstart\n", text)
+        self.assertIn("FROM debian:12\n", text)
+
+
+if __name__ == "__main__":
+    rodwake.main()

@@ -1,0 +1,90 @@
+"""Scans: the same bytes whoever evaluates the points."""
+
+import unittest
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import rodwake
+from program import SCENES, new_folder, run_scene
+
+AXES = {"coupling.kappa": np.geomspace(0.1, 10, 5), "rods.1.position.0": np.linspace(-6, 6, 7)}
+
+
+class ScanTest(unittest.TestCase):
+    def setUp(self):
+        self.pair = rodwake.Scene.load(SCENES / "pair.toml")
+
+    def csv_of(self, executor=None, scene=None, axes=AXES, **options):
+        folder = new_folder(self) / "scan"
+        rodwake.scan(scene or self.pair, axes, executor=executor, folder=folder, **options)
+        return (folder / "scan.csv").read_bytes()
+
+    def test_a_table_with_units(self):
+        table = rodwake.scan(self.pair, AXES, threads=2)
+        self.assertEqual(len(table), 35)
+        np.testing.assert_array_equal(np.unique(table["coupling.kappa"]), AXES["coupling.kappa"])
+        self.assertEqual(set(table["status"]), {"ok"})
+        self.assertEqual(table.attrs["units"]["time"], "f/(mu v0)")
+        row = table.iloc[17]
+        poses = [[0, 2.5, 0], [row["rods.1.position.0"], -2.5, 0]]
+        alone = rodwake.simulate(poses, rodwake.Medium(), kappa=row["coupling.kappa"], t_end=60.0, contact_distance=0.1)
+        self.assertEqual(row["outcome"], alone.outcome)
+        self.assertAlmostEqual(row["time"], alone.time, delta=83e-8 * alone.time)  # 83 rtol (integrate/ode.hpp)
+
+    def test_executors_of_the_standard_library(self):
+        ours = self.csv_of(threads=1)
+        self.assertEqual(ours, self.csv_of(threads=2))
+        for pool in (ThreadPoolExecutor, ProcessPoolExecutor):
+            with pool(2) as executor:
+                self.assertEqual(ours, self.csv_of(executor), pool)
+                self.assertEqual(ours, self.csv_of(executor, chunk=3), pool)
+
+    def test_dask(self):
+        try:
+            from distributed import Client, LocalCluster
+        except ImportError as error:
+            self.skipTest(f"Dask is not installed (python3-distributed): {error}")
+        with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=str(new_folder(self))) as cluster:
+            with Client(cluster) as client:
+                self.assertEqual(self.csv_of(threads=2), self.csv_of(client))
+
+    def test_the_scan_of_a_scene_refines_alike(self):
+        scene = rodwake.Scene.load(SCENES / "phase_parallel.toml")
+        scene.set({"scan.resolution": 16, "scan.audit": 20, "scan.axes.0.count": 4, "scan.axes.1.count": 4})
+        with ThreadPoolExecutor(2) as executor:
+            self.assertEqual(self.csv_of(scene=scene, axes=None, threads=1), self.csv_of(executor, scene=scene, axes=None))
+        program = run_scene(self, SCENES / "phase_parallel.toml", "scan.resolution=16", "scan.audit=20", "scan.axes.0.count=4", "scan.axes.1.count=4",
+                            verb="scan")
+        self.assertEqual((program.folder / "scan.csv").read_bytes(), self.csv_of(scene=scene, axes=None))
+
+    def test_a_scan_goes_on(self):
+        folder, told = new_folder(self) / "scan", []
+
+        class Failing(ThreadPoolExecutor):
+            def submit(self, *call):
+                told.append(call)
+                if len(told) == 4:
+                    raise OSError("the cluster is gone")
+                return super().submit(*call)
+
+        with Failing(1) as executor, self.assertRaisesRegex(OSError, "the cluster is gone"):
+            rodwake.scan(self.pair, AXES, executor=executor, folder=folder, chunk=5)
+        table = rodwake.scan(self.pair, AXES, folder=folder)
+        self.assertEqual(len(table), 35)
+        self.assertEqual((folder / "scan.csv").read_bytes(), self.csv_of())
+
+    def test_scans_of_beds(self):
+        text = ('schema = 1\n[granular]\nbeads = 40\nbox = "16 a"\nequilibrate = "0.002 s"\nduration = "0.004 s"\n[scan]\ndesign = "grid"\n'
+                '[[scan.axes]]\nkey = "granular.beads"\nvalues = [30, 40]\n')
+        scene = rodwake.Scene.parse(text)
+        with ProcessPoolExecutor(2) as executor:
+            self.assertEqual(self.csv_of(scene=scene, axes=None, threads=1), self.csv_of(executor, scene=scene, axes=None))
+
+    def test_wrong_axes_are_refused(self):
+        for axes, word in (({"coupling.kapa": [1, 2]}, "kappa"), ({"coupling.kappa": []}, "values"), ({"medium.eta": [-2.0]}, "eta|-1")):
+            with self.assertRaisesRegex(rodwake.InputError, word):
+                rodwake.scan(self.pair, axes)
+
+
+if __name__ == "__main__":
+    unittest.main()
