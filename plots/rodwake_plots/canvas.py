@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import string
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -16,6 +17,19 @@ def figure(width, height):
 def heading(axes, text):
     if text:
         axes.set_title(text, pad=6)
+
+
+def letter(axes, index):
+    """`(a)` over the left end of a panel."""
+    axes.set_title(f"({string.ascii_lowercase[index % 26]})", loc="left", pad=6)
+
+
+def align_headings(rows):
+    """Headings of the panels of a row start on one line, whatever number of lines each has."""
+    for row in rows:
+        most = max(axes.get_title().count("\n") for axes in row)
+        for axes in row:
+            axes.set_title(axes.get_title() + "\n " * (most - axes.get_title().count("\n")), pad=6)
 
 
 def window(axes, x, y):

@@ -19,6 +19,7 @@ def draw(run, spec):
         title(axes, run.fit.unit, view, spec.title, index if len(views) > 1 else None)
         if strip:
             fit_panel.residuals(strip, run.fit, view)
+    canvas.align_headings([[axes for axes, _ in panels[row:row + 2]] for row in range(0, len(panels), 2)])
     key(figure, run.fit, views)
     if spec.title and len(views) > 1:
         figure.suptitle(style.safe(spec.title), fontsize=11)

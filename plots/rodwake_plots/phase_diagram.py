@@ -26,6 +26,8 @@ def draw(run, spec):
     for index, (axes, part) in enumerate(zip(panels, parts)):
         phase_panel.draw(axes, drawing, part)
         canvas.heading(axes, part.title)
+        if len(parts) > 1:
+            canvas.letter(axes, index)
         label(axes, index, len(parts))
     columns = across(len(parts))
     last = panels[columns - 1]

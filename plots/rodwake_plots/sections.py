@@ -68,7 +68,7 @@ def runs(run):
     found = run.result.runs() if run.has_result else []
     if len(found) < 2:
         return ""
-    rows = [(words.label_html(one.label), outcome_words(run.result.units, one), run_parameters(one).rstrip(".")) for one in found]
+    rows = [(words.label_html(one.label), outcome_words(run.result.units, one), run_parameters(run.result.units, one).rstrip(".")) for one in found]
     return table(("Run", "Outcome", "Parameters"), rows)
 
 

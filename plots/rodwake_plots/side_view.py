@@ -147,7 +147,7 @@ def colour_bar(figure, panels, norm):
 
 def title(run, spec, frames):
     """With the time at the period's start: a period is too short for the clock of the other figures."""
-    return style.safe(spec.title) or rf"$\phi_b = {run.granular.phi_b:.3f}$,  from $t = {frames[0].time:.4f}$ s on"
+    return style.safe(spec.title) or rf"{bed.density(run.granular)},  from $t = {frames[0].time:.4f}$ s on"
 
 
 def caption(run, spec):

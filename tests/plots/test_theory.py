@@ -81,8 +81,12 @@ class PlotsTest(PlotCase):
             specs = [spec for spec in draw.figures_of(run) if spec.kind == "cut"]
             self.assertEqual([spec.sqrt_scaled for spec in specs], [False, True])
             for spec in specs:
-                lines = cut.draw(run, spec).axes[0].lines
-                self.assertEqual([len(line.get_xdata()) > 2 for line in lines], [False, True, False], spec.name)  # axes: zero
+                zero, curve, *tail, rod = cut.draw(run, spec).axes[0].lines
+                self.assertEqual([len(line.get_xdata()) > 2 for line in (zero, curve, rod)], [False, True, False], spec.name)
+                self.assertEqual(len(tail), spec.sqrt_scaled)
+                for line in tail:  # of Eq. 16 with xi = 1, not of the data, which are level at 1
+                    np.testing.assert_allclose(line.get_ydata(), 0.5 / np.sqrt(np.pi), rtol=1e-12)
+                    self.assertLess(line.get_xdata().max(), 0)
 
     def test_samples_of_a_measured_field_are_thin_lines(self):
         def thin(run):
