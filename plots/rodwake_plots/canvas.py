@@ -51,6 +51,9 @@ def replacing(path):
         temporary.unlink(missing_ok=True)
 
 
-def save(made, path):
+PAD = 0.04  # inches around what is drawn
+
+
+def save(made, path, metadata=None):
     with replacing(path) as temporary:
-        made.savefig(temporary, format=path.suffix[1:], bbox_inches="tight", pad_inches=0.04)
+        made.savefig(temporary, format=path.suffix[1:], bbox_inches="tight", pad_inches=PAD, metadata=metadata)

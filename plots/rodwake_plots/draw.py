@@ -1,7 +1,7 @@
 """Which module draws which kind, one of its name for each kind of schema.json; drawing all figures of a run.
 
 A module has draw(run, spec) -> figure, or write(run, spec) -> paths, caption(run, spec) -> HTML, and defaults(run): what is drawn of
-a run whose scene asks for nothing.
+a run whose scene asks for nothing. It may have hover_marks(run, spec, figure) -> [(axes, x, y, text)]: values that the report shows at a place.
 """
 
 import importlib
@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import matplotlib
 
-from . import schema, spec
-from .canvas import save
+from . import hover, schema, spec
+from .canvas import PAD, save
 from .errors import PlotError
 from .style import SETTINGS
 
@@ -62,9 +62,10 @@ def write_one(run, figure, endings):
             print(*kind.write(run, figure), sep="\n")
             return
         made = kind.draw(run, figure)
+        metadata = hover.metadata(hover.places(made, list(kind.hover_marks(run, figure, made)), PAD)) if hasattr(kind, "hover_marks") else None
         for ending in endings:
             path = run.figures_dir / (figure.name + ending)
-            save(made, path)
+            save(made, path, metadata if ending == ".png" else None)
             print(path)
 
 

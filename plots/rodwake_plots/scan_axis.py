@@ -79,6 +79,11 @@ class Axis:
         prefix = {r"\mu ": "µ"}.get(self.prefix, self.prefix)
         return prefix + fit_words.unit_html(self.unit)
 
+    def equals_text(self, value):
+        """`κ = 3` as plain text; the axis has the unit."""
+        name = re.sub("<[^>]*>", "", self.name_html)
+        return f"{name}: {self.values[int(value)]}" if self.is_choice else f"{name} = {value * self.factor:.4g}"
+
     def equals_html(self, value):
         if self.is_choice:
             return f"{self.name_html}: {words.escape(self.values[int(value)])}"

@@ -71,8 +71,10 @@ class PlotsTest(PlotCase):
         page = (self.folder / "report.html").read_text()
         self.assertNotIn("http", page)
         self.assertNotIn("<script", page)
-        sources = re.findall(r'(?:src|href)="([^"]{0,22})', page)
-        self.assertEqual(sources, ["data:image/png;base64,"] * 2)
+        self.assertEqual(re.findall(r'src="([^"]{0,22})', page), ["data:image/png;base64,"] * 2)
+        for link in re.findall(r'href="([^"]*)"', page):  # into the page, or to a file beside it
+            there = f'id="{link[1:]}"' in page if link.startswith("#") else (self.folder / link).is_file()
+            self.assertTrue(there, link)
         for part in ("Rods &amp; &lt;wakes&gt;", "40.5953", "rods 0 and 1", "321", "HDF5", "[[figures]]"):
             self.assertIn(part, page)
 
