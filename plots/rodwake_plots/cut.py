@@ -12,13 +12,17 @@ CORE = 0.012  # of the window: the limits ignore what is nearer to the singular 
 
 
 def draw(run, spec):
+    figure = canvas.figure(style.SINGLE, 2.9)
+    paint(figure.subplots(), run, spec)
+    return figure
+
+
+def paint(axes, run, spec):
     cut = run.result.cut(spec.cut)
     kept = inside(cut, spec)
     s, values = cut.s[kept], scaled(cut, spec)[kept]
     axis, value_axis = axes_of(run.result.units, cut, spec, s, values)
     s, values = s * axis.factor, values * value_axis.factor
-    figure = canvas.figure(style.SINGLE, 2.9)
-    axes = figure.subplots()
     axes.axhline(0, color=style.GREY, linewidth=0.6)
     axes.plot(*broken_at_rod(cut, s, values), color=style.LINE)
     axes.set(xlim=(s.min(), s.max()), ylim=limits(cut, spec, s, values), xlabel=axis.label, ylabel=value_axis.label)
@@ -27,7 +31,6 @@ def draw(run, spec):
     mark_rod(axes, cut, s)
     canvas.heading(axes, style.safe(spec.title))
     note_line(run.result.units, axes, cut, medium_lines(run))
-    return figure
 
 
 def inside(cut, spec):
@@ -66,9 +69,9 @@ def asymptote(run, cut, spec):
 
 def draw_tail(axes, far, values):
     axes.plot(far, values, **ASYMPTOTE)
-    axes.annotate(r"$\frac{1}{2}\,(\xi/\pi)^{1/2}$", (far[0], values[0]), (4, 3), textcoords="offset points", va="bottom", fontsize=9,
+    axes.annotate(r"$\frac{1}{2}\,(\xi/\pi)^{1/2}$", (far[0], values[0]), (4, -3), textcoords="offset points", va="top", fontsize=9,
                   color=ASYMPTOTE["color"])
-    axes.set_ylim(top=max(axes.get_ylim()[1], 1.14 * values.max()))
+    axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * values.max()))
 
 
 def through_rod(cut):

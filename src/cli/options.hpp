@@ -39,6 +39,9 @@ struct Options {
     std::string tradeoff_of;          ///< tradeoff --of; empty: what the scene names first
     double limit = 60.0;              ///< tradeoff --limit, s
     bool pdf = false;                 ///< plot --pdf
+    std::string figure_width;         ///< plot --width; empty: each its own
+    std::string figure_style;         ///< plot --style; empty: paper
+    bool film = false;                ///< plot --film
     bool scene_reference = false;     ///< info --scene-reference
     bool schema = false;              ///< info --schema
 };

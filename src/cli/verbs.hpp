@@ -4,6 +4,8 @@
 #include "options.hpp"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace rodwake::cli {
 
@@ -18,6 +20,7 @@ int verb_info(const Options& options);
 
 /// Figures and report.html by the plotting program. Throws RunError if it cannot be run or fails; a stop
 /// signal ends it early, and it returns.
-void make_figures(const std::filesystem::path& run_directory, bool pdf, bool quiet);
+void make_figures(const std::filesystem::path& run_directory, bool pdf, bool quiet,
+                  const std::vector<std::string>& looks = {});
 
 } // namespace rodwake::cli
