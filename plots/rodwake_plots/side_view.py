@@ -31,7 +31,8 @@ def draw(run, spec):
     panels[-1].tick_params(labelbottom=True)
     panels[-1].set_xlabel(r"$x/a$")
     panels[len(panels) // 2].set_ylabel(r"$z/a$")
-    colour_bar(figure, panels, norm)
+    if len(frames[0].beads):
+        colour_bar(figure, panels, norm)
     figure.suptitle(title(run, spec, frames), fontsize=10.5)
     return figure
 

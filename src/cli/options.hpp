@@ -39,11 +39,12 @@ struct Options {
     std::string tradeoff_of;          ///< tradeoff --of; empty: what the scene names first
     double limit = 60.0;              ///< tradeoff --limit, s
     bool pdf = false;                 ///< plot --pdf
-    std::string figure_width;         ///< plot --width; empty: each its own
-    std::string figure_style;         ///< plot --style; empty: paper
-    bool film = false;                ///< plot --film
     bool scene_reference = false;     ///< info --scene-reference
     bool schema = false;              ///< info --schema
+    // look of the figures, as the plotting program takes it
+    std::string figure_width; ///< plot --width; empty: each its own
+    std::string figure_style; ///< plot --style; empty: paper
+    bool film = false;        ///< plot --film
 };
 
 /// Result of parsing: either options to act on, or an exit code (help, version, usage error; the text is
