@@ -30,7 +30,7 @@ def paint(axes, run, spec):
         draw_tail(axes, s[s < 0], tail(s[s < 0] / axis.factor) * value_axis.factor)
     mark_rod(axes, cut, s)
     canvas.heading(axes, style.safe(spec.title))
-    note_line(run.result.units, axes, cut, medium_lines(run))
+    note_line(run.result.units, axes, cut, free_corner(s, values), medium_lines(run))
 
 
 def inside(cut, spec):
@@ -69,9 +69,9 @@ def asymptote(run, cut, spec):
 
 def draw_tail(axes, far, values):
     axes.plot(far, values, **ASYMPTOTE)
-    axes.annotate(r"$\frac{1}{2}\,(\xi/\pi)^{1/2}$", (far[0], values[0]), (4, -3), textcoords="offset points", va="top", fontsize=9,
+    axes.annotate(r"$\frac{1}{2}\,(\xi/\pi)^{1/2}$", (far[0], values[0]), (4, 3), textcoords="offset points", va="bottom", fontsize=9,
                   color=ASYMPTOTE["color"])
-    axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * values.max()))
+    axes.set_ylim(top=max(axes.get_ylim()[1], 1.2 * values.max()))
 
 
 def through_rod(cut):
@@ -104,12 +104,19 @@ def mark_rod(axes, cut, s):
     axes.annotate("ahead", (0, 0.03), (6, 0), ha="left", **look)
 
 
-def note_line(units, axes, cut, more=()):
-    """The fixed coordinate, wherever the curve leaves room: a legend without a handle finds the place."""
+def free_corner(s, values):
+    """The upper one of the side on which the curve is lower, its middle third apart, where the rod is."""
+    third = np.ptp(s) / 3
+    left, right = (np.nanmax(values[side], initial=-np.inf) for side in (s < s.min() + third, s > s.max() - third))
+    return "upper left" if left < right else "upper right"
+
+
+def note_line(units, axes, cut, corner, more=()):
+    """The fixed coordinate and the medium: a legend without a handle."""
     other = "y" if cut.along == "x" else "x"
     axis = units.length(other, abs(cut.at))
     text = units.equals(axis, other, cut.at)
-    note = axes.legend([Line2D([], [], linewidth=0)], ["\n".join([text, *more])], loc="best", frameon=False, handlelength=0, handletextpad=0)
+    note = axes.legend([Line2D([], [], linewidth=0)], ["\n".join([text, *more])], loc=corner, frameon=False, handlelength=0, handletextpad=0)
     note.get_texts()[0].set_linespacing(1.4)
 
 

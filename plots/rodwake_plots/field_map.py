@@ -57,7 +57,7 @@ def draw_rod(axes, grid):
 def heading_of(run, title):
     """The title asked for, else the medium's numbers."""
     medium = run.result.attributes("/medium")
-    return style.safe(title) or ",  ".join(f"${run.result.units.parameter(key, medium[key])}$" for key in ("eta", "alpha") if key in medium)
+    return style.safe(title) or ",  ".join(f"${run.result.units.parameter(key, medium[key], 3)}$" for key in ("eta", "alpha") if key in medium)
 
 
 def medium_note(run):

@@ -89,7 +89,7 @@ def title(axes, units, run, spec, index):
 def shared(units, runs):
     """Medium and couplings that all runs have, for the head of the figure; couplings that are zero go without saying."""
     told = [key for key in PARAMETERS if key in runs[0].attrs and len({one.attrs.get(key) for one in runs}) == 1]
-    return ",  ".join(f"${units.parameter(key, runs[0].attrs[key])}$" for key in told if runs[0].attrs[key] or key in ("eta", "alpha"))
+    return ",  ".join(f"${units.parameter(key, runs[0].attrs[key], 3)}$" for key in told if runs[0].attrs[key] or key in ("eta", "alpha"))
 
 
 def outcome_line(units, run):

@@ -58,12 +58,12 @@ class Units:
             return rf"${symbol} = 0$"
         return rf"${symbol} = {number}$ " + axis.label.split("$ ", 1)[1].strip("()")
 
-    def parameter(self, name, value):
+    def parameter(self, name, value, digits=4):
         """`kappa f/(mu v0) = 0.5`, or in SI with its unit behind, as mathtext without dollars."""
         symbol, unit = schema.SYMBOLS[name], schema.KEYS[TABLES[name], name].get("unit", {}).get("si" if self.si else "reduced", "")
         if not self.si:
-            return rf"{symbol}{REDUCED.get(unit, '')} = {words.math_number(value)}"
-        return rf"{symbol} = {words.math_number(value)}" + (rf"\ \mathrm{{{unit.replace('1/s', 's^{-1}')}}}" if unit else "")
+            return rf"{symbol}{REDUCED.get(unit, '')} = {words.math_number(value, digits)}"
+        return rf"{symbol} = {words.math_number(value, digits)}" + (rf"\ \mathrm{{{unit.replace('1/s', 's^{-1}')}}}" if unit else "")
 
     def gradient_unit(self):
         """Unit of gamma times a second derivative of u, gamma in v0."""

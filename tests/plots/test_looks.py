@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import plot_case  # noqa: F401, first: puts the plots on the path
-from rodwake_plots import bed, canvas, fit_panel, paths, path_panel, rod_tracks, words
+from rodwake_plots import bed, canvas, cut, fit_panel, paths, path_panel, rod_tracks, words
 from rodwake_plots.result import Run, told_apart
 from rodwake_plots.units import Units
 
@@ -82,6 +82,13 @@ class LabelsTest(unittest.TestCase):
         tracks = [SimpleNamespace(theta=np.array([[0.1], [0.1 + turn]])) for turn in (1e-16, 1e-15)]
         self.assertTrue(rod_tracks.is_straight(tracks))
         self.assertFalse(rod_tracks.is_straight([*tracks, SimpleNamespace(theta=np.array([[0.0], [1e-3]]))]))
+
+
+class CutTest(unittest.TestCase):
+    def test_words_stand_where_the_curve_is_low(self):
+        s = np.linspace(-10, 10, 201)
+        for values, corner in ((s, "upper left"), (-s, "upper right"), (np.where(abs(s) < 2, 99.0, -s), "upper right")):
+            self.assertEqual(cut.free_corner(s, values), corner)
 
 
 class ResidualsTest(unittest.TestCase):
