@@ -1,13 +1,18 @@
 """Tests of what the command line asks of all figures: width, style, film: /usr/bin/python3 tests/plots/test_command.py"""
 
 import contextlib
-from unittest import main, mock
+import tomllib
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from unittest import TestCase, main, mock
 
 from PIL import Image
 
 from made_up_result import LINE, PATHS
 from test_theory import PlotsTest as Theory
-from plot_case import PlotCase
+from plot_case import PROGRAM, PlotCase
 from rodwake_plots import style
 from rodwake_plots.errors import PlotError
 
@@ -64,6 +69,28 @@ class CommandTest(PlotCase):
         self.assertIn("neither frames of beads", done.stderr)
 
     edit = Theory.edit
+
+
+class DocsImagesTest(TestCase):
+    """tools/docs_images knows every picture of the docs, and the figure that its scene names."""
+
+    def test_every_picture(self):
+        root = PROGRAM.parents[1]
+        loader = SourceFileLoader("docs_images", str(root / "tools/docs_images"))
+        tool = module_from_spec(spec_from_loader("docs_images", loader))
+        with mock.patch("sys.dont_write_bytecode", True):
+            loader.exec_module(tool)
+        self.assertLessEqual(set(tool.PICTURES), {path.stem for path in (root / "docs/images").glob("*.png")})
+        for name, one in tool.PICTURES.items():
+            scene = tomllib.loads((root / one.scene).read_text())
+            if one.verb == "run":
+                self.assertIn(one.figure, [figure["name"] for figure in scene["figures"]], name)
+        with TemporaryDirectory() as folder:
+            picture = Path(folder) / "wide.png"
+            Image.new("RGB", (2200, 1000), "red").save(picture)
+            with contextlib.redirect_stdout(None):
+                tool.store(picture, picture)
+            self.assertEqual(Image.open(picture).size, (1100, 500))
 
 
 del Theory  # its tests run in their own file
