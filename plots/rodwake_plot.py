@@ -1,4 +1,4 @@
-"""Draw the figures of a run directory and write its report: rodwake_plot.py RUN_DIR [--pdf] [--quiet] [--report-only]."""
+"""Draw the figures of a run directory and write its report: rodwake_plot.py RUN_DIR [--pdf] [--width 86mm] [--style slides] [--film]."""
 
 import argparse
 import contextlib
@@ -14,6 +14,9 @@ def arguments(argv):
     parser = argparse.ArgumentParser(prog="rodwake_plot.py", description="Figures and report of a finished run.")
     parser.add_argument("run_dir", help="directory that holds result.h5 and scene.toml")
     parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too")
+    parser.add_argument("--width", default="", metavar="W", help="width of figures: column, page, or a length such as 86mm; figures of several panels take two columns")
+    parser.add_argument("--style", default="", metavar="S", help="paper (the default), slides, or a matplotlib style file")
+    parser.add_argument("--film", action="store_true", help="film of the beads, or of the rods, too")
     parser.add_argument("--quiet", action="store_true", help="do not list the files written")
     parser.add_argument("--report-only", action="store_true", help="keep the figures, write report.html again")
     return parser.parse_args(argv)
@@ -41,9 +44,10 @@ def plot(options):
     # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     warnings.simplefilter("ignore")
-    from rodwake_plots import draw, report, scan_page, tradeoff, ways
+    from rodwake_plots import draw, report, scan_page, style, tradeoff, ways
     from rodwake_plots.run_dir import RunDir
 
+    look = style.look(options.width, options.style)
     if ways.is_there(options.run_dir):
         print(*draw.in_style(ways.write, options.run_dir), sep="\n")
         return
@@ -53,9 +57,9 @@ def plot(options):
             print(*draw.in_style(tradeoff.write, run), sep="\n")
         if run.holds_tradeoff_alone:
             return
-        figures = draw.figures_of(run)
+        figures = draw.figures_of(run, film=options.film)
         if not options.report_only:
-            draw.write_all(run, figures, pdf=options.pdf)
+            draw.write_all(run, figures, pdf=options.pdf, look=look)
         report.write(run, figures)
         if run.has_scan:
             scan_page.write(run)

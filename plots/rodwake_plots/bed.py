@@ -79,6 +79,11 @@ def window_of(run, spec):
                  for asked, side in zip((spec.x, spec.y), granular.box))
 
 
+def density(granular):
+    """Area fraction for the head of a figure; a rod alone is between plates, not in a bed."""
+    return rf"$\phi_b = {granular.phi_b:.3f}$" if granular.need("beads") else "no beads"
+
+
 def clock(t, last):
     """A time with as many digits as the run's length deserves."""
     return f"{t:.{max(0, 2 - math.floor(math.log10(last)))}f}" if 0 < last < 1 else f"{t:.2f}"
@@ -87,4 +92,4 @@ def clock(t, last):
 def heading_text(run, spec, time, last):
     if spec.title:
         return style.safe(spec.title)
-    return rf"$\phi_b = {run.granular.phi_b:.3f}$,  $t = {clock(time, last)}$ s"
+    return rf"{density(run.granular)},  $t = {clock(time, last)}$ s"

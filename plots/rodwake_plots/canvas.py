@@ -2,7 +2,10 @@
 
 import contextlib
 import os
+import string
 
+import matplotlib
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -16,6 +19,19 @@ def figure(width, height):
 def heading(axes, text):
     if text:
         axes.set_title(text, pad=6)
+
+
+def letter(axes, index):
+    """`(a)` over the left end of a panel."""
+    axes.set_title(f"({string.ascii_lowercase[index % 26]})", loc="left", pad=6)
+
+
+def align_headings(rows):
+    """Headings of the panels of a row start on one line, whatever number of lines each has."""
+    for row in rows:
+        most = max(axes.get_title().count("\n") for axes in row)
+        for axes in row:
+            axes.set_title(axes.get_title() + "\n " * (most - axes.get_title().count("\n")), pad=6)
 
 
 def window(axes, x, y):
@@ -37,6 +53,31 @@ def replacing(path):
         temporary.unlink(missing_ok=True)
 
 
-def save(made, path):
+PAD = 0.04  # inches around what is drawn
+TRIES = 12  # text does not shrink with its figure: the width is approached
+WIDEST = 1.6  # a figure that is by nature this much wider than a column goes over two
+GUTTER = 6 / 25.4  # inches between columns
+
+
+def fit_width(made, column):
+    """Scales the figure until it is saved as wide as a column, or as two, legends beside its panels included."""
+    inches = column if made.get_figwidth() < WIDEST * column else 2 * column + GUTTER
+    made.set_dpi(matplotlib.rcParams["savefig.dpi"])  # text is as wide as the pixels let it be
+    aspect, renderer = made.get_figheight() / made.get_figwidth(), FigureCanvasAgg(made).get_renderer()
+    found = []  # (width of the figure, width as saved): the secant's
+    width = made.get_figwidth()
+    for _ in range(TRIES):
+        made.set_size_inches(width, aspect * width)
+        made.draw_without_rendering()
+        found.append((width, made.get_tightbbox(renderer).width + 2 * PAD))
+        if abs(found[-1][1] - inches) < 0.002 * inches:
+            break
+        (w0, s0), (w1, s1) = found[-2] if len(found) > 1 else (0.0, 0.0), found[-1]
+        step = (inches - s1) * (w1 - w0) / (s1 - s0) if s1 != s0 else 0.1 * w1
+        width = w1 + max(-0.5 * w1, min(step, w1))
+    made.set_layout_engine("none")  # it would move things again
+
+
+def save(made, path, metadata=None):
     with replacing(path) as temporary:
-        made.savefig(temporary, format=path.suffix[1:], bbox_inches="tight", pad_inches=0.04)
+        made.savefig(temporary, format=path.suffix[1:], bbox_inches="tight", pad_inches=PAD, metadata=metadata)

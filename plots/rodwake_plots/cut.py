@@ -7,24 +7,30 @@ from . import canvas, field_map, ranges, style, words
 from .errors import PlotError
 from .spec import Spec
 
+ASYMPTOTE = dict(color="#d55e00", linewidth=1.0, linestyle=(0, (5, 3)))
 CORE = 0.012  # of the window: the limits ignore what is nearer to the singular point
 
 
 def draw(run, spec):
+    figure = canvas.figure(style.SINGLE, 2.9)
+    paint(figure.subplots(), run, spec)
+    return figure
+
+
+def paint(axes, run, spec):
     cut = run.result.cut(spec.cut)
     kept = inside(cut, spec)
     s, values = cut.s[kept], scaled(cut, spec)[kept]
     axis, value_axis = axes_of(run.result.units, cut, spec, s, values)
     s, values = s * axis.factor, values * value_axis.factor
-    figure = canvas.figure(style.SINGLE, 2.9)
-    axes = figure.subplots()
     axes.axhline(0, color=style.GREY, linewidth=0.6)
     axes.plot(*broken_at_rod(cut, s, values), color=style.LINE)
     axes.set(xlim=(s.min(), s.max()), ylim=limits(cut, spec, s, values), xlabel=axis.label, ylabel=value_axis.label)
+    if tail := asymptote(run, cut, spec):
+        draw_tail(axes, s[s < 0], tail(s[s < 0] / axis.factor) * value_axis.factor)
     mark_rod(axes, cut, s)
     canvas.heading(axes, style.safe(spec.title))
-    note_line(run.result.units, axes, cut)
-    return figure
+    note_line(run.result.units, axes, cut, free_corner(s, values), medium_lines(run))
 
 
 def inside(cut, spec):
@@ -51,6 +57,21 @@ def axes_of(units, cut, spec, s, values):
     if spec.sqrt_scaled:
         return axis, units.root_length(rf"|{cut.along}|^{{1/2}}\,{symbol}", extent, size)
     return axis, units.length(symbol, size)
+
+
+def asymptote(run, cut, spec):
+    """What |x|^(1/2) U_x tends to far behind the rod, a function of x < 0: (xi/pi)^(1/2)/2 exp(-y^2/4 xi |x|) (docs/physics.md, Eq. 16)."""
+    xi = run.result.attributes("/medium").get("xi")
+    if not (spec.sqrt_scaled and spec.component == "Ux" and cut.along == "x" and cut.s.min() < 0 and xi):
+        return None
+    return lambda x: 0.5 * np.sqrt(xi / np.pi) * np.exp(-cut.at ** 2 / (4 * xi * np.abs(x)))
+
+
+def draw_tail(axes, far, values):
+    axes.plot(far, values, **ASYMPTOTE)
+    axes.annotate(r"$\frac{1}{2}\,(\xi/\pi)^{1/2}$", (far[0], values[0]), (4, 3), textcoords="offset points", va="bottom", fontsize=9,
+                  color=ASYMPTOTE["color"])
+    axes.set_ylim(top=max(axes.get_ylim()[1], 1.2 * values.max()))
 
 
 def through_rod(cut):
@@ -83,12 +104,24 @@ def mark_rod(axes, cut, s):
     axes.annotate("ahead", (0, 0.03), (6, 0), ha="left", **look)
 
 
-def note_line(units, axes, cut):
-    """The fixed coordinate, wherever the curve leaves room: a legend without a handle finds the place."""
+def free_corner(s, values):
+    """The upper one of the side on which the curve is lower, its middle third apart, where the rod is."""
+    third = np.ptp(s) / 3
+    left, right = (np.nanmax(values[side], initial=-np.inf) for side in (s < s.min() + third, s > s.max() - third))
+    return "upper left" if left < right else "upper right"
+
+
+def note_line(units, axes, cut, corner, more=()):
+    """The fixed coordinate and the medium: a legend without a handle."""
     other = "y" if cut.along == "x" else "x"
     axis = units.length(other, abs(cut.at))
     text = units.equals(axis, other, cut.at)
-    axes.legend([Line2D([], [], linewidth=0)], [text], loc="best", frameon=False, handlelength=0, handletextpad=0)
+    note = axes.legend([Line2D([], [], linewidth=0)], ["\n".join([text, *more])], loc=corner, frameon=False, handlelength=0, handletextpad=0)
+    note.get_texts()[0].set_linespacing(1.4)
+
+
+def medium_lines(run):
+    return list(filter(None, [field_map.heading_of(run, "")]))
 
 
 def caption(run, spec):
@@ -101,6 +134,8 @@ def caption(run, spec):
     if spec.sqrt_scaled:
         text = text.replace("Displacement ", f"|<i>{cut.along}</i>|<sup>1/2</sup>", 1)
         text += f"A level stretch is a fall-off as |<i>{cut.along}</i>|<sup>−1/2</sup>. "
+        if asymptote(run, cut, spec):
+            text += "Broken: the limit far behind the rod, ½ (<i>ξ</i>/π)<sup>1/2</sup>, whatever <i>η</i>. "
     elif through_rod(cut):
         text += "The point force at the origin is logarithmically singular; the range leaves it out. "
     return text + field_map.medium_note(run)

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.patches import Rectangle
 
-from . import canvas, measured, panels, profile, rod_outline, style
+from . import canvas, measured, panels, profile, ranges, rod_outline, style
 from .errors import PlotError
 from .measured import FIELDS
 from .spec import Spec
@@ -25,7 +25,8 @@ def draw(run, spec):
         blank(axes, window)
         image = axes.pcolormesh(x, y, colour_values(spec, U), norm=norm, cmap=colour_map(spec), shading="nearest", rasterized=True,
                                 zorder=1)
-        arrows(axes, x, y, U, longest, ARROWS[len(parts) > 1])
+        drawn = arrows(axes, x, y, U, longest, ARROWS[len(parts) > 1])
+        arrow_key(axes, drawn, longest)
         canvas.window(axes, *window)
         rod_outline.draw(axes, run)
         axes.tick_params(direction="out", top=False, right=False)
@@ -80,9 +81,17 @@ def arrows(axes, x, y, U, longest, across):
     spacing = abs(x[1] - x[0]) if len(x) > 1 else 1.0
     seen = np.isfinite(U)
     where = np.nonzero(seen)
-    axes.quiver(x[where[1]], y[where[0]], U[seen].real, U[seen].imag, pivot="middle", angles="xy", units="xy", scale_units="xy",
+    return axes.quiver(x[where[1]], y[where[0]], U[seen].real, U[seen].imag, pivot="middle", angles="xy", units="xy", scale_units="xy",
                 scale=1 / spacing, width=0.11 * spacing, headwidth=3.6, headlength=4, headaxislength=3.6, minlength=0.4, color="white",
                 edgecolor="black", linewidth=0.35, zorder=3)
+
+
+def arrow_key(axes, drawn, longest):
+    """How long an arrow is, over the right end of the panel."""
+    size = ranges.nice(longest, up=False)
+    axes.set_title(" ", loc="right", pad=6)  # keeps room: the layout does not see a key
+    axes.quiverkey(drawn, 0.99, 1.035, size / longest, rf"$|U| = {size:g}\,a$", labelpos="W", labelsep=0.05, coordinates="axes",
+                   fontproperties={"size": 9})
 
 
 def caption(run, spec):

@@ -1,7 +1,7 @@
 """Which module draws which kind, one of its name for each kind of schema.json; drawing all figures of a run.
 
 A module has draw(run, spec) -> figure, or write(run, spec) -> paths, caption(run, spec) -> HTML, and defaults(run): what is drawn of
-a run whose scene asks for nothing.
+a run whose scene asks for nothing. It may have hover_marks(run, spec, figure) -> [(axes, x, y, text)]: values that the report shows at a place.
 """
 
 import importlib
@@ -9,17 +9,33 @@ from dataclasses import replace
 
 import matplotlib
 
-from . import schema, spec
-from .canvas import save
+from . import canvas, hover, schema, spec
+from .canvas import PAD, save
 from .errors import PlotError
-from .style import SETTINGS
+from .granular_run import TRAJECTORY
+from .style import SETTINGS, Look
+
+FILM = "film"  # name of the figure that --film adds
 
 KINDS = {kind: importlib.import_module(f".{kind}", __package__) for kind in schema.FIGURES}
 
 
-def figures_of(run):
+def figures_of(run, film=False):
+    """As the scene asks, or all there is to draw; a film that was made on request stays in the report."""
     asked = spec.from_scene(run.scene)
-    return asked + besides(run, asked) if asked else defaults(run)
+    found = asked + besides(run, asked) if asked else defaults(run)
+    there = run.figures_dir / f"{FILM}.png"
+    return found + filmed(run, found) if film or there.is_file() else found
+
+
+def filmed(run, found):
+    """A film of the beads, of the rods where there are no frames of beads."""
+    if FILM in (one.name for one in found) or any(one.kind in ("movie", "rods_movie") for one in found):
+        return []
+    beads = run.has_granular and run.granular.has(TRAJECTORY)
+    if not beads and not (run.has_result and run.result.has("/rods")):
+        raise PlotError(f"{run.path}: holds neither frames of beads (granular.output.formats = [\"h5md\"]) nor paths of rods to film")
+    return [spec.Spec(FILM, "movie" if beads else "rods_movie")]
 
 
 def defaults(run):
@@ -46,25 +62,28 @@ def first(specs, kind):
     return specs[:1] if schema.subject(kind) == "scan" else specs
 
 
-def write_all(run, figures, pdf):
+def write_all(run, figures, pdf, look=Look(SETTINGS)):
     run.figures_dir.mkdir(exist_ok=True)
     for figure in figures:
         try:
-            write_one(run, figure, (".png", ".pdf") if pdf else (".png",))
+            write_one(run, figure, (".png", ".pdf") if pdf else (".png",), look)
         except PlotError as error:
             raise PlotError(f'figure "{figure.name}": {error}') from error
 
 
-def write_one(run, figure, endings):
-    with matplotlib.rc_context(SETTINGS):
+def write_one(run, figure, endings, look):
+    with matplotlib.rc_context(look.settings):
         kind = KINDS[figure.kind]
         if hasattr(kind, "write"):
             print(*kind.write(run, figure), sep="\n")
             return
         made = kind.draw(run, figure)
+        if look.width:
+            canvas.fit_width(made, look.width)
+        metadata = hover.metadata(hover.places(made, list(kind.hover_marks(run, figure, made)), PAD)) if hasattr(kind, "hover_marks") else None
         for ending in endings:
             path = run.figures_dir / (figure.name + ending)
-            save(made, path)
+            save(made, path, metadata if ending == ".png" else None)
             print(path)
 
 

@@ -22,7 +22,7 @@ def draw(run, spec):
     axes.add_collection(segments(grid, angle))
     draw_rod(axes, grid)
     axes.set_ylabel(grid.ylabel)
-    canvas.heading(axes, style.safe(spec.title))
+    canvas.heading(axes, field_map.heading_of(run, spec.title))
     ranges.log_bar(figure, image, axes, extend, r"extensional eigenvalue $\varepsilon_{+}$", pad=0.02, aspect=25)
     return figure
 

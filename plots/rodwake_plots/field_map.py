@@ -54,6 +54,12 @@ def draw_rod(axes, grid):
         glyphs.at_origin(axes)
 
 
+def heading_of(run, title):
+    """The title asked for, else the medium's numbers."""
+    medium = run.result.attributes("/medium")
+    return style.safe(title) or ",  ".join(f"${run.result.units.parameter(key, medium[key], 3)}$" for key in ("eta", "alpha") if key in medium)
+
+
 def medium_note(run):
     """The medium's numbers for a caption."""
     medium, units = run.result.attributes("/medium"), run.result.units

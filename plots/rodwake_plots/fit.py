@@ -19,6 +19,7 @@ def draw(run, spec):
         title(axes, run.fit.unit, view, spec.title, index if len(views) > 1 else None)
         if strip:
             fit_panel.residuals(strip, run.fit, view)
+    canvas.align_headings([[axes for axes, _ in panels[row:row + 2]] for row in range(0, len(panels), 2)])
     key(figure, run.fit, views)
     if spec.title and len(views) > 1:
         figure.suptitle(style.safe(spec.title), fontsize=11)
@@ -80,6 +81,17 @@ def key(figure, fit, views):
                               label=style.safe(str(one.get("name", index)))))
     columns = min(len(handles), 5 if len(views) > 1 else 3)
     figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, frameon=False, fontsize=9, handlelength=2.2)
+
+
+def hover_marks(run, spec, figure):
+    """Each point with its error and what the theory says there, in the panel of its profile."""
+    panels = [axes for axes in figure.axes if axes.get_title()]
+    for axes, view in zip(panels, chosen(run.fit, spec)):
+        component, along, _ = fit_words.line(view.profile)
+        for x, value, sigma, model, used in zip(*view.points):
+            error = f" ± {sigma:.2g}" if math.isfinite(sigma) else ""
+            yield (axes, x, value, f"{along} = {x:.4g}: U{component} = {value:.3g}{error}, theory {model:.3g} {run.fit.unit}"
+                   f"{'' if used else ' (left out)'}".replace("-", "−"))
 
 
 def caption(run, spec):

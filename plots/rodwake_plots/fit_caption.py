@@ -13,7 +13,7 @@ def of(fit, views, spec):
     if any(np.nanmax(view.curve.band, initial=0.0) > 0 for view in views):
         text += "Shaded: one standard error of the fitted curve. "
     if spec.residuals:
-        text += "Below each panel the residuals" + (" in standard errors. " if known else ". ")
+        text += "Below each panel the residuals" + (" in standard errors; triangles at the edge: beyond it. " if known else "; triangles at the edge: beyond it. ")
     core = fit.number(fit.told, "core", 0.0)
     text += f"Places within {words.equation('', core, fit_words.unit_html(fit.unit)).replace(' = ', '')} were left out. " if core > 0 else ""
     text += "".join(told(index, view, len(views), fit.unit) for index, view in enumerate(views))

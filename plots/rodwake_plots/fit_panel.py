@@ -99,6 +99,12 @@ def wider(low, high, compared):
     return max(found.min(), low - (REACH - 1) * size), min(found.max(), high + (REACH - 1) * size)
 
 
+def reach(values, used, least):
+    """Of the strip to both sides: all residuals, but those left out of the fit up to twice the others."""
+    fitted, every = (np.abs(one[np.isfinite(one)]).max(initial=least) for one in (values[used], values))
+    return min(every, 2 * fitted) or 1.0
+
+
 def residuals(axes, fit, view):
     """Data minus fit in standard errors; in the profiles' unit where the errors are not known."""
     points = view.points
@@ -108,9 +114,12 @@ def residuals(axes, fit, view):
     shade_core(axes, fit)
     if known:
         axes.axhspan(-1, 1, color=style.LINE, alpha=0.12, linewidth=0, zorder=0)
-    data(axes, points, values, np.full(values.size, np.nan))
-    seen = values[points.used & np.isfinite(values)]
-    size = np.abs(seen).max(initial=3.0 if known else 0.0) or 1.0
-    axes.set_ylim(-1.15 * size, 1.15 * size)
+    size = reach(values, points.used, 3.0 if known else 0.0)
+    beyond = np.abs(values) > size
+    data(axes, points, np.where(beyond, np.nan, values), np.full(values.size, np.nan))
+    for sign, mark in ((1, "^"), (-1, "v")):  # too far off for the strip: at its edge
+        far = beyond & (np.sign(values) == sign)
+        axes.plot(points.x[far], np.full(far.sum(), sign * 1.08 * size), mark, color=LEFT_OUT, markersize=3.4, zorder=3)
+    axes.set_ylim(-1.2 * size, 1.2 * size)
     axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     axes.set_ylabel(r"(data $-$ fit)/$\sigma$" if known else fit_words.axis(r"(\mathrm{data}-\mathrm{fit})", fit.unit), fontsize=8.5)

@@ -6,6 +6,7 @@ from . import words
 
 PAIRS = (("bead_bead", "bead with bead", "particle_particle"), ("bead_rod", "bead with rod", "particle_particle"),
          ("rod_rod", "rod with rod", "particle_particle"), ("bead_wall", "bead with plate", None), ("rod_wall", "rod with plate", None))
+ROUNDING = 1e-9  # degrees
 TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "rods", "beads", "phi_b", "bead_radius", "box", "runs"}
 
 
@@ -15,7 +16,9 @@ def headline(run):
     runs = f"{len(bed.members)} runs of " if not bed.single else ""
     time = bed.summary.get("simulated_time")
     lasting = f" over {words.number(time, 4)} s" if words.is_number(time) else ""
+    rods = f"{words.number(len(bed.rods))} rod{'s' if len(bed.rods) != 1 else ''} without beads{lasting}"
     text = f"{runs}{words.number(bed.need('beads'))} beads at {words.equation('<i>φ<sub>b</sub></i>', bed.phi_b, digits=3)}{lasting}"
+    text = text if bed.need("beads") else runs + rods
     speeds = [rod.get("mean_speed") for rod in bed.rods]
     if speeds and all(map(words.is_number, speeds)):
         told = ", ".join(words.number(speed * 1e3, 3) for speed in speeds)
@@ -27,13 +30,18 @@ def modelled(run):
     """Rows (what, value) of what was simulated, from the resolved scene and the summary."""
     bed, scene = run.granular, run.scene.get("granular", {})
     sides = " × ".join(words.number(float(side / bed.a), 4) for side in bed.box)
-    yield "Beads", (f"{words.number(bed.need('beads'))} spheres, {words.equation('<i>a</i>', bed.a * 1e3, 'mm')}"
-                    f"{of_density(scene.get('bead_density'))}")
-    yield "Area fraction of the beads", words.equation("<i>φ<sub>b</sub></i> = <i>Nπa</i>²/<i>L</i>²", bed.phi_b)
+    if bed.need("beads"):
+        yield from beads(bed, scene)
     yield "Box", f"{sides} <i>a</i>, periodic in <i>x</i> and <i>y</i>"
     if isinstance(scene.get("plates"), dict):
         yield "Plates", plates(scene["plates"], scene.get("gravity", 0.0))
     yield from ((f"Rod {number}", rod_told(rod)) for number, rod in enumerate(scene.get("rods", [])))
+
+
+def beads(bed, scene):
+    yield "Beads", (f"{words.number(bed.need('beads'))} spheres, {words.equation('<i>a</i>', bed.a * 1e3, 'mm')}"
+                    f"{of_density(scene.get('bead_density'))}")
+    yield "Area fraction of the beads", words.equation("<i>φ<sub>b</sub></i> = <i>Nπa</i>²/<i>L</i>²", bed.phi_b)
 
 
 def of_density(value):
@@ -80,7 +88,7 @@ def measured(run):
              ("psi6", "<i>ψ</i><sub>6</sub>", "", "sixfold bond order of the bed"),
              ("max_overlap", "Largest overlap", "", "of the smaller radius"))
     for key, name, unit, meaning in known:
-        if words.is_number(summary.get(key)):
+        if words.is_number(summary.get(key)) and (key == "simulated_time" or run.granular.need("beads")):
             yield name, f"{words.number(summary[key])} {unit}".strip(), meaning
     for number, rod in enumerate(run.granular.rods):
         yield from rod_measured(number, rod)
@@ -91,7 +99,8 @@ def rod_measured(number, rod):
     if words.is_number(rod.get("mean_speed")):
         yield f"Rod {number}, mean speed", f"{words.number(rod['mean_speed'] * 1e3)} mm/s", f"{kind}; positive thin end first"
     if words.is_number(rod.get("net_turn")):
-        yield f"Rod {number}, net turn", f"{words.number(math.degrees(rod['net_turn']))}°", f"{kind}; counter-clockwise"
+        turn = math.degrees(rod["net_turn"])
+        yield f"Rod {number}, net turn", f"{words.number(turn if abs(turn) > ROUNDING else 0)}°", f"{kind}; counter-clockwise"
 
 
 def other(run):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import canvas, style, units
+from . import bed, canvas, style, units
 from .errors import PlotError
 from .granular_run import TABLE
 from .spec import Spec
@@ -20,6 +20,9 @@ def draw(run, spec):
         shade_equilibration(axes, tables)
         axes.margins(x=0)
     panels[-1].set_xlabel(r"$t$ (s)")
+    for index, axes in enumerate(panels):
+        axes.annotate(f"({'abcd'[index]})", (0, 1), (4, -4), xycoords="axes fraction", textcoords="offset points", va="top",
+                      bbox=dict(facecolor="white", alpha=0.7, linewidth=0, pad=1))
     canvas.heading(panels[0], style.safe(spec.title) or title(run, tables))
     figure.align_ylabels(panels)
     return figure
@@ -34,7 +37,7 @@ def read(path, columns):
 
 def title(run, tables):
     runs = f", {len(tables)} runs" if len(tables) > 1 else ""
-    return rf"$\phi_b = {run.granular.phi_b:.3f}${runs}"
+    return bed.density(run.granular) + runs
 
 
 def lines(axes, curves, colour, label):
@@ -102,9 +105,9 @@ def shade_equilibration(axes, tables):
 def caption(run, spec):
     shaded = " Shaded: equilibration, rods held." if any(columns["t"][0] < 0 for _, columns in run.granular.tables()) else ""
     mean = " Thin: each run; bold: their mean." if not run.granular.single else ""
-    return ("From above: energy; temperatures <i>T</i><sub>z</sub> = var <i>v</i><sub>z</sub> and <i>T</i><sub>xy</sub> = (var "
-            "<i>v</i><sub>x</sub> + var <i>v</i><sub>y</sub>)/2 of the beads; global bond order <i>ψ</i><sub>6</sub>; "
-            f"mean upward force of floor and lid on the bed between rows of table.csv.{mean}{shaded}")
+    return ("(a) Energy; (b) temperatures <i>T</i><sub>z</sub> = var <i>v</i><sub>z</sub> and <i>T</i><sub>xy</sub> = (var "
+            "<i>v</i><sub>x</sub> + var <i>v</i><sub>y</sub>)/2 of the beads; (c) global bond order <i>ψ</i><sub>6</sub>; "
+            f"(d) mean upward force of floor and lid on the bed between rows of table.csv.{mean}{shaded}")
 
 
 def defaults(run):

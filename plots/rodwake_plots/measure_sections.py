@@ -32,7 +32,10 @@ def number_row(parts, told):
 
 
 def cell(part, told):
+    """Speeds are in mm/s all over the report, whatever the file has."""
     table, key, factor, unit = told["measure"], told["key"], told["factor"], fit_words.unit_html(told["unit"])
+    if told["unit"] == "a/s":
+        factor, unit = 1e3 * part.granular.a, "mm/s"
     found = part.told(table, key)
     if found is None:
         return ""

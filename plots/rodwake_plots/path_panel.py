@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib import patheffects
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
+from matplotlib.transforms import ScaledTranslation
 
 from . import canvas, glyphs, style, words
 from .paths import mark_times, pose
@@ -14,6 +15,7 @@ from .paths import mark_times, pose
 MOST_LABELS = 12  # more rods than this and the numbers would hide the paths
 PIECES = 200
 START, MARK = 12, 9  # lengths of the marks in points
+APART = 3.4          # points between paths that would hide each other
 
 
 class Look(NamedTuple):
@@ -22,6 +24,7 @@ class Look(NamedTuple):
     time: float
     norm: Normalize
     interval: float
+    apart: bool = False  # paths lie on each other: coloured by rod and moved apart, not coloured by time
 
 
 def draw(axes, run, window, look):
@@ -48,6 +51,10 @@ def samples(axes, run, rod, look):
 
 def path(axes, run, rod, look):
     """Cut into short pieces even where few times were written, so that the colour runs smoothly."""
+    if look.apart:
+        axes.plot(run.x[:, rod] * look.length, run.y[:, rod] * look.length, color=colour_of(rod), linewidth=1.6, solid_capstyle="round",
+                  zorder=2, transform=beside(axes, run, rod), scalex=False, scaley=False)
+        return
     t = np.union1d(run.t, np.linspace(run.t[0], run.t[-1], PIECES))
     points = np.stack([np.interp(t, run.t, part[:, rod]) for part in (run.x, run.y)], axis=-1) * look.length
     pieces = np.stack([points[:-1], points[1:]], axis=1)
@@ -56,25 +63,36 @@ def path(axes, run, rod, look):
                                        capstyle="round", zorder=2), autolim=False)
 
 
+def beside(axes, run, rod):
+    """Data coordinates moved to one side of the rods' way, by rod."""
+    rods = run.x.shape[1]
+    way = np.mean([run.x[-1] - run.x[0], run.y[-1] - run.y[0]], axis=1)
+    left = np.array([-way[1], way[0]]) / (math.hypot(*way) or 1.0)
+    step = APART * ((rods - 1) / 2 - rod) / 72  # of an inch
+    return axes.transData + ScaledTranslation(*(step * left), axes.figure.dpi_scale_trans)
+
+
 def marks(axes, run, rod, look):
     """Heading at equal times (small), at the start (hollow) and at the end (filled)."""
+    place = dict(transform=beside(axes, run, rod)) if look.apart else {}
     for time in mark_times(run, look.interval):
         x, y, theta = pose(run, rod, time)
-        small(axes, x * look.length, y * look.length, theta, colour_of(rod))
+        small(axes, x * look.length, y * look.length, theta, colour_of(rod), **place)
     for index, kind in ((0, hollow), (-1, filled)):
-        kind(axes, run.x[index, rod] * look.length, run.y[index, rod] * look.length, run.theta[index, rod], colour_of(rod))
+        kind(axes, run.x[index, rod] * look.length, run.y[index, rod] * look.length, run.theta[index, rod], colour_of(rod),
+             **place)
 
 
-def small(axes, x, y, theta, colour):
-    glyphs.rod(axes, x, y, theta, MARK, facecolor=colour, edgecolor="white", linewidth=0.3, zorder=3)
+def small(axes, x, y, theta, colour, **place):
+    glyphs.rod(axes, x, y, theta, MARK, facecolor=colour, edgecolor="white", linewidth=0.3, zorder=3, **place)
 
 
-def hollow(axes, x, y, theta, colour):
-    glyphs.rod(axes, x, y, theta, START, facecolor="white", edgecolor=colour, linewidth=1.1, zorder=4)
+def hollow(axes, x, y, theta, colour, **place):
+    glyphs.rod(axes, x, y, theta, START, facecolor="white", edgecolor=colour, linewidth=1.1, zorder=4, **place)
 
 
-def filled(axes, x, y, theta, colour):
-    glyphs.rod(axes, x, y, theta, START + 1, facecolor=colour, edgecolor="white", linewidth=0.5, zorder=4)
+def filled(axes, x, y, theta, colour, **place):
+    glyphs.rod(axes, x, y, theta, START + 1, facecolor=colour, edgecolor="white", linewidth=0.5, zorder=4, **place)
 
 
 def name_rod(axes, run, rod, factor):

@@ -8,6 +8,8 @@ from .errors import PlotError
 
 NARROWEST, TALLEST = 0.3, 1.5  # height over width of a window fitted to the data
 MARKS = 6                      # about so many heading marks along a path
+LINE = 0.006                   # width of a drawn line over the longer side of the window
+MOST_ON_EACH_OTHER = 0.15      # of a path; crossings and a meeting at the end stay below
 
 
 class Window(NamedTuple):
@@ -33,6 +35,34 @@ def window_of(runs, spec):
     if (y[1] - y[0]) > TALLEST * (x[1] - x[0]):
         x = widened(x, (y[1] - y[0]) / TALLEST)
     return Window(spec.x or x, spec.y or y)
+
+
+def lie_on_each_other(runs, window):
+    """Whether, in some run, a good part of a rod's path hides that of another, whenever each was there."""
+    near = LINE * max(window.x[1] - window.x[0], window.y[1] - window.y[0])
+    return any(share_hidden(run, window, one, other, near) > MOST_ON_EACH_OTHER for run in runs
+               for one in range(min(run.x.shape[1], 12)) for other in range(min(run.x.shape[1], 12)) if one != other)
+
+
+def share_hidden(run, window, one, other, near):
+    """Part of the visible path of rod `one` that is within `near` of rod `other`'s."""
+    here, there = (evenly(run.x[:, rod], run.y[:, rod]) for rod in (one, other))
+    here = here[window.holds(*here.T)]
+    if len(here) == 0 or len(there) == 0:
+        return 0.0
+    away = np.linalg.norm(here[:, None] - there[None], axis=-1).min(axis=1)
+    return float((away < near).mean())
+
+
+def evenly(x, y, count=400):
+    """Points [n][2] at equal distances along a path; none of a rod that stays where it is."""
+    kept = np.isfinite(x) & np.isfinite(y)
+    x, y = x[kept], y[kept]
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))]) if x.size else np.zeros(1)
+    if not way[-1] > 0:
+        return np.empty((0, 2))
+    places = np.linspace(0.0, way[-1], count)
+    return np.stack([np.interp(places, way, x), np.interp(places, way, y)], axis=-1)
 
 
 def span(values):

@@ -26,6 +26,8 @@ def draw(run, spec):
     for index, (axes, part) in enumerate(zip(panels, parts)):
         phase_panel.draw(axes, drawing, part)
         canvas.heading(axes, part.title)
+        if len(parts) > 1:
+            canvas.letter(axes, index)
         label(axes, index, len(parts))
     columns = across(len(parts))
     last = panels[columns - 1]
@@ -125,6 +127,21 @@ def notes(axes, scan, spec, drawing):
     if found:
         axes.legend(handles=found, loc="upper left", bbox_to_anchor=(-0.02, -0.19), borderaxespad=0.0,
                     ncol=2 if len(found) == 4 else 3, frameon=False, fontsize=9, handlelength=1.3, handleheight=1.1, columnspacing=1.4)
+
+
+def hover_marks(run, spec, figure):
+    """Each point with its outcome, or the number that is shown, in the panel of its slice."""
+    scan = run.scan
+    if len(scan.axes) == 1:
+        return
+    values = None if spec.colour == OUTCOME else scan_columns.values(scan, spec.colour)
+    for axes, part in zip(figure.axes, scan_slices.slices(scan, spec.slices)):
+        for row in np.flatnonzero(part.rows):
+            told = "failed" if scan.failed[row] else OUTCOMES[scan.outcome[row]] if scan.outcome[row] >= 0 else "not evaluated"
+            told += f", {scan_columns.quantity(spec.colour).name} {values[row]:.4g}" if values is not None and np.isfinite(values[row]) else ""
+            places = [float(scan.place(index)[row]) for index in (0, 1)]
+            at = ", ".join(axis.equals_text(place) for axis, place in zip(scan.axes, places))
+            yield axes, *(place * axis.factor for axis, place in zip(scan.axes, places)), f"{at}: {told}".replace("-", "−")
 
 
 def caption(run, spec):

@@ -23,8 +23,7 @@ def draw(run, spec):
         canvas.heading(axes, letter + pair_label(*pair))
     label = rf"$|\gamma_1\nabla^2\mathbf{{u}}+\gamma_2\nabla\nabla\cdot\mathbf{{u}}|$  (${run.result.units.gradient_unit()}$)"
     ranges.log_bar(figure, image, panels, extend, label, **bar_place(panels, grid))
-    if spec.title:
-        figure.suptitle(style.safe(spec.title), fontsize=11)
+    figure.suptitle(field_map.heading_of(run, spec.title), fontsize=10.5)
     return figure
 
 

@@ -22,6 +22,11 @@ def line_of(run, spec):
 def draw(run, spec):
     parts = measured.holders(run, file_of(spec))
     figure, axes = curves.panel(len(parts))
+    paint(axes, run, spec, parts)
+    return figure
+
+
+def paint(axes, run, spec, parts):
     rod_outline.shade(axes, run, spec.along)
     axes.axhline(0, color=style.GREY, linewidth=0.6, zorder=1)
     several = len(parts) > 1
@@ -40,7 +45,6 @@ def draw(run, spec):
     curves.legend(axes)
     canvas.heading(axes, style.safe(spec.title))
     note_line(axes, run, spec)
-    return figure
 
 
 def read(run, spec, part):

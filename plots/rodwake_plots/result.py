@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from . import hdf5, schema
+from . import hdf5
 from .errors import PlotError
 from .units import Units
 
@@ -37,10 +37,10 @@ class Run:
 TOLD = "kappa", "gamma1", "gamma2", "alpha", "eta"  # what runs differ in, in this order
 
 
-def told_apart(run, runs):
+def told_apart(run, runs, units):
     """The parameters in which the runs differ, as a label for a run that has none."""
     differing = [key for key in TOLD if len({one.attrs.get(key) for one in runs}) > 1]
-    return ", ".join(f"${schema.SYMBOLS[key]} = {run.attrs[key]:g}$" for key in differing if key in run.attrs) or "as written"
+    return ", ".join(f"${units.parameter(key, run.attrs[key])}$" for key in differing if key in run.attrs) or "as written"
 
 
 def plain(value):
@@ -113,7 +113,7 @@ class Result:
             return []
         names = sorted(self.file["/rods"], key=lambda name: self.attribute(f"/rods/{name}", "order", 0))
         runs = [self.run(name) for name in names]
-        return [replace(run, label=run.label or told_apart(run, runs)) for run in runs]
+        return [replace(run, label=run.label or told_apart(run, runs, self.units)) for run in runs]
 
     def run(self, name):
         place = f"/rods/{name}"

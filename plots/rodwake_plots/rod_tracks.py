@@ -8,7 +8,8 @@ from .paths import mark_interval
 from .periodic import wrapped_path
 from .spec import Spec
 
-NUMBER = 4.0  # of a rod: its distance from the start, bead radii
+STRAIGHT = 1e-6  # degrees: a heading that changes by less is not drawn
+NUMBER = 4.0     # of a rod: its distance from the start, bead radii
 THIN = dict(linewidth=0.6, alpha=0.45)
 
 
@@ -16,14 +17,22 @@ def draw(run, spec):
     tracks, granular = run.granular.tracks(), run.granular
     figure = canvas.figure(style.WIDE + 0.6, 3.9)
     pair = track_curves.is_pair(tracks)
-    axes = figure.subplot_mosaic([["box", "first"], ["box", "first" if pair else "second"]], width_ratios=[1, 0.85])
+    alone = pair or is_straight(tracks)
+    axes = figure.subplot_mosaic([["box", "first"], ["box", "first" if alone else "second"]], width_ratios=[1, 0.85])
+    for index, one in enumerate(axes.values()):
+        canvas.letter(one, index)
     draw_box(axes["box"], tracks, granular)
     if pair:
         draw_pair(axes["first"], tracks, granular)
     else:
-        draw_each(axes["first"], axes["second"], tracks)
-    figure.suptitle(style.safe(spec.title) or rf"$\phi_b = {granular.phi_b:.3f}$,  {duration(tracks)}", fontsize=10.5)
+        draw_each(axes["first"], axes.get("second"), tracks)
+    figure.suptitle(style.safe(spec.title) or f"{bed.density(granular)},  {duration(tracks)}", fontsize=10.5)
     return figure
+
+
+def is_straight(tracks):
+    """Whether no rod ever turns: a lone one between plates has nothing that could turn it but rounding."""
+    return all(np.ptp(np.degrees(track.theta), axis=0).max() < STRAIGHT for track in tracks)
 
 
 def duration(tracks):
@@ -99,14 +108,17 @@ def draw_each(upper, lower, tracks):
             if not look:
                 upper.plot(track.t, track.speed[:, rod] * 1e3, color=colour, linewidth=0.5, alpha=0.3)
             upper.plot(track.t, track_curves.smooth(track.speed[:, rod]) * 1e3, color=colour, **look)
-            lower.plot(track.t, np.degrees(track.theta[:, rod]), color=colour, **look)
+            if lower:
+                lower.plot(track.t, np.degrees(track.theta[:, rod]), color=colour, **look)
     draw_each_mean(upper, lower, tracks, rods)
     upper.axhline(0, color=style.GREY, linewidth=0.6)
     upper.set(ylabel="speed (mm/s)", ylim=speed_limits(tracks))
-    upper.tick_params(labelbottom=False)
-    lower.set(xlabel=r"$t$ (s)", ylabel="heading (°)")
-    for axes in (upper, lower):
-        axes.margins(x=0)
+    (lower or upper).set_xlabel(r"$t$ (s)")
+    upper.margins(x=0)
+    if lower:
+        upper.tick_params(labelbottom=False)
+        lower.set_ylabel("heading (°)")
+        lower.margins(x=0)
 
 
 def draw_each_mean(upper, lower, tracks, rods):
@@ -116,7 +128,8 @@ def draw_each_mean(upper, lower, tracks, rods):
     for rod in rods:
         look = dict(color=bed.rod_colour(rod), linewidth=2.2)
         upper.plot(mean.t, track_curves.smooth(mean.speed[:, rod]) * 1e3, **look)
-        lower.plot(mean.t, np.degrees(mean.theta[:, rod]), **look)
+        if lower:
+            lower.plot(mean.t, np.degrees(mean.theta[:, rod]), **look)
 
 
 def speed_limits(tracks):
@@ -131,15 +144,18 @@ def caption(run, spec):
     tracks = run.granular.tracks()
     several = len(tracks) > 1
     rods = tracks[0].x.shape[1]
-    text = f"Left: path{'s' if rods > 1 else ''} of {'the rods' if rods > 1 else 'the rod'} in the periodic box"
+    text = f"(a) Path{'s' if rods > 1 else ''} of {'the rods' if rods > 1 else 'the rod'} in the periodic box"
     text += f", thin for each of {len(tracks)} runs and bold for their mean" if several else ""
     text += (f"; hollow mark at the start, filled at the end, small marks every {words.number(mark_interval(tracks[0].t[-1]))} s; "
              f"the thin end points forward. ")
     if track_curves.is_pair(tracks):
-        return text + "Right: the rods' separation across the starting heading against their mean way along it; broken line: at the start."
+        return text + "(b) The rods' separation across the starting heading against their mean way along it; broken line: at the start."
     window = words.number(track_curves.window_time(tracks[0].t), 2)
-    return text + (f"Right: speed along the rod, positive thin end first, as a moving mean over {window} s"
-                   f"{'' if several else ' (values at the output times pale)'}, and heading from <i>x</i>.")
+    text += (f"(b) Speed along the rod, positive thin end first, as a moving mean over {window} s"
+             f"{'' if several else ' (values at the output times pale)'}. ")
+    if is_straight(tracks):
+        return text + f"The heading{'s stay' if rods > 1 else ' stays'} what {'they were' if rods > 1 else 'it was'} at the start."
+    return text + "(c) Heading from <i>x</i>."
 
 
 def defaults(run):

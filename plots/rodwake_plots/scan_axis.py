@@ -9,8 +9,6 @@ from matplotlib.ticker import MaxNLocator, SymmetricalLogLocator
 from . import fit_words, ranges, schema, style, units, words
 from .errors import PlotError
 
-# Labels of the theory are without unit: x in f/mu is "x mu/f".
-REDUCED = {"f/mu": r"\,\mu/f", "f/(mu v0)": r"\,\mu v_0/f", "mu v0/f": r"\,f/(\mu v_0)", "v0": r"/v_0"}
 PREFIXED = ("m", "s", "m/s", "N")
 WIDE = 25  # listed values that span more than this factor, and are positive, stand on a logarithmic axis
 FEW = 7    # listed values that have a tick each
@@ -58,8 +56,8 @@ class Axis:
     @property
     def label(self):
         """For a figure, with its unit."""
-        if self.factor == 1.0 and self.unit in REDUCED:
-            return f"${self.symbol}{REDUCED[self.unit]}$"
+        if self.factor == 1.0 and self.unit in units.REDUCED:
+            return f"${self.symbol}{units.REDUCED[self.unit]}$"
         if self.unit in PREFIXED:
             return rf"${self.symbol}$ ($\mathrm{{{self.prefix}{self.unit}}}$)"
         return f"${self.symbol}$" + (f" ({fit_words.unit_math(self.unit)})" if self.unit not in ("", "1") else "")
@@ -80,6 +78,11 @@ class Axis:
     def unit_html(self):
         prefix = {r"\mu ": "µ"}.get(self.prefix, self.prefix)
         return prefix + fit_words.unit_html(self.unit)
+
+    def equals_text(self, value):
+        """`κ = 3` as plain text; the axis has the unit."""
+        name = re.sub("<[^>]*>", "", self.name_html)
+        return f"{name}: {self.values[int(value)]}" if self.is_choice else f"{name} = {value * self.factor:.4g}"
 
     def equals_html(self, value):
         if self.is_choice:

@@ -106,17 +106,20 @@ def unit(run, name, extent):
     if told.unit in ("length", "time"):
         made = run.units.length("L", extent) if told.unit == "length" else run.units.time("L", extent)
         return made.factor, made.label.split("$ ", 1)[1].strip("()") if run.units.si else rf"${REDUCED[told.unit]}$"
-    return 1.0, {"": "", "a": "$a$", "m²/s²": r"$\mathrm{m^2/s^2}$", "m/s": r"$\mathrm{m/s}$", "N": r"$\mathrm{N}$"}.get(told.unit, told.unit)
+    if told.unit == "m/s":
+        return 1e3, r"$\mathrm{mm/s}$"
+    return 1.0, {"": "", "a": "$a$", "m²/s²": r"$\mathrm{m^2/s^2}$", "N": r"$\mathrm{N}$"}.get(told.unit, told.unit)
 
 
 REDUCED = {"length": r"f/\mu", "time": r"f/\mu v_0"}
 
 
-def unit_html(run, name):
+def unit_html(run, name, shown=True):
+    """Of the number as figures and captions show it, or of the file."""
     told = quantity(name).unit
     if run.scan.of_beds and told in ("length", "time"):
         return {"length": "<i>a</i>", "time": "s"}[told]
-    return {"length": run.units.length_html(), "time": run.units.time_html(), "a": "<i>a</i>"}.get(told, words.escape(told))
+    return {"length": run.units.length_html(), "time": run.units.time_html(), "a": "<i>a</i>", "m/s": "mm/s" if shown else "m/s"}.get(told, words.escape(told))
 
 
 def label(run, name, extent):

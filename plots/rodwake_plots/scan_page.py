@@ -90,7 +90,7 @@ def colouring(run, name):
     """What a column of numbers means and how it colours points; without "norm" it does not."""
     told = scan_columns.quantity(name)
     html = words.escape(told.name) + (f" {words.tex_html(told.symbol)}" if told.symbol else "")
-    found = {"label": told.name, "html": html, "unit": scan_columns.unit_html(run, name),
+    found = {"label": told.name, "html": html, "unit": scan_columns.unit_html(run, name, shown=False),
              "of": [OUTCOMES.index(one) for one in told.of] or None}
     if name not in scan_columns.names(run.scan):
         return found

@@ -1,6 +1,6 @@
 """What is said of a scan: fixed parameters, numbers of points, how far the picture can be trusted."""
 
-from . import fit_words, schema, scan_columns, scan_slices, words
+from . import fit_words, schema, scan_columns, scan_slices, units, words
 from .scan_run import OUTCOMES
 from .scan_scene import ALIKE
 
@@ -26,15 +26,20 @@ def fixed(run):
     for table, names in TOLD.items():
         for name in names:
             value = run.scene.get(table, {}).get(name)
+            if name == "xi" and system == "reduced" and words.is_number(value) and value and "medium.xi" not in taken:
+                yield schema.SYMBOLS["alpha"], 1.0 / value, ""  # the same in reduced units, as the paper has it
+                continue
             if words.is_number(value) and f"{table}.{name}" not in taken:
                 told = schema.KEYS[table, name]
                 yield told["symbol"], float(value), told.get("unit", {}).get(system, "")
 
 
 def fixed_title(run):
-    """For the head of a figure; reduced units go without saying."""
-    unit = (lambda one: r"\ " + fit_words.unit_math(one).strip("$") if one else "") if run.units.si else lambda one: ""
-    return ",  ".join(f"${symbol} = {words.math_number(value)}{unit(one)}$" for symbol, value, one in fixed(run))
+    """For the head of a figure, couplings and lengths with their units."""
+    if run.units.si:
+        unit = {one: r"\ " + fit_words.unit_math(one).strip("$") if one else "" for _, _, one in fixed(run)}
+        return ",  ".join(f"${symbol} = {words.math_number(value)}{unit[one]}$" for symbol, value, one in fixed(run))
+    return ",  ".join(f"${symbol}{units.REDUCED.get(one, '')} = {words.math_number(value)}$" for symbol, value, one in fixed(run))
 
 
 def fixed_html(run):

@@ -71,7 +71,9 @@ def row(table, key, value, told):
 
 
 def with_unit(value, unit):
-    """A string has its unit already: what SI does not hold exactly is written as "2.5 f/mu"."""
+    """A string has its unit already: what SI does not hold exactly is written as "2.5 f/mu". Speeds are in mm/s."""
+    if unit == "m/s" and words.is_number(value):
+        value, unit = 1e3 * value, "mm/s"
     return shown(value) if isinstance(value, str) else f"{shown(value)} {unit}".strip()
 
 
@@ -79,6 +81,9 @@ def listing(table, items, told):
     """One row an item, one column a key."""
     keys = list(dict.fromkeys(key for item in items for key in item))
     unit = {key: told.unit(table, key) for key in keys}
+    speeds = {key for key in keys if unit[key] == "m/s"}
+    unit |= dict.fromkeys(speeds, "mm/s")
+    items = [item | {key: 1e3 * item[key] for key in speeds if words.is_number(item.get(key))} for item in items]
     return (["No."] + [words.escape(key.replace("_", " ")) + (f" ({unit[key]})" if unit[key] else "") for key in keys],
             [[str(index)] + [shown(item.get(key, "")) for key in keys] for index, item in enumerate(items)])
 

@@ -32,10 +32,16 @@ def header(run):
     if run.has_fit and not (has_theory(run) or run.has_granular):
         units = f"lengths in {fit_words.unit_html(run.fit.unit)}"
     head = f'<header>\n<h1>{words.escape(run.title)}</h1>\n<div class="sub">rodwake {words.escape(run.version)}, {units}</div>'
+    return f"{head}\n</header>"
+
+
+def abstract(run, sentences):
+    """What was done and came out, and whether the theory fits."""
     told = granular_sections.headline(run) if run.has_granular else ""
     told += fit_sections.headline(run) if run.has_fit else ""
     told += scan_sections.headline(run) if run.has_scan else ""
-    return f"{head}\n{told}{outcome(run) if has_theory(run) else ''}\n</header>"
+    told += outcome(run) if has_theory(run) else ""
+    return told + (f'<p class="verdict">{" ".join(sentences)}</p>' if sentences else "")
 
 
 def has_theory(run):
@@ -68,7 +74,7 @@ def runs(run):
     found = run.result.runs() if run.has_result else []
     if len(found) < 2:
         return ""
-    rows = [(words.label_html(one.label), outcome_words(run.result.units, one), run_parameters(one).rstrip(".")) for one in found]
+    rows = [(words.label_html(one.label), outcome_words(run.result.units, one), run_parameters(run.result.units, one).rstrip(".")) for one in found]
     return table(("Run", "Outcome", "Parameters"), rows)
 
 

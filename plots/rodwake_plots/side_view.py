@@ -31,7 +31,8 @@ def draw(run, spec):
     panels[-1].tick_params(labelbottom=True)
     panels[-1].set_xlabel(r"$x/a$")
     panels[len(panels) // 2].set_ylabel(r"$z/a$")
-    colour_bar(figure, panels, norm)
+    if len(frames[0].beads):
+        colour_bar(figure, panels, norm)
     figure.suptitle(title(run, spec, frames), fontsize=10.5)
     return figure
 
@@ -147,7 +148,7 @@ def colour_bar(figure, panels, norm):
 
 def title(run, spec, frames):
     """With the time at the period's start: a period is too short for the clock of the other figures."""
-    return style.safe(spec.title) or rf"$\phi_b = {run.granular.phi_b:.3f}$,  from $t = {frames[0].time:.4f}$ s on"
+    return style.safe(spec.title) or rf"{bed.density(run.granular)},  from $t = {frames[0].time:.4f}$ s on"
 
 
 def caption(run, spec):

@@ -1,8 +1,14 @@
 """One look for every figure: fonts, sizes, colours. Widths are those of a Physical Review page."""
 
+import re
+from pathlib import Path
+from typing import NamedTuple
+
 import matplotlib
 from matplotlib.colors import ListedColormap
 from matplotlib.mathtext import MathTextParser
+
+from .errors import PlotError
 
 SINGLE, WIDE = 4.2, 7.0  # inches: one and a half columns, two columns
 
@@ -16,6 +22,51 @@ SETTINGS = {
     "figure.facecolor": "white", "savefig.facecolor": "white", "savefig.dpi": 200,
     "pdf.fonttype": 42, "axes.formatter.use_mathtext": True,
 }
+
+
+WIDTHS = {"column": 86 / 25.4, "page": 178 / 25.4}  # inches
+STYLES = {"": {}, "paper": {},
+          "slides": {"font.family": ["DejaVu Sans"], "mathtext.fontset": "dejavusans", "font.size": 13, "axes.labelsize": 14, "axes.titlesize": 14,
+                     "xtick.labelsize": 12, "ytick.labelsize": 12, "axes.linewidth": 1.1, "lines.linewidth": 2.0, "savefig.dpi": 250}}
+SMALL = {"font.size": 8, "axes.labelsize": 8.5, "axes.titlesize": 8.5, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5, "savefig.dpi": 300}
+
+
+class Look(NamedTuple):
+    """What the command line asks of all figures: settings of matplotlib, and a width in inches, None: each has its own."""
+    settings: dict
+    width: float = None
+
+
+def look(width="", style=""):
+    inches = width_of(width) if width else None
+    small = SMALL if inches and inches < SINGLE and style in ("", "paper") else {}
+    return Look({**SETTINGS, **small, **settings_of(style)}, inches)
+
+
+def width_of(text):
+    """Inches of `column`, `page`, `86mm`, `8.6 cm` or `3.4in`."""
+    found = re.fullmatch(r"\s*([\d.]+)\s*(mm|cm|in)\s*", text)
+    try:
+        inches = WIDTHS[text] if text in WIDTHS else float(found[1]) / {"mm": 25.4, "cm": 2.54, "in": 1.0}[found[2]]
+    except (TypeError, ValueError):
+        raise PlotError(f'--width {text}: neither column, page nor a length such as 86mm, 8.6cm or 3.4in') from None
+    if not 1.0 <= inches <= 40.0:
+        raise PlotError(f"--width {text}: figures are 1 in (25.4 mm) to 40 in wide")
+    return inches
+
+
+def settings_of(style):
+    """Of a style by name, or of a file of lines `key: value`; none that a file has is unknown to matplotlib."""
+    if style in STYLES:
+        return STYLES[style]
+    if not Path(style).is_file():
+        raise PlotError(f"--style {style}: neither paper, slides nor a file")
+    text = Path(style).read_text(encoding="utf-8", errors="replace")
+    for number, line in enumerate(text.splitlines(), 1):
+        key = line.partition("#")[0].partition(":")[0].strip()
+        if key and key not in matplotlib.rcParams:
+            raise PlotError(f"{style}:{number}: matplotlib has no setting {key}")
+    return dict(matplotlib.rc_params_from_file(style, use_default_template=False))
 
 
 def part_of(name, low, high):

@@ -8,10 +8,11 @@ from matplotlib.colors import Normalize
 
 from . import canvas, path_panel, style, words
 from .errors import PlotError
-from .paths import mark_interval, seen_until, window_of
+from .paths import lie_on_each_other, mark_interval, seen_until, window_of
 from .spec import Spec
 
 FLAT = 0.6  # windows flatter than this have the colour bar below
+PARAMETERS = "eta", "alpha", "kappa", "gamma1", "gamma2"
 
 
 def draw(run, spec):
@@ -20,7 +21,8 @@ def draw(run, spec):
     last = seen_until(runs, window)
     extent = max(map(abs, window.x + window.y))
     length, time = units.length("x", extent), units.time("t", last)
-    look = path_panel.Look(length.factor, time.factor, Normalize(0, last * time.factor or 1.0), mark_interval(last))
+    look = path_panel.Look(length.factor, time.factor, Normalize(0, last * time.factor or 1.0), mark_interval(last),
+                           lie_on_each_other(runs, window))
     figure, grid = layout(window, len(runs))
     panels = list(grid.ravel())
     label_axes(grid, len(runs), length.label, units.length("y", extent).label)
@@ -31,9 +33,10 @@ def draw(run, spec):
         spare.set_axis_off()
         if index == 0:
             path_panel.key(spare, look, time.label)
-    colour_bar(figure, panels, look.norm, time.label, window, any(one.t[-1] > last * (1 + 1e-9) for one in runs))
-    if spec.title and len(runs) > 1:
-        figure.suptitle(style.safe(spec.title), fontsize=11)
+    if not look.apart:
+        colour_bar(figure, panels, look.norm, time.label, window, any(one.t[-1] > last * (1 + 1e-9) for one in runs))
+    if len(runs) > 1:
+        figure.suptitle("\n".join(filter(None, (style.safe(spec.title), shared(units, runs)))), fontsize=10.5)
     return figure
 
 
@@ -76,11 +79,17 @@ def label_axes(grid, count, xlabel, ylabel):
 
 def title(axes, units, run, spec, index):
     if index is None:
-        canvas.heading(axes, style.safe(spec.title) or outcome_line(units, run))
+        canvas.heading(axes, "\n".join(filter(None, (style.safe(spec.title) or outcome_line(units, run), shared(units, [run])))))
         return
     letter = f"({string.ascii_lowercase[index % 26]})"
     canvas.heading(axes, f"{letter}  {style.safe(run.label)}\n{outcome_line(units, run)}")
     axes.title.set_fontsize(9.5)
+
+
+def shared(units, runs):
+    """Medium and couplings that all runs have, for the head of the figure; couplings that are zero go without saying."""
+    told = [key for key in PARAMETERS if key in runs[0].attrs and len({one.attrs.get(key) for one in runs}) == 1]
+    return ",  ".join(f"${units.parameter(key, runs[0].attrs[key], 3)}$" for key in told if runs[0].attrs[key] or key in ("eta", "alpha"))
 
 
 def outcome_line(units, run):
@@ -102,13 +111,14 @@ def caption(run, spec):
     interval = words.number(mark_interval(seen_until(runs, window_of(runs, spec))))
     rods = runs[0].x.shape[1]
     text = f"Paths of {rods} rods" if rods > 1 else "Path of one rod"
-    text += (f", coloured by time: hollow mark at the start, filled at the end, small marks every {interval} "
-             f"{units.time_html()}; the thin end points forward. ")
+    apart = lie_on_each_other(runs, window_of(runs, spec))
+    text += ", coloured by rod and moved apart by about a line's width where they would hide each other" if apart else ", coloured by time"
+    text += f": hollow mark at the start, filled at the end, small marks every {interval} {units.time_html()}; the thin end points forward. "
     if any(run.samples for run in runs):
         text += "Thin lines: the same rods in draws of the measured field's errors. "
     if len(runs) == 1:
         outcome = outcome_words(units, runs[0])
-        return text + outcome[0].upper() + outcome[1:] + ". " + parameters(runs[0])
+        return text + outcome[0].upper() + outcome[1:] + ". " + parameters(units, runs[0])
     told = (f"{words.label_html(one.label)}: {outcome_words(units, one)}." for one in runs)
     return text + " ".join(f"({string.ascii_lowercase[i % 26]}) {one}" for i, one in enumerate(told))
 
@@ -122,9 +132,9 @@ def outcome_words(units, run):
     return ", ".join(parts)
 
 
-def parameters(run):
-    known = [words.equation(words.symbol(key), run.attrs[key])
-             for key in ("eta", "alpha", "kappa", "gamma1", "gamma2") if key in run.attrs]
+def parameters(units, run):
+    """With units, as HTML."""
+    known = [f'<span class="eq">{words.tex_html(units.parameter(key, run.attrs[key]))}</span>' for key in PARAMETERS if key in run.attrs]
     return ", ".join(known) + "." if known else ""
 
 

@@ -3,9 +3,12 @@
 import math
 from typing import NamedTuple
 
-from . import words
+from . import schema, words
 from .errors import PlotError
 
+# Labels of the theory are without unit: x in f/mu is "x mu/f".
+REDUCED = {"f/mu": r"\,\mu/f", "f/(mu v0)": r"\,\mu v_0/f", "mu v0/f": r"\,f/(\mu v_0)", "v0": r"/v_0"}
+TABLES = {"eta": "medium", "alpha": "medium", "xi": "medium", "kappa": "coupling", "gamma1": "coupling", "gamma2": "coupling"}
 PREFIXES = {-9: "n", -6: r"\mu ", -3: "m", 0: "", 3: "k"}
 
 
@@ -54,6 +57,13 @@ class Units:
         if value == 0:
             return rf"${symbol} = 0$"
         return rf"${symbol} = {number}$ " + axis.label.split("$ ", 1)[1].strip("()")
+
+    def parameter(self, name, value, digits=4):
+        """`kappa f/(mu v0) = 0.5`, or in SI with its unit behind, as mathtext without dollars."""
+        symbol, unit = schema.SYMBOLS[name], schema.KEYS[TABLES[name], name].get("unit", {}).get("si" if self.si else "reduced", "")
+        if not self.si:
+            return rf"{symbol}{REDUCED.get(unit, '')} = {words.math_number(value, digits)}"
+        return rf"{symbol} = {words.math_number(value, digits)}" + (rf"\ \mathrm{{{unit.replace('1/s', 's^{-1}')}}}" if unit else "")
 
     def gradient_unit(self):
         """Unit of gamma times a second derivative of u, gamma in v0."""

@@ -233,9 +233,16 @@ void add_verbs(CLI::App& app, Options& options) {
     add_dry_run(*impact, options);
     CLI::App* plot =
         add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
-                 "  rodwake plot results/quickstart --pdf");
+                 "  rodwake plot results/quickstart --pdf\n"
+                 "  rodwake plot results/pair --width column --style paper --film");
     plot->add_option("RESULT", options.target, "run directory, or its result.h5")->required();
     plot->add_flag("--pdf", options.pdf, "PDF beside each PNG");
+    plot->add_option(
+        "--width", options.figure_width,
+        "width of figures: column, page, or a length such as 86mm; several panels take two columns");
+    plot->add_option("--style", options.figure_style,
+                     "paper (the default), slides, or a matplotlib style file");
+    plot->add_flag("--film", options.film, "film of the beads, or of the rods, too");
     add_dry_run(*plot, options);
     add_quiet(*plot, options);
     CLI::App* info =

@@ -61,6 +61,10 @@ struct Options {
     bool schema = false;             ///< info --schema
     bool man = false;                ///< info --man
     std::string completion;          ///< info --completion
+    // look of the figures, as the plotting program takes it
+    std::string figure_width; ///< plot --width; empty: each its own
+    std::string figure_style; ///< plot --style; empty: paper
+    bool film = false;        ///< plot --film
 };
 
 /// Result of parsing: either options to act on, or an exit code (help, version, usage error; the text is

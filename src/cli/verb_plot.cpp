@@ -51,15 +51,29 @@ int run(const std::vector<std::string>& command) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
+/// What the plotting program is asked of the look of all figures; it checks the values.
+std::vector<std::string> looks_of(const Options& options) {
+    std::vector<std::string> looks;
+    if (!options.figure_width.empty())
+        looks.push_back("--width=" + options.figure_width);
+    if (!options.figure_style.empty())
+        looks.push_back("--style=" + options.figure_style);
+    if (options.film)
+        looks.emplace_back("--film");
+    return looks;
+}
+
 } // namespace
 
-void make_figures(const fs::path& run_directory, bool pdf, bool quiet) {
+void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
+                  const std::vector<std::string>& looks) {
     std::vector<std::string> command = {
         RODWAKE_PYTHON, (shipped_folder() / "plots" / "rodwake_plot.py").string(), run_directory.string()};
     if (pdf)
         command.emplace_back("--pdf");
     if (quiet)
         command.emplace_back("--quiet");
+    command.insert(command.end(), looks.begin(), looks.end());
     if (run(command) != 0 && !stop_signal())
         throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "
                                    "{0}, and rodwake plot {0} tries again",
@@ -77,7 +91,7 @@ int verb_plot(const Options& options) {
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
     if (options.dry_run)
         return 0; // there is something to draw; that is all there is to say
-    make_figures(folder, options.pdf, options.quiet);
+    make_figures(folder, options.pdf, options.quiet, looks_of(options));
     return stop_signal() ? signal_exit_code(stop_signal()) : 0;
 }
 

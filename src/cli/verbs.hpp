@@ -5,6 +5,8 @@
 #include "rodwake/scene/scene.hpp"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace rodwake::cli {
 
@@ -29,6 +31,7 @@ scene::Scene scene_of(const Options& options);
 
 /// Figures and report.html by the plotting program. Throws RunError if it cannot be run or fails; a stop
 /// signal ends it early, and it returns.
-void make_figures(const std::filesystem::path& run_directory, bool pdf, bool quiet);
+void make_figures(const std::filesystem::path& run_directory, bool pdf, bool quiet,
+                  const std::vector<std::string>& looks = {});
 
 } // namespace rodwake::cli

@@ -134,13 +134,13 @@ class AdaptiveTest(ScanCase):
         for part in ("capture is contact or pursuit", f"{total} points by adaptive refinement to 256 cells a side",
                      "contact ", "undecided ", "9 points failed: the state is no longer finite (9).",
                      "Missed rate: 0.2 % of the area outside the boundary (3 of 1\u2009500 random places; with 95 % confidence below 0.58 %)",
-                     "Fixed: η = 1, ξ = 1 f/μ, γ1 = 0 v0, γ2 = 0 v0.", "rod 1 from (x1, −5), heading 1.571"):
+                     "Fixed: η = 1, α = 1, γ1 = 0 v0, γ2 = 0 v0.", "rod 1 from (x1, −5), heading 1.571"):
             self.assertIn(part, caption)
         self.assertNotIn("κ = ", caption)  # it is an axis
 
     def test_title(self):
         made, _ = self.draw()
-        self.assertEqual(made.axes[0].get_title(), r"$\eta = 1$,  $\xi = 1$,  $\gamma_1 = 0$,  $\gamma_2 = 0$")
+        self.assertEqual(made.axes[0].get_title(), r"$\eta = 1$,  $\alpha = 1$,  $\gamma_1/v_0 = 0$,  $\gamma_2/v_0 = 0$")
         made, _ = self.draw(title="Mine")
         self.assertEqual(made.axes[0].get_title(), "Mine")
 

@@ -71,8 +71,10 @@ class PlotsTest(PlotCase):
         page = (self.folder / "report.html").read_text()
         self.assertNotIn("http", page)
         self.assertNotIn("<script", page)
-        sources = re.findall(r'(?:src|href)="([^"]{0,22})', page)
-        self.assertEqual(sources, ["data:image/png;base64,"] * 2)
+        self.assertEqual(re.findall(r'src="([^"]{0,22})', page), ["data:image/png;base64,"] * 2)
+        for link in re.findall(r'href="([^"]*)"', page):  # into the page, or to a file beside it
+            there = f'id="{link[1:]}"' in page if link.startswith("#") else (self.folder / link).is_file()
+            self.assertTrue(there, link)
         for part in ("Rods &amp; &lt;wakes&gt;", "40.5953", "rods 0 and 1", "321", "HDF5", "[[figures]]"):
             self.assertIn(part, page)
 
@@ -81,8 +83,12 @@ class PlotsTest(PlotCase):
             specs = [spec for spec in draw.figures_of(run) if spec.kind == "cut"]
             self.assertEqual([spec.sqrt_scaled for spec in specs], [False, True])
             for spec in specs:
-                lines = cut.draw(run, spec).axes[0].lines
-                self.assertEqual([len(line.get_xdata()) > 2 for line in lines], [False, True, False], spec.name)  # axes: zero
+                zero, curve, *tail, rod = cut.draw(run, spec).axes[0].lines
+                self.assertEqual([len(line.get_xdata()) > 2 for line in (zero, curve, rod)], [False, True, False], spec.name)
+                self.assertEqual(len(tail), spec.sqrt_scaled)
+                for line in tail:  # of Eq. 16 with xi = 1, not of the data, which are level at 1
+                    np.testing.assert_allclose(line.get_ydata(), 0.5 / np.sqrt(np.pi), rtol=1e-12)
+                    self.assertLess(line.get_xdata().max(), 0)
 
     def test_samples_of_a_measured_field_are_thin_lines(self):
         def thin(run):

@@ -135,7 +135,7 @@ class RealRunsTest(ReportCase):
                     ("measure.from", 0), ("measure.block", 0.5), ("fit.starts", 3))]
         self.expect(0, "run", rodwake.SCENES / "quickstart.toml", "-o", "out", "--quiet", "-j", "2", *shorter)
         page = self.page_of("out")
-        self.assert_good(page, 6, "Granular bed", "Fit", "Solver", "Provenance")
+        self.assert_good(page, 7, "Granular bed", "Fit", "Solver", "Provenance")
         for name, one in json.loads((self.folder / "out/fit.json").read_text())["parameters"].items():
             if one["stderr"] is not None:
                 self.assertIn(words.with_error(one["value"], one["stderr"]), page, name)
@@ -167,7 +167,7 @@ class BrokenReportsTest(ReportCase):
     def test_what_is_fetched(self):
         for inside in ('<script src="https://example.org/a.js"></script>', '<img src="figures/fit.png">',
                        '<style>p { background: url("file:///a.png") }</style>', '<style>@import "a.css";</style>',
-                       '<a href="http://example.org">more</a>', '<p style="background: url(a.png)"></p>'):
+                       '<a href="http://example.org">more</a>', '<a href="../../secret.csv">data</a>', '<p style="background: url(a.png)"></p>'):
             self.refused(self.page.replace("<main>", "<main>" + inside), r"\[\] !=|!= \[\]")
 
     def test_the_browser_sees_what_is_fetched(self):

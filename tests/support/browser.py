@@ -79,6 +79,11 @@ def command(folder, width, height):
             "--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={folder}/profile", f"--window-size={width},{height}"]
 
 
+def is_beside(name):
+    """Whether a link goes to a file in the page's folder or below it."""
+    return not re.match(r"\w+:|/|\.\.", name.strip())
+
+
 class References(HTMLParser):
     """Everything that points out of a page: attributes, and url() and @import of its styles."""
 
@@ -89,6 +94,8 @@ class References(HTMLParser):
     def handle_starttag(self, tag, attributes):
         self.in_style = tag == "style"
         for name, value in attributes:
+            if (tag, name) == ("a", "href") and is_beside(value or ""):
+                continue  # nothing is fetched before somebody follows it
             if name in POINTING:
                 self.add(value or "")
             elif name == "style":

@@ -1,0 +1,99 @@
+"""Tests of what the command line asks of all figures: width, style, film: /usr/bin/python3 tests/plots/test_command.py"""
+
+import contextlib
+import tomllib
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from unittest import TestCase, main, mock
+
+from PIL import Image
+
+from made_up_result import LINE, PATHS
+from test_theory import PlotsTest as Theory
+from plot_case import PROGRAM, PlotCase
+from rodwake_plots import style
+from rodwake_plots.errors import PlotError
+
+
+class CommandTest(PlotCase):
+    build = Theory.build
+
+    def drawn(self, *options, figures=LINE + PATHS):
+        self.build(figures=figures)
+        done = self.plot(*options)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return {path.stem: Image.open(path) for path in (self.folder / "figures").glob("*.png")}
+
+    def test_every_figure_is_as_wide_as_a_column(self):
+        for name, image in self.drawn("--width", "column").items():
+            dots = image.info["dpi"][0]
+            self.assertAlmostEqual(image.width / dots * 25.4, 86.0, delta=0.6, msg=name)  # 0.2 % of the search, and a dot at each edge
+            self.assertAlmostEqual(dots, 300, delta=0.1)
+
+    def test_lengths(self):
+        for text, inches in (("page", 178 / 25.4), ("86mm", 86 / 25.4), ("8.6 cm", 86 / 25.4), ("3.4in", 3.4)):
+            self.assertAlmostEqual(style.width_of(text), inches)
+        for text in ("wide", "86", "-3in", "0.1in", "1.2.3mm", "99in"):
+            with self.assertRaisesRegex(PlotError, "--width"):
+                style.width_of(text)
+
+    def test_styles(self):
+        self.assertEqual(style.look("", "slides").settings["font.size"], 13)
+        self.assertEqual(style.look().settings, style.SETTINGS)
+        file = self.folder / "own.mplstyle"
+        file.write_text("lines.linewidth: 4.5  # thick\n")
+        self.assertEqual(style.look("column", str(file)).settings["lines.linewidth"], 4.5)
+        file.write_text("# own\nlines.width: 4\n")
+        for wrong, told in ((str(file), "own.mplstyle:2: matplotlib has no setting lines.width"), ("fancy", "neither paper, slides nor a file")):
+            done = self.plot("--style", wrong)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(told, done.stderr)
+
+    def test_a_film_on_request_stays_in_the_report(self):
+        with mock.patch("shutil.which", return_value=None):
+            self.drawn("--film", figures=LINE)
+        self.assertTrue((self.folder / "figures/film.gif").is_file())
+        with contextlib.suppress(FileNotFoundError):
+            (self.folder / "report.html").unlink()
+        self.assertEqual(self.plot("--report-only").returncode, 0)
+        self.assertIn("data:image/gif;base64,", (self.folder / "report.html").read_text())
+
+    def test_nothing_to_film(self):
+        self.build(figures=LINE)
+        self.edit(lambda file: file.pop("rods"))
+        (self.folder / "outcome.json").unlink()
+        done = self.plot("--film")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("neither frames of beads", done.stderr)
+
+    edit = Theory.edit
+
+
+class DocsImagesTest(TestCase):
+    """tools/docs_images knows every picture of the docs, and the figure that its scene names."""
+
+    def test_every_picture(self):
+        root = PROGRAM.parents[1]
+        loader = SourceFileLoader("docs_images", str(root / "tools/docs_images"))
+        tool = module_from_spec(spec_from_loader("docs_images", loader))
+        with mock.patch("sys.dont_write_bytecode", True):
+            loader.exec_module(tool)
+        self.assertLessEqual(set(tool.PICTURES), {path.stem for path in (root / "docs/images").glob("*.png")})
+        for name, one in tool.PICTURES.items():
+            scene = tomllib.loads((root / one.scene).read_text())
+            if one.verb == "run":
+                self.assertIn(one.figure, [figure["name"] for figure in scene["figures"]], name)
+        with TemporaryDirectory() as folder:
+            picture = Path(folder) / "wide.png"
+            Image.new("RGB", (2200, 1000), "red").save(picture)
+            with contextlib.redirect_stdout(None):
+                tool.store(picture, picture)
+            self.assertEqual(Image.open(picture).size, (1100, 500))
+
+
+del Theory  # its tests run in their own file
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,128 @@
+"""Tests of what makes the report a page to read: abstract, contents, links, values under the pointer: /usr/bin/python3 tests/plots/test_report_page.py"""
+
+import io
+import re
+import unittest
+from types import SimpleNamespace
+
+import matplotlib.image
+import numpy as np
+from PIL import Image
+
+from fit_case import FitCase, figure
+from rodwake_plots import abstract, canvas, contents, fit_result, hover, report, run_dir
+
+
+def text(html):
+    return re.sub("<[^>]*>", "", html)
+
+
+class AbstractTest(FitCase):
+    def sentences(self, **changes):
+        self.rewrite(**changes)
+        with run_dir.RunDir(self.folder) as run:
+            return [text(one) for one in abstract.sentences(run)]
+
+    def test_whether_the_theory_fits(self):
+        for chance, said in ((0.39, "fits Ux(x, 0) and Ux(0, y)"), (0.01, "fits only poorly"), (1e-5, "does not fit")):
+            first = self.sentences(probability=chance)[0]
+            self.assertTrue(first.startswith(f"The theory {said}"), first)
+            self.assertIn("χ² = 61.3 for 59 degrees of freedom", first)
+
+    def test_unknown_errors_give_no_verdict(self):
+        self.assertIn("cannot be told", self.sentences(error_factor=2.5)[0])
+        self.assertIn("cannot be told", self.sentences(dof=0)[0])
+
+    def of_prediction(self, scale, stderr, chi2):
+        profiles = [one | {"chi2": chi2, "independent": 0.25, "excess": {"scale": scale, "stderr": stderr}} for one in self.told["profiles"]]
+        return self.sentences(profiles=profiles)[1]
+
+    def test_predictions(self):
+        self.assertRegex(self.of_prediction(0.35, 0.14, 90.0), r"Uy\(x, 4 a\) does not agree in size.*off by −0\.65 ± 0\.14, χ² = 90 for 16 independent points")
+        self.assertRegex(self.of_prediction(0.95, 0.16, 90.0), "has the right size but not the right shape")
+        told = self.of_prediction(0.95, 0.16, 20.0)
+        self.assertIn("agrees: the data are (0.95 ± 0.16) times the theory, off by −0.05 ± 0.16.", told)
+
+    def test_other_values(self):
+        self.assertEqual(self.sentences(chi2=18.5)[-1], "The values paper give χ² = 99.1 against 18.5.")
+
+    def test_lines_that_are_there_twice_have_their_names(self):
+        self.rewrite()
+        fit = fit_result.FitResult(self.folder)
+        one, two = fit.profiles[2], fit.profiles[2] | {"name": "ahead"}
+        self.assertNotIn("profile_Uy_x", abstract.place(fit, one))
+        fit.told["profiles"].append(two)
+        self.assertIn("<q>ahead</q>", abstract.place(fit, two))
+
+
+class PageTest(FitCase):
+    def test_contents_lead_to_what_is_there(self):
+        self.ask(figure("fit"), figure("fit_correlation", name="second"))
+        self.assertEqual(self.plot("--pdf").returncode, 0)
+        page = (self.folder / "report.html").read_text()
+        links = re.findall(r'href="([^"]*)"', page)
+        self.assertEqual([link for link in links if link.startswith("#figure-")], ["#figure-1", "#figure-2"])
+        for link in links:
+            self.assertTrue(f'id="{link[1:]}"' in page if link.startswith("#") else (self.folder / link).is_file(), link)
+        for name in ("fit.json", "fit_profile_3.csv", "figures/fig.pdf", "figures/second.pdf", "scene.toml"):
+            self.assertIn(name, links)
+        self.assertEqual(page.count('<svg class="hover"'), 1)
+        self.assertEqual(page.count("<circle"), page.count(", theory "))
+
+    def test_how_to_make_it_again(self):
+        run = SimpleNamespace(version="0.1.0", provenance={"command": "/usr/bin/rodwake scan 'my scene.toml' -j 2", "version": "0.2.0", "git": "abc",
+                                                           "seed": 7, "wall_seconds": 12.7})
+        made = text(contents.reproduce(run))
+        self.assertIn("rodwake scan scene.toml -o again", made)
+        self.assertIn("rodwake 0.2.0, git abc, seed 7; it took 13 s", made)
+        run.provenance = None
+        self.assertIn("rodwake run scene.toml -o again", text(contents.reproduce(run)))
+
+    def test_many_pictures_lose_colours_before_the_page_grows(self):
+        noise = np.random.default_rng(0).random((300, 300, 3))
+        out = io.BytesIO()
+        matplotlib.image.imsave(out, noise, format="png", metadata={hover.KEY: "[[0.5,0.5,\"χ\"]]"})
+        made = report.slim(out.getvalue())
+        self.assertLess(len(made), 0.5 * len(out.getvalue()))
+        self.assertEqual(hover.of_png(made), [[0.5, 0.5, "χ"]])
+
+
+class HoverTest(unittest.TestCase):
+    def test_a_place_is_where_the_point_is_drawn(self):
+        made = canvas.figure(4, 3)
+        axes = made.subplots()
+        axes.plot([1.0], [20.0], "s", color="#ff0000", markersize=6, markeredgewidth=0)
+        axes.set(xlim=(0, 4), ylim=(0, 100), xlabel="a long label below")
+        made.legend(["outside"], loc="upper left", bbox_to_anchor=(1.0, 1.0))  # grows the picture to the right
+        found = hover.places(made, [(axes, 1.0, 20.0, "here"), (axes, 9.0, 20.0, "outside the panel")], canvas.PAD)
+        self.assertEqual([one[2] for one in found], ["here"])
+        out = io.BytesIO()
+        made.savefig(out, format="png", bbox_inches="tight", pad_inches=canvas.PAD, dpi=200, metadata=hover.metadata(found))
+        self.assertEqual(hover.of_png(out.getvalue()), found)
+        pixels = np.asarray(Image.open(out).convert("RGB")).astype(int)
+        rows, columns = np.nonzero((pixels[..., 0] > 200) & (pixels[..., 1:].max(axis=-1) < 60))
+        inner = columns < pixels.shape[1] * 0.6  # not the legend's
+        self.assertAlmostEqual(columns[inner].mean() / pixels.shape[1], found[0][0], delta=0.006)
+        self.assertAlmostEqual(rows[inner].mean() / pixels.shape[0], found[0][1], delta=0.006)
+
+    def test_very_many_are_thinned_evenly(self):
+        x, y = np.random.default_rng(1).random((2, 20000))
+        kept = hover.thinned(x, y, np.arange(20000))
+        self.assertTrue(1200 < len(kept) <= 1600, len(kept))
+        self.assertTrue(all(np.histogram2d(x[kept], y[kept], bins=10)[0].ravel() > 5))
+        self.assertEqual(len(hover.thinned(x, y, np.arange(100))), 100)
+
+    def test_texts_stay_inside_and_are_escaped(self):
+        made = hover.overlay([[0.1, 0.5, "a<b"], [0.9, 0.5, "c"]], 400, 300)
+        self.assertIn("a&lt;b", made)
+        self.assertEqual(made.count('text-anchor="end"'), 1)
+        self.assertEqual(hover.overlay([], 400, 300), "")
+
+    def test_a_picture_without_places(self):
+        out = io.BytesIO()
+        matplotlib.image.imsave(out, np.zeros((4, 4, 3)), format="png")
+        self.assertEqual(hover.of_png(out.getvalue()), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
