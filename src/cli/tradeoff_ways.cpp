@@ -5,13 +5,14 @@
 #include "signals.hpp"
 #include "terminal.hpp"
 #include "tradeoff_words.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace rodwake::cli {
 
@@ -145,11 +146,10 @@ std::optional<WantedError> wanted_error(const Options& options) {
     wanted.relative = number.ends_with('%');
     if (wanted.relative)
         number.erase(number.find_last_not_of(" %") + 1);
-    const char *begin = number.data(), *end = begin + number.size();
-    const auto [at, problem] = std::from_chars(begin, end, wanted.error);
-    if (problem != std::errc() || at != end || !(wanted.error >= 0.0) || !std::isfinite(wanted.error))
-        throw InputError(fmt::format(
-            "--for \"{}\": must be an error, 0 or larger, such as 1e-6, 2% or \"rod_speed 2%\"", text));
+    if (const std::string wrong = number_from(0.0, std::numeric_limits<double>::max())(number);
+        !wrong.empty())
+        throw InputError("--for: " + wrong);
+    wanted.error = std::stod(number);
     wanted.error *= wanted.relative ? 0.01 : 1.0;
     return wanted;
 }

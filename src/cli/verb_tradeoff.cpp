@@ -7,6 +7,7 @@
 #include "signals.hpp"
 #include "terminal.hpp"
 #include "tradeoff_words.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -21,13 +22,14 @@ using stages::Trial;
 /// --error, or the first kind. Throws InputError.
 ErrorKind kind_of(const Options& options) {
     using enum ErrorKind;
+    if (options.error_kind.empty())
+        return final_state;
+    std::vector<std::string> names;
     for (const ErrorKind kind : {final_state, contact_time, outcome, path})
-        if (options.error_kind == to_string(kind))
+        if (options.error_kind == names.emplace_back(to_string(kind)))
             return kind;
-    if (!options.error_kind.empty())
-        throw InputError(fmt::format("--error {}: must be one of final_state, contact_time, outcome, path",
-                                     options.error_kind));
-    return final_state;
+    std::string word = options.error_kind;
+    throw InputError("--error: " + one_of(names)(word));
 }
 
 /// Absent without --for. An error of rods has no value that it could be a part of.

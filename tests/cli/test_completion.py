@@ -47,7 +47,7 @@ class CompletionTest(ProgramTest):
             self.assertEqual(self.bash(verb, "--"), options, verb)
 
     def test_values(self):
-        self.assertEqual(self.bash("tradeoff", "x.toml", "--error", "p"), {"path"})
+        self.assertEqual(self.bash("tradeoff", "x.toml", "--of", "fi"), {"fit", "field"})
         self.assertEqual(self.bash("new", "--kind", ""), {"rods", "bed", "scan"})
         self.assertEqual(self.bash("rods", "x.toml", "-s", "coupling.k"), {"coupling.kappa="})
         self.assertEqual(self.bash("rods", "x.toml", "-o", "ba"), {"bash"})

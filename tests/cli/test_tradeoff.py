@@ -81,7 +81,7 @@ class TradeoffTest(ProgramTest):
         self.refuse(2, "--error", "tradeoff", "pair.toml", "--error", "size")
         self.refuse(2, "--limit", "tradeoff", "pair.toml", "--limit=-1s")
         self.write("bed.toml", 'schema = 1\n[granular]\nphi_b = 0.5\nbox = "20 a"\nduration = "0.1 s"\n')
-        self.refuse(2, "no .rods_run. table", "tradeoff", "bed.toml")
+        self.refuse(2, "no .rods_run. table", "tradeoff", "bed.toml", "--of", "rods")
 
     def test_dry_run_does_nothing(self):
         told = self.expect(0, "tradeoff", "pair.toml", "--dry-run").stdout

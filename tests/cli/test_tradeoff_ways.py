@@ -109,7 +109,7 @@ class WaysTest(ProgramTest):
         self.assertIn("order.psi6", names)
         self.assertTrue(all(way["runs"] >= 4 for way in told["ways"]))
         self.the_table_follows_from_the_runs(told["ways"])
-        self.assertIn("must be an error", self.tradeoff(2, "bed.toml", "--limit", "0.2s", "--for", "T_z much").stderr)
+        self.assertIn("--for: much is not a number", self.tradeoff(2, "bed.toml", "--limit", "0.2s", "--for", "T_z much").stderr)
 
     def the_table_follows_from_the_runs(self, ways):
         """Scatter and bias of T_z once more, from runs.csv."""
@@ -141,7 +141,7 @@ class WaysTest(ProgramTest):
         self.assertIn("no [granular] table", self.tradeoff(2, "pair.toml", "--of", "bed").stderr)
         self.assertIn("no [fit] table", self.tradeoff(2, "pair.toml", "--of", "fit").stderr)
         self.assertIn("of rods a plain number", self.tradeoff(2, "pair.toml", "--for", "2%").stderr)
-        self.assertIn("must be one of final_state", self.tradeoff(2, "pair.toml", "--error", "heat").stderr)
+        self.assertIn("heat is none of final_state", self.tradeoff(2, "pair.toml", "--error", "heat").stderr)
 
 
 if __name__ == "__main__":
