@@ -2,20 +2,25 @@
 
 import contextlib
 import io
+import signal
+import subprocess
 import sys
 import tempfile
+import threading
+import time
 import tomllib
 import unittest
-from math import nan
+from math import isfinite, nan
 from pathlib import Path
 
 import browser
+import numpy as np
 import rodwake
 from PIL import Image
 from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "tools"))
-from paper_rows import bed_pairs, judge, lab, page, subjects, table  # noqa: E402
+from paper_rows import bed, bed_pairs, judge, lab, page, subjects, table, theory_pairs  # noqa: E402
 from paper_rows.entry import Row, Run, Subject  # noqa: E402
 from paper_rows.judge import DIFFERS, MATCHES, UNKNOWN  # noqa: E402
 
@@ -50,15 +55,33 @@ class VerdictTest(unittest.TestCase):
     def test_a_value_against_a_value(self):
         # value, error, paper's value, its rounding
         self.verdicts(judge.number, [((2.3, 0.1, 2.2, 0.05), MATCHES), ((2.5, 0.1, 2.2, 0.05), UNKNOWN), ((4.1, 0.05, 2.2, 0.05), DIFFERS),
-                                     ((2.2, 0.8, 2.2, 0.05), UNKNOWN), ((2.2, nan, 2.2, 0.05), UNKNOWN), ((9.0, 1.0, 2.2, 0.05), DIFFERS),
+                                     ((2.2, 0.8, 2.2, 0.05), UNKNOWN), ((2.2, nan, 2.2, 0.05), UNKNOWN), ((nan, 0.1, 2.2, 0.05), UNKNOWN), ((9.0, 1.0, 2.2, 0.05), DIFFERS),
                                      ((2.2, 0.0, 2.2, 0.0), MATCHES), ((2.3, 0.0, 2.2, 0.0), DIFFERS), ((-0.5, 0.01, -0.5, 0.05), MATCHES)])
 
     def test_directions_and_bounds(self):
         self.verdicts(judge.sign, [((-1.9, 0.5, -1), MATCHES), ((-0.9, 0.5, -1), UNKNOWN), ((1.4, 0.5, -1), UNKNOWN), ((1.6, 0.5, -1), DIFFERS),
-                                   ((-1.9, nan, -1), UNKNOWN), ((nan, 0.1, -1), UNKNOWN)])
+                                   ((-1.9, nan, -1), UNKNOWN), ((nan, 0.1, -1), UNKNOWN),
+                                   ((0.0, 0.0, 1), UNKNOWN), ((0.0, 0.1, 1), UNKNOWN)])
+        self.assertEqual(judge.sign(-1.9, nan, -1).difference, "")
         self.verdicts(judge.at_most, [((1.0, 0.1, 1.3), MATCHES), ((1.2, 0.1, 1.3), UNKNOWN), ((1.7, 0.1, 1.3), DIFFERS)])
         self.verdicts(judge.at_least, [((1.0, 0.1, 0.7), MATCHES), ((0.8, 0.1, 0.7), UNKNOWN), ((0.3, 0.1, 0.7), DIFFERS)])
         self.verdicts(judge.between, [((1.0, 0.05, 0.8, 1.2), MATCHES), ((1.15, 0.05, 0.8, 1.2), UNKNOWN), ((0.5, 0.05, 0.8, 1.2), DIFFERS)])
+
+    def test_a_place_between_two(self):
+        self.verdicts(judge.bracket, [((0.74, 0.75, 0.74, 0.75), MATCHES), ((0.70, 0.76, 0.74, 0.75), UNKNOWN), ((0.70, 0.74, 0.74, 0.75), UNKNOWN),
+                                      ((0.70, 0.72, 0.74, 0.75), DIFFERS), ((0.76, 0.78, 0.74, 0.75), DIFFERS), ((nan, nan, 0.74, 0.75), UNKNOWN)])
+        self.assertEqual(bed.crossing({0.70: 0.1, 0.72: 0.4, 0.74: 0.6}, 0.3), (0.70, 0.72))
+
+    def test_a_mean_needs_every_error(self):
+        self.assertEqual(judge.weighted((1.0, 2.0), (0.5, 0.5)), (1.5, 0.125**0.5))
+        for errors in ((0.5, nan), (0.5, 0.0), (0.5, float("inf"))):
+            self.assertFalse(any(map(isfinite, judge.weighted((1.0, 2.0), errors))), errors)
+
+    def test_all_starts_need_starts_that_were_solved(self):
+        yes, no, failed = ((100.0, k, theory_pairs.captures({"outcome": outcome, "status": status}))
+                           for k, (outcome, status) in enumerate((("pursuit", "ok"), ("undecided", "ok"), ("", "failed"))))
+        self.verdicts(theory_pairs.every, [(([], True), UNKNOWN), (([yes, yes], True), MATCHES), (([yes, no], True), DIFFERS), (([no], False), MATCHES),
+                                           (([yes, failed], True), UNKNOWN), (([no, failed], False), UNKNOWN), (([yes, no, failed], True), DIFFERS)])
 
     def test_no_effect_needs_a_small_error_too(self):
         self.verdicts(judge.none, [((0.1, 0.1, 1.0), MATCHES), ((-0.1, 0.1, 1.0), MATCHES), ((0.1, 0.9, 1.0), UNKNOWN), ((-2.0, 0.2, 1.0), DIFFERS)])
@@ -103,7 +126,8 @@ class DensityTest(unittest.TestCase):
             (folder / "scan.csv").write_text("\n".join(["granular.phi_b,granular.rods.0.position.1,delta_y,delta_y_error", *lines]))
             self.assertAlmostEqual(bed_pairs.pooled(folder, lambda phi: phi < 0.72)[0], 1.5)
             self.assertEqual([rule(folder).verdict for rule in (bed_pairs.avoid, bed_pairs.attract, bed_pairs.weakens)], [MATCHES, MATCHES, UNKNOWN])
-            self.assertIn("0.740 ± 0.040", bed_pairs.sign_change(folder).ours)
+            changed = bed_pairs.sign_change(folder)
+            self.assertEqual((changed.verdict, changed.ours), (UNKNOWN, "between 0.7 and 0.78"))
 
 
 class LabCase(unittest.TestCase):
@@ -126,6 +150,11 @@ class LabCase(unittest.TestCase):
         self.lab.scene = lambda run: scene
         self.lab.command = lambda run, quick, *extra: ["rodwake", "run", str(scene), *self.lab.settings(run, quick), *extra]
         return Run("one", scene.name, settings, quick)
+
+
+def wait_until(true):
+    while not true():
+        time.sleep(0.01)
 
 
 class LabTest(LabCase):
@@ -171,6 +200,40 @@ class LabTest(LabCase):
         self.lab.make(run)
         found = table.judge_row(self.lab, Row("r", "Fig. 1", "says", lambda folder: judge.holds(True, "x"), (run,)))
         self.assertEqual((found.judged.verdict, found.judged.difference), (UNKNOWN, "no room left"))
+
+    def test_what_a_failed_run_leaves_of_other_settings_does_not_count(self):
+        self.lab.make(self.run_of(0))
+        other = self.run_of(1, ("x=1",))
+        self.lab.make(other)
+        self.assertIsNone(self.lab.found(other))
+        self.lab.make(other)
+        self.assertIn("--force", self.calls.read_text().splitlines()[2])
+
+    def test_a_stop_counts_though_the_run_ends_well(self):
+        self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))
+        begun = self.folder / "begun"
+        main = threading.main_thread().ident
+        stop = threading.Thread(target=lambda: (wait_until(begun.exists), signal.pthread_kill(main, signal.SIGINT)), daemon=True)
+        stop.start()
+        script = f"trap 'exit 0' INT; touch {begun}; echo told >&2; while :; do sleep 0.02; done"
+        self.assertEqual(lab.wait_for(["/bin/sh", "-c", script]), (0, "told\n", True))
+        stop.join()
+
+    def test_a_judge_that_breaks_cannot_tell(self):
+        run = self.run_of(0)
+        self.lab.make(run)
+        for error in (IndexError, OverflowError, AttributeError, np.linalg.LinAlgError):
+            def judged(_, error=error):
+                raise error("broken")
+            self.assertEqual(table.judge_row(self.lab, Row("r", "Fig. 1", "says", judged, (run,))).judged.verdict, UNKNOWN)
+
+    def test_a_missing_program_is_told_and_a_page_makes_its_folder(self):
+        command = [sys.executable, SOURCE / "tools" / "paper", "-o", self.folder / "new" / "page"]
+        done = subprocess.run([*command, "--program", self.folder / "nothing"], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
+        self.assertIn("no such program", done.stderr)
+        subprocess.run([*command, "--page"], capture_output=True, check=True)
+        self.assertTrue((self.folder / "new" / "page" / "paper.html").is_file())
 
     def test_the_cost_that_check_tells(self):
         for line, seconds in (("granular run: about 45 CPU seconds each, 2.2e+03 for 50 runs", 2200),

@@ -59,18 +59,17 @@ def by_density(folder):
 
 
 def crossing(values, level):
-    """Where a rising quantity passes a level, between the two densities around it: (density, half their distance)."""
+    """The two densities between which a rising quantity passes a level."""
     places = sorted(values)
     for low, high in zip(places, places[1:]):
         if values[low] < level <= values[high]:
-            part = (level - values[low]) / (values[high] - values[low])
-            return low + part * (high - low), (high - low) / 2
+            return low, high
     return nan, nan
 
 
 def order_onset(folder):
     psi6 = {phi: told["order"]["psi6"]["value"] for phi, told in by_density(folder).items()}
-    return judge.number(*crossing(psi6, 0.3), 0.72, 0.01)
+    return judge.bracket(*crossing(psi6, 0.3), 0.71, 0.73)
 
 
 def order_saturates(folder):
@@ -89,7 +88,7 @@ def class_change(upper, paper):
         below, above = ([phi for phi, k in rank.items() if (k >= upper) == wanted] for wanted in (False, True))
         if not below or not above:
             return judge.unknown("one class only")
-        return judge.number((max(below) + min(above)) / 2, abs(min(above) - max(below)) / 2, paper, 0.005)
+        return judge.bracket(*sorted((max(below), min(above))), paper - 0.005, paper + 0.005)
     return judged
 
 

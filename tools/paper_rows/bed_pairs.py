@@ -71,7 +71,7 @@ def sign_change(folder):
     together = [phi for phi in places if sure[phi] < -judge.CONFIRMED and apart and phi > max(apart)]
     if not together:
         return judge.unknown("the errors leave it open: Δy over its error is " + ", ".join(f"{ratio:+.1f} at {phi:.2f}" for phi, ratio in sure.items()))
-    return judge.number((max(apart) + min(together)) / 2, (min(together) - max(apart)) / 2, 0.745, 0.01)
+    return judge.bracket(max(apart), min(together), 0.735, 0.755)  # two printed digits
 
 
 def weakens(folder):

@@ -66,7 +66,7 @@ def profile(name, folders):
 
 
 def ahead_falls_faster(*folders):
-    """U_x from its value half a box away, 9 to 15 a behind and ahead."""
+    """U_x from its value half a box away, 9 to 27 a behind and ahead."""
     x, u, sigma = profile("Ux_x", folders)
     sums = []
     for side in (-1.0, 1.0):
@@ -75,7 +75,7 @@ def ahead_falls_faster(*folders):
         sums.append((np.sum(weights * (u[here] - u[0])) / np.sum(weights), np.sqrt(BINS_PER_VALUE / np.sum(weights))))
     (back, back_error), (front, front_error) = sums
     ratio = back / front
-    error = abs(ratio) * np.hypot(back_error / back, front_error / front)
+    error = np.sqrt(back_error**2 + (ratio * front_error) ** 2 + ((ratio - 1.0) * sigma[0]) ** 2) / abs(front)  # u[0] is in both
     found = judge.sign(ratio - 1.0, error, +1)
     return judge.Judged(found.verdict, f"U_x behind over ahead, 9 to 27 a: {judge.with_error(ratio, error)}", found.difference)
 

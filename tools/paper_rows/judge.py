@@ -5,7 +5,7 @@ question, the verdict is "cannot tell". Exact results (the theory, solved to ten
 """
 
 from dataclasses import dataclass
-from math import hypot, inf, isfinite
+from math import hypot, isfinite, nan
 
 MATCHES, DIFFERS, UNKNOWN = VERDICTS = "matches", "differs", "cannot tell"
 NOTHING = "-"                  # instead of a value
@@ -55,6 +55,8 @@ def by_distance(distance, error):
 def number(value, error, paper, paper_error, unit=""):
     """A value of the paper; paper_error is half of its last printed digit, or what it states."""
     ours = with_error(value, error, unit)
+    if not isfinite(value):
+        return unknown("the value is unknown")
     if error is None or not isfinite(error):
         return unknown("the error is unknown", ours)
     off, both = abs(value - paper), hypot(error, paper_error)
@@ -72,8 +74,10 @@ def sign(value, error, expected, unit=""):
     if ours == NOTHING:
         return unknown("no runs at these settings")
     side = expected * value
-    told = f"{in_errors(side, error)} {'with' if side > 0 else 'against'} the paper" if error else ""
-    return Judged(by_distance(-expected * value, error), ours, told)
+    if side == 0:
+        return unknown("no direction", ours)
+    told = f"{in_errors(side, error)} {'with' if side > 0 else 'against'} the paper" if error and isfinite(error) else ""
+    return Judged(by_distance(-side, error), ours, told)
 
 
 def at_most(value, error, bound, unit=""):
@@ -96,6 +100,16 @@ def between(value, error, low, high, unit=""):
     return Judged(by_distance(outside, error), with_error(value, error, unit), f"asked: {plain(low)} to {plain(high)} {unit}".rstrip())
 
 
+def bracket(low, high, paper_low, paper_high):
+    """A place known to lie between two of ours, hard bounds and not errors, against the range that the paper leaves."""
+    if not (isfinite(low) and isfinite(high)):
+        return unknown("no place found")
+    slack = 1e-9 * abs(paper_high)  # of the decimals
+    inside, apart = paper_low - slack <= low and high <= paper_high + slack, high < paper_low - slack or low > paper_high + slack
+    return Judged(MATCHES if inside else DIFFERS if apart else UNKNOWN, f"between {plain(low)} and {plain(high)}",
+                  f"asked: inside {plain(paper_low)} to {plain(paper_high)}")
+
+
 def holds(true, ours, difference=""):
     """An exact result, or a class without an error."""
     return Judged(MATCHES if true else DIFFERS, ours, difference)
@@ -110,7 +124,9 @@ def together(*parts):
 
 
 def weighted(values, errors):
-    """Mean with weights 1/error^2 and its standard error."""
-    weights = [1.0 / error**2 if error > 0 else inf for error in errors]
+    """Mean with weights 1/error^2 and its standard error; unknown where an error is."""
+    if not all(isfinite(error) and error > 0 for error in errors):
+        return nan, nan
+    weights = [1.0 / error**2 for error in errors]
     total = sum(weights)
     return sum(w * v for w, v in zip(weights, values)) / total, total**-0.5

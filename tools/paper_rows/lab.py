@@ -7,6 +7,7 @@ import shlex
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import tomllib
 from pathlib import Path
@@ -75,12 +76,15 @@ class Lab:
     def make(self, run):
         self.runs.mkdir(parents=True, exist_ok=True)
         name, began = self.name(run, self.quick), time.monotonic()
-        code, errors = wait_for([str(self.program), *self.arguments(run, self.runs / name)])
-        if code in INTERRUPTED:
-            sys.exit(code)
-        if code not in (0, 3):
+        arguments = self.arguments(run, self.runs / name)
+        code, errors, stopped = wait_for([str(self.program), *arguments])
+        if code not in (0, 3, *INTERRUPTED):
+            if arguments[0] == "run":  # what lies there may be of other settings
+                self.label(run, self.quick).unlink()
             self.failed[run.name] = (errors.strip().splitlines() or [f"exit code {code}"])[-1]
         print(f"  {name}: {time.monotonic() - began:.0f} s{' FAILED: ' + self.failed[run.name] if run.name in self.failed else ''}", flush=True)
+        if stopped or code in INTERRUPTED:
+            sys.exit(code if code in INTERRUPTED else INTERRUPTED[0])
 
     def arguments(self, run, folder):
         if self.is_done(run, self.quick):
@@ -99,14 +103,18 @@ class Lab:
 
 
 def wait_for(command):
-    """(exit code, errors). Ctrl-C is handed on, once, and waited for: the program writes its checkpoint."""
-    with subprocess.Popen(command, cwd=SOURCE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
-        while True:
+    """(exit code, errors, whether Ctrl-C was pressed). Ctrl-C is handed on and waited for: the program writes its checkpoint."""
+    stopped = False
+    with (tempfile.TemporaryFile("w+") as errors,
+          subprocess.Popen(command, cwd=SOURCE, stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True) as process):
+        while process.returncode is None:
             try:
-                _, errors = process.communicate()
-                return process.returncode, errors
+                process.wait()
             except KeyboardInterrupt:
+                stopped = True
                 process.send_signal(signal.SIGINT)
+        errors.seek(0)
+        return process.returncode, errors.read(), stopped
 
 
 NUMBER = r"(\d[\d.]*(?:e[+-]?\d+)?)"

@@ -4,6 +4,8 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from . import judge
 from .entry import Row, Subject
 
@@ -32,7 +34,7 @@ def judge_row(lab, row):
     else:
         try:
             judged = row.judge(*folders)
-        except (KeyError, ValueError, OSError, TypeError, ZeroDivisionError) as error:
+        except (LookupError, ValueError, OSError, TypeError, ArithmeticError, AttributeError, np.linalg.LinAlgError) as error:
             judged = judge.unknown(f"the results do not hold it: {error!r}")
     return Found(row, judged, folders, commands, any(got and got[1] and run.quick for run, got in zip(row.runs, there)))
 

@@ -24,54 +24,62 @@ def front_rests(folder):
                        f"{told['outcome']}; the front rod turns by {front:.1e} rad, the rear one by {rear:.2f} rad")
 
 
+def captures(row):
+    """Whether a point of a scan ends in capture; None if it could not be integrated."""
+    return row["outcome"] in CAPTURED if row["status"] == "ok" else None
+
+
 def encounters(folder, wanted, key="coupling.kappa"):
     """(value of key, start, whether captured) of the points of a scan that are wanted."""
-    return [(float(row[key]), float(row["rods.1.position.0"]), row["outcome"] in CAPTURED)
-            for row in results.table(folder / "scan.csv") if wanted(row)]
+    return [(float(row[key]), float(row["rods.1.position.0"]), captures(row)) for row in results.table(folder / "scan.csv") if wanted(row)]
 
 
 def kappa(low, high):
     return lambda row: low <= float(row["coupling.kappa"]) <= high
 
 
-def exceptions(found, expected):
-    """The starts that do not do as expected, and the verdict on "all"."""
-    other = [start for start in found if start[2] != expected]
-    what = "captured" if expected else "not captured"
-    return judge.holds(not other, f"{len(found) - len(other)} of {len(found)} starts {what}"), other
+def every(found, expected, name=lambda other: ""):
+    """The verdict on "all starts do as expected"; `name` tells of those that do not. One that could not be integrated leaves it open."""
+    if not found:
+        return judge.unknown("no such starts")
+    other, failed = ([start for start in found if start[2] is ends] for ends in (not expected, None))
+    ours = f"{len(found) - len(other) - len(failed)} of {len(found)} starts {'captured' if expected else 'not captured'}"
+    if failed:
+        ours += f", {len(failed)} could not be integrated"
+    if failed and not other:
+        return judge.unknown("not all could be integrated", ours)
+    return judge.holds(not other, ours, name(other) if other else "")
 
 
 def all_captured(folder):
-    return exceptions(encounters(folder, kappa(100, 100)), True)[0]
+    return every(encounters(folder, kappa(100, 100)), True)
 
 
 def always_captured(folder):
-    judged, other = exceptions(encounters(folder, kappa(0.1, 1e3)), True)
-    values = sorted({value for value, *_ in other})
-    return judge.holds(not other, judged.ours, "escapes at κ = " + ", ".join(f"{value:g}" for value in values))
+    return every(encounters(folder, kappa(0.1, 1e3)), True,
+                 lambda other: "escapes at κ = " + ", ".join(f"{value:g}" for value in sorted({value for value, *_ in other})))
 
 
 def negative_free(folder):
-    judged, other = exceptions(encounters(folder, kappa(-100, -100)), False)
-    return judge.holds(not other, judged.ours, "contact at dx = " + ", ".join(f"{dx:g}" for _, dx, _ in other))
+    return every(encounters(folder, kappa(-100, -100)), False, lambda other: "contact at dx = " + ", ".join(f"{dx:g}" for _, dx, _ in other))
 
 
 def figure_b(_, scan):
     found = {value: captured for value, dx, captured in encounters(scan, kappa(-100, 100)) if dx == FIGURE_START and abs(value) == 100}
+    if len(found) < 2 or None in found.values():
+        return judge.unknown("no such starts, or they could not be integrated")
     return judge.holds(found == {100.0: True, -100.0: False}, f"from dx = 1: κ = 100 {'is' if found[100.0] else 'is not'} captured, "
                        f"κ = -100 {'is' if found[-100.0] else 'is not'}")
 
 
 def figure_a(_, scan):
     here = encounters(scan, lambda row: float(row["rods.1.position.0"]) == FIGURE_START, "coupling.gamma1")
-    return exceptions(here, False)[0]
+    return every(here, False)
 
 
 def gamma_free(folder):
-    judged, other = exceptions([(row["coupling.gamma1"], row["coupling.gamma2"], row["outcome"] in CAPTURED)
-                                for row in results.table(folder / "scan.csv")], False)
-    signs = sorted({(one, two) for one, two, _ in other})
-    return judge.holds(not other, judged.ours, "captured at (γ₁, γ₂) = " + "; ".join(f"({one}, {two})" for one, two in signs) if signs else "")
+    found = [(row["coupling.gamma1"], row["coupling.gamma2"], captures(row)) for row in results.table(folder / "scan.csv")]
+    return every(found, False, lambda other: "captured at (γ₁, γ₂) = " + "; ".join(f"({one}, {two})" for one, two in sorted({start[:2] for start in other})))
 
 
 NEAR_CROSSING = "Off the paper's start: rods that would nearly meet if they walked straight (dx = 5) do meet, whatever turns them."
