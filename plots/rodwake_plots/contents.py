@@ -6,6 +6,7 @@ import shlex
 from . import schema, words
 
 MOST_FILES = 6
+VERBS = ("dem", "rods", "fit", "field", "scan", "run")  # that make a folder from a scene alone
 FIT_TABLES = ("fit_profile_*.csv", "fit_curve_*.csv", "fit_trajectory_*.csv")
 
 
@@ -51,7 +52,8 @@ def reproduce(run):
     """The command that makes this run again from the resolved scene, and what else it depends on."""
     told = run.provenance or {}
     command = str(told.get("command") or "")
-    verb = next((word for word in split(command)[1:] if not word.startswith("-")), "run")
+    first = next((word for word in split(command)[1:] if not word.startswith("-")), "")
+    verb = first if first in VERBS else "run"  # a run of Python, too
     program = f"rodwake {words.escape(told.get('version', run.version))}" + (f", git {words.escape(told['git'])}" if told.get("git") else "")
     seed = f", seed {words.number(told['seed'])}" if words.is_number(told.get("seed")) else ""
     took = f"; it took {words.number(float(told['wall_seconds']), 2)} s" if words.is_number(told.get("wall_seconds")) else ""

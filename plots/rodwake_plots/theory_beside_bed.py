@@ -7,6 +7,8 @@ from .errors import PlotError
 from .spec import Spec
 
 ROWS = (("Ux", False), ("Uy", False), ("Ux", True))  # component, times |x|^(1/2); as in the paper
+BELOW = {("Ux", False): "<i>U<sub>x</sub></i> through the rod", ("Uy", False): "<i>U<sub>y</sub></i> beside the rod",
+         ("Ux", True): "|<i>x</i>|<sup>1/2</sup><i>U<sub>x</sub></i>, in which a level stretch is a fall-off as |<i>x</i>|<sup>−1/2</sup>"}
 
 
 def draw(run, spec):
@@ -50,9 +52,9 @@ def cut_of(result, component, farthest=False):
 def caption(run, spec):
     rows = rows_of(run, spec)
     bed, theory = rows[0]
-    return (f"Left, measured in the bed: {profile.caption(run, bed)} Right, of the theory: {cut.caption(run, theory)} "
-            "Below: <i>U<sub>y</sub></i> beside the rod, and |<i>x</i>|<sup>1/2</sup><i>U<sub>x</sub></i>, in which a level stretch is a fall-off as "
-            "|<i>x</i>|<sup>−1/2</sup>.")
+    below = ", and ".join(BELOW[one.component, one.sqrt_scaled] for one, _ in rows[1:])
+    return (f"Left, measured in the bed: {profile.caption(run, bed)} Right, of the theory: {cut.caption(run, theory)}"
+            + (f" Below: {below}." if below else ""))
 
 
 def defaults(run):

@@ -54,7 +54,9 @@ def draw_bed(ways):
     longest = number(ways[0], "granular.duration")
     often = key(ways[0], "measure.interval")
     full = [way for way in ways if number(way, "granular.duration") == longest and key(way, "measure.interval") == often]
-    names = [name for name in SHOWN if sum(found(way, name) is not None for way in full) > 1]
+    names = [name for name in SHOWN if any(found(way, name) for way in full)]
+    if not names:
+        raise PlotError(f"no way of the longest duration has a result for any of {', '.join(SHOWN)}")
     for k, name in enumerate(names):
         bias_against_step(steps, full, name, k, len(names))
     steps.axhline(0, color=style.GREY, linewidth=0.7)
@@ -82,7 +84,7 @@ def error_against_cost(axes, ways, full, name):
             continue
         bias = max(0.0, one["bias"] ** 2 - one["bias_error"] ** 2) ** 0.5
         runs = np.logspace(0, 4, 101)
-        axes.plot(way["seconds"] * runs / 3600, 100 * np.hypot(bias, one["scatter"] / np.sqrt(runs)) / one["scale"], linewidth=1.0,
+        axes.plot(way["seconds"] * runs / 3600, 100 * np.hypot(bias, one["scatter"] / np.sqrt(runs)) / (one["scale"] or 1.0), linewidth=1.0,
                   color=style.ROD_COLOURS[lines % len(style.ROD_COLOURS)], linestyle="-" if way in full else "--", label=way_words(way, way in full))
         lines += 1
     axes.set(xscale="log", yscale="log", xlabel="CPU time of all runs (h)", ylabel=f"error of the {SHOWN.get(name, name)} (%)")

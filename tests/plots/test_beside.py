@@ -46,6 +46,7 @@ class BesideTest(PlotCase):
         self.assertEqual([axes.get_title() for axes in made.axes[:2]], ["bed", "theory"])
         self.assertEqual([axes.get_ylabel()[:4] for axes in made.axes], ["$U_x", "$U_x", "$U_y", "$U_y", "$|x|", "$|x|"])
         self.assertIn("Right, of the theory", caption)
+        self.assertIn("Below: <i>U<sub>y</sub></i> beside the rod, and |<i>x</i>|", caption)
 
     def test_the_tail_is_seen_from_farthest(self):
         self.add_cut(1, 0.0, factor=3.0)
@@ -53,7 +54,9 @@ class BesideTest(PlotCase):
         self.assertEqual((ends[1], ends[3]), (-20.0, -60.0))
 
     def test_only_what_both_have(self):
-        self.assertEqual(len(self.draw()[0].axes), 4)  # no cut beside the rod: no U_y
+        made, caption = self.draw()
+        self.assertEqual(len(made.axes), 4)  # no cut beside the rod: no U_y
+        self.assertIn("Below: |<i>x</i>|", caption)
         self.edit(lambda file: file.pop("field/cuts"))
         self.assert_fails("no line along x both measured", "[[field.cuts]]")
 

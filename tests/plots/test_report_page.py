@@ -75,8 +75,9 @@ class PageTest(FitCase):
         made = text(contents.reproduce(run))
         self.assertIn("rodwake scan scene.toml -o again", made)
         self.assertIn("rodwake 0.2.0, git abc, seed 7; it took 13 s", made)
-        run.provenance = None
-        self.assertIn("rodwake run scene.toml -o again", text(contents.reproduce(run)))
+        for other in ("rodwake.Scene.load('a.toml').set('x', 1).run('b', stages=['rods'])", "rodwake measure folder", "rodwake -j 2 scan a.toml", None):
+            run.provenance = other and {"command": other}
+            self.assertIn("rodwake run scene.toml -o again", text(contents.reproduce(run)))
 
     def test_many_pictures_lose_colours_before_the_page_grows(self):
         noise = np.random.default_rng(0).random((300, 300, 3))

@@ -61,6 +61,20 @@ class WaysFigureTest(PlotCase):
         points = self.axes()[0].containers[0].lines[0]
         self.assertEqual([round(y, 6) for y in points.get_ydata()], [0.0, 5.0, 20.0])
 
+    def test_only_the_reference_has_a_result(self):
+        self.tell("bed", [bed(5e-6, 4, 0.0, 4.0), BED[-1]])
+        bias, costs = self.axes()
+        self.assertEqual((len(bias.containers), len(costs.lines)), (2, 1))
+
+    def test_a_scale_of_zero_does_not_divide(self):
+        ways = [way(one["keys"], 1.0, found("rod_speed", 0.0, 2e-4, 0.0)) for one in BED[:2]]
+        self.tell("bed", ways)
+        self.assertAlmostEqual(self.axes()[1].lines[0].get_ydata()[0], 100 * 2e-4)
+
+    def test_nothing_to_show_is_told(self):
+        self.tell("bed", [way(BED[0]["keys"], 1.0, found("rod_speed", None))])
+        self.assert_fails("no way of the longest duration")
+
     def test_no_result_is_told(self):
         self.tell("bed", BED[-1:])
         self.assert_fails("no way has a result")
