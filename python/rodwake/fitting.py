@@ -90,7 +90,8 @@ def fit_wake(profiles: Sequence[Profile], parameters: Sequence[str], **options: 
     options     keys of [fit] (docs/scene.md): start, fixed, bounds and tied, mappings by name; core (points closer to the rod are
                 left out), independent_spacing, box, heading, method, loss, starts, seed, tolerance, ...; `threads`
 
-    Lengths are in the unit of the profiles. The result is that of `rodwake fit` for the same data, to the last bit.
+    Lengths are in the unit of the profiles. The result is that of `rodwake fit` for the same data, to the last bit. NaN among the
+    sigmas is refused; rows of a file without a sigma are left out by the program, so leave them out here.
     """
     return fit(profiles=profiles, parameters=parameters, **options)
 

@@ -21,7 +21,7 @@ class Bed:
     threads  results do not depend on it
 
     The steps are those of `rodwake dem`, to the last bit. A bed of `start = "restart"`, and the end at `stop_at_travel`, are for
-    Scene.run.
+    Scene.run. One bed must not be advanced from two threads at once; each may have its own.
     """
 
     def __init__(self, scene: Scene, *, run: int = 0, threads: int = 1) -> None:

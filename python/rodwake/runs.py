@@ -103,6 +103,8 @@ class Run:
         with self._open(file) as h5:
             if name not in h5:
                 raise InputError(f"{self.folder / file}: holds no {name!r}; Run.datasets lists what it holds")
+            if not hasattr(h5[name], "shape"):
+                raise InputError(f"{self.folder / file}: {name!r} is a group; Run.datasets lists the datasets in it")
             return Quantity(np.asarray(h5[name]), _text(h5[name].attrs.get("unit", "1")))
 
     def datasets(self, file: str = "result.h5") -> list[str]:

@@ -14,6 +14,7 @@ from .toml import toml
 
 Folder = Union[str, "os.PathLike[str]"]
 Progress = Callable[[str, float, float, str], None]
+LONGEST_COMMAND = 10_000  # characters; trajectories hold it as an attribute of HDF5, which ends at 64 KiB
 _log = logging.getLogger("rodwake")
 
 
@@ -96,7 +97,7 @@ class Scene:
     def _run(self, folder: Folder, stages: Optional[list[str]], threads: int, seed: Optional[int], force: bool,
              progress: Optional[Progress], execute: Optional[Callable[..., None]] = None) -> Run:
         """`execute` evaluates the points of a scan: see scans.py."""
-        command = self._command(folder, stages=stages)
+        command = self._command(folder, stages=stages, seed=seed)
         end = _core.run(self._core, folder, stages, threads, seed, force, command, _log.log, progress, execute)
         if end == "failed":
             raise RunError(f"{folder}: the run failed; {Path(folder) / 'log.txt'} tells why")
@@ -106,7 +107,10 @@ class Scene:
         """What makes the run again, for provenance.json."""
         changes = "".join(f".set({key!r}, {value!r})" for key, value in self._changes)
         given = "".join(f", {name}={value!r}" for name, value in options.items() if value is not None)
-        return f"rodwake.Scene.load({self.path!r}){changes}.run({os.fspath(folder)!r}{given})"
+        made = f"load({self.path!r})" if self._text is None else f"parse({self._text!r}, {self._name!r})"
+        if len(made + changes) > LONGEST_COMMAND:
+            made, changes = f"load({os.path.join(folder, 'scene.toml')!r})", ""  # the same scene, as the run has written it
+        return f"rodwake.Scene.{made}{changes}.run({os.fspath(folder)!r}{given})"
 
     def __repr__(self) -> str:
         return f"<Scene {self.path!r}: {', '.join(self.stages)}>"

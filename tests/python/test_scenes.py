@@ -70,6 +70,16 @@ class RunTest(unittest.TestCase):
         self.assertTrue(any("contact" in line for line in logs.output), logs.output)
         self.assertIn(".set('coupling.kappa', 2.0)", json.loads((ours.folder / "provenance.json").read_text())["command"])
 
+    def test_the_command_makes_the_run_again(self):
+        """From a text, with a seed, and when the text is too long to be kept."""
+        folder, text = new_folder(self), SMALL_BED % "0.01 s"
+        for name, scene in (("short", text), ("long", text + "# " + 70_000 * "x" + "\n")):
+            run = rodwake.Scene.parse(scene).set("granular.phi_b", 0.3).run(folder / name, seed=7)
+            command = run.json("provenance.json")["command"]
+            self.assertRegex(command, r"parse\('schema.*phi_b.*seed=7" if name == "short" else r"load\(.*scene\.toml.*seed=7")
+            again = eval(command.replace(f".run({str(folder / name)!r}", f".run({str(folder / 'again' / name)!r}"))
+            self.assertEqual(again.json("summary.json")["state_hash"], run.json("summary.json")["state_hash"])
+
     def test_a_bed_has_the_bits_of_the_program(self):
         scene = new_folder(self) / "bed.toml"
         scene.write_text(SMALL_BED % "0.05 s")
@@ -192,7 +202,7 @@ class OpenTest(unittest.TestCase):
             rodwake.open_run(folder)
         run = rodwake.Scene.load(PAIR).run(folder / "run", stages=["rods"])
         for ask, word in ((lambda: run.table("no.csv"), "Run.files"), (run.field, r"\[field\]"), (lambda: run.rods("other"), "scene"),
-                          (lambda: run.dataset("a/b"), "datasets"), (run.trajectory, "trajectory.h5md")):
+                          (lambda: run.dataset("a/b"), "datasets"), (lambda: run.dataset("rods"), "is a group"), (run.trajectory, "trajectory.h5md")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 ask()
 
