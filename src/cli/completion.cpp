@@ -104,9 +104,10 @@ std::string zsh_argument(const CLI::Option& option) {
         return fmt::format(" \\\n        '*:{}:_files'", option.get_name(true));
     const std::string described = "[" + zsh_text(option.get_description()) + "]";
     const std::string value = takes_value(option) ? ":value:" + zsh_action(option) : "";
-    const std::string quoted = names.size() == 1
-                                   ? fmt::format("'{}{}{}'", names[0], described, value)
-                                   : fmt::format("{{{}}}'{}{}'", fmt::join(names, ","), described, value);
+    const char* again = option.get_items_expected_max() > 1 ? "*" : ""; // may be given more than once
+    const std::string quoted =
+        names.size() == 1 ? fmt::format("'{}{}{}{}'", again, names[0], described, value)
+                          : fmt::format("'{}'{{{}}}'{}{}'", again, fmt::join(names, ","), described, value);
     return fmt::format(" \\\n        {}", quoted);
 }
 

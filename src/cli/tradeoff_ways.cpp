@@ -40,8 +40,8 @@ std::string quantity_of(const Options& options, const Ways& ways) {
 bool scatters(const Found& found) { return found.scatter > 0.0; }
 
 std::string percent(double error, const Found& found) {
-    return scatters(found) ? fmt::format("{:.2g} %", 100.0 * error / found.scale)
-                           : fmt::format("{:.2g}", error);
+    return scatters(found) && found.scale > 0.0 ? fmt::format("{:.2g} %", 100.0 * error / found.scale)
+                                                : fmt::format("{:.2g}", error);
 }
 
 std::string unit_text(const Found& found) { return found.unit == "1" ? "" : " (" + found.unit + ")"; }
@@ -104,6 +104,10 @@ int answer(const Options& options, const Ways& ways) {
         print_table(ways, quantity);
         return 0;
     }
+    if (wanted && wanted->relative && !(reference.scale > 0.0))
+        throw InputError(
+            fmt::format("--for \"{}\": {} is 0, so no error is a part of it; give the error itself",
+                        options.want_error, quantity));
     const double error = !wanted ? 0.0 : wanted->relative ? wanted->error * reference.scale : wanted->error;
     const auto best =
         wanted ? cheapest(ways, quantity, error) : most_accurate(ways, quantity, *options.want_time);

@@ -107,9 +107,15 @@ name = "tracks"
 kind = "rod_tracks"
 )";
 
+/// As TOML has it, which knows no ".5".
+std::string number(const Answers& answers, const std::string& option) {
+    return fmt::format("{}", std::stod(answers.at(option)));
+}
+
 std::string rods_scene(const Answers& answers) {
     const int count = std::stoi(answers.at("--rods"));
-    std::string text = fmt::format(theory, "Rods side by side in an elastic medium", answers.at("--kappa"));
+    std::string text =
+        fmt::format(theory, "Rods side by side in an elastic medium", number(answers, "--kappa"));
     for (int i = 0; i < count; ++i)
         text += fmt::format(rod, 2.5 * (count - 1) - 5.0 * i, 0);
     return text + rods_run;
@@ -118,7 +124,7 @@ std::string rods_scene(const Answers& answers) {
 std::string scan_scene(const Answers& answers) {
     const double largest = std::stod(answers.at("--kappa"));
     const bool crosses = answers.at("--start") == "perpendicular";
-    std::string text = fmt::format(theory, "Which starts are captured", answers.at("--kappa"));
+    std::string text = fmt::format(theory, "Which starts are captured", number(answers, "--kappa"));
     text += fmt::format(rod, 0.0, 0) + fmt::format(rod, -4.0, crosses ? 90 : 0);
     return text + (crosses ? fmt::format(scan, largest / 1000.0, largest, 0, -6.0, 6.0)
                            : fmt::format(scan, largest / 1000.0, largest, 1, -10.0, -0.5));
@@ -128,7 +134,7 @@ std::string bed_scene(const Answers& answers) {
     constexpr int lane = 15; // of a rod, bead radii
     const int count = std::stoi(answers.at("--rods"));
     const int box = std::max(2, count) * lane;
-    std::string text = fmt::format(bed, answers.at("--phi-b"), box);
+    std::string text = fmt::format(bed, number(answers, "--phi-b"), box);
     for (int i = 0; i < count; ++i)
         text += fmt::format(granular_rod, (i + 0.5) * box / count);
     return text + bed_figures;

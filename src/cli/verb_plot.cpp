@@ -39,6 +39,7 @@ int wait_for(pid_t child) {
 
 int run(const std::vector<std::string>& command) {
     std::vector<char*> arguments;
+    arguments.reserve(command.size() + 1);
     for (const std::string& word : command)
         arguments.push_back(
             const_cast<char*>(word.c_str())); // posix_spawn takes char* and does not write through it

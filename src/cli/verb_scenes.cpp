@@ -147,7 +147,7 @@ fs::path shipped_folder() {
 
 scene::Scene scene_of(const Options& options) {
     const fs::path path = options.target;
-    if (!fs::exists(path) && scene_files().contains(path.stem().string()))
+    if (!fs::exists(path) && fs::exists(shipped_folder() / scenes_prefix / (path.stem().string() + ".toml")))
         throw InputError(
             fmt::format("{}: no such file; rodwake scenes -o . copies the shipped scenes into this "
                         "folder, rodwake scenes {} prints this one",

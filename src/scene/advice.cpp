@@ -19,7 +19,7 @@ public:
         if (std::abs(radians) > turn)
             list.push_back(
                 fmt::format("{0} = {1:.6g} rad is {2:.3g} turns; a plain number is in rad, degrees are "
-                            "\"{1:.6g} deg\"",
+                            "written as \"90 deg\"",
                             key, radians, radians / turn));
     }
 

@@ -32,11 +32,12 @@ bool is_temporary(const std::string& name) {
            name.find_first_not_of("0123456789", end + 4) == std::string::npos;
 }
 
-/// What is no run's yet: of one that was killed before its first file was in place, and shares of a scan.
+/// What is no run's yet: of one that was killed before its first file was in place, shares of a scan, and
+/// what ways to compute a part of the scene cost.
 bool is_no_run(const fs::path& file) {
     const std::string name = file.filename().string();
-    return name.starts_with("part-") || (name.starts_with("provenance.json.") && is_temporary(name)) ||
-           name == "rodwake.lock";
+    return name.starts_with("part-") || name.starts_with("tradeoff_") ||
+           (name.starts_with("provenance.json.") && is_temporary(name)) || name == "rodwake.lock";
 }
 
 bool has_files(const fs::path& folder) {

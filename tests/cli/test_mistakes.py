@@ -176,7 +176,7 @@ class RightTest(ProgramTest):
         self.assertIn("# contact_distance: no stop", self.resolved("-s", "rods_run.contact_distance="))
 
     def test_a_heading_beyond_a_turn_is_pointed_out(self):
-        self.assertIn('rods[0].heading = 90 rad is 14.3 turns; a plain number is in rad, degrees are "90 deg"',
+        self.assertIn('rods[0].heading = 90 rad is 14.3 turns; a plain number is in rad, degrees are written as "90 deg"',
                       self.resolved("-s", "rods.0.heading=90"))
         self.assertNotIn("what you mean", self.resolved("-s", "rods.0.heading=90 deg"))
         self.assertIn("rods[0].heading = 90 rad is 14.3 turns", self.expect(0, "rods", "my.toml", "-s", "rods.0.heading=90").stderr)

@@ -111,6 +111,17 @@ class WaysTest(ProgramTest):
         self.the_table_follows_from_the_runs(told["ways"])
         self.assertIn("--for: much is not a number", self.tradeoff(2, "bed.toml", "--limit", "0.2s", "--for", "T_z much").stderr)
 
+    def test_a_longer_limit_adds_runs(self):
+        self.write("bed.toml", BED)
+        self.tradeoff(0, "bed.toml", "--limit", "0.01s")
+        before = [way["runs"] for way in self.ways("bed")["ways"]]
+        self.tradeoff(0, "bed.toml", "--limit", "0.4s")
+        after = self.ways("bed")["ways"]
+        self.assertEqual({way["status"] for way in after}, {"ok"})
+        self.assertTrue(all(way["runs"] >= old for way, old in zip(after, before)))
+        self.assertGreater(sum(way["runs"] for way in after), sum(before))
+        self.expect(0, "dem", "bed.toml", "-o", "out", "--quiet")  # its folder is nobody's run yet
+
     def the_table_follows_from_the_runs(self, ways):
         """Scatter and bias of T_z once more, from runs.csv."""
         def sample(k):

@@ -98,5 +98,5 @@ TEST_CASE("angles that were meant in degrees are pointed out") {
     CHECK(advice(parse(complete, {"rods.1.heading=-90"})) ==
           std::vector<std::string>{
               "rods[1].heading = -90 rad is -14.3 turns; a plain number is in rad, degrees are "
-              "\"-90 deg\""});
+              "written as \"90 deg\""});
 }

@@ -72,8 +72,14 @@ bool long_enough(const scene::Scene& bed, double part) {
     return part * bed.granular->duration >= from + 2.0 * block;
 }
 
+/// After the largest one comes 0.
+long other_seed(long seed, std::size_t k) {
+    return static_cast<long>((static_cast<std::uint64_t>(seed) + k) % (std::uint64_t{1} << 63));
+}
+
 std::vector<BedWay> all_ways(const scene::Scene& bed) {
     std::vector<BedWay> ways;
+    ways.reserve(steps.size() + durations.size() + 1);
     for (const double step : steps)
         ways.push_back(changed(bed, step, 1.0, 1.0));
     for (const double part : durations)
@@ -82,7 +88,7 @@ std::vector<BedWay> all_ways(const scene::Scene& bed) {
     if (bed.measure)
         ways.push_back(changed(bed, 1.0, 1.0, rarer));
     for (std::size_t k = 0; k < ways.size(); ++k)
-        ways[k].scene.granular->seed += static_cast<long>(k + 1);
+        ways[k].scene.granular->seed = other_seed(ways[k].scene.granular->seed, k + 1);
     return ways;
 }
 
@@ -137,7 +143,7 @@ void add_estimates(const json& node, const std::string& name, double runs, std::
         return;
     }
     for (const auto& [key, value] : node.items())
-        add_estimates(value, name.empty() ? key : name + "." + key, runs, all);
+        add_estimates(value, name.empty() ? key : fmt::format("{}.{}", name, key), runs, all);
 }
 
 /// U_x on the axis, where the profile has a place next to `behind`.
@@ -159,6 +165,7 @@ std::vector<Found> found_in(const fs::path& folder, const store::Table& runs, co
     add_wake(folder / "profile_Ux_x.csv", count, all);
     if (std::ifstream in(folder / "measure.json"); in)
         add_estimates(json::parse(in), "", count, all);
+    std::erase_if(all, [](const Found& f) { return !std::isfinite(f.value) || !std::isfinite(f.error); });
     return all;
 }
 
@@ -181,16 +188,21 @@ public:
     BedTrials(std::vector<BedWay> ways, double limit, fs::path folder, const RunContext& context)
         : ways_(std::move(ways)), limit_(limit), folder_(std::move(folder)), context_(context) {}
 
+    /// A few runs first, to know what one costs; then as many as the limit pays for. Those that an earlier
+    /// command made count.
     bool attempt(std::vector<Way>& all, std::size_t k) const {
         const fs::path folder = folder_ / "ways" / fmt::format("{}", k);
+        const scene::Granular& bed = *ways_[k].scene.granular;
+        const double limit = k == 0 ? of_reference * limit_ : limit_;
+        store::Table runs = run_status(folder) == "finished" ? table_of(folder, bed) : store::Table{};
         std::string failure;
-        store::Table runs;
-        for (long count = least_runs, before = 0; count > before && failure.empty();) {
-            if (!run(ways_[k].scene, count, folder, failure))
+        for (int round = 0; round < 2 && failure.empty(); ++round) {
+            const long wanted = affordable(runs, limit);
+            if (wanted <= static_cast<long>(runs.rows()))
+                break;
+            if (!run(ways_[k].scene, wanted, folder, failure))
                 return false;
-            before = count;
-            runs = table_of(folder, *ways_[k].scene.granular);
-            count = runs.rows() == 0 ? 0 : affordable(runs, count, k == 0 ? of_reference * limit_ : limit_);
+            runs = table_of(folder, bed);
         }
         fill(all, k, runs, folder, failure);
         return true;
@@ -229,9 +241,11 @@ private:
     }
 
     /// How many runs the limit pays for.
-    static long affordable(const store::Table& runs, long made, double limit) {
+    static long affordable(const store::Table& runs, double limit) {
+        if (runs.rows() == 0)
+            return least_runs;
         const double each = mean_of(*runs.find("cpu_seconds")).value;
-        return made > least_runs ? made : std::clamp(std::lround(limit / each), least_runs, most_runs);
+        return std::lround(std::clamp(limit / each, double{least_runs}, double{most_runs}));
     }
 
     void fill(std::vector<Way>& all, std::size_t k, const store::Table& runs, const fs::path& folder,

@@ -95,8 +95,10 @@ double error_of(const std::vector<FieldValues>& map, const std::vector<FieldValu
                 std::span<const Component> components) {
     double largest = 0.0;
     for (std::size_t i = 0; i < map.size(); ++i)
-        if (const double size = size_of(reference[i], components); size > 0.0)
-            largest = std::max(largest, difference(map[i], reference[i], components) / size);
+        if (const double size = size_of(reference[i], components); size > 0.0) {
+            const double error = difference(map[i], reference[i], components) / size;
+            largest = std::isnan(error) ? HUGE_VAL : std::max(largest, error);
+        }
     return largest;
 }
 

@@ -143,6 +143,8 @@ private:
 
     /// The better one of two searches that have nothing in common but the polish.
     bool make_reference() {
+        if (!no_reference_.empty())
+            throw RunError(no_reference_);
         std::array<FitAnswer, 2> pair;
         for (std::size_t k = 0; k < pair.size(); ++k) {
             const FitWay way{k == 0 ? Algorithm::slsqp : Algorithm::nelder_mead, true, reference_starts,
@@ -154,7 +156,7 @@ private:
             if (pair[k].stopped)
                 return false;
             if (!pair[k].failure.empty())
-                throw RunError("no reference: " + pair[k].failure);
+                throw RunError(no_reference_ = "no reference: " + pair[k].failure);
         }
         const std::size_t best = pair[1].objective < pair[0].objective ? 1 : 0;
         reference_ = pair[best];
@@ -205,6 +207,7 @@ private:
     double limit_;
     const RunContext& context_;
     std::optional<FitAnswer> reference_;
+    std::string no_reference_; ///< why, if it was tried in vain
 };
 
 } // namespace

@@ -58,7 +58,9 @@ std::optional<Choice> cheapest(const Ways& ways, const std::string& quantity, do
         const double left = squared(error) - squared(bias_of(found));
         if (found.scatter > 0.0 ? !(left > 0.0) : !(left >= 0.0))
             return std::nullopt;
-        return with_runs(way, found, std::ceil(squared(found.scatter) / left));
+        const double runs = std::ceil(squared(found.scatter) / left);
+        return found.scatter > 0.0 && runs > most_runs ? std::nullopt
+                                                       : std::optional(with_runs(way, found, runs));
     };
     return best_of(ways, quantity, choose,
                    [](const Choice& a, const Choice& b) { return a.seconds() < b.seconds(); });

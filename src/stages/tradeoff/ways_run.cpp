@@ -51,8 +51,10 @@ Ways earlier_ways(const fs::path& folder, const Ways& wanted, const RunContext& 
     if (!earlier)
         return {};
     if (earlier->work != wanted.work)
-        throw InputError(folder.string() + ": holds the measurement of another scene; choose another folder "
-                                           "with -o, or --force to replace it");
+        throw InputError(folder.string() +
+                         ": holds the measurement of another scene, or by another version of "
+                         "rodwake; choose another folder "
+                         "with -o, or --force to replace it");
     return earlier->limit == wanted.limit ? *earlier : Ways{};
 }
 
@@ -92,8 +94,7 @@ StageEnd measure_ways(const scene::Scene& scene, const WaysRequest& request, con
     Progress progress(context, "tradeoff", static_cast<double>(ways.ways.size()), "ways");
     for (std::size_t k = 0; k < ways.ways.size(); ++k) {
         Way& way = ways.ways[k];
-        if (k < earlier.ways.size() &&
-            (earlier.finished || earlier.ways[k].runs > 0 || earlier.ways[k].status != "ok"))
+        if (k < earlier.ways.size() && (earlier.ways[k].runs > 0 || earlier.ways[k].status != "ok"))
             way = earlier.ways[k];
         else if (context.stopped() || !attempt(subject, ways.ways, k))
             return StageEnd::interrupted;
