@@ -7,7 +7,7 @@ scenes: work-precision tables and figures of named scenes, and each setting whos
 promise: on random scenes `--for E` is asked twice, in measurements of their own. The setting of the first is run, and its error taken
 against a solution that the command did not use; the table of the second says whether another one would have been much faster.
 fits: each way to fit the problems of fitting/problems. beds: what the bed of a rod costs to some errors, and whether ensembles of the
-settings that are printed keep to them: 12 of each, against 400 runs at the shortest step.
+settings that are printed keep to them: 12 of each, against 100 runs at the shortest step.
 Prints Markdown. --keep DIR keeps the results and takes up what is there.
 """
 
@@ -188,8 +188,8 @@ BED = """schema = 1
 [granular]
 phi_b = 0.5
 box = "20 a"
-duration = "2 s"
-equilibrate = "0.5 s"
+duration = "1 s"
+equilibrate = "0.3 s"
 runs = 2
 [granular.output]
 formats = []
@@ -199,7 +199,7 @@ kind = "motile"
 position = ["10 a", "10 a"]
 heading = 0.0
 """
-REPEATS, REFERENCE_RUNS, STEP = 12, 400, 5e-6
+REPEATS, REFERENCE_RUNS, STEP = 12, 100, 5e-6
 
 
 def beds(lab):
