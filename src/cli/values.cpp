@@ -34,7 +34,7 @@ std::string read(const std::string& word, const char* what, Number& number) {
 CLI::Validator number_from(double low, double high) {
     const auto check = [low, high](const std::string& word) -> std::string {
         double number = 0.0;
-        const std::string wrong = read(word, "a number", number);
+        std::string wrong = read(word, "a number", number);
         if (!wrong.empty())
             return wrong;
         if (number >= low && number <= high) // not so nan
