@@ -114,8 +114,9 @@ class WaysTest(ProgramTest):
     def test_a_longer_limit_adds_runs(self):
         self.write("bed.toml", BED)
         self.tradeoff(0, "bed.toml", "--limit", "0.01s")
-        before = [way["runs"] for way in self.ways("bed")["ways"]]
-        self.tradeoff(0, "bed.toml", "--limit", "0.4s")
+        first = self.ways("bed")["ways"]
+        before = [way["runs"] for way in first]
+        self.tradeoff(0, "bed.toml", "--limit", f"{8 * min(way['seconds'] for way in first)}s")  # twice the least number of runs
         after = self.ways("bed")["ways"]
         self.assertEqual({way["status"] for way in after}, {"ok"})
         self.assertTrue(all(way["runs"] >= old for way, old in zip(after, before)))
