@@ -1,10 +1,10 @@
 // rodwake tradeoff of a bed, a fit or a field map: measured once, answered from then on.
 
+#include "tradeoff_ways.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/stages/run.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
-#include "tradeoff_words.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 

@@ -6,7 +6,7 @@
 #include "rodwake/stages/run_folder.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
-#include "tradeoff_words.hpp"
+#include "tradeoff_ways.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
