@@ -9,7 +9,7 @@
 #include "granular/bodies.hpp"
 #include "granular/pair_contacts.hpp"
 #include "granular/pair_finder.hpp"
-#include "granular/plate_contacts.hpp"
+#include "granular/bead_bounces.hpp"
 #include "rodwake/assembly/granular.hpp"
 #include "rodwake/assembly/rods.hpp"
 #include "rodwake/granular/start.hpp"

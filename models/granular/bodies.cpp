@@ -27,6 +27,7 @@ void unpack(const Rows& rows, std::vector<double>& x, std::vector<double>& y, st
 void add_rod(Bodies& bodies, const RodSpec& spec, const RodBody& body) {
     const auto index = static_cast<std::uint32_t>(bodies.rods.size());
     bodies.rods.emplace_back(spec, body);
+    bodies.first_sphere.push_back(bodies.radius.size());
     for (const double radius : bodies.rods.back().clump().radius) {
         bodies.radius.push_back(radius);
         bodies.rod_of.push_back(index);
@@ -36,10 +37,23 @@ void add_rod(Bodies& bodies, const RodSpec& spec, const RodBody& body) {
 } // namespace
 
 void Bodies::place_rod_spheres() {
-    std::size_t sphere = beads;
-    for (const MovingRod& rod : rods)
-        for (std::size_t k = 0; k < rod.clump().radius.size(); ++k)
-            row(position, sphere++) = rod.centre(k);
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        place_rod_spheres(i);
+}
+
+void Bodies::place_rod_spheres(std::size_t rod) {
+    for (std::size_t k = 0; k < rods[rod].clump().radius.size(); ++k)
+        row(position, first_sphere[rod] + k) = rods[rod].centre(k);
+}
+
+Vector3 Bodies::arm_of(std::size_t sphere) const {
+    const std::uint32_t index = rod_of[sphere - beads];
+    return rods[index].clump().offset[sphere - first_sphere[index]] * rods[index].axis();
+}
+
+Vector3 Bodies::velocity_of(std::size_t sphere) const {
+    return is_bead(sphere) ? Vector3(row(velocity, sphere))
+                           : rods[rod_of[sphere - beads]].velocity_at(arm_of(sphere));
 }
 
 Bodies make_bodies(const GranularProblem& problem, const State& state) {

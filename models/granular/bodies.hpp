@@ -21,14 +21,20 @@ struct Bodies {
     Rows position;       ///< [beads + rod spheres][4], unwrapped
     Rows velocity, spin; ///< [beads][4]
     std::vector<MovingRod> rods;
-    std::vector<double> radius;        ///< [beads + rod spheres]
-    std::vector<std::uint32_t> rod_of; ///< [rod spheres]
+    std::vector<double> radius;            ///< [beads + rod spheres]
+    std::vector<std::uint32_t> rod_of;     ///< [rod spheres]
+    std::vector<std::size_t> first_sphere; ///< [rods]
 
     std::size_t spheres() const { return radius.size(); }
     bool is_bead(std::size_t sphere) const { return sphere < beads; }
 
-    /// Puts the rods' sphere centres into `position`.
+    /// Puts the rods' sphere centres into `position`: of all, or of one.
     void place_rod_spheres();
+    void place_rod_spheres(std::size_t rod);
+    /// From the centre of its rod's mass to a rod's sphere, m.
+    Vector3 arm_of(std::size_t sphere) const;
+    /// Of a sphere's centre, m/s.
+    Vector3 velocity_of(std::size_t sphere) const;
 };
 
 Bodies make_bodies(const GranularProblem& problem, const State& state);

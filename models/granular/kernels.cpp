@@ -170,27 +170,45 @@ std::size_t OverlappingPairs(const double* position, const PairList& list, std::
 }
 
 std::size_t PairsWithinReach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                             double box, double in_plane, double vertical, std::uint32_t* found) {
+                             double box, double allowance, std::uint32_t* found) {
     const auto one = [&](std::size_t k) {
-        const Separation s = Separate(position, list.pairs[k], box);
-        const double height = std::max(std::abs(s.height) - vertical, 0.0), reach = list.reach[k] + in_plane;
-        return s.flat2 + height * height < reach * reach;
+        const double reach = list.reach[k] + allowance;
+        return Separate(position, list.pairs[k], box).flat2 < reach * reach;
     };
 #if RODWAKE_ROWS
     const Row row;
-    const V vbox = hn::Set(row, box), per_box = hn::Set(row, 1.0 / box), vin_plane = hn::Set(row, in_plane),
-            vvertical = hn::Set(row, vertical), zero = hn::Zero(row);
+    const V vbox = hn::Set(row, box), per_box = hn::Set(row, 1.0 / box), vallowance = hn::Set(row, allowance);
     const auto four = [&](std::size_t k) HWY_ATTR {
         V flat2, height;
         SeparateFour(position, &list.pairs[k], vbox, per_box, flat2, height);
-        height = hn::Max(hn::Sub(hn::Abs(height), vvertical), zero);
-        const V reach = hn::Add(hn::LoadU(row, &list.reach[k]), vin_plane);
-        return Bits(hn::Lt(hn::Add(flat2, hn::Mul(height, height)), hn::Mul(reach, reach)));
+        const V reach = hn::Add(hn::LoadU(row, &list.reach[k]), vallowance);
+        return Bits(hn::Lt(flat2, hn::Mul(reach, reach)));
     };
     return Select(begin, end, found, four, one);
 #else
     return Select(begin, end, found, 0, one);
 #endif
+}
+
+double FurthestSquared(const double* position, const double* before, std::size_t rows) {
+    double furthest = 0.0;
+    std::size_t i = 0;
+#if RODWAKE_ROWS
+    const Row row;
+    V most = hn::Zero(row);
+    for (; i + 2 <= rows; i += 2) {
+        const V d0 = hn::Sub(hn::LoadU(row, position + 4 * i), hn::LoadU(row, before + 4 * i)),
+                d1 = hn::Sub(hn::LoadU(row, position + 4 * i + 4), hn::LoadU(row, before + 4 * i + 4));
+        const V x = hn::InterleaveLower(row, d0, d1), y = hn::InterleaveUpper(row, d0, d1);
+        most = hn::Max(most, hn::ConcatLowerLower(row, hn::Zero(row), hn::Add(hn::Mul(x, x), hn::Mul(y, y))));
+    }
+    furthest = hn::GetLane(hn::MaxOfLanes(row, most));
+#endif
+    for (; i < rows; ++i) {
+        const double x = position[4 * i] - before[4 * i], y = position[4 * i + 1] - before[4 * i + 1];
+        furthest = std::max(furthest, x * x + y * y);
+    }
+    return furthest;
 }
 
 const char* Target() { return hwy::TargetName(HWY_TARGET); }
@@ -204,6 +222,7 @@ namespace rodwake::granular {
 HWY_EXPORT(DriftBeads);
 HWY_EXPORT(OverlappingPairs);
 HWY_EXPORT(PairsWithinReach);
+HWY_EXPORT(FurthestSquared);
 HWY_EXPORT(Target);
 
 Range Range::empty() {
@@ -225,6 +244,11 @@ void Range::include(const double* row) {
     }
 }
 
+double Range::fastest_in_plane() const {
+    const auto largest = [this](int k) { return std::max({-low[k], high[k], 0.0}); };
+    return std::hypot(largest(0), largest(1));
+}
+
 void PairList::clear() {
     pairs.clear();
     reach.clear();
@@ -241,8 +265,13 @@ std::size_t overlapping(const double* position, const PairList& list, std::size_
 }
 
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                         double box, double in_plane, double vertical, std::uint32_t* found) {
-    return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, in_plane, vertical, found);
+                         double box, double allowance, std::uint32_t* found) {
+    return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, allowance, found);
+}
+
+double furthest_moved(const Rows& position, const Rows& before) {
+    return std::sqrt(
+        HWY_DYNAMIC_DISPATCH(FurthestSquared)(position.data(), before.data(), position.size() / 4));
 }
 
 const char* vector_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }

@@ -3,6 +3,8 @@
 // run time (Highway). Positions and velocities are packed rows x, y, z, 0 (bodies.hpp). Every target gives
 // the same bits: no sum is reordered and no product is fused.
 
+#include "rows.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -20,7 +22,8 @@ struct Range {
     static Range empty();
     void include(const Range& other);
     void include(const double* row);
-    double width(std::size_t axis) const { return high[axis] - low[axis]; }
+    /// No body is faster in the plane.
+    double fastest_in_plane() const;
 };
 
 struct Drift {
@@ -46,9 +49,11 @@ struct PairList {
 std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end,
                         double box, std::uint32_t* found);
 
-/// Pairs of [begin, end) that can overlap before their bodies approach by more than `in_plane` in the plane
-/// and `vertical` in height.
+/// Pairs of [begin, end) nearer in the plane than their reach and `allowance`.
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                         double box, double in_plane, double vertical, std::uint32_t* found);
+                         double box, double allowance, std::uint32_t* found);
+
+/// The largest distance in the plane between the same rows of two arrays.
+double furthest_moved(const Rows& position, const Rows& before);
 
 } // namespace rodwake::granular

@@ -24,122 +24,162 @@ void push(Bodies& bodies, std::size_t bead, const Vector3& impulse, const Vector
     row(bodies.spin, bead) += arm.cross(impulse) / bodies.bead_inertia;
 }
 
-/// Place in its rod's row of spheres.
-std::size_t sphere_of_rod(const Bodies& bodies, std::size_t sphere) {
-    std::size_t k = sphere - bodies.beads, first = k;
-    while (first > 0 && bodies.rod_of[first - 1] == bodies.rod_of[k])
-        --first;
-    return k - first;
+/// A bead flies for a while, back too.
+void fly(Bodies& bodies, std::size_t bead, double time, double gravity) {
+    auto x = row(bodies.position, bead);
+    auto v = row(bodies.velocity, bead);
+    x += v * time;
+    x.z() -= gravity * time * time / 2.0;
+    v.z() -= gravity * time;
+}
+
+/// Earlier, or as early and deeper.
+bool first(double back, double length, double other_back, double other_length) {
+    return back > other_back || (back == other_back && length < other_length);
 }
 
 } // namespace
 
-PairContacts::Touch PairContacts::touch(const Bodies& bodies, const Pair& pair) const {
-    Vector3 apart = row(bodies.position, pair.first) - row(bodies.position, pair.second);
+Vector3 PairContacts::apart(const Bodies& bodies, const Pair& pair) const {
+    Vector3 r = row(bodies.position, pair.first) - row(bodies.position, pair.second);
     for (int k : {0, 1})
-        apart[k] = nearest_image_rounded(apart[k], box_);
-    const double distance = apart.norm();
-    const double depth = bodies.radius[pair.first] + bodies.radius[pair.second] - distance;
-    return {distance > 0.0 ? Vector3(apart / distance) : Vector3(Vector3::UnitZ()), depth};
+        r[k] = nearest_image_rounded(r[k], setting_.box);
+    return r;
 }
 
-void PairContacts::bead_bead(Bodies& bodies, const Pair& pair, const Touch& touch, Tallies& tallies) const {
-    auto v1 = row(bodies.velocity, pair.first), v2 = row(bodies.velocity, pair.second);
-    const Vector3& n = touch.normal;
+std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies, const Pair& pair,
+                                                           WorstOverlap& worst) const {
+    const Vector3 r = apart(bodies, pair);
+    const double reach = bodies.radius[pair.first] + bodies.radius[pair.second], distance = r.norm();
+    if (!(distance < reach)) // an impulse before took them apart
+        return {};
+    const double radii = (reach - distance) / std::min(bodies.radius[pair.first], bodies.radius[pair.second]);
+    if (radii > worst.radii)
+        worst = {radii, pair};
+    const Vector3 v = bodies.velocity_of(pair.first) - bodies.velocity_of(pair.second);
+    const double along = r.dot(v), speed2 = v.squaredNorm();
+    const double excess = (reach - distance) * (reach + distance);
+    const double root = std::sqrt(along * along + speed2 * excess);
+    const double back = along < 0.0 ? excess / (root - along) : (along + root) / speed2;
+    if (back <= setting_.time_step)
+        return Meeting{pair, back, reach};
+    return along < 0.0 ? std::optional(Meeting{pair, 0.0, distance}) : std::nullopt;
+}
+
+void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
+    const auto [one, two] = meeting.pair;
+    auto v1 = row(bodies.velocity, one), v2 = row(bodies.velocity, two);
     const Vector3 difference = v1 - v2;
+    const Vector3 n = (apart(bodies, meeting.pair) - meeting.back * difference) / meeting.length;
     const double approach = n.dot(difference);
-    if (!(approach < 0.0))
-        return;
-    // both touch at the middle of the overlap
-    const double arm = bodies.bead_radius - touch.depth / 2.0;
-    const Vector3 spin = row(bodies.spin, pair.first) + row(bodies.spin, pair.second);
+    // both touch at the middle of what overlap is left
+    const double arm = meeting.length / 2.0;
+    const Vector3 spin = row(bodies.spin, one) + row(bodies.spin, two);
     const Vector3 relative = difference - arm * spin.cross(n);
     const double k_n = 2.0 / bodies.bead_mass, k_t = k_n + 2.0 * arm * arm / bodies.bead_inertia;
     // the slip frame: the law needs only its size
     const Vector3 slip = relative - approach * n;
     const double speed = slip.norm();
-    const Vector3 p = uncoupled_impact(k_t, k_n, Vector3(speed, 0.0, approach), table_.bead_bead).impulse;
+    const Vector3 p =
+        uncoupled_impact(k_t, k_n, Vector3(speed, 0.0, approach), setting_.table.bead_bead).impulse;
     const Vector3 impulse =
         p.z() * n + (speed > 0.0 ? Vector3(p.x() / speed * slip) : Vector3(Vector3::Zero()));
-    v1 += impulse / bodies.bead_mass;
-    v2 -= impulse / bodies.bead_mass;
+    const Vector3 change = impulse / bodies.bead_mass;
+    v1 += change;
+    v2 -= change;
+    row(bodies.position, one) += meeting.back * change;
+    row(bodies.position, two) -= meeting.back * change;
     const Vector3 turn =
         (-arm / bodies.bead_inertia) * n.cross(impulse); // arms -arm n and +arm n, impulses P and -P
-    row(bodies.spin, pair.first) += turn;
-    row(bodies.spin, pair.second) += turn;
+    row(bodies.spin, one) += turn;
+    row(bodies.spin, two) += turn;
     ++tallies.bead_bead;
 }
 
-void PairContacts::bead_rod(Bodies& bodies, const Pair& pair, const Touch& touch, Tallies& tallies) const {
-    const std::uint32_t index = bodies.rod_of[pair.second - bodies.beads];
+void PairContacts::bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
+    const auto [bead, sphere] = meeting.pair;
+    const std::uint32_t index = bodies.rod_of[sphere - bodies.beads];
     MovingRod& rod = bodies.rods[index];
-    const Vector3& n = touch.normal;
-    const double bead_arm = bodies.bead_radius - touch.depth / 2.0;
-    const double rod_arm = bodies.radius[pair.second] - touch.depth / 2.0;
-    const Vector3 arm1 = -bead_arm * n;
-    const Vector3 arm2 = rod.clump().offset[sphere_of_rod(bodies, pair.second)] * rod.axis() + rod_arm * n;
-    const Vector3 spin = row(bodies.spin, pair.first);
-    const Vector3 relative = row(bodies.velocity, pair.first) + spin.cross(arm1) - rod.velocity_at(arm2);
-    if (!(relative.dot(n) < 0.0))
-        return;
-    const Matrix3d inverse_mass = bead_inverse_mass(bodies, n, bead_arm) + rod.inverse_mass_at(arm2);
-    const Vector3 impulse = impulse_along(n, inverse_mass, relative, table_.bead_rod);
-    push(bodies, pair.first, impulse, arm1);
-    rod.push(-impulse, arm2);
-    tallies.impulse_on_beads[index] += impulse;
-    ++tallies.bead_rod;
+    fly(bodies, bead, -meeting.back, setting_.gravity);
+    rod.move(-meeting.back, setting_.gravity);
+    bodies.place_rod_spheres(index);
+    const Vector3 r = apart(bodies, meeting.pair);
+    const double distance = r.norm(), overlap = bodies.bead_radius + bodies.radius[sphere] - distance;
+    const Vector3 n = r / distance;
+    const double bead_arm = bodies.bead_radius - overlap / 2.0,
+                 rod_arm = bodies.radius[sphere] - overlap / 2.0;
+    const Vector3 arm1 = -bead_arm * n, arm2 = bodies.arm_of(sphere) + rod_arm * n;
+    const Vector3 spin = row(bodies.spin, bead);
+    const Vector3 relative = row(bodies.velocity, bead) + spin.cross(arm1) - rod.velocity_at(arm2);
+    if (relative.dot(n) < 0.0) {
+        const Matrix3d inverse_mass = bead_inverse_mass(bodies, n, bead_arm) + rod.inverse_mass_at(arm2);
+        const Vector3 impulse = impulse_along(n, inverse_mass, relative, setting_.table.bead_rod);
+        push(bodies, bead, impulse, arm1);
+        rod.push(-impulse, arm2);
+        tallies.impulse_on_beads[index] += impulse;
+        ++tallies.bead_rod;
+    }
+    fly(bodies, bead, meeting.back, setting_.gravity);
+    rod.move(meeting.back, setting_.gravity);
+    bodies.place_rod_spheres(index);
 }
 
-void PairContacts::rod_rod(Bodies& bodies, const Pair& pair, const Touch& touch, Tallies& tallies) const {
-    MovingRod& one = bodies.rods[bodies.rod_of[pair.first - bodies.beads]];
-    MovingRod& two = bodies.rods[bodies.rod_of[pair.second - bodies.beads]];
-    const Vector3& n = touch.normal;
-    const Vector3 arm1 = one.clump().offset[sphere_of_rod(bodies, pair.first)] * one.axis() -
-                         (bodies.radius[pair.first] - touch.depth / 2.0) * n;
-    const Vector3 arm2 = two.clump().offset[sphere_of_rod(bodies, pair.second)] * two.axis() +
-                         (bodies.radius[pair.second] - touch.depth / 2.0) * n;
+void PairContacts::rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
+    const auto [first_sphere, second_sphere] = meeting.pair;
+    const std::uint32_t first = bodies.rod_of[first_sphere - bodies.beads],
+                        second = bodies.rod_of[second_sphere - bodies.beads];
+    MovingRod &one = bodies.rods[first], &two = bodies.rods[second];
+    const auto fly_both = [&](double time) {
+        one.move(time, setting_.gravity);
+        two.move(time, setting_.gravity);
+        bodies.place_rod_spheres(first);
+        bodies.place_rod_spheres(second);
+    };
+    fly_both(-meeting.back);
+    const Vector3 r = apart(bodies, meeting.pair);
+    const double distance = r.norm(),
+                 overlap = bodies.radius[first_sphere] + bodies.radius[second_sphere] - distance;
+    const Vector3 n = r / distance;
+    const Vector3 arm1 = bodies.arm_of(first_sphere) - (bodies.radius[first_sphere] - overlap / 2.0) * n;
+    const Vector3 arm2 = bodies.arm_of(second_sphere) + (bodies.radius[second_sphere] - overlap / 2.0) * n;
     const Vector3 relative = one.velocity_at(arm1) - two.velocity_at(arm2);
-    if (!(relative.dot(n) < 0.0) || (one.held() && two.held()))
-        return;
-    const Matrix3d inverse_mass = one.inverse_mass_at(arm1) + two.inverse_mass_at(arm2);
-    const Vector3 impulse = impulse_along(n, inverse_mass, relative, table_.rod_rod);
-    one.push(impulse, arm1);
-    two.push(-impulse, arm2);
-    ++tallies.rod_rod;
+    if (relative.dot(n) < 0.0 && !(one.held() && two.held())) {
+        const Matrix3d inverse_mass = one.inverse_mass_at(arm1) + two.inverse_mass_at(arm2);
+        const Vector3 impulse = impulse_along(n, inverse_mass, relative, setting_.table.rod_rod);
+        one.push(impulse, arm1);
+        two.push(-impulse, arm2);
+        ++tallies.rod_rod;
+    }
+    fly_both(meeting.back);
 }
 
-void PairContacts::keep_deepest(const Bodies& bodies, const Pair& pair, const Touch& touch) {
-    const std::uint32_t one = bodies.rod_of[pair.first - bodies.beads],
-                        two = bodies.rod_of[pair.second - bodies.beads];
+void PairContacts::keep_first(const Bodies& bodies, const Meeting& meeting) {
+    const std::uint32_t one = bodies.rod_of[meeting.pair.first - bodies.beads],
+                        two = bodies.rod_of[meeting.pair.second - bodies.beads];
     const auto known = std::find_if(rod_contacts_.begin(), rod_contacts_.end(), [&](const RodContact& c) {
         return c.first_rod == one && c.second_rod == two;
     });
     if (known == rod_contacts_.end())
-        rod_contacts_.push_back({one, two, pair, touch});
-    else if (touch.depth > known->touch.depth)
-        *known = {one, two, pair, touch};
+        rod_contacts_.push_back({one, two, meeting});
+    else if (first(meeting.back, meeting.length, known->meeting.back, known->meeting.length))
+        *known = {one, two, meeting};
 }
 
 WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies) {
     WorstOverlap worst;
     rod_contacts_.clear();
     tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
-    const auto look = [&](const Pair& pair) {
-        const Touch found = touch(bodies, pair);
-        const double radii = found.depth / std::min(bodies.radius[pair.first], bodies.radius[pair.second]);
-        if (radii > worst.radii)
-            worst = {radii, pair};
-        return found;
-    };
     for (std::size_t k = 0; k < overlapping.size(); ++k) {
-        Pair pair = overlapping[k];
-        Touch deepest = look(pair);
+        const Pair pair = overlapping[k];
+        std::optional<Meeting> found = meeting(bodies, pair, worst);
         if (bodies.is_bead(pair.second)) {
-            bead_bead(bodies, pair, deepest, tallies);
+            if (found)
+                bead_bead(bodies, *found, tallies);
             continue;
         }
         if (!bodies.is_bead(pair.first)) {
-            keep_deepest(bodies, pair, deepest);
+            if (found)
+                keep_first(bodies, *found);
             continue;
         }
         // the contacts of a bead with the spheres of one rod follow each other
@@ -147,16 +187,15 @@ WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlap
         for (; k + 1 < overlapping.size() && overlapping[k + 1].first == pair.first &&
                bodies.rod_of[overlapping[k + 1].second - bodies.beads] == rod;
              ++k) {
-            const Touch next = look(overlapping[k + 1]);
-            if (next.depth > deepest.depth) {
-                deepest = next;
-                pair = overlapping[k + 1];
-            }
+            const auto next = meeting(bodies, overlapping[k + 1], worst);
+            if (next && (!found || first(next->back, next->length, found->back, found->length)))
+                found = next;
         }
-        bead_rod(bodies, pair, deepest, tallies);
+        if (found)
+            bead_rod(bodies, *found, tallies);
     }
     for (const RodContact& contact : rod_contacts_)
-        rod_rod(bodies, contact.pair, contact.touch, tallies);
+        rod_rod(bodies, contact.meeting, tallies);
     tallies.max_overlap = std::max(tallies.max_overlap, worst.radii);
     return worst;
 }

@@ -1,10 +1,16 @@
 #pragma once
-// Impulses between beads and rods that overlap.
+// Impulses between beads and rods that overlap at the end of a step.
+//
+// Two spheres that overlap met during the step: with r their distance vector and v their relative velocity
+// (relative motion knows no gravity), |r - v back| = R1 + R2 gives how long ago. The impulse acts there and
+// then, and both fly on with their new velocities for that time. Spheres that overlapped before the step,
+// which other impulses leave behind, get theirs where they are.
 
 #include "bodies.hpp"
 #include "kernels.hpp"
 #include "rodwake/granular/simulation.hpp"
 
+#include <optional>
 #include <span>
 
 namespace rodwake::granular {
@@ -15,31 +21,38 @@ struct WorstOverlap {
     Pair pair{0, 0};
 };
 
+/// What the impulses of a step need to know of their surroundings.
+struct PairSetting {
+    ContactTable table;
+    double box, time_step, gravity;
+};
+
 class PairContacts {
 public:
-    PairContacts(const ContactTable& table, double box) : table_(table), box_(box) {}
+    explicit PairContacts(const PairSetting& setting) : setting_(setting) {}
 
     /// One sweep over the overlapping pairs in their order; adds to the tallies. Approaching pairs get an
-    /// impulse; of the contacts of a rod with one bead or one other rod only the deepest.
+    /// impulse; of the contacts of a rod with one bead or one other rod only the first to touch.
     WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies);
 
 private:
-    struct Touch {
-        Vector3 normal; ///< from second to first
-        double depth;
+    /// Two spheres that overlap and approach.
+    struct Meeting {
+        Pair pair;
+        double back;   ///< how long ago they touched, s
+        double length; ///< of their distance vector then, m: R1 + R2, or less if they overlapped before
     };
-    Touch touch(const Bodies& bodies, const Pair& pair) const;
-    void bead_bead(Bodies& bodies, const Pair& pair, const Touch& touch, Tallies& tallies) const;
-    void bead_rod(Bodies& bodies, const Pair& pair, const Touch& touch, Tallies& tallies) const;
-    void rod_rod(Bodies& bodies, const Pair& pair, const Touch& touch, Tallies& tallies) const;
-    void keep_deepest(const Bodies& bodies, const Pair& pair, const Touch& touch);
+    std::optional<Meeting> meeting(const Bodies& bodies, const Pair& pair, WorstOverlap& worst) const;
+    Vector3 apart(const Bodies& bodies, const Pair& pair) const;
+    void bead_bead(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
+    void bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
+    void rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
+    void keep_first(const Bodies& bodies, const Meeting& meeting);
 
-    ContactTable table_;
-    double box_;
+    PairSetting setting_;
     struct RodContact {
         std::uint32_t first_rod, second_rod;
-        Pair pair;
-        Touch touch;
+        Meeting meeting;
     };
     std::vector<RodContact> rod_contacts_;
 };

@@ -10,10 +10,10 @@ namespace rodwake::granular {
 namespace {
 
 constexpr std::size_t chunk = 4096; // pairs a task; does not change results
-constexpr double inner_window = 25.0,
-                 hot_window = 5.0; // steps; measured, half or twice as much costs a few per cent
+constexpr double window = 12.0; // steps an inner list should last; half or twice as much costs a few per cent
 constexpr double first_skin = 0.5; // of a radius, as are the limits
 constexpr double least_skin = 0.2, most_skin = 1.5;
+constexpr double most_allowance = 0.5;
 constexpr std::int64_t short_life = 400, long_life = 4000; // steps of an outer list
 
 std::size_t chunks_of(std::size_t count) { return (count + chunk - 1) / chunk; }
@@ -21,44 +21,14 @@ std::size_t chunks_of(std::size_t count) { return (count + chunk - 1) / chunk; }
 } // namespace
 
 PairFinder::PairFinder(const Bodies& bodies, double box)
-    : box_(box), skin_(0.0),
+    : box_(box),
       length_(bodies.radius.empty() ? box : *std::min_element(bodies.radius.begin(), bodies.radius.end())),
-      inner_{{}, inner_window}, hot_{{}, hot_window} {
-    skin_ = first_skin * length_;
-}
-
-void PairFinder::Watch::note(double in_plane_motion, double vertical_motion) {
-    in_plane += in_plane_motion;
-    vertical += vertical_motion;
-    ++steps;
-}
-
-void PairFinder::Watch::adapt(double length) {
-    const double per_step = window / static_cast<double>(std::max<std::int64_t>(steps, 1));
-    const auto towards = [&](double allowance, double moved) {
-        return (std::clamp(per_step * moved, 1e-9 * length, 0.5 * length) +
-                std::min(allowance, 0.5 * length)) /
-               2.0;
-    };
-    in_plane_allowance = towards(in_plane_allowance, in_plane);
-    vertical_allowance = towards(vertical_allowance, vertical);
-}
-
-double PairFinder::furthest_moved(const Bodies& bodies) const {
-    double furthest2 = 0.0;
-    for (std::size_t i = 0; i < bodies.spheres(); ++i) {
-        const double x = bodies.position[4 * i] - origin_[4 * i],
-                     y = bodies.position[4 * i + 1] - origin_[4 * i + 1];
-        furthest2 = std::max(furthest2, x * x + y * y);
-    }
-    return std::sqrt(furthest2);
-}
+      skin_(first_skin * length_), allowance_(0.02 * length_) {}
 
 void PairFinder::rebuild(const Bodies& bodies) {
-    near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box_,
-               skin_ + inner_.in_plane_allowance, outer_);
+    near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box_, skin_ + allowance_, outer_);
     origin_ = bodies.position;
-    outer_allowance_ = inner_.in_plane_allowance;
+    outer_allowance_ = allowance_;
     steps_since_rebuild_ = 0;
     ++rebuilds_;
 }
@@ -68,6 +38,13 @@ void PairFinder::adapt_skin() {
         skin_ = std::min(1.25 * skin_, most_skin * length_);
     else if (steps_since_rebuild_ > long_life)
         skin_ = std::max(0.9 * skin_, least_skin * length_);
+}
+
+/// Towards what two spheres that move as the furthest did approach within the window.
+void PairFinder::adapt_allowance(double furthest) {
+    const double steps = static_cast<double>(std::max<std::int64_t>(steps_since_draw_, 1));
+    const double wanted = 2.0 * furthest * window / steps;
+    allowance_ = (std::clamp(wanted, 1e-9 * length_, most_allowance * length_) + allowance_) / 2.0;
 }
 
 template<class Test>
@@ -80,61 +57,63 @@ void PairFinder::collect(std::size_t pairs, Team& team, const Test& test) {
     });
 }
 
-void PairFinder::draw(const Bodies& bodies, const PairList& from, Watch& watch, Team& team) {
-    collect(from.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
-        return within_reach(bodies.position.data(), from, begin, end, box_, watch.in_plane_allowance,
-                            watch.vertical_allowance, found);
+void PairFinder::draw(const Bodies& bodies, Team& team) {
+    collect(outer_.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
+        return within_reach(bodies.position.data(), outer_, begin, end, box_, allowance_, found);
     });
     std::size_t total = 0, count = 0;
-    for (std::size_t c = 0; c < chunks_of(from.size()); ++c)
+    for (std::size_t c = 0; c < chunks_of(outer_.size()); ++c)
         total += found_[c].count;
-    watch.list.pairs.resize(total);
-    watch.list.reach.resize(total);
-    for (std::size_t c = 0; c < chunks_of(from.size()); ++c)
+    inner_.pairs.resize(total);
+    inner_.reach.resize(total);
+    for (std::size_t c = 0; c < chunks_of(outer_.size()); ++c)
         for (std::size_t k = 0; k < found_[c].count; ++k, ++count) {
-            watch.list.pairs[count] = from.pairs[found_[c].index[k]];
-            watch.list.reach[count] = from.reach[found_[c].index[k]];
+            inner_.pairs[count] = outer_.pairs[found_[c].index[k]];
+            inner_.reach[count] = outer_.reach[found_[c].index[k]];
         }
-    watch.in_plane = watch.vertical = 0.0;
-    watch.steps = 0;
+    drawn_ = bodies.position;
+    furthest_ = 0.0;
+    steps_since_draw_ = 0;
+    ++refreshes_;
 }
 
 void PairFinder::refresh(const Bodies& bodies, Team& team) {
-    inner_.adapt(length_);
-    // A pair outside the outer list is at least the skin away and approaches by twice what a sphere moved,
-    // and then by the allowance.
-    if (origin_.empty() || 2.0 * furthest_moved(bodies) > skin_) {
+    // A pair outside the outer list is at least the skin away beside the allowance, and approaches by twice
+    // what a sphere moved.
+    if (origin_.empty() || 2.0 * furthest_moved(bodies.position, origin_) > skin_) {
         if (!origin_.empty())
             adapt_skin();
         rebuild(bodies);
     }
-    inner_.in_plane_allowance = std::min(inner_.in_plane_allowance, outer_allowance_);
-    draw(bodies, outer_, inner_, team);
-    ++refreshes_;
+    allowance_ = std::min(allowance_, outer_allowance_);
+    draw(bodies, team);
 }
 
-std::span<const Pair> PairFinder::find(const Bodies& bodies, const Range& velocities, double time_step,
-                                       double slack, Team& team) {
+/// Whether pairs outside the inner list may touch.
+bool PairFinder::stale(const Bodies& bodies, double moved) {
+    furthest_ += moved;
+    ++steps_since_draw_;
     ++steps_since_rebuild_;
-    const double x = velocities.width(0), y = velocities.width(1);
-    const double in_plane = std::sqrt(x * x + y * y) * time_step,
-                 vertical = velocities.width(2) * time_step + slack;
-    inner_.note(in_plane, vertical);
-    hot_.note(in_plane, vertical);
-    const bool stale = inner_.spent() || origin_.empty();
-    if (stale)
+    if (drawn_.empty())
+        return true;
+    if (2.0 * furthest_ <= allowance_)
+        return false;
+    furthest_ = furthest_moved(bodies.position, drawn_);
+    return 2.0 * furthest_ > allowance_;
+}
+
+std::span<const Pair> PairFinder::find(const Bodies& bodies, double moved, Team& team) {
+    if (stale(bodies, moved)) {
+        adapt_allowance(furthest_);
         refresh(bodies, team);
-    if (stale || hot_.spent()) {
-        hot_.adapt(length_);
-        draw(bodies, inner_.list, hot_, team);
     }
-    collect(hot_.list.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
-        return overlapping(bodies.position.data(), hot_.list, begin, end, box_, found);
+    collect(inner_.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
+        return overlapping(bodies.position.data(), inner_, begin, end, box_, found);
     });
     overlapping_.clear();
-    for (std::size_t c = 0; c < chunks_of(hot_.list.size()); ++c)
+    for (std::size_t c = 0; c < chunks_of(inner_.size()); ++c)
         for (std::size_t k = 0; k < found_[c].count; ++k)
-            overlapping_.push_back(hot_.list.pairs[found_[c].index[k]]);
+            overlapping_.push_back(inner_.pairs[found_[c].index[k]]);
     return overlapping_;
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 // Which spheres overlap, without asking every pair at every step.
 //
-// Three lists, each drawn from the one before: an outer one of pairs near in the plane, rebuilt from cells
-// when a sphere has moved half its skin; an inner one of those that may touch within some 25 steps; a hot one
-// of those that may touch within the next few. Motion in the plane is slow and motion in height is fast (a
-// shaken layer), so the inner and the hot list have one allowance for each. Allowances and skin follow the
-// measured motion. What is found never depends on the lists, only the time it takes: pairs come in the order
-// (first, second).
+// Two lists, the second drawn from the first: an outer one of pairs near in the plane, rebuilt from cells
+// when a sphere has moved half its skin, and an inner one of those that may touch within some 12 steps. Only
+// motion in the plane counts: spheres further apart in the plane than their radii touch at no height, and
+// height changes fast in a shaken layer. How far spheres have moved is measured, but not at each step: speeds
+// tell how long the last measure holds. Allowance and skin follow the measured motion. What is found never
+// depends on the lists, only the time it takes: pairs come in the order (first, second).
 
 #include "bodies.hpp"
 #include "kernels.hpp"
@@ -20,46 +20,34 @@ class PairFinder {
 public:
     PairFinder(const Bodies& bodies, double box);
 
-    /// The pairs that overlap in space after a step in which velocities were in `velocities` and nothing
-    /// else moved by more than `slack` in height, m. Valid until the next call.
-    std::span<const Pair> find(const Bodies& bodies, const Range& velocities, double time_step, double slack,
-                               Team& team);
+    /// The pairs that overlap in space now, if no sphere has moved by more than `moved` in the plane since
+    /// the last call, m. Valid until the next call.
+    std::span<const Pair> find(const Bodies& bodies, double moved, Team& team);
 
     std::size_t rebuilds() const { return rebuilds_; }
     std::size_t refreshes() const { return refreshes_; }
-    std::size_t inner_size() const { return inner_.list.size(); }
-    std::size_t hot_size() const { return hot_.list.size(); }
+    std::size_t inner_size() const { return inner_.size(); }
     std::size_t outer_size() const { return outer_.size(); }
     double skin() const { return skin_; }
 
 private:
-    /// Pairs that cannot touch before bodies approach by more than the allowances are not in the list.
-    struct Watch {
-        PairList list;
-        double window;                                             ///< steps it should last
-        double in_plane = 0.0, vertical = 0.0;                     ///< moved since it was drawn, m
-        double in_plane_allowance = 0.0, vertical_allowance = 0.0; ///< m
-        std::int64_t steps = 0;                                    ///< since it was drawn
-
-        void note(double in_plane_motion, double vertical_motion);
-        bool spent() const { return !(in_plane <= in_plane_allowance && vertical <= vertical_allowance); }
-        void adapt(double length);
-    };
-
     void rebuild(const Bodies& bodies);
     void refresh(const Bodies& bodies, Team& team);
-    void draw(const Bodies& bodies, const PairList& from, Watch& watch, Team& team);
+    void draw(const Bodies& bodies, Team& team);
     void adapt_skin();
-    double furthest_moved(const Bodies& bodies) const;
+    void adapt_allowance(double furthest);
+    bool stale(const Bodies& bodies, double moved);
     template<class Test>
     void collect(std::size_t pairs, Team& team, const Test& test);
 
-    double box_, skin_, length_; ///< length_: scale for limits, a bead radius
-    PairList outer_;
-    Watch inner_, hot_;
-    Rows origin_;                  ///< positions at the last rebuild
-    double outer_allowance_ = 0.0; ///< in-plane allowance of the inner list that the outer list was built for
-    std::int64_t steps_since_rebuild_ = 0;
+    double box_, length_; ///< length_: scale for limits, a bead radius
+    double skin_;         ///< of the outer list, beside the allowance it was built for, m
+    double allowance_;    ///< pairs nearer than that in the plane are in the inner list, m
+    double outer_allowance_ = 0.0;
+    double furthest_ = 0.0; ///< no sphere has moved further since the inner list was drawn, m
+    PairList outer_, inner_;
+    Rows origin_, drawn_; ///< positions when the outer list was built and the inner one drawn
+    std::int64_t steps_since_rebuild_ = 0, steps_since_draw_ = 0;
     std::size_t rebuilds_ = 0, refreshes_ = 0;
     struct Found {
         std::vector<std::uint32_t> index;

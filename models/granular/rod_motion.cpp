@@ -15,11 +15,28 @@ Matrix3d cross_matrix(const Vector3d& v) {
     return m;
 }
 
+/// Upper convex hull of (offset, radius); spheres on a straight line between two others are left out.
+std::vector<std::size_t> corners(const Clump& clump) {
+    std::vector<std::size_t> hull;
+    for (std::size_t k = 0; k < clump.radius.size(); ++k) {
+        const auto below = [&](std::size_t first, std::size_t middle) {
+            const double along =
+                (clump.offset[middle] - clump.offset[first]) / (clump.offset[k] - clump.offset[first]);
+            const double chord = clump.radius[first] + along * (clump.radius[k] - clump.radius[first]);
+            return clump.radius[middle] <= chord + 1e-9 * chord;
+        };
+        while (hull.size() > 1 && below(hull[hull.size() - 2], hull.back()))
+            hull.pop_back();
+        hull.push_back(k);
+    }
+    return hull;
+}
+
 } // namespace
 
 MovingRod::MovingRod(const RodSpec& spec, const RodBody& body)
-    : clump_(make_clump(spec.shape)), body_(body), ahead_(std::cos(spec.heading), std::sin(spec.heading)),
-      across_(-ahead_.y(), ahead_.x(), 0.0) {
+    : clump_(make_clump(spec.shape)), outline_(corners(clump_)), body_(body),
+      ahead_(std::cos(spec.heading), std::sin(spec.heading)), across_(-ahead_.y(), ahead_.x(), 0.0) {
     update();
 }
 
@@ -48,6 +65,11 @@ void MovingRod::update() {
 Matrix3d MovingRod::inverse_mass_at(const Vector3d& arm) const {
     const Matrix3d r = cross_matrix(arm);
     return inverse_mass_ - r * inverse_inertia_ * r;
+}
+
+Vector3d MovingRod::axis_turning() const {
+    return held_ ? Vector3d(spin_.dot(across_) * across_)
+                 : Vector3d(body_.angular_momentum / clump_.transverse_inertia);
 }
 
 void MovingRod::turn_freely(double time) {

@@ -24,6 +24,10 @@ public:
     Eigen::Vector3d centre(std::size_t sphere) const {
         return body_.position + clump_.offset[sphere] * axis_;
     }
+    /// Spheres that can be the first to touch a plane: the corners of the hull of the row, thick end first.
+    const std::vector<std::size_t>& outline() const { return outline_; }
+    /// Angular velocity with which the axis turns until the next impulse, rad/s; rolling left out.
+    Eigen::Vector3d axis_turning() const;
     /// Of the material point at `arm` from the centre of mass.
     Eigen::Vector3d velocity_at(const Eigen::Vector3d& arm) const {
         return body_.velocity + spin_.cross(arm);
@@ -47,6 +51,7 @@ private:
     void update(); ///< axis, inverse inertia and spin from the body
 
     Clump clump_;
+    std::vector<std::size_t> outline_;
     RodBody body_;
     std::optional<double> held_;
     Eigen::Vector2d ahead_;       ///< held heading

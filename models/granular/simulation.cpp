@@ -1,8 +1,9 @@
 #include "rodwake/granular/simulation.hpp"
 
+#include "bead_bounces.hpp"
 #include "pair_contacts.hpp"
 #include "pair_finder.hpp"
-#include "plate_contacts.hpp"
+#include "rod_bounces.hpp"
 #include "rodwake/core/bond_order.hpp"
 #include "rodwake/core/error.hpp"
 
@@ -77,10 +78,11 @@ struct Simulation::Impl {
     std::int64_t step;
     std::optional<Failure> failure;
     std::vector<ChunkResult> chunks;
+    double top_speed_now = 0.0; ///< in the plane in the last step, m/s
 
     Impl(const GranularProblem& p, const State& state, const Tallies& t, std::size_t threads)
         : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
-          contacts(p.contacts, p.box), team(threads), tallies(t), step(state.step),
+          contacts({p.contacts, p.box, p.time_step, p.gravity}), team(threads), tallies(t), step(state.step),
           chunks((bodies.beads + chunk - 1) / chunk) {
         tallies.impulse_on_beads.resize(problem.rods.size(), Vector3::Zero());
         hold_rods();
@@ -138,8 +140,8 @@ struct Simulation::Impl {
         include_ends(velocities);
         for (std::size_t i = 0; i < bodies.rods.size(); ++i) {
             const double before = tally.max_overlap;
-            bodies.rods[i].move(problem.time_step, problem.gravity);
-            bounce_rod(bodies.rods[i], plate, problem.contacts.rod_plate, tally);
+            fly_rod(bodies.rods[i], plate, problem.contacts.rod_plate, tally,
+                    [&] { include_ends(velocities); });
             if (tally.max_overlap > before)
                 tally.deepest = i;
         }
@@ -237,8 +239,7 @@ struct Simulation::Impl {
         guard_speeds(velocities);
         if (failure)
             return;
-        const std::span<const Pair> overlapping =
-            finder.find(bodies, velocities, problem.time_step, unseen_motion(rods), team);
+        const std::span<const Pair> overlapping = finder.find(bodies, furthest_move(velocities), team);
         mark(&StepTimes::search);
         const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies);
         mark(&StepTimes::impulses);
@@ -247,16 +248,12 @@ struct Simulation::Impl {
             hold_rods();
     }
 
-    /// How much a body's height may change in a step beside what its velocities before and after tell: plates
-    /// and gravity change them on the way, and a rod at rest is lifted out of the plate.
-    double unseen_motion(const PlateTally& rods) const {
-        const double dt = problem.time_step,
-                     thickest = bodies.rods.empty()
-                                    ? 0.0
-                                    : *std::max_element(bodies.radius.begin(), bodies.radius.end());
-        const double shaking =
-            problem.plates.gamma * problem.gravity; // the largest acceleration of the plates
-        return (problem.gravity + shaking) * dt * dt + rods.max_overlap * thickest;
+    /// How far a sphere may have moved in the plane since the pairs were found last: by its flight, and by
+    /// the impulse before, which changed its velocity for at most the step then.
+    double furthest_move(const Range& velocities) {
+        const double before = top_speed_now;
+        top_speed_now = velocities.fastest_in_plane();
+        return (2.0 * top_speed_now + before) * problem.time_step;
     }
 };
 

@@ -35,13 +35,14 @@ bool finite(const State& state) {
     return true;
 }
 
-/// All beads between the plates, as far as rounding goes.
+/// All beads between the plates, but for those that an impulse of the last step pushed into one.
 bool between_plates(const Simulation& run) {
     const GranularProblem& p = run.problem();
+    const double pushed = 0.1 * p.time_step; // at 0.1 m/s
     const double floor =
         p.plates.amplitude(p.gravity) * std::cos(2.0 * M_PI * p.plates.frequency * run.time());
     for (const double z : run.state().beads.z)
-        if (z < floor + a - 1e-9 * a || z > floor + p.plates.gap - a + 1e-9 * a)
+        if (z < floor + a - pushed || z > floor + p.plates.gap - a + pushed)
             return false;
     return true;
 }

@@ -132,7 +132,7 @@ TEST_CASE("pairs are selected alike on every instruction set") {
         const auto find = [&](bool near, std::size_t begin) {
             std::vector<std::uint32_t> found(list.size() + 8);
             const std::size_t n =
-                near ? within_reach(position.data(), list, begin, list.size(), box, 4e-4, 2e-4, found.data())
+                near ? within_reach(position.data(), list, begin, list.size(), box, 4e-4, found.data())
                      : overlapping(position.data(), list, begin, list.size(), box, found.data());
             found.resize(n);
             return found;
@@ -146,7 +146,7 @@ TEST_CASE("pairs are selected alike on every instruction set") {
                 for (int c : {0, 1})
                     d[c] -= box * std::nearbyint(d[c] * (1.0 / box));
                 if (near)
-                    d[2] = std::max(std::abs(d[2]) - 2e-4, 0.0);
+                    d[2] = 0.0;
                 const double reach = list.reach[k] + (near ? 4e-4 : 0.0);
                 if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach)
                     found.push_back(static_cast<std::uint32_t>(k));

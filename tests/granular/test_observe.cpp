@@ -133,7 +133,7 @@ TEST_CASE("travel and separation of rods on known courses") {
           Approx(2.0 * speed * record.sums().pair.half_box_time * std::sin(0.2)).epsilon(1e-11));
     REQUIRE(rows.track.size() == 2 * 11);
     CHECK(rows.track.back().speed == Approx(speed).epsilon(1e-9));
-    CHECK(rows.track.back().heading == Approx(0.2).epsilon(1e-12));
+    CHECK(rows.track.back().heading == Approx(0.2).epsilon(1e-11)); // rounding of some 5000 turns
     CHECK(rows.track[0].speed == 0.0); // held still before t = 0
 }
 

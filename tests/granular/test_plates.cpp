@@ -2,7 +2,7 @@
 
 #include "beds.hpp"
 
-#include "granular/plate_contacts.hpp"
+#include "granular/bead_bounces.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -65,7 +65,7 @@ struct Granular {
     std::string restart_from;          ///< checkpoint file; with start = restart only
     double orientation = 0.0;          ///< of the close-packed rows from +x, rad
     double start_speed = 0.02;         ///< m/s
-    double time_step = 2e-5;           ///< s
+    double time_step = 1e-4;           ///< s
     std::optional<double> equilibrate; ///< s; absent: depends on start and phi_b
     double duration = 0.0;             ///< s
     std::optional<double>

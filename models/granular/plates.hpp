@@ -1,8 +1,6 @@
 #pragma once
-// Where the plates are (floor z = A cos(2 pi f t), lid the same + gap), and what touches them.
+// Where the plates are: floor z = A cos(2 pi f t), lid the same + gap.
 
-#include "bodies.hpp"
-#include "kernels.hpp"
 #include "rodwake/granular/problem.hpp"
 
 #include <array>
@@ -28,10 +26,17 @@ public:
             value = value * before + static_cast<double>(n) * c_[n];
         return -value; // the polynomial runs backwards in time
     }
+    double acceleration(double before) const {
+        double value = 0.0;
+        for (std::size_t n = c_.size(); n-- > 2;)
+            value = value * before + static_cast<double>(n * (n - 1)) * c_[n];
+        return value;
+    }
     /// At t itself.
     double position() const { return c_[0]; }
     double velocity() const { return -c_[1]; }
     double acceleration() const { return 2.0 * c_[2]; }
+    const std::array<double, 8>& coefficients() const { return c_; }
 
 private:
     std::array<double, 8> c_; ///< of before^n
@@ -63,13 +68,21 @@ struct PlateStep {
     double gap, time_step, gravity;
 };
 
-/// Puts a bead that flew through a plate back to where and when it touched it, bounces it there, and lets it
-/// fly for the rest of the step; again if it comes back within the step. A bead whose hops are shorter than a
-/// twentieth of a step comes to rest on the plate. Velocities it had on the way are added to `velocities`.
-void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
-                 Range& velocities, PlateTally& tally);
+/// One plate seen from the particles: side +1 the floor (normal up), -1 the lid (normal down).
+struct Plate {
+    double side;
+    const PlateStep* step;
 
-/// One impulse at the deepest contact of the rod with each plate, if it overlaps and approaches.
-void bounce_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally);
+    double height(double before) const {
+        return step->floor.position(before) + (side > 0.0 ? 0.0 : step->gap);
+    }
+    double height_now() const { return step->floor.position() + (side > 0.0 ? 0.0 : step->gap); }
+    double speed(double before) const { return step->floor.velocity(before); }
+    double speed_now() const { return step->floor.velocity(); }
+    /// Acceleration with which a free body is pressed against it; negative where the plate runs away.
+    double pressing() const { return side * (step->gravity + step->floor.acceleration()); }
+    double pressing(double before) const { return side * (step->gravity + step->floor.acceleration(before)); }
+    double& impulse(PlateTally& tally) const { return side > 0.0 ? tally.floor_impulse : tally.lid_impulse; }
+};
 
 } // namespace rodwake::granular

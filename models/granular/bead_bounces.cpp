@@ -1,0 +1,175 @@
+#include "bead_bounces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace rodwake::granular {
+
+namespace {
+
+constexpr int most_bounces = 16;      // within one step; more come to rest
+constexpr double shortest_hop = 0.05; // of a step
+
+/// Distance of a bead in free flight from a plate as a polynomial in the time before the end of the step.
+class Approach {
+public:
+    /// z and vz: at the end of the step.
+    Approach(double z, double vz, double radius, const Plate& plate) {
+        const std::array<double, 8>& floor = plate.step->floor.coefficients();
+        for (std::size_t n = 0; n < c_.size(); ++n)
+            c_[n] = -plate.side * floor[n];
+        c_[0] += plate.side * (z - (plate.side > 0.0 ? 0.0 : plate.step->gap)) - radius;
+        c_[1] -= plate.side * vz;
+        c_[2] -= plate.side * plate.step->gravity / 2.0;
+    }
+
+    /// As if the plate were that much lower (the lid: higher).
+    void lower_plate(double depth) { c_[0] += depth; }
+    double gap_now() const { return c_[0]; }
+    double opening_now() const { return -c_[1]; }
+    // In pairs of terms, which do not wait for each other.
+    double gap(double before) const {
+        const double b2 = before * before, b4 = b2 * b2;
+        return ((c_[0] + c_[1] * before) + (c_[2] + c_[3] * before) * b2) +
+               ((c_[4] + c_[5] * before) + (c_[6] + c_[7] * before) * b2) * b4;
+    }
+    /// d gap/dt at that time: negative when approaching.
+    double opening(double before) const {
+        const double b2 = before * before, b4 = b2 * b2;
+        return -(((c_[1] + 2.0 * c_[2] * before) + (3.0 * c_[3] + 4.0 * c_[4] * before) * b2) +
+                 ((5.0 * c_[5] + 6.0 * c_[6] * before) + 7.0 * c_[7] * b2) * b4);
+    }
+
+private:
+    std::array<double, 8> c_; ///< of before^n
+};
+
+/// The time since the touch were accelerations constant. Negative where there is no such time.
+double rough_time_since_touch(double depth, double approach, double pressing) {
+    const double inside = approach * approach - 2.0 * pressing * depth;
+    return inside >= 0.0 ? 2.0 * depth / (approach + std::sqrt(inside)) : -1.0;
+}
+
+/// The last time the bead was clear of the plate: the start of its flight, or the top of its hop if it leaves
+/// the plate there.
+double last_clear(const Approach& approach, double back, double pressing) {
+    const double leaving = approach.opening(back);
+    if (!(leaving > 0.0 && pressing > 0.0))
+        return back;
+    return std::max(back - leaving / pressing, back / 2.0);
+}
+
+/// How long before the end of the step the bead, which has flown for `back`, touched the plate: Newton, kept
+/// between bounds.
+double time_since_touch(const Approach& approach, double back, const Plate& plate) {
+    // Touching from the start on, or so soon that it makes no hop.
+    const double pressing = std::max(plate.pressing(back), 0.0), soon = shortest_hop * back;
+    if (approach.gap(back) <= pressing * soon * soon / 2.0 &&
+        std::abs(approach.opening(back)) <= pressing * soon)
+        return back;
+    double apart = last_clear(approach, back, pressing), within = 0.0;
+    double before = rough_time_since_touch(-approach.gap_now(), -approach.opening_now(), plate.pressing());
+    if (!(before > within && before < apart))
+        before = (within + apart) / 2.0;
+    for (int i = 0; i < 60; ++i) {
+        const double gap = approach.gap(before);
+        (gap > 0.0 ? apart : within) = before;
+        const double next = before + gap / approach.opening(before); // d gap/d before = -opening
+        const double taken = next >= within && next <= apart ? next : (within + apart) / 2.0;
+        if (std::abs(taken - before) <= 1e-8 * back) // Newton doubles the digits: what is left is rounding
+            return taken;
+        before = taken;
+    }
+    return before;
+}
+
+/// Impulse on a bead from the plate given its velocity at the contact, applied to velocity and spin.
+void push_bead(Bodies& bodies, std::size_t bead, const Plate& plate, double plate_speed,
+               const Surface& surface, PlateTally& tally) {
+    auto v = row(bodies.velocity, bead);
+    auto w = row(bodies.spin, bead);
+    const double a = bodies.bead_radius, per_mass = 1.0 / bodies.bead_mass,
+                 k_t = per_mass + a * a / bodies.bead_inertia;
+    // arm = -side a z; its spin velocity w x arm
+    const Vector3 relative(v.x() - plate.side * a * w.y(), v.y() + plate.side * a * w.x(),
+                           plate.side * (v.z() - plate_speed));
+    const Vector3 p = uncoupled_impact(k_t, per_mass, relative, surface).impulse;
+    v += per_mass * Vector3(p.x(), p.y(), plate.side * p.z());
+    w += plate.side * a / bodies.bead_inertia * Vector3(p.y(), -p.x(), 0.0); // arm x P
+    plate.impulse(tally) += plate.side * p.z();
+    ++tally.impulses;
+}
+
+/// Bounces `before` the end of the step, where it is then, and flies on to the end.
+void bounce_at(Bodies& bodies, std::size_t bead, const Plate& plate, double before, const Surface& surface,
+               PlateTally& tally) {
+    auto v = row(bodies.velocity, bead);
+    const Vector3 old = v;
+    v.z() += plate.step->gravity * before;
+    push_bead(bodies, bead, plate, plate.speed(before), surface, tally);
+    v.z() -= plate.step->gravity * before;
+    row(bodies.position, bead) += (v - old) * before;
+}
+
+/// Stays on the plate until that long before the end of the step.
+void rest_until(Bodies& bodies, std::size_t bead, const Plate& plate, double before, const Surface& surface,
+                PlateTally& tally) {
+    bounce_at(bodies, bead, plate, before, {surface.friction, 0.0}, tally);
+    const double vz = bodies.velocity[4 * bead + 2], gravity = plate.step->gravity;
+    bodies.position[4 * bead + 2] = plate.height(before) + plate.side * bodies.bead_radius +
+                                    (vz + gravity * before) * before - gravity * before * before / 2.0;
+}
+
+/// When the plate begins to run away from a bead that rests on it since `since`: how long before the end of
+/// the step, or the end. Accelerations change evenly within a step, to a hundredth of that change.
+double lift_off(const Plate& plate, double since) {
+    const double then = plate.pressing(since), now = plate.pressing();
+    return now >= 0.0 ? 0.0 : then > 0.0 ? since * now / (now - then) : since;
+}
+
+/// Whether a bead that touches with this speed hops for less than that: such hops add up to a rest on the
+/// plate.
+bool comes_to_rest(double touching_speed, double pressing, const Plate& plate, double restitution) {
+    return 2.0 * restitution * touching_speed <
+           std::max(pressing, plate.step->gravity) * shortest_hop * plate.step->time_step;
+}
+
+} // namespace
+
+void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
+                 Range& velocities, PlateTally& tally) {
+    double back = step.time_step;
+    for (int bounces = 0;; ++bounces) {
+        const double z = bodies.position[4 * bead + 2], vz = bodies.velocity[4 * bead + 2];
+        Plate plate{1.0, &step};
+        Approach approach(z, vz, bodies.bead_radius, plate);
+        if (!(approach.gap_now() < 0.0)) { // the gap is wider than a bead: it cannot be in both
+            plate = {-1.0, &step};
+            approach = Approach(z, vz, bodies.bead_radius, plate);
+            if (!(approach.gap_now() < 0.0))
+                return;
+        }
+        if (const double deep = -approach.gap_now() / bodies.bead_radius; deep > tally.deepest_flight) {
+            tally.deepest_flight = deep;
+            tally.deepest = bead;
+        }
+        // what another bead pushed into the plate leaves it by itself
+        approach.lower_plate(std::max(-approach.gap(back), 0.0));
+        if (!(approach.gap_now() < 0.0))
+            return;
+        back = time_since_touch(approach, back, plate);
+        const bool rests =
+            bounces == most_bounces ||
+            comes_to_rest(-approach.opening(back), plate.pressing(back), plate, surface.restitution);
+        if (rests)
+            rest_until(bodies, bead, plate, lift_off(plate, back), surface, tally);
+        else
+            bounce_at(bodies, bead, plate, back, surface, tally);
+        velocities.include(&bodies.velocity[4 * bead]);
+        if (rests)
+            return;
+    }
+}
+
+} // namespace rodwake::granular

@@ -1,0 +1,21 @@
+#include "plates.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::granular {
+
+PlateMotion::PlateMotion(const Plates& plates, double gravity)
+    : amplitude_(plates.amplitude(gravity)), omega_(2.0 * std::numbers::pi * plates.frequency),
+      gap_(plates.gap) {}
+
+PlatePath PlateMotion::floor(double time) const {
+    const double c = amplitude_ * std::cos(omega_ * time), s = amplitude_ * std::sin(omega_ * time),
+                 w = omega_;
+    // cos(w t - w b) = cos wt cos wb + sin wt sin wb
+    return PlatePath({c, s * w, -c * w * w / 2.0, -s * w * w * w / 6.0, c * w * w * w * w / 24.0,
+                      s * w * w * w * w * w / 120.0, -c * w * w * w * w * w * w / 720.0,
+                      -s * w * w * w * w * w * w * w / 5040.0});
+}
+
+} // namespace rodwake::granular

@@ -1,0 +1,19 @@
+#pragma once
+// Rods against the plates.
+
+#include "plates.hpp"
+#include "rod_motion.hpp"
+
+#include <functional>
+
+namespace rodwake::granular {
+
+/// Moves a rod through one step. Between impulses it flies freely (rod_motion.hpp); where one of its spheres
+/// touches a plate it gets an impulse at that instant, as often as it touches within the step. A contact
+/// whose hop would be shorter than an eighth of a step rests on the plate: it gets an impulse without rebound
+/// that often, which tends to a lasting contact with Coulomb friction as the step goes to zero. `moved` is
+/// called after each change of velocity.
+void fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
+             const std::function<void()>& moved);
+
+} // namespace rodwake::granular
