@@ -23,7 +23,7 @@ namespace {
 using namespace rodwake::granular;
 using benchmark::Counter;
 
-constexpr std::int64_t period = 250; // steps: every phase of the plates counts alike
+constexpr std::int64_t period = 50; // steps: every phase of the plates counts alike
 constexpr std::int64_t warm_up = 20 * period;
 
 GranularProblem bed(std::size_t rods) {
@@ -105,8 +105,8 @@ struct Near {
     std::vector<std::uint32_t> found;
 
     explicit Near(double skin) {
-        near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box,
-                   skin * bodies.bead_radius, list);
+        rodwake::Team team(1);
+        near_pairs(bodies, box, skin * bodies.bead_radius, team, list);
         found.resize(list.size() + 8);
     }
 };
@@ -130,15 +130,15 @@ void overlap(benchmark::State& state, std::int64_t target) {
     count_pairs(state, near.list, found);
 }
 
-/// Over the outer list, with allowances as they are in a run.
+/// Over the outer list, with an allowance as in a run.
 void reach(benchmark::State& state, std::int64_t target) {
-    Near near(0.5);
+    Near near(1.0);
     const OnTarget on(target);
-    const double in_plane = 0.05 * near.bodies.bead_radius, vertical = 0.1 * near.bodies.bead_radius;
+    const double allowance = 0.1 * near.bodies.bead_radius;
     std::size_t found = 0;
     for (auto _ : state) {
-        found = within_reach(near.bodies.position.data(), near.list, 0, near.list.size(), near.box, in_plane,
-                             vertical, near.found.data());
+        found = within_reach(near.bodies.position.data(), near.list, 0, near.list.size(), near.box, allowance,
+                             near.found.data());
         benchmark::ClobberMemory();
     }
     count_pairs(state, near.list, found);

@@ -6,10 +6,10 @@
 // that knows nothing but the terms the scene has, on the plane and for beads alone. Those say so if their
 // bits differ. The script counts what happens inside the functions it names: do not inline them.
 
+#include "granular/bead_bounces.hpp"
 #include "granular/bodies.hpp"
 #include "granular/pair_contacts.hpp"
 #include "granular/pair_finder.hpp"
-#include "granular/bead_bounces.hpp"
 #include "rodwake/assembly/granular.hpp"
 #include "rodwake/assembly/rods.hpp"
 #include "rodwake/granular/start.hpp"
@@ -151,7 +151,7 @@ class PlainBed {
 public:
     explicit PlainBed(const granular::GranularProblem& p, const granular::State& state)
         : problem_(p), bodies_(granular::make_bodies(p, state)), plates_(p.plates, p.gravity),
-          finder_(bodies_, p.box), contacts_(p.contacts, p.box) {}
+          finder_(bodies_, p.box), contacts_({p.contacts, p.box, p.time_step, p.gravity}) {}
 
     [[gnu::noinline]] void plain_step() {
         const double dt = problem_.time_step;
@@ -160,26 +160,23 @@ public:
             dt, problem_.gravity};
         const double floor = plate.floor.position(), a = problem_.bead_radius;
         granular::Range all = granular::Range::empty();
-        for (std::size_t begin = 0; begin < bodies_.beads; begin += chunk) {
+        for (std::size_t begin = 0; begin < bodies_.beads; begin += granular::beads_per_block) {
             granular::Range velocities = granular::Range::empty();
             hits_.clear();
             granular::drift(bodies_.position.data(), bodies_.velocity.data(), begin,
-                            std::min(bodies_.beads, begin + chunk),
+                            std::min(bodies_.beads, begin + granular::beads_per_block),
                             {dt, problem_.gravity, floor + a, floor + plate.gap - a}, velocities, hits_);
             for (const std::uint32_t bead : hits_)
                 granular::bounce_bead(bodies_, bead, plate, problem_.contacts.bead_plate, velocities, tally_);
             all.include(velocities);
         }
         ++step_;
-        const double shaking = problem_.plates.gamma * problem_.gravity;
-        contacts_.resolve(
-            bodies_, finder_.find(bodies_, all, dt, (problem_.gravity + shaking) * dt * dt, team_), tallies_);
+        contacts_.resolve(bodies_, finder_.find(bodies_, all.fastest_in_plane(), dt, team_), tallies_, team_);
     }
 
     granular::State state() const { return to_state(bodies_, step_); }
 
 private:
-    static constexpr std::size_t chunk = 2048; // as in the simulation
     granular::GranularProblem problem_;
     granular::Bodies bodies_;
     granular::PlateMotion plates_;

@@ -14,6 +14,9 @@
 
 namespace rodwake::granular {
 
+/// Beads of successive numbers that are worked on together: one task.
+inline constexpr std::size_t beads_per_block = 2048;
+
 struct Bodies {
     std::size_t beads = 0;
     double bead_radius = 0.0, bead_mass = 0.0, bead_inertia = 0.0;
@@ -27,6 +30,9 @@ struct Bodies {
 
     std::size_t spheres() const { return radius.size(); }
     bool is_bead(std::size_t sphere) const { return sphere < beads; }
+    bool same_rod(std::size_t one, std::size_t two) const {
+        return one >= beads && two >= beads && rod_of[one - beads] == rod_of[two - beads];
+    }
 
     /// Puts the rods' sphere centres into `position`: of all, or of one.
     void place_rod_spheres();

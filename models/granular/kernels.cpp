@@ -254,6 +254,23 @@ void PairList::clear() {
     reach.clear();
 }
 
+void PairList::resize(std::size_t count) {
+    pairs.resize(count);
+    reach.resize(count);
+}
+
+void gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
+    std::vector<std::size_t> begin(parts.size() + 1, 0);
+    for (std::size_t c = 0; c < parts.size(); ++c)
+        begin[c + 1] = begin[c] + parts[c].size();
+    list.resize(begin.back());
+    team.run(parts.size(), [&](std::size_t c) {
+        const auto at = static_cast<std::ptrdiff_t>(begin[c]);
+        std::ranges::copy(parts[c].pairs, list.pairs.begin() + at);
+        std::ranges::copy(parts[c].reach, list.reach.begin() + at);
+    });
+}
+
 void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
            Range& velocities, std::vector<std::uint32_t>& out) {
     HWY_DYNAMIC_DISPATCH(DriftBeads)(position, velocity, begin, end, d, velocities, out);
@@ -269,9 +286,16 @@ std::size_t within_reach(const double* position, const PairList& list, std::size
     return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, allowance, found);
 }
 
-double furthest_moved(const Rows& position, const Rows& before) {
-    return std::sqrt(
-        HWY_DYNAMIC_DISPATCH(FurthestSquared)(position.data(), before.data(), position.size() / 4));
+double furthest_moved(const Rows& position, const Rows& before, Team& team) {
+    constexpr std::size_t chunk = 8192; // rows a task; a maximum does not depend on it
+    const std::size_t rows = position.size() / 4;
+    std::vector<double> furthest((rows + chunk - 1) / chunk);
+    team.run(furthest.size(), [&](std::size_t c) {
+        const std::size_t begin = c * chunk, count = std::min(rows - begin, chunk);
+        furthest[c] = HWY_DYNAMIC_DISPATCH(FurthestSquared)(position.data() + 4 * begin,
+                                                            before.data() + 4 * begin, count);
+    });
+    return furthest.empty() ? 0.0 : std::sqrt(*std::ranges::max_element(furthest));
 }
 
 const char* vector_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }

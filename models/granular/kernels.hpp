@@ -3,6 +3,7 @@
 // run time (Highway). Positions and velocities are packed rows x, y, z, 0 (bodies.hpp). Every target gives
 // the same bits: no sum is reordered and no product is fused.
 
+#include "rodwake/core/parallel.hpp"
 #include "rows.hpp"
 
 #include <cstddef>
@@ -42,7 +43,11 @@ struct PairList {
 
     std::size_t size() const { return pairs.size(); }
     void clear();
+    void resize(std::size_t count);
 };
+
+/// One list of all, in their order.
+void gather(const std::vector<PairList>& parts, Team& team, PairList& list);
 
 /// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room
 /// for end - begin + 8; `box`: side of the periodic square.
@@ -54,6 +59,6 @@ std::size_t within_reach(const double* position, const PairList& list, std::size
                          double box, double allowance, std::uint32_t* found);
 
 /// The largest distance in the plane between the same rows of two arrays.
-double furthest_moved(const Rows& position, const Rows& before);
+double furthest_moved(const Rows& position, const Rows& before, Team& team);
 
 } // namespace rodwake::granular

@@ -66,7 +66,7 @@ std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies,
     return along < 0.0 ? std::optional(Meeting{pair, 0.0, distance}) : std::nullopt;
 }
 
-void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
+void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting) const {
     const auto [one, two] = meeting.pair;
     auto v1 = row(bodies.velocity, one), v2 = row(bodies.velocity, two);
     const Vector3 difference = v1 - v2;
@@ -93,7 +93,6 @@ void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, Tallies& ta
         (-arm / bodies.bead_inertia) * n.cross(impulse); // arms -arm n and +arm n, impulses P and -P
     row(bodies.spin, one) += turn;
     row(bodies.spin, two) += turn;
-    ++tallies.bead_bead;
 }
 
 void PairContacts::bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
@@ -165,16 +164,34 @@ void PairContacts::keep_first(const Bodies& bodies, const Meeting& meeting) {
         *known = {one, two, meeting};
 }
 
-WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies) {
-    WorstOverlap worst;
-    rod_contacts_.clear();
-    tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
-    for (std::size_t k = 0; k < overlapping.size(); ++k) {
-        const Pair pair = overlapping[k];
+/// Pairs with both beads below `end`, the first number after the block; the others are left.
+void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end,
+                                Block& block) const {
+    block.left.clear();
+    block.worst = {};
+    block.impulses = 0;
+    for (const Pair& pair : pairs) {
+        if (pair.second >= end) {
+            block.left.push_back(pair);
+            continue;
+        }
+        if (const auto found = meeting(bodies, pair, block.worst)) {
+            bead_bead(bodies, *found);
+            ++block.impulses;
+        }
+    }
+}
+
+void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst,
+                              Tallies& tallies) {
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const Pair pair = pairs[k];
         std::optional<Meeting> found = meeting(bodies, pair, worst);
         if (bodies.is_bead(pair.second)) {
-            if (found)
-                bead_bead(bodies, *found, tallies);
+            if (found) {
+                bead_bead(bodies, *found);
+                ++tallies.bead_bead;
+            }
             continue;
         }
         if (!bodies.is_bead(pair.first)) {
@@ -183,17 +200,39 @@ WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlap
             continue;
         }
         // the contacts of a bead with the spheres of one rod follow each other
-        const std::uint32_t rod = bodies.rod_of[pair.second - bodies.beads];
-        for (; k + 1 < overlapping.size() && overlapping[k + 1].first == pair.first &&
-               bodies.rod_of[overlapping[k + 1].second - bodies.beads] == rod;
+        for (; k + 1 < pairs.size() && pairs[k + 1].first == pair.first &&
+               bodies.same_rod(pairs[k + 1].second, pair.second);
              ++k) {
-            const auto next = meeting(bodies, overlapping[k + 1], worst);
+            const auto next = meeting(bodies, pairs[k + 1], worst);
             if (next && (!found || first(next->back, next->length, found->back, found->length)))
                 found = next;
         }
         if (found)
             bead_rod(bodies, *found, tallies);
     }
+}
+
+WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
+                                   Team& team) {
+    tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
+    blocks_.resize((bodies.beads + beads_per_block - 1) / beads_per_block);
+    const auto first_from = [&](std::size_t bead) {
+        return std::ranges::lower_bound(overlapping, bead, {}, &Pair::first);
+    };
+    team.run(blocks_.size(), [&](std::size_t b) {
+        const std::size_t end = std::min(bodies.beads, (b + 1) * beads_per_block);
+        within_block(bodies, {first_from(b * beads_per_block), first_from(end)}, end, blocks_[b]);
+    });
+    WorstOverlap worst;
+    rod_contacts_.clear();
+    for (const Block& block : blocks_) {
+        if (block.worst.radii > worst.radii)
+            worst = block.worst;
+        tallies.bead_bead += block.impulses;
+    }
+    for (const Block& block : blocks_)
+        one_by_one(bodies, block.left, worst, tallies);
+    one_by_one(bodies, {first_from(bodies.beads), overlapping.end()}, worst, tallies);
     for (const RodContact& contact : rod_contacts_)
         rod_rod(bodies, contact.meeting, tallies);
     tallies.max_overlap = std::max(tallies.max_overlap, worst.radii);

@@ -8,10 +8,12 @@
 
 #include "bodies.hpp"
 #include "kernels.hpp"
+#include "rodwake/core/parallel.hpp"
 #include "rodwake/granular/simulation.hpp"
 
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace rodwake::granular {
 
@@ -31,9 +33,10 @@ class PairContacts {
 public:
     explicit PairContacts(const PairSetting& setting) : setting_(setting) {}
 
-    /// One sweep over the overlapping pairs in their order; adds to the tallies. Approaching pairs get an
-    /// impulse; of the contacts of a rod with one bead or one other rod only the first to touch.
-    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies);
+    /// One sweep over the overlapping pairs, which come in the order (first, second); adds to the tallies.
+    /// Approaching pairs get an impulse; of the contacts of a rod with one bead or one other rod only the
+    /// first to touch.
+    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team);
 
 private:
     /// Two spheres that overlap and approach.
@@ -42,18 +45,26 @@ private:
         double back;   ///< how long ago they touched, s
         double length; ///< of their distance vector then, m: R1 + R2, or less if they overlapped before
     };
+    struct Block {
+        std::vector<Pair> left; ///< pairs with a partner outside
+        WorstOverlap worst;
+        std::int64_t impulses = 0;
+    };
+    struct RodContact {
+        std::uint32_t first_rod, second_rod;
+        Meeting meeting;
+    };
     std::optional<Meeting> meeting(const Bodies& bodies, const Pair& pair, WorstOverlap& worst) const;
     Vector3 apart(const Bodies& bodies, const Pair& pair) const;
-    void bead_bead(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
+    void within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end, Block& block) const;
+    void one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst, Tallies& tallies);
+    void bead_bead(Bodies& bodies, const Meeting& meeting) const;
     void bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
     void rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
     void keep_first(const Bodies& bodies, const Meeting& meeting);
 
     PairSetting setting_;
-    struct RodContact {
-        std::uint32_t first_rod, second_rod;
-        Meeting meeting;
-    };
+    std::vector<Block> blocks_;
     std::vector<RodContact> rod_contacts_;
 };
 

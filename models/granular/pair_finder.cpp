@@ -25,8 +25,8 @@ PairFinder::PairFinder(const Bodies& bodies, double box)
       length_(bodies.radius.empty() ? box : *std::min_element(bodies.radius.begin(), bodies.radius.end())),
       skin_(first_skin * length_), allowance_(0.02 * length_) {}
 
-void PairFinder::rebuild(const Bodies& bodies) {
-    near_pairs(bodies.position, bodies.radius, bodies.beads, bodies.rod_of, box_, skin_ + allowance_, outer_);
+void PairFinder::rebuild(const Bodies& bodies, Team& team) {
+    near_pairs(bodies, box_, skin_ + allowance_, team, outer_);
     origin_ = bodies.position;
     outer_allowance_ = allowance_;
     steps_since_rebuild_ = 0;
@@ -61,16 +61,17 @@ void PairFinder::draw(const Bodies& bodies, Team& team) {
     collect(outer_.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
         return within_reach(bodies.position.data(), outer_, begin, end, box_, allowance_, found);
     });
-    std::size_t total = 0, count = 0;
-    for (std::size_t c = 0; c < chunks_of(outer_.size()); ++c)
-        total += found_[c].count;
-    inner_.pairs.resize(total);
-    inner_.reach.resize(total);
-    for (std::size_t c = 0; c < chunks_of(outer_.size()); ++c)
-        for (std::size_t k = 0; k < found_[c].count; ++k, ++count) {
-            inner_.pairs[count] = outer_.pairs[found_[c].index[k]];
-            inner_.reach[count] = outer_.reach[found_[c].index[k]];
+    const std::size_t chunks = chunks_of(outer_.size());
+    std::vector<std::size_t> begin(chunks + 1, 0);
+    for (std::size_t c = 0; c < chunks; ++c)
+        begin[c + 1] = begin[c] + found_[c].count;
+    inner_.resize(begin[chunks]);
+    team.run(chunks, [&](std::size_t c) {
+        for (std::size_t k = 0; k < found_[c].count; ++k) {
+            inner_.pairs[begin[c] + k] = outer_.pairs[found_[c].index[k]];
+            inner_.reach[begin[c] + k] = outer_.reach[found_[c].index[k]];
         }
+    });
     drawn_ = bodies.position;
     furthest_ = 0.0;
     steps_since_draw_ = 0;
@@ -80,17 +81,17 @@ void PairFinder::draw(const Bodies& bodies, Team& team) {
 void PairFinder::refresh(const Bodies& bodies, Team& team) {
     // A pair outside the outer list is at least the skin away beside the allowance, and approaches by twice
     // what a sphere moved.
-    if (origin_.empty() || 2.0 * furthest_moved(bodies.position, origin_) > skin_) {
+    if (origin_.empty() || 2.0 * furthest_moved(bodies.position, origin_, team) > skin_) {
         if (!origin_.empty())
             adapt_skin();
-        rebuild(bodies);
+        rebuild(bodies, team);
     }
     allowance_ = std::min(allowance_, outer_allowance_);
     draw(bodies, team);
 }
 
 /// Whether pairs outside the inner list may touch.
-bool PairFinder::stale(const Bodies& bodies, double moved) {
+bool PairFinder::stale(const Bodies& bodies, double moved, Team& team) {
     furthest_ += moved;
     ++steps_since_draw_;
     ++steps_since_rebuild_;
@@ -98,12 +99,14 @@ bool PairFinder::stale(const Bodies& bodies, double moved) {
         return true;
     if (2.0 * furthest_ <= allowance_)
         return false;
-    furthest_ = furthest_moved(bodies.position, drawn_);
+    furthest_ = furthest_moved(bodies.position, drawn_, team);
     return 2.0 * furthest_ > allowance_;
 }
 
-std::span<const Pair> PairFinder::find(const Bodies& bodies, double moved, Team& team) {
-    if (stale(bodies, moved)) {
+std::span<const Pair> PairFinder::find(const Bodies& bodies, double fastest, double time_step, Team& team) {
+    const double moved = (2.0 * fastest + fastest_) * time_step; // by its flight, and by the impulse before
+    fastest_ = fastest;
+    if (stale(bodies, moved, team)) {
         adapt_allowance(furthest_);
         refresh(bodies, team);
     }

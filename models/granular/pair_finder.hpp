@@ -20,9 +20,10 @@ class PairFinder {
 public:
     PairFinder(const Bodies& bodies, double box);
 
-    /// The pairs that overlap in space now, if no sphere has moved by more than `moved` in the plane since
-    /// the last call, m. Valid until the next call.
-    std::span<const Pair> find(const Bodies& bodies, double moved, Team& team);
+    /// The pairs that overlap in space after a step in which no sphere was faster than `fastest` in the
+    /// plane, m/s. Impulses since the last call may have moved spheres besides, by what they changed
+    /// velocities for less than a step (pair_contacts.hpp). Valid until the next call.
+    std::span<const Pair> find(const Bodies& bodies, double fastest, double time_step, Team& team);
 
     std::size_t rebuilds() const { return rebuilds_; }
     std::size_t refreshes() const { return refreshes_; }
@@ -31,12 +32,12 @@ public:
     double skin() const { return skin_; }
 
 private:
-    void rebuild(const Bodies& bodies);
+    void rebuild(const Bodies& bodies, Team& team);
     void refresh(const Bodies& bodies, Team& team);
     void draw(const Bodies& bodies, Team& team);
     void adapt_skin();
     void adapt_allowance(double furthest);
-    bool stale(const Bodies& bodies, double moved);
+    bool stale(const Bodies& bodies, double moved, Team& team);
     template<class Test>
     void collect(std::size_t pairs, Team& team, const Test& test);
 
@@ -44,6 +45,7 @@ private:
     double skin_;         ///< of the outer list, beside the allowance it was built for, m
     double allowance_;    ///< pairs nearer than that in the plane are in the inner list, m
     double outer_allowance_ = 0.0;
+    double fastest_ = 0.0;  ///< of the step before, m/s
     double furthest_ = 0.0; ///< no sphere has moved further since the inner list was drawn, m
     PairList outer_, inner_;
     Rows origin_, drawn_; ///< positions when the outer list was built and the inner one drawn

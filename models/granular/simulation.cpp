@@ -23,11 +23,9 @@ namespace {
 // 0.06 radii): temperatures are right to their errors at 1e-4 s (0.035 radii), off by 3 % at 2e-4 s (0.072),
 // by 6 % at 4e-4 s (0.144) and by 20 % at 5e-4 s (0.18).
 constexpr double flight_limit = 0.6;
-constexpr std::size_t chunk =
-    2048; // beads a task; sums are taken chunk by chunk, so threads do not change them
-
-/// What one task of the flight phase leaves behind.
-struct ChunkResult {
+/// What one task of the flight phase leaves behind; sums are taken block by block, so threads do not change
+/// them.
+struct BlockResult {
     std::vector<std::uint32_t> hits; ///< beads that left the space between the plates
     Range velocities = Range::empty();
     PlateTally tally;
@@ -77,13 +75,12 @@ struct Simulation::Impl {
     Tallies tallies;
     std::int64_t step;
     std::optional<Failure> failure;
-    std::vector<ChunkResult> chunks;
-    double top_speed_now = 0.0; ///< in the plane in the last step, m/s
+    std::vector<BlockResult> blocks;
 
     Impl(const GranularProblem& p, const State& state, const Tallies& t, std::size_t threads)
         : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
           contacts({p.contacts, p.box, p.time_step, p.gravity}), team(threads), tallies(t), step(state.step),
-          chunks((bodies.beads + chunk - 1) / chunk) {
+          blocks((bodies.beads + beads_per_block - 1) / beads_per_block) {
         tallies.impulse_on_beads.resize(problem.rods.size(), Vector3::Zero());
         hold_rods();
     }
@@ -105,12 +102,13 @@ struct Simulation::Impl {
     void fly_beads(const PlateStep& plate) {
         const double a = problem.bead_radius, floor = plate.floor.position();
         const Drift flight{problem.time_step, problem.gravity, floor + a, floor + plate.gap - a};
-        team.run(chunks.size(), [&](std::size_t c) {
-            ChunkResult& mine = chunks[c];
+        team.run(blocks.size(), [&](std::size_t c) {
+            BlockResult& mine = blocks[c];
             mine.hits.clear();
             mine.velocities = Range::empty();
             mine.tally = {};
-            const std::size_t begin = c * chunk, end = std::min(bodies.beads, begin + chunk);
+            const std::size_t begin = c * beads_per_block,
+                              end = std::min(bodies.beads, begin + beads_per_block);
             drift(bodies.position.data(), bodies.velocity.data(), begin, end, flight, mine.velocities,
                   mine.hits);
             for (const std::uint32_t bead : mine.hits) {
@@ -223,8 +221,8 @@ struct Simulation::Impl {
         const PlateStep plate = plate_step();
         fly_beads(plate);
         Range velocities = Range::empty();
-        PlateTally beads; // of the chunks only what the guard looks at
-        for (ChunkResult& c : chunks) {
+        PlateTally beads; // of the blocks only what the guard looks at
+        for (BlockResult& c : blocks) {
             velocities.include(c.velocities);
             add(c.tally, tallies.bead_plate);
             if (c.tally.deepest_flight > beads.deepest_flight)
@@ -239,21 +237,14 @@ struct Simulation::Impl {
         guard_speeds(velocities);
         if (failure)
             return;
-        const std::span<const Pair> overlapping = finder.find(bodies, furthest_move(velocities), team);
+        const std::span<const Pair> overlapping =
+            finder.find(bodies, velocities.fastest_in_plane(), problem.time_step, team);
         mark(&StepTimes::search);
-        const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies);
+        const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies, team);
         mark(&StepTimes::impulses);
         guard_depths(worst, rods, beads);
         if (step == problem.equilibration_steps)
             hold_rods();
-    }
-
-    /// How far a sphere may have moved in the plane since the pairs were found last: by its flight, and by
-    /// the impulse before, which changed its velocity for at most the step then.
-    double furthest_move(const Range& velocities) {
-        const double before = top_speed_now;
-        top_speed_now = velocities.fastest_in_plane();
-        return (2.0 * top_speed_now + before) * problem.time_step;
     }
 };
 

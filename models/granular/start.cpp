@@ -1,6 +1,7 @@
 #include "rodwake/granular/start.hpp"
 
 #include "first_places.hpp"
+#include "numbering.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/periodic.hpp"
@@ -179,9 +180,8 @@ State make_start(const GranularProblem& problem, std::uint32_t run) {
     if (problem.beads > 0) {
         const bool lattice = problem.start == Start::lattice;
         const Room room = room_of(problem, run);
-        const double left =
-            set_places(state, lattice ? on_lattice(problem, room, run) : at_random(problem, room, run),
-                       problem, room, run);
+        const Places places = lattice ? on_lattice(problem, room, run) : at_random(problem, room, run);
+        const double left = set_places(state, numbered_by_place(places, problem.box), problem, room, run);
         if (left > 0.0)
             throw RunError(no_packing(problem, lattice ? "lattice packing" : "random packing",
                                       lattice ? "" : "try start = \"lattice\", or ", left));

@@ -184,16 +184,22 @@ TEST_CASE("cells find all near pairs") {
     for (const double box : {8 * a, 9.5 * a, 30 * a, 300 * a})
         for (const double away : {0.0, 1e3}) { // boxes from the origin
             const std::size_t count = 150;
-            Rows position = random_rows(random, count, box);
+            Bodies bodies;
+            bodies.beads = 130;
+            Rows& position = bodies.position;
+            position = random_rows(random, count, box);
             for (double& x : position)
                 x += away * box;
-            std::vector<double> radius(count, a);
+            std::vector<double>& radius = bodies.radius;
+            radius.assign(count, a);
             std::fill(radius.begin() + 130, radius.end(), 1.3 * a);
-            std::vector<std::uint32_t> rod_of(20, 0);
+            std::vector<std::uint32_t>& rod_of = bodies.rod_of;
+            rod_of.assign(20, 0);
             std::fill(rod_of.begin() + 10, rod_of.end(), 1);
             PairList list;
             const double skin = 0.5 * a;
-            near_pairs(position, radius, 130, rod_of, box, skin, list);
+            Team team(1);
+            near_pairs(bodies, box, skin, team, list);
             std::vector<std::pair<std::uint32_t, std::uint32_t>> wanted, found;
             for (std::uint32_t i = 0; i < count; ++i)
                 for (std::uint32_t j = i + 1; j < count; ++j) {

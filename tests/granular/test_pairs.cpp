@@ -114,7 +114,8 @@ Outcome collide(const Scene& s, const std::vector<Pair>& pairs) {
     o.tallies.impulse_on_beads.resize(2, Vector3::Zero());
     const Vector3 point = (row(b.position, pairs[0].first) + row(b.position, pairs[0].second)) / 2.0;
     o.before = motion(b, point);
-    contacts.resolve(b, pairs, o.tallies);
+    Team team(1);
+    contacts.resolve(b, pairs, o.tallies, team);
     o.after = motion(b, point);
     return o;
 }
@@ -176,7 +177,8 @@ TEST_CASE("what a rod gave to the beads is told") {
         Tallies tallies;
         tallies.impulse_on_beads.resize(2, Vector3::Zero());
         const Vector3 before = row(b.velocity, 0);
-        PairContacts(setting(scene.problem)).resolve(b, std::vector{pair}, tallies);
+        Team team(1);
+        PairContacts(setting(scene.problem)).resolve(b, std::vector{pair}, tallies, team);
         REQUIRE((b.bead_mass * (row(b.velocity, 0) - before) - tallies.impulse_on_beads[0]).norm() <=
                 1e-14 * b.bead_mass * 0.3);
         REQUIRE(tallies.impulse_on_beads[1] == Vector3::Zero());
@@ -238,8 +240,9 @@ TEST_CASE("the worst overlap is told in radii, across the edge of the box too") 
     scene.state.beads.x = {0.5 * a, 7.0 * box - a}; // 1.5 a apart, seven boxes on
     Bodies b = make_bodies(scene.problem, scene.state);
     Tallies tallies;
+    Team team(1);
     const WorstOverlap worst =
-        PairContacts(setting(scene.problem)).resolve(b, std::vector<Pair>{{0, 1}}, tallies);
+        PairContacts(setting(scene.problem)).resolve(b, std::vector<Pair>{{0, 1}}, tallies, team);
     CHECK(worst.radii == Approx(0.5).epsilon(1e-11)); // 7 boxes of 0.05 m: rounding 6e-17 m of 4e-4 m
     CHECK(tallies.max_overlap == worst.radii);
     CHECK(tallies.overlaps == 1);
@@ -273,7 +276,7 @@ int missed_steps(const GranularProblem& problem, State start, int steps, std::in
     for (int n = 0; n < steps && !run.failure(); ++n) {
         const State state = run.state();
         const Bodies bodies = make_bodies(problem, state);
-        if (PairFinder(bodies, problem.box).find(bodies, 0.0, team).size() !=
+        if (PairFinder(bodies, problem.box).find(bodies, 0.0, problem.time_step, team).size() !=
             beds::all_overlaps(bodies, problem.box).size())
             ++missed;
         Simulation fresh(problem, state);
@@ -349,7 +352,10 @@ TEST_CASE("the search notices a list that is too old") {
         for (std::size_t i = 0; i < b.beads; ++i)
             row(b.position, i) +=
                 row(b.velocity, i) * problem.time_step; // and the finder is told that nothing moves
-        missed += finder.find(b, 0.0, team).size() == beds::all_overlaps(b, problem.box).size() ? 0 : 1;
+        missed +=
+            finder.find(b, 0.0, problem.time_step, team).size() == beds::all_overlaps(b, problem.box).size()
+                ? 0
+                : 1;
     }
     CHECK(missed > 0);
 }
