@@ -8,7 +8,8 @@ namespace rodwake::granular {
 
 namespace {
 
-constexpr int most_bounces = 16;      // within one step; more come to rest
+// Within one step; more come to rest or, without losses (nothing may take energy), turn round at its end.
+constexpr int most_bounces = 16;
 constexpr double shortest_hop = 0.05; // of a step
 
 /// Distance of a bead in free flight from a plate as a polynomial in the time before the end of the step.
@@ -159,15 +160,16 @@ void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const 
         if (!(approach.gap_now() < 0.0))
             return;
         back = time_since_touch(approach, back, plate);
+        const bool last = bounces == most_bounces;
         const bool rests =
-            bounces == most_bounces ||
-            comes_to_rest(-approach.opening(back), plate.pressing(back), plate, surface.restitution);
+            surface.restitution < 1.0 && (last || comes_to_rest(-approach.opening(back), plate.pressing(back),
+                                                                plate, surface.restitution));
         if (rests)
             rest_until(bodies, bead, plate, lift_off(plate, back), surface, tally);
         else
-            bounce_at(bodies, bead, plate, back, surface, tally);
+            bounce_at(bodies, bead, plate, last ? 0.0 : back, surface, tally);
         velocities.include(&bodies.velocity[4 * bead]);
-        if (rests)
+        if (rests || last)
             return;
     }
 }

@@ -81,10 +81,12 @@ double next_touch(const Approach& approach, double left, double rest, bool lossl
         return never;
     const bool in_contact = gap <= touching * approach.radius();
     const double lift = in_contact ? std::max(-gap, 0.0) : 0.0;
-    if (in_contact && opening <= 0.0) {
-        const bool slow = -opening <= std::max(pressing, approach.gravity()) * rest;
-        return slow && (!lossless || opening == 0.0) ? (rest < left ? rest : left) : 0.0;
-    }
+    const double slowest = std::max(pressing, approach.gravity()) * rest; // what falling for `rest` adds
+    const bool rests = lossless ? opening == 0.0 : -slowest <= opening && 2.0 * opening <= slowest;
+    if (in_contact && rests)
+        return std::min(rest, left);
+    if (in_contact && opening <= 0.0)
+        return 0.0;
     double clear = 0.0, inside = left;
     if (in_contact) { // on its way out: back after the top of its hop, if at all
         if (!(pressing > 0.0))
