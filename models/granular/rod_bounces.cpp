@@ -89,6 +89,8 @@ double next_touch(const Approach& approach, double left, double rest, bool lossl
     if (in_contact) { // on its way out: back after the top of its hop, if at all
         if (!(pressing > 0.0))
             return never;
+        if (!lossless && 2.0 * opening < pressing * rest) // what rounding leaves of an impulse is no hop
+            return std::min(rest, left);
         clear = std::min(opening / pressing, left / 2.0);
         if (approach.gap(left) + lift >= 0.0)
             return never;
