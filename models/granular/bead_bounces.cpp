@@ -112,12 +112,12 @@ void bounce_at(Bodies& bodies, std::size_t bead, const Plate& plate, double befo
     row(bodies.position, bead) += (v - old) * before;
 }
 
-/// Stays on the plate until that long before the end of the step.
-void rest_until(Bodies& bodies, std::size_t bead, const Plate& plate, double before, const Surface& surface,
-                PlateTally& tally) {
+/// Stays on the plate, or `depth` inside, until that long before the end of the step.
+void rest_until(Bodies& bodies, std::size_t bead, const Plate& plate, double before, double depth,
+                const Surface& surface, PlateTally& tally) {
     bounce_at(bodies, bead, plate, before, {surface.friction, 0.0}, tally);
     const double vz = bodies.velocity[4 * bead + 2], gravity = plate.step->gravity;
-    bodies.position[4 * bead + 2] = plate.height(before) + plate.side * bodies.bead_radius +
+    bodies.position[4 * bead + 2] = plate.height(before) + plate.side * (bodies.bead_radius - depth) +
                                     (vz + gravity * before) * before - gravity * before * before / 2.0;
 }
 
@@ -155,15 +155,18 @@ void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const 
             tally.deepest = bead;
         }
         // what another bead pushed into the plate leaves it by itself
-        approach.lower_plate(std::max(-approach.gap(back), 0.0));
+        const double depth = std::max(-approach.gap(back), 0.0);
+        approach.lower_plate(depth);
         if (!(approach.gap_now() < 0.0))
             return;
         back = time_since_touch(approach, back, plate);
         const bool rests =
             bounces == most_bounces ||
             comes_to_rest(-approach.opening(back), plate.pressing(back), plate, surface.restitution);
+        // without losses nothing lifts a bead: energy is kept
         if (rests)
-            rest_until(bodies, bead, plate, lift_off(plate, back), surface, tally);
+            rest_until(bodies, bead, plate, lift_off(plate, back), surface.restitution == 1.0 ? depth : 0.0,
+                       surface, tally);
         else
             bounce_at(bodies, bead, plate, back, surface, tally);
         velocities.include(&bodies.velocity[4 * bead]);

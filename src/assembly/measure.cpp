@@ -40,7 +40,8 @@ measure::Layout layout_of(const granular::GranularProblem& p) {
 
 std::int64_t steps_between_frames(const Scene& scene) {
     const Granular& bed = *scene.granular;
-    return granular::whole_steps(scene.measure->interval.value_or(frame_interval(bed)), scene::time_step(bed), 1);
+    return granular::whole_steps(scene.measure->interval.value_or(frame_interval(bed)), scene::time_step(bed),
+                                 1);
 }
 
 std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem) {

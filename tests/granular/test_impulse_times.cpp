@@ -24,7 +24,8 @@ GranularProblem room(std::size_t beads, double restitution, double dt) {
     return problem;
 }
 
-// --- a rod that falls on a floor ----------------------------------------------------------------------------
+// --- a rod that falls on a floor
+// ----------------------------------------------------------------------------
 
 /// A rod in the plane of its axis and the vertical, without friction: height and pitch, each impact found in
 /// steps of 1 us and by bisection.
@@ -103,8 +104,7 @@ double worst_rod_error(double pitch, double dt, double restitution_there, int& i
         wanted.advance(dt);
         if (wanted.slowest < 5e-3L)
             break;
-        worst =
-            std::max(worst, static_cast<double>(std::abs(run.rod(0).position.z() - wanted.z)) / drop);
+        worst = std::max(worst, static_cast<double>(std::abs(run.rod(0).position.z() - wanted.z)) / drop);
     }
     CHECK_FALSE(run.failure());
     impacts = static_cast<int>(run.tallies().rod_plate);
@@ -127,7 +127,8 @@ TEST_CASE("a tilted rod that drops bounces when and where it touches, at any tim
     CHECK(worst_rod_error(0.3, 1e-4, 0.5 + 1e-8, impacts) > 1e-10); // the integration can tell
 }
 
-// --- two beads in free flight -------------------------------------------------------------------------------
+// --- two beads in free flight
+// -------------------------------------------------------------------------------
 
 namespace {
 
@@ -162,8 +163,7 @@ State meeting_beads(double offset, double at) {
     constexpr double approach = 0.2; // 0.05 a in 1e-4 s
     const Vector3 along = Vector3(0.6, 0.48, -0.64), across = Vector3(0.8, -0.36, 0.48);
     const Vector3 common(0.03, -0.02, 0.05), middle(4e-3, 5e-3, 10e-3);
-    const Vector3 r =
-        offset * a * across - (std::sqrt(4.0 - offset * offset) * a + approach * at) * along;
+    const Vector3 r = offset * a * across - (std::sqrt(4.0 - offset * offset) * a + approach * at) * along;
     State state;
     state.beads.resize(2);
     for (const int i : {0, 1}) {
@@ -206,7 +206,8 @@ TEST_CASE("two beads meet when they touch, wherever in a step that is") {
     CHECK(distance(run.state(), met(start, time, 0.7L + 1e-11L)) > 1e-13); // the closed form can tell
 }
 
-// --- a bead and a rod in free flight ------------------------------------------------------------------------
+// --- a bead and a rod in free flight
+// ------------------------------------------------------------------------
 
 namespace {
 
@@ -264,12 +265,13 @@ TEST_CASE("a bead and a rod meet when they touch: momentum, energy and the time 
                           recoil = rod.velocity - (first.velocity - fall * dt);
             const Vector3 turn = m.arm.cross(m.normal);
             // of a smooth elastic impact: 2 u over the inverse mass along the normal; 0.2 m/s is u
-            const double impulse = 2.0 * 0.2 /
-                                   (1.0 / mass + 1.0 / clump.mass + turn.squaredNorm() / clump.transverse_inertia);
+            const double impulse =
+                2.0 * 0.2 / (1.0 / mass + 1.0 / clump.mass + turn.squaredNorm() / clump.transverse_inertia);
             CHECK((mass * given - impulse * m.normal).norm() < 1e-13 * impulse);
             CHECK((clump.mass * recoil + impulse * m.normal).norm() < 1e-13 * impulse);
             CHECK((rod.angular_momentum + impulse * turn).norm() < 1e-13 * impulse * clump.reach());
-            const auto since = [&](const Vector3& x, const Vector3& x0, const Vector3& v0, const Vector3& dv) {
+            const auto since = [&](const Vector3& x, const Vector3& x0, const Vector3& v0,
+                                   const Vector3& dv) {
                 return (x - (x0 + v0 * dt - fall * dt * dt / 2.0)).dot(dv) / dv.squaredNorm();
             };
             // places carry 2e-18 m of rounding, that is 1e-17 s at 0.2 m/s; the rod hardly recoils
@@ -283,6 +285,7 @@ TEST_CASE("a bead and a rod meet when they touch: momentum, energy and the time 
     Simulation run(problem, m.start);
     run.advance(1);
     const Vector3 given = speed(run.state(), 0) - (speed(m.start, 0) - fall * dt),
-                  way = place(run.state(), 0) - (place(m.start, 0) + speed(m.start, 0) * dt - fall * dt * dt / 2.0);
+                  way = place(run.state(), 0) -
+                        (place(m.start, 0) + speed(m.start, 0) * dt - fall * dt * dt / 2.0);
     CHECK(std::abs(way.dot(given) / given.squaredNorm() - 0.5 * dt) > 1e-11 * dt);
 }

@@ -135,7 +135,7 @@ TEST_CASE("travel and separation of rods on known courses") {
     REQUIRE(rows.track.size() == 2 * 11);
     CHECK(rows.track.back().speed == Approx(speed).epsilon(1e-9));
     CHECK(rows.track.back().heading == Approx(0.2).epsilon(1e-11)); // rounding of some 5000 turns
-    CHECK(rows.track[0].speed == 0.0); // held still before t = 0
+    CHECK(rows.track[0].speed == 0.0);                              // held still before t = 0
 }
 
 TEST_CASE("rows are means over their interval") {

@@ -99,11 +99,11 @@ TEST_CASE("the longest step is a whole fraction of the plates' period that keeps
     };
     // by hand: Gamma g/(2 pi f^2)/(0.0137 a) = 7.122 Gamma at 200 Hz and 0.4 mm; a fall of 2e-4 a takes
     // 1.277e-4 s
-    for (const Case& c : {Case{0.0, 200.0, 0.4e-3, 50}, Case{1.2, 200.0, 0.4e-3, 50},
-                          Case{7.0, 200.0, 0.4e-3, 50}, Case{7.1, 200.0, 0.4e-3, 51},
-                          Case{20.0, 200.0, 0.4e-3, 143}, Case{50.0, 200.0, 0.4e-3, 357},
-                          Case{20.0, 200.0, 0.8e-3, 72}, Case{7.0, 100.0, 0.4e-3, 200},
-                          Case{0.0, 100.0, 0.4e-3, 79}, Case{0.0, 1.0, 0.4e-3, 7831}}) {
+    for (const Case& c :
+         {Case{0.0, 200.0, 0.4e-3, 50}, Case{1.2, 200.0, 0.4e-3, 50}, Case{7.0, 200.0, 0.4e-3, 50},
+          Case{7.1, 200.0, 0.4e-3, 51}, Case{20.0, 200.0, 0.4e-3, 143}, Case{50.0, 200.0, 0.4e-3, 357},
+          Case{20.0, 200.0, 0.8e-3, 72}, Case{7.0, 100.0, 0.4e-3, 200}, Case{0.0, 100.0, 0.4e-3, 79},
+          Case{0.0, 1.0, 0.4e-3, 7831}}) {
         const granular::Plates plates{1.2e-3, c.frequency, c.gamma};
         CAPTURE(c.gamma, c.frequency, c.radius);
         CHECK(plates.longest_step(9.81, c.radius) == Approx(1.0 / (c.steps * c.frequency)).epsilon(1e-14));
