@@ -165,6 +165,14 @@ double Plates::amplitude(double gravity) const {
     return gamma == 0.0 ? 0.0 : gamma * gravity / (rate * rate);
 }
 
+double Plates::longest_step(double gravity, double bead_radius) const {
+    constexpr double least = 50.0, plate_move = 0.0137, fall = 2e-4; // steps a period; bead radii a step
+    const double fastest = gamma == 0.0 ? 0.0 : gamma * gravity / (2.0 * M_PI * frequency);
+    const double for_plates = fastest / (plate_move * bead_radius * frequency),
+                 for_fall = std::sqrt(gravity / (2.0 * fall * bead_radius)) / frequency;
+    return 1.0 / (std::ceil(std::max({least, for_plates, for_fall})) * frequency);
+}
+
 double bead_area_fraction(const GranularProblem& problem) {
     const double ratio = problem.bead_radius / problem.box;
     return static_cast<double>(problem.beads) * M_PI * ratio * ratio;

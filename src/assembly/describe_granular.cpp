@@ -18,7 +18,7 @@ using granular::Surface;
 constexpr double h5md_bytes = 60.0;
 /// Extended XYZ: a line of eight numbers.
 constexpr double xyz_bytes = 140.0;
-constexpr double period_frames = 50.0;
+constexpr double period_frames = 50.0, most_period_frames = 75.0;
 
 double particles(const GranularProblem& problem) {
     auto count = static_cast<double>(problem.beads);
@@ -154,8 +154,8 @@ std::string describe_output(const BedPlan& plan) {
             : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frames, particles(problem),
                           fmt::join(output.formats, ", "), size_text(each * frames));
     if (output.last_period)
-        text += fmt::format("; {:.0f} frames of the last period, at most {}", period_frames,
-                            size_text(period_frames * particles(problem) * h5md_bytes));
+        text += fmt::format("; about {:.0f} frames of the last period, at most {}", period_frames,
+                            size_text(most_period_frames * particles(problem) * h5md_bytes));
     return text +
            fmt::format("; a table of {:.0f} rows", std::floor(bed.duration / table_interval(bed)) + 1.0);
 }

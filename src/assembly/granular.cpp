@@ -80,10 +80,10 @@ granular::GranularProblem translate(const scene::Granular& bed) {
     problem.start = start_of(bed);
     problem.orientation = bed.orientation;
     problem.start_speed = bed.start_speed;
-    problem.time_step = bed.time_step;
+    problem.time_step = scene::time_step(bed);
     const double phi_b = bed.phi_b.value_or(granular::bead_area_fraction(problem));
-    problem.equilibration_steps = granular::whole_steps(equilibration_time(bed, phi_b), bed.time_step);
-    problem.steps = granular::whole_steps(bed.duration, bed.time_step, 1);
+    problem.equilibration_steps = granular::whole_steps(equilibration_time(bed, phi_b), problem.time_step);
+    problem.steps = granular::whole_steps(bed.duration, problem.time_step, 1);
     problem.seed = static_cast<std::uint64_t>(bed.seed);
     problem.overlap_limit = bed.overlap_limit;
     return problem;
@@ -131,8 +131,8 @@ double table_interval(const scene::Granular& bed) { return bed.output.table.valu
 GranularSchedule granular_schedule(const scene::Granular& bed, const granular::GranularProblem& problem) {
     const auto wants = [&](const char* format) { return std::ranges::count(bed.output.formats, format) > 0; };
     return {order_cutoff(bed, granular::bead_area_fraction(problem)).value_or(0.0),
-            granular::whole_steps(table_interval(bed), bed.time_step, 1),
-            granular::whole_steps(frame_interval(bed), bed.time_step, 1),
+            granular::whole_steps(table_interval(bed), problem.time_step, 1),
+            granular::whole_steps(frame_interval(bed), problem.time_step, 1),
             bed.stop_at_travel.value_or(0.0),
             wants("h5md"),
             wants("xyz"),

@@ -40,7 +40,8 @@ measure::Layout layout_of(const granular::GranularProblem& p) {
 
 std::int64_t steps_between_frames(const Scene& scene) {
     const Granular& bed = *scene.granular;
-    return granular::whole_steps(scene.measure->interval.value_or(frame_interval(bed)), bed.time_step, 1);
+    return granular::whole_steps(scene.measure->interval.value_or(frame_interval(bed)), scene::time_step(bed),
+                                 1);
 }
 
 std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem) {
@@ -52,7 +53,7 @@ std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granula
     try { // says now what cannot be measured
         MeasurePlan plan{measure::Measures(layout_of(problem), scene.measure->from), 0.0, 1, {}};
         plan.every = steps_between_frames(scene);
-        plan.interval = static_cast<double>(plan.every) * scene.granular->time_step;
+        plan.interval = static_cast<double>(plan.every) * problem.time_step;
         for (const MeasureKind& kind : measure_kinds())
             if (needs_frames(kind))
                 kind.include(scene, plan);

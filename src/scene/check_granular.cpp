@@ -26,16 +26,15 @@ void start(const Granular& bed, const Report& report) {
 }
 
 void times(const Granular& bed, const Report& report) {
-    const double steps = (bed.equilibrate.value_or(0.0) + bed.duration) / bed.time_step;
+    const double step = time_step(bed), steps = (bed.equilibrate.value_or(0.0) + bed.duration) / step;
     if (steps > max_steps)
         report("granular.duration",
                fmt::format("{:g} s in steps of {:g} s are {:.3g} steps; at most {:g}",
-                           bed.equilibrate.value_or(0.0) + bed.duration, bed.time_step, steps, max_steps));
+                           bed.equilibrate.value_or(0.0) + bed.duration, step, steps, max_steps));
     const auto interval = [&](const char* name, std::optional<double> value, double most) {
         const std::string path = std::string("granular.output.") + name;
-        if (value && *value < bed.time_step)
-            report(path, fmt::format("{} = {:g} s is shorter than time_step = {:g} s", name, *value,
-                                     bed.time_step));
+        if (value && *value < step)
+            report(path, fmt::format("{} = {:g} s is shorter than time_step = {:g} s", name, *value, step));
         else if (value && bed.duration / *value > most)
             report(path, fmt::format("{} = {:g} s gives {:.3g} of them in {:g} s; at most {:g}", name, *value,
                                      bed.duration / *value, bed.duration, most));
@@ -63,6 +62,10 @@ void radii(const Scene& scene, const Report& report) {
 }
 
 } // namespace
+
+double time_step(const Granular& bed) {
+    return bed.time_step.value_or(bed.plates.longest_step(bed.gravity, bed.bead_radius));
+}
 
 void check_granular(const Scene& scene, const Report& report) {
     if (!scene.granular)

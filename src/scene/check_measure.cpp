@@ -41,10 +41,10 @@ void frames(const Measure& m, double intervals, const Report& report) {
 
 void times(const Measure& m, const Granular& bed, const Report& report) {
     const double interval = m.interval.value_or(bed.output.frames.value_or(bed.duration / 100.0));
-    if (m.interval && *m.interval < bed.time_step)
+    if (m.interval && *m.interval < time_step(bed))
         report("measure.interval",
                fmt::format("interval = {:g} s is shorter than granular.time_step = {:g} s", *m.interval,
-                           bed.time_step));
+                           time_step(bed)));
     if (m.block < interval)
         report("measure.block",
                fmt::format("block = {:g} s is shorter than the interval of {:g} s", m.block, interval));

@@ -51,6 +51,10 @@ Simulation shaken(const GranularProblem& problem) {
     return simulation;
 }
 
+double longest_step(const GranularProblem& problem) {
+    return problem.plates.longest_step(problem.gravity, problem.bead_radius);
+}
+
 /// A step of another bed that starts from this state; nothing if there is no such bed.
 std::optional<double> seconds_of_other(const GranularProblem& problem, const granular::State& state) {
     try {
@@ -71,14 +75,16 @@ std::optional<double> seconds_without_rods(const Simulation& simulation) {
     return problem.beads > 0 ? seconds_of_other(problem, state) : std::nullopt;
 }
 
-/// Of a step that is twice as long, half: it brings the bed twice as far.
-std::optional<double> seconds_of_longer_step(const Simulation& simulation) {
+/// Of the longest step that follows the bed. Nothing if the bed's own is as long.
+std::optional<double> seconds_of_longest_step(const Simulation& simulation) {
     GranularProblem problem = simulation.problem();
     granular::State state = simulation.state();
-    problem.time_step *= 2.0;
-    state.step /= 2; // the time, and with it the phase of the plates
-    const auto step = seconds_of_other(problem, state);
-    return step ? std::optional(0.5 * *step) : std::nullopt;
+    const double ratio = longest_step(problem) / problem.time_step;
+    if (ratio < 1.001)
+        return {};
+    problem.time_step *= ratio;
+    state.step = std::llround(static_cast<double>(state.step) / ratio); // the phase of the plates
+    return seconds_of_other(problem, state);
 }
 
 /// Where a run's time goes. Seconds a step.
@@ -171,11 +177,13 @@ std::vector<CostRow> rows_of(const BedPlan& bed, const Simulation& simulation, c
             *row.saved /= all;
         rows.push_back(std::move(row));
     }
-    if (const auto longer = seconds_of_longer_step(simulation))
-        rows.push_back({fmt::format("granular.time_step = {:g}", 2.0 * bed.problem.time_step),
-                        duration_text(2.0 * *longer) + " a step",
+    if (const auto longer = seconds_of_longest_step(simulation)) {
+        const double longest = longest_step(bed.problem);
+        rows.push_back({fmt::format("granular.time_step = {:g}", longest),
+                        duration_text(*longer) + " a step",
                         {},
-                        (times.step - *longer) / all});
+                        (times.step - *longer * bed.problem.time_step / longest) / all});
+    }
     return rows;
 }
 

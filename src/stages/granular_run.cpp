@@ -22,7 +22,7 @@ namespace {
 
 using granular::Simulation;
 
-constexpr std::int64_t period_frames = 50;
+constexpr std::int64_t period_frames = 50; // 38 to 75: a whole number of steps lies between two
 
 double cpu_now(bool own_thread_only) {
     timespec t{};
@@ -47,7 +47,7 @@ struct LastPeriod {
 
     LastPeriod(const granular::GranularProblem& p) {
         const auto period = std::max<std::int64_t>(1, std::llround(1.0 / (p.plates.frequency * p.time_step)));
-        every = std::max<std::int64_t>(1, period / period_frames);
+        every = std::max<std::int64_t>(1, (period + period_frames / 2) / period_frames);
         from = std::max<std::int64_t>(0, p.steps - period);
     }
     bool due(std::int64_t step) const { return step >= from && (step - from) % every == 0; }

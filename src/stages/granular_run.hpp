@@ -12,9 +12,9 @@
 
 namespace rodwake::stages {
 
-/// Steps from one sample of temperatures and rods to the next: 25 phases of a plate period at the default
-/// step.
-inline constexpr std::int64_t sample_every = 10;
+/// Steps from one sample of temperatures and rods to the next. No divisor of the usual numbers of steps a
+/// period (50, 100, 250, 500): samples then pass through every phase of the plates.
+inline constexpr std::int64_t sample_every = 7;
 
 /// What all runs of a bed share.
 struct GranularPlan {

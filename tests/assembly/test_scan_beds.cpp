@@ -51,7 +51,7 @@ TEST_CASE("A scan of beds has runs, costs and the columns of a pair") {
     CHECK(made.design.runs == 3);
     CHECK(scan::places(made.design) == 3);
     CHECK(scan::size(made.design) == 9);
-    CHECK(made.design.costs == std::vector<double>{34e3, 54e3, 44e3}); // beads and 24 spheres, 1000 steps
+    CHECK(made.design.costs == std::vector<double>{6800, 10800, 8800}); // beads and 24 spheres, 200 steps
     CHECK(scan::place_of_run(scan::PointList(made.design)[0].id) == 1);
     CHECK(made.columns.outcomes == std::vector<std::string>{"contact", "pursuit", "escape", "undecided"});
     CHECK(made.columns.observables.front() == "time");

@@ -69,15 +69,21 @@ class CheckBedTest(ProgramTest):
 
     def test_steps_and_cost(self):
         text = self.check(BED, "granular.runs=3")
-        self.assertIn("500000 steps of 2e-05 s from t = 0 (10 s) after 25000 of equilibration", text)
+        self.assertIn("100000 steps of 0.0001 s from t = 0 (10 s) after 5000 of equilibration", text)
         self.assertIn("; 3 runs\n", text)
         each, all_runs = map(float, re.search(r"about (\S+) CPU seconds each, (\S+) for 3 runs", text).groups())
         self.assertAlmostEqual(all_runs, 3.0 * each, delta=0.1 * all_runs)  # two digits are printed
         longer = self.check(BED, "granular.duration=100")  # measured: ten times the steps within a factor of two
         self.assertGreater(float(re.search(r"about (\S+) CPU seconds\n", longer).group(1)), 4.8 * each)
-        self.assertIn("1 steps of 2e-05 s", self.check(BED, "granular.duration=1e-9"))
+        self.assertIn("1 steps of 0.0001 s", self.check(BED, "granular.duration=1e-9"))
         self.assertIn("101 frames of 1549 spheres (h5md), at most 9.39 MB", text)
         self.assertIn("no frames; a table of 1001 rows", self.check(BED, "granular.output.formats=[]", "granular.output.last_period=false"))
+
+    def test_the_step_follows_the_plates(self):
+        for gamma, steps in ((0, 50), (7, 50), (20, 143), (50, 357)):  # physics: granular/surfaces.hpp
+            text = self.check(BED, f"granular.plates.gamma={gamma}", "granular.duration=1 s")
+            self.assertIn(f"{200 * steps} steps of {1 / (200 * steps):g} s from t = 0 (1 s)", text)
+        self.assertIn("50000 steps of 2e-05 s", self.check(BED, "granular.time_step=2e-5", "granular.duration=1 s"))
 
     def test_the_end_at_a_travel(self):
         self.assertIn("with the rods held; ends earlier if the rods have travelled 39 a on average; 1 run\n",

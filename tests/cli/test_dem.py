@@ -25,7 +25,7 @@ class FilesTest(BedTest):
         summary = self.summary("out")
         self.assertLessEqual({"simulated_time", "cpu_seconds", "wall_seconds", "T_xy", "T_z", "max_overlap", "psi6", "rods",
                               "state_hash"}, summary.keys())
-        self.assertEqual(summary["simulated_time"], 10000 * 2e-5)
+        self.assertEqual(summary["simulated_time"], 2000 * 1e-4)
         self.assertGreater(summary["wall_seconds"], 0.0)
         self.assertGreater(summary["cpu_seconds"], 0.0)
         for name, most in (("T_xy", 1.0), ("T_z", 1.0), ("max_overlap", 0.1), ("psi6", 1.0)):
@@ -39,8 +39,8 @@ class FilesTest(BedTest):
         self.assertEqual(list(table), ["t", "energy", "kinetic", "T_xy", "T_z", "psi6", "contacts", "floor_impulse",
                                        "lid_impulse", "max_overlap"])
         self.assertEqual(list(tracks), ["t", "x0", "y0", "z0", "theta0", "pitch0", "speed0", "pushed0"])
-        # Rows at whole multiples of 5 ms from -20 ms to 200 ms: 1000 steps before t = 0, 10000 after, every 250.
-        self.assertEqual(table["t"], [250 * i * 2e-5 for i in range(-4, 41)])
+        # Rows at whole multiples of 5 ms from -20 ms to 200 ms: 200 steps before t = 0, 2000 after, every 50.
+        self.assertEqual(table["t"], [50 * i * 1e-4 for i in range(-4, 41)])
         self.assertEqual(tracks["t"], table["t"])
         self.assertEqual((tracks["x0"][0], tracks["y0"][0], tracks["theta0"][0]), (8 * A, 8 * A, 0.0))
         self.assertEqual(table["max_overlap"][-1], self.summary("out")["max_overlap"])
@@ -55,16 +55,16 @@ class FilesTest(BedTest):
         beads = self.summary("out")["beads"]
         with h5py.File(self.out("out", "trajectory.h5md")) as file:
             position = file["/particles/trajectory/position"]
-            # a frame every 500 steps from t = 0 to 0.2 s; 12 spheres make the rod
+            # a frame every 100 steps from t = 0 to 0.2 s; 12 spheres make the rod
             self.assertEqual(position["value"].shape, (21, beads + 12, 3))
-            self.assertEqual(list(position["time"]), [500 * i * 2e-5 for i in range(21)])
+            self.assertEqual(list(position["time"]), [100 * i * 1e-4 for i in range(21)])
         lines = self.out("out", "trajectory.xyz").read_text().splitlines()
         self.assertEqual(len(lines), 21 * (beads + 12 + 2))
         self.assertEqual([float(re.search(r"[Tt]ime=(\S+)", lines[i])[1]) for i in range(1, len(lines), beads + 14)],
-                         [500 * i * 2e-5 for i in range(21)])
+                         [100 * i * 1e-4 for i in range(21)])
         with h5py.File(self.out("out", "last_period.h5md")) as file:
             times = file["/particles/trajectory/position/time"][()]
-        self.assertEqual((len(times), times[0], times[-1]), (51, 9750 * 2e-5, 0.2))  # a period is 250 steps, a frame every 5
+        self.assertEqual((len(times), times[0], times[-1]), (51, 1950 * 1e-4, 0.2))  # a period is 50 steps, a frame each
 
     def test_formats_that_are_not_wanted(self):
         self.dem("xyz", *setting(output__formats='["xyz"]', output__last_period="false"))
@@ -232,7 +232,7 @@ class ExtremesTest(BedTest):
         self.assert_finite("out")
 
     # The heading is read off an axis that is turned 11000 times by pitching: roundings add up like the sum.
-    TURN = 11000 * 2.0**-53
+    TURN = 2200 * 2.0**-53
 
     def test_an_absorbing_state_is_told(self):
         """At Gamma = 7 and 150 Hz beads alone end up in step with the plates; at 200 Hz they move."""
@@ -259,7 +259,7 @@ class ExtremesTest(BedTest):
     def test_dragged(self):
         self.dem("out", *setting(rods__0__imposed_speed=1e-3))
         track = columns(self.out("out", "tracks.csv"))
-        rounding = 10000 * 2.0**-53 * 16 * A  # of the sum over all steps
+        rounding = 2000 * 2.0**-53 * 16 * A  # of the sum over all steps
         for t, x, y, heading in zip(track["t"], track["x0"], track["y0"], track["theta0"]):
             self.assertAlmostEqual(x, 8 * A + 1e-3 * max(t, 0.0), delta=rounding)
             self.assertEqual(y, 8 * A)

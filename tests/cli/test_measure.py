@@ -248,7 +248,7 @@ class ManyCasesTest(MeasureTest):
 
 
     def test_pairs_as_the_run_sees_them(self):
-        """The run follows a pair every 10 steps, the tracks have a row every 0.01 s: half a box apart by one row at most. The rods
+        """The run follows a pair every 7 steps, the tracks have a row every 0.01 s: half a box apart by one row at most. The rods
         stand beside each other across the edge of the box."""
         self.write("bed.toml", BED.replace('position = ["16 a", "16 a"]', 'position = ["8 a", "28 a"]\n'
                    '[[granular.rods]]\nposition = ["8 a", "4 a"]'))

@@ -13,10 +13,11 @@ inline void set_contacts(GranularProblem& problem, const Surface& surface) {
     problem.contacts = {surface, surface, surface, surface, surface};
 }
 
-/// Static plates, no beads yet; guards that only stop nonsense.
+/// Static plates, no beads yet; a short step, and guards that only stop nonsense.
 inline GranularProblem still_plates(double gap, double box) {
     GranularProblem problem;
     problem.plates = {gap, 200.0, 0.0};
+    problem.time_step = 2e-5; // what is made by hand moves faster than a bed does
     problem.box = box;
     problem.overlap_limit = 1.0;
     return problem;

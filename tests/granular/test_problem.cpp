@@ -91,6 +91,27 @@ TEST_CASE("amplitude and area fraction are what they are called") {
     CHECK(bead_area_fraction(bed()) == Approx(1549 * M_PI / (78.0 * 78.0)).epsilon(1e-14));
 }
 
+TEST_CASE("the longest step is a whole fraction of the plates' period that keeps their move short") {
+    const GranularProblem standard;
+    CHECK(standard.time_step == standard.plates.longest_step(standard.gravity, standard.bead_radius));
+    struct Case {
+        double gamma, frequency, radius, steps;
+    };
+    // by hand: Gamma g/(2 pi f^2)/(0.0137 a) = 7.122 Gamma at 200 Hz and 0.4 mm; a fall of 2e-4 a takes
+    // 1.277e-4 s
+    for (const Case& c :
+         {Case{0.0, 200.0, 0.4e-3, 50}, Case{1.2, 200.0, 0.4e-3, 50}, Case{7.0, 200.0, 0.4e-3, 50},
+          Case{7.1, 200.0, 0.4e-3, 51}, Case{20.0, 200.0, 0.4e-3, 143}, Case{50.0, 200.0, 0.4e-3, 357},
+          Case{20.0, 200.0, 0.8e-3, 72}, Case{7.0, 100.0, 0.4e-3, 200}, Case{0.0, 100.0, 0.4e-3, 79},
+          Case{0.0, 1.0, 0.4e-3, 7831}}) {
+        const granular::Plates plates{1.2e-3, c.frequency, c.gamma};
+        CAPTURE(c.gamma, c.frequency, c.radius);
+        CHECK(plates.longest_step(9.81, c.radius) == Approx(1.0 / (c.steps * c.frequency)).epsilon(1e-14));
+        const double move = c.gamma * 9.81 / (2.0 * M_PI * c.frequency) / (c.steps * c.frequency);
+        CHECK(move <= 0.0137 * c.radius);
+    }
+}
+
 TEST_CASE("numbers outside their domain are refused by name") {
     for (const double bad : {0.0, -1.0, not_a_number, inf}) {
         refuses("bead_radius = ", [&](auto& p) { p.bead_radius = bad; });

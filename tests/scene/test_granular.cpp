@@ -165,6 +165,13 @@ TEST_CASE("spheres and thickness of a rod follow its kind unless they are given"
     CHECK(parse(resolved, {"granular.rods.0.kind=apolar"}).granular->rods[0].shape.spheres == 13);
 }
 
+TEST_CASE("without time_step the step follows the plates") {
+    CHECK_FALSE(granular().time_step);
+    CHECK(time_step(granular()) == 1e-4);
+    CHECK(time_step(granular("[granular.plates]\ngamma = 20\n")) == 1.0 / (143 * 200.0)); // 142.5 in the period
+    CHECK(time_step(granular("time_step = 2e-5\n[granular.plates]\ngamma = 20\n")) == 2e-5);
+}
+
 TEST_CASE("overrides reach into the bed") {
     const Granular g = granular(rod, {"granular.rods.0.heading=90 deg", "granular.rods.0.position.1=3 a",
                                       "granular.contacts.bead_rod.friction=0.1", "granular.output.formats=[]",
@@ -181,11 +188,13 @@ TEST_CASE("overrides reach into the bed") {
 TEST_CASE("values of a bed that do not fit each other") {
     says(bed("[granular.output]\nformats = [\"xyz\", \"xyz\"]\n"),
          "formats[1] = \"xyz\": stands in the list already");
-    says(bed("[granular.output]\nframes = 1e-5\n"), "frames = 1e-05 s is shorter than time_step = 2e-05 s");
+    says(bed("[granular.output]\nframes = 1e-5\n"), "frames = 1e-05 s is shorter than time_step = 0.0001 s");
     says(bed("[granular.output]\ntable = 1e-5\n"), "table = 1e-05 s is shorter than time_step");
     says(bed("[granular.output]\nframes = 1e-4\n"),
          "frames = 0.0001 s gives 1e+07 of them in 1000 s; at most 1e+06", {"granular.duration=1000"});
     says(bed(), "table = 0.01 s gives 2e+07 of them", {"granular.duration=2e5"});
+    says(bed("[granular.output]\nframes = 5e-5\n[granular.plates]\ngamma = 20\n"), "time_step",
+         {"granular.plates.gamma=7"});
     says(bed("time_step = 1e-300\n"), "steps; at most 1e+12");
     says(bed("time_step = 1.1e-3\n"), "must be > 0 and <= 0.001: above 1e-3 s");
     says(bed(rod + "segments = 5\n"), "x.toml:8:12: segments belong to taper = \"stepwise\" only");

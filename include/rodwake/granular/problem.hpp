@@ -40,7 +40,7 @@ struct GranularProblem {
     double orientation = 0.0;  ///< wanted angle of the close-packed rows from +x, rad
     double start_speed = 0.02; ///< rms of each velocity component of the beads at the start; rods: of hops
                                ///< and of their ends and sides, m/s
-    double time_step = 1e-4;   ///< s
+    double time_step = 1e-4;   ///< s; plates.longest_step() of these defaults
     std::int64_t equilibration_steps = 0; ///< before t = 0, rods held where they are
     std::int64_t steps = 0;               ///< from t = 0 on
     std::uint64_t seed = 1;

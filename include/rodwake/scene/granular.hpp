@@ -35,7 +35,7 @@ struct GranularOutput {
     std::optional<double> frames;                ///< interval, s; absent: duration / 100
     std::optional<double> table;                 ///< interval, s; absent: 0.01 s
     std::vector<std::string> formats = {"h5md"}; ///< of the frames: "h5md", "xyz"; empty: no frames
-    bool last_period = true;                     ///< 50 frames of one plate period at the end
+    bool last_period = true;                     ///< about 50 frames of one plate period at the end
     double checkpoint = 30.0;                    ///< wall-clock interval, s
 
     bool operator==(const GranularOutput&) const = default;
@@ -65,7 +65,7 @@ struct Granular {
     std::string restart_from;          ///< checkpoint file; with start = restart only
     double orientation = 0.0;          ///< of the close-packed rows from +x, rad
     double start_speed = 0.02;         ///< m/s
-    double time_step = 1e-4;           ///< s
+    std::optional<double> time_step;   ///< s; absent: plates.longest_step()
     std::optional<double> equilibrate; ///< s; absent: depends on start and phi_b
     double duration = 0.0;             ///< s
     std::optional<double>
@@ -80,5 +80,8 @@ struct Granular {
 
     bool operator==(const Granular&) const = default;
 };
+
+/// granular.time_step, or the longest one that follows the bed on its plates, s.
+double time_step(const Granular& bed);
 
 } // namespace rodwake::scene

@@ -75,7 +75,8 @@ void include(const Scene& scene, MeasurePlan& plan) {
 
 std::string describe(const Scene& scene) {
     const Measure& m = *scene.measure;
-    const double interval = static_cast<double>(steps_between_frames(scene)) * scene.granular->time_step;
+    const double interval =
+        static_cast<double>(steps_between_frames(scene)) * scene::time_step(*scene.granular);
     const std::string rule = m.order_neighbours == measure::Neighbours::delaunay ? "Delaunay neighbours"
                              : m.order_cutoff ? fmt::format("neighbours within {:.3g} a",
                                                             *m.order_cutoff / scene.granular->bead_radius)

@@ -27,7 +27,8 @@ using nlohmann::json;
 constexpr long least_runs = 4, most_runs = 200;
 constexpr double of_reference = 4.0; ///< limits, as its error is in every bias
 constexpr double behind = -8.0;      ///< a; where "wake" is taken, behind the ends of the rod
-constexpr std::array steps{0.25, 0.5, 1.0, 2.0, 4.0}; ///< of granular.time_step; the first is the reference
+constexpr std::array steps{0.25, 0.5, 1.0, 2.0,
+                           4.0}; ///< of the scene's time step; the first is the reference
 constexpr std::array durations{0.5, 0.25};
 constexpr double rarer = 4.0; ///< between the frames that are measured
 
@@ -55,9 +56,9 @@ struct BedWay {
 BedWay changed(const scene::Scene& bed, double step, double duration, double interval) {
     BedWay way{bed, {}};
     scene::Granular& g = *way.scene.granular;
-    g.time_step *= step;
+    g.time_step = step * scene::time_step(g);
     g.duration *= duration;
-    way.keys = {fmt::format("granular.time_step=\"{:.6g} s\"", g.time_step),
+    way.keys = {fmt::format("granular.time_step=\"{:.6g} s\"", *g.time_step),
                 fmt::format("granular.duration=\"{:.6g} s\"", g.duration)};
     if (way.scene.measure) {
         *way.scene.measure->interval *= interval;
@@ -278,7 +279,7 @@ WaySubject bed_ways(const scene::Scene& scene, double limit, const fs::path& fol
     const scene::Scene bed = bare(scene);
     std::vector<BedWay> ways = all_ways(bed);
     WaySubject subject{stage_key(bed, assembly::Stage::measure),
-                       fmt::format("a time step of {:.3g} s", ways.front().scene.granular->time_step),
+                       fmt::format("a time step of {:.3g} s", *ways.front().scene.granular->time_step),
                        {},
                        {}};
     for (const BedWay& way : ways)
