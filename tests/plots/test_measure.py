@@ -244,6 +244,8 @@ class SeriesTest(MeasureCase):
         _, caption = self.draw("series", quantity="force", against="imposed_speed")
         with run_dir.RunDir(self.folder) as run:
             (group,) = series.read(run, draw.figures_of(run)[0])
+            np.testing.assert_array_equal(group.x, np.array(self.SPEEDS) * (1e3 * run.granular.a))  # mm/s; the file has a/s
+        self.assertIn("µN s/mm", caption)
         slope, at_rest = np.polyfit(group.x, group.y, 1)  # equal errors
         line, through = series.fits(group)
         np.testing.assert_allclose(line.values, [at_rest, slope], rtol=1e-12)  # two ways to solve well-conditioned normal equations
