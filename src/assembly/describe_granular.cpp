@@ -140,10 +140,10 @@ std::string describe_output(const BedPlan& plan) {
         formats.emplace_back("h5md"), bytes += h5md_bytes * count * frame_count(bed);
     if (plan.schedule.xyz)
         formats.emplace_back("xyz"), bytes += xyz_bytes(bed, problem);
-    std::string text = formats.empty() ? "no frames"
-                                       : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}",
-                                                     frame_count(bed), count, fmt::join(formats, ", "),
-                                                     size_text(bytes));
+    std::string text = formats.empty()
+                           ? "no frames"
+                           : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frame_count(bed),
+                                         count, fmt::join(formats, ", "), size_text(bytes));
     if (output.last_period)
         text += fmt::format("; {:.0f} frames of the last period, at most {}", period_frames,
                             size_text(period_frames * count * h5md_bytes));

@@ -132,7 +132,9 @@ double frame_interval(const scene::Granular& bed) { return bed.output.frames.val
 
 double table_interval(const scene::Granular& bed) { return bed.output.table.value_or(0.01); }
 
-double frame_count(const scene::Granular& bed) { return std::floor(bed.duration / frame_interval(bed)) + 1.0; }
+double frame_count(const scene::Granular& bed) {
+    return std::floor(bed.duration / frame_interval(bed)) + 1.0;
+}
 
 double xyz_bytes(const scene::Granular& bed, const granular::GranularProblem& problem) {
     constexpr double line = 140.0; // seven numbers of up to 19 characters and what is short

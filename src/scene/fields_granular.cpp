@@ -202,7 +202,8 @@ void fields(Visitor& v, GranularOutput& output) {
     v(key("formats")
           .items(0, 2)
           .one_of({"h5md", "xyz", "xyz_if_short"})
-          .doc("of the frames: H5MD, extended XYZ, extended XYZ if that of all runs stays below 25 MB; [] stores "
+          .doc("of the frames: H5MD, extended XYZ, extended XYZ if that of all runs stays below 25 MB; [] "
+               "stores "
                "no frames")
           .example("[\"h5md\", \"xyz\"]"),
       output.formats);

@@ -192,8 +192,7 @@ double expected_points(const scan::Design& design) {
 std::string scan_cost(const assembly::ScanPlan& plan) {
     const double each = seconds_of_point(plan, 0.4 * cost_budget), points = expected_points(plan.design);
     return fmt::format("  scan: {:.2g} ms a point, {:.3g} points{}, about {:.2g} CPU seconds\n", 1e3 * each,
-                       points,
-                       plan.design.kind == scan::Kind::adaptive ? " if one boundary crosses it" : "",
+                       points, plan.design.kind == scan::Kind::adaptive ? " if one boundary crosses it" : "",
                        each * points) +
            cost_table(scan_rows(plan, each));
 }

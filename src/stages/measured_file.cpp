@@ -52,11 +52,11 @@ fs::path find(const Scene& scene, const fs::path& run_directory) {
 }
 
 std::vector<double> layer(const store::Hdf5Reader& h5, const fs::path& file, const char* name,
-                          std::size_t side) {
+                          std::size_t side, bool or_unknown = false) {
     const std::string path = std::string("/displacement/") + name;
     if (!h5.has(path))
         refuse(file, fmt::format("has no {}; {}", path, how_to_make));
-    store::Hdf5Dataset data = h5.dataset(path);
+    store::Hdf5Dataset data = h5.dataset(path, or_unknown);
     if (data.shape != std::vector<std::size_t>{side, side})
         refuse(file, fmt::format("{} is not {} bins a side as /displacement/x is", path, side));
     return data.values;
@@ -103,15 +103,15 @@ MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {
         refuse(file, fmt::format("has no displacement field (/displacement); {}", how_to_make));
     const std::size_t side = h5.dataset("/displacement/x").values.size();
     const double a = h5.real("/", "bead_radius") / scene.scales->f_over_mu; // in f/mu
-    const auto scaled = [&](const char* name) {
-        std::vector<double> values = layer(h5, file, name, side);
+    const auto scaled = [&](const char* name, bool or_unknown = false) {
+        std::vector<double> values = layer(h5, file, name, side, or_unknown);
         for (double& value : values)
             value *= a;
         return values;
     };
     MeasuredInput input{file,
                         {side, h5.real("/displacement", "spacing") * a, scaled("Ux"), scaled("Uy"),
-                         scaled("sigma_x"), scaled("sigma_y")},
+                         scaled("sigma_x", true), scaled("sigma_y", true)},
                         {}};
     for (const double count : layer(h5, file, "count", side))
         input.grid.known.push_back(count > 0.0);

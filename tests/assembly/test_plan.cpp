@@ -106,10 +106,10 @@ TEST_CASE("Frames become extended XYZ if asked for, or if that of all runs is sh
             .beds[0]
             .schedule;
     };
-    CHECK(writes("", "").xyz);               // 1000 beads, 101 frames, 140 bytes each: 14 MB
-    CHECK_FALSE(writes("", "runs = 2").xyz); // 28 MB
+    CHECK(writes("", "").xyz);                 // 1000 beads, 101 frames, 140 bytes each: 14 MB
+    CHECK_FALSE(writes("", "runs = 2\n").xyz); // 28 MB
     CHECK_FALSE(writes("frames = \"0.005 s\"", "").xyz);
-    CHECK(writes("formats = [\"xyz\"]", "runs = 2").xyz);
+    CHECK(writes("formats = [\"xyz\"]", "runs = 2\n").xyz);
     CHECK_FALSE(writes("formats = [\"h5md\"]", "").xyz);
     CHECK_FALSE(writes("formats = [\"xyz_if_short\"]", "").h5md);
     CHECK_FALSE(writes("formats = []", "").xyz);
