@@ -112,6 +112,11 @@ class OneRunTest(MeasureCase):
             read = profile.read(run, spec, measured.parts(run)[0])
         np.testing.assert_allclose(read[2], np.sqrt(abs(place[kept])) * sigma[kept], rtol=4 * EPS)
         self.assertIn("1/2", caption)
+        self.assertIn("bars: standard error", caption)
+        rows = [line.split(",") for line in (self.folder / "profile_Ux_x.csv").read_text().splitlines() if not line.startswith("#")]
+        self.spoil("profile_Ux_x.csv", "\n".join(",".join([*row[:2], "sigma" if row[0] == "x" else "", row[3]]) for row in rows) + "\n")
+        _, unknown = self.draw("profile")  # measured in one block
+        self.assertIn("the error is unknown", unknown)
         _, caption = self.draw("profile", component="Uy")
         self.assertIn("4 <i>a</i>", caption)
         self.ask("[measure]\nprofile_offset = 0.002\n", figure("profile", component="Uy"))
