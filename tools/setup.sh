@@ -39,7 +39,7 @@ install_packages() {
     fi
     say "packages: installing" $missing
     as_root apt-get update -qq
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq -o DPkg::Lock::Timeout=300 --no-install-recommends $missing >/dev/null
 }
 
 # build_preset PRESET [ARGS of cmake --build]...

@@ -47,7 +47,7 @@ def draw(run, spec):
 
 
 def bar(figure, image, axes_list, norm, extend):
-    label, place = r"mean speed ($a/\mathrm{s}$)", dict(pad=0.015, aspect=32)
+    label, place = r"mean speed ($\mathrm{mm/s}$)", dict(pad=0.015, aspect=32)
     if isinstance(norm, LogNorm):
         ranges.log_bar(figure, image, axes_list, extend, label, **place)
         return
@@ -61,8 +61,9 @@ def read(part, run, spec, across):
     columns, rows = (measured.inside(values, asked, run.granular.a) for values, asked in ((x, spec.x), (y, spec.y)))
     step = max(1, int(np.ceil(max(columns.sum(), rows.sum()) / across)))
     crop = np.ix_(rows, columns)
-    v, weight = (vx + 1j * vy)[crop], np.nan_to_num(count[crop])
-    variance = (sigma_x ** 2 + sigma_y ** 2)[crop] / 2
+    factor = measured.mm_per_s(run)
+    v, weight = factor * (vx + 1j * vy)[crop], np.nan_to_num(count[crop])
+    variance = factor ** 2 * (sigma_x ** 2 + sigma_y ** 2)[crop] / 2
     x, y, v, variance = coarse(x[columns], y[rows], v, variance, weight, step)
     if not np.isfinite(v).any():
         raise PlotError(f"{part.folder / FIELDS}: /flow has no bin with beads inside the window: nothing to draw")
@@ -114,7 +115,7 @@ def caption(run, spec):
 
 def near(part):
     speed = part.number("flow", "near_speed")
-    return "" if speed is None else f"Mean speed within 6 <i>a</i> of the rod: {words.number(float(speed), 3)} <i>a</i>/s."
+    return "" if speed is None else f"Mean speed within 6 <i>a</i> of the rod: {words.number(1e3 * part.granular.a * float(speed), 3)} mm/s."
 
 
 def defaults(run):

@@ -15,7 +15,7 @@ from .errors import PlotError
 from .granular_run import SUMMARY, GranularRun
 
 RESULTS, FIELDS, SERIES = "measure.json", "measure.h5", "series.csv"
-AGAINST = {"phi_b": (r"\phi_b", ""), "d0": ("d_0", r"\,a"), "imposed_speed": ("v", r"\,a/\mathrm{s}")}  # what variants differ in
+AGAINST = {"phi_b": (r"\phi_b", ""), "d0": ("d_0", r"\,a"), "imposed_speed": ("v", r"\,\mathrm{mm/s}")}  # what variants differ in
 
 
 class Estimate(NamedTuple):
@@ -138,12 +138,22 @@ def not_measured(run, name, group=None):
     return f" Not measured: {', '.join(lacking)}." if lacking else ""
 
 
+def mm_per_s(run):
+    """What a speed in a/s, as the files of measures have it, is multiplied by to be in mm/s, as figures have it."""
+    return 1e3 * run.granular.a
+
+
+def series(run):
+    """The columns of series.csv, its speeds in mm/s."""
+    columns = csv_columns.read_with_gaps(run.path / SERIES, text=("name",))
+    return columns | {name: columns[name] * mm_per_s(run) for name in ("speed", "speed_error", "imposed_speed") if name in columns}
+
+
 def told_apart(run):
     """Label of the scene itself: that in which its variants differ."""
-    path = run.path / SERIES
-    if not path.is_file():
+    if not (run.path / SERIES).is_file():
         return "as written"
-    columns = csv_columns.read_with_gaps(path, text=("name",))
+    columns = series(run)
     differing = [key for key in AGAINST if key in columns and len({f"{value:.4g}" for value in columns[key]}) > 1]
     return ", ".join(f"${AGAINST[key][0]} = {columns[key][0]:.3g}{AGAINST[key][1]}$" for key in differing
                      if np.isfinite(columns[key][0])) or "as written"

@@ -82,10 +82,11 @@ def note_line(axes, run, spec):
 def caption(run, spec):
     parts = measured.holders(run, file_of(spec))
     what = f"<i>U<sub>{spec.component[1]}</sub></i>"
+    known = any(np.isfinite(read(run, spec, part)[2]).any() for part in parts)
     other, at = ("y" if spec.along == "x" else "x"), line_of(run, spec)
     text = (f"Measured displacement {what} of the beads along <i>{spec.along}</i> at "
             f"{words.equation(f'<i>{other}</i>', at, '<i>a</i>' if at else '')} in the frame of the rod, which heads along +<i>x</i>; "
-            "bars: standard error; shaded: the rod's body. ")
+            f"{'bars: standard error' if known else 'the error is unknown'}; shaded: the rod's body. ")
     if spec.sqrt_scaled:
         text = text.replace("displacement ", f"|<i>{spec.along}</i>|<sup>1/2</sup>", 1)
         text += f"A level stretch is a fall-off as |<i>{spec.along}</i>|<sup>−1/2</sup>. "
@@ -100,7 +101,7 @@ def how(part):
         return ""
     text = f"Estimator: {words.escape(method)}"
     text += {"box": ", relative to the mean over the box", "far": ", relative to the far field"}.get(reference, "")
-    return text + (f"; {words.number(blocks)} blocks of time." if blocks else ".")
+    return text + (f"; {words.number(blocks)} block{'' if blocks == 1 else 's'} of time." if blocks else ".")
 
 
 def defaults(run):

@@ -28,9 +28,9 @@ QUANTITIES = {
     "non_reciprocity": Quantity("non-reciprocity", "",
                                 "Who turns: 1 the rear rod alone, −1 the front rod alone, 0 both alike", True),
     "force": Quantity(r"$F$", "N", "Force of the rod on the beads", True),
-    "speed": Quantity("speed", r"a/\mathrm{s}", "Speed of the rod", True),
+    "speed": Quantity("speed", r"\mathrm{mm/s}", "Speed of the rod", True),
 }
-AXES = {"phi_b": r"$\phi_b$", "d0": r"$d_0$ ($a$)", "imposed_speed": r"$v$ ($a/\mathrm{s}$)"}
+AXES = {"phi_b": r"$\phi_b$", "d0": r"$d_0$ ($a$)", "imposed_speed": r"$v$ ($\mathrm{mm/s}$)"}
 WORDS = {"phi_b": "<i>φ<sub>b</sub></i>", "d0": "the starting separation <i>d</i><sub>0</sub>", "imposed_speed": "the imposed speed <i>v</i>"}
 ASIDE = 0.014  # of the range
 CLASSES = (("o", "liquid"), ("s", "hexatic"), ("^", "crystal"))  # g_B falls exponentially, as a power, not to zero
@@ -83,7 +83,7 @@ def scale(groups, quantity):
 
 def read(run, spec):
     path = run.path / measured.SERIES
-    columns = csv_columns.read_with_gaps(path, text=("name",))
+    columns = measured.series(run)
     x, y = (csv_columns.column(path, columns, name) for name in (spec.against, spec.quantity))
     kept = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if kept.size == 0:
@@ -100,10 +100,9 @@ def read(run, spec):
 
 def measured_in(run):
     """(quantity, against) of what series.csv holds two points or more of."""
-    path = run.path / measured.SERIES
-    if not path.is_file():
+    if not (run.path / measured.SERIES).is_file():
         return []
-    columns = csv_columns.read_with_gaps(path, text=("name",))
+    columns = measured.series(run)
     found = []
     for quantity in QUANTITIES:
         kept = np.isfinite(columns.get(quantity, np.empty(0)))
@@ -189,8 +188,8 @@ def fit_told(group):
     line, through = fits(group)
     (at_rest, slope), (error, slope_error) = line.values, line.errors
     return (f" {who}Line with band, weighted fit <i>F</i> = <i>F</i><sub>0</sub> + <i>cv</i>: <i>F</i><sub>0</sub> = "
-            f"{words.with_error(at_rest, error, 1e6)} µN, <i>c</i> = {words.with_error(slope, slope_error, 1e6)} µN s/<i>a</i>, "
-            f"{chi2(line)}. Broken line, <i>F</i> ∝ <i>v</i>: {words.with_error(through.values[0], through.errors[0], 1e6)} µN s/<i>a</i>, "
+            f"{words.with_error(at_rest, error, 1e6)} µN, <i>c</i> = {words.with_error(slope, slope_error, 1e6)} µN s/mm, "
+            f"{chi2(line)}. Broken line, <i>F</i> ∝ <i>v</i>: {words.with_error(through.values[0], through.errors[0], 1e6)} µN s/mm, "
             f"{chi2(through)}.")
 
 

@@ -16,16 +16,7 @@ using granular::Surface;
 
 /// H5MD before compression: position and velocity in double, image in three 32-bit integers.
 constexpr double h5md_bytes = 60.0;
-/// Extended XYZ: a line of eight numbers.
-constexpr double xyz_bytes = 140.0;
 constexpr double period_frames = 50.0, most_period_frames = 75.0;
-
-double particles(const GranularProblem& problem) {
-    auto count = static_cast<double>(problem.beads);
-    for (const granular::RodSpec& rod : problem.rods)
-        count += static_cast<double>(rod.shape.spheres);
-    return count;
-}
 
 std::string beads_text(const scene::Granular& bed, const GranularProblem& problem) {
     return fmt::format("{} beads of radius {:g} mm and {:g} kg/m^3: phi_b = {:.4f}{}", problem.beads,
@@ -142,20 +133,20 @@ std::string describe_output(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
     const GranularProblem& problem = plan.problem;
     const scene::GranularOutput& output = bed.output;
-    const double frames = std::floor(bed.duration / frame_interval(bed)) + 1.0;
-    const auto has = [&](const char* name) {
-        return std::ranges::find(output.formats, name) != output.formats.end();
-    };
-    const double each =
-        particles(problem) * ((has("h5md") ? h5md_bytes : 0.0) + (has("xyz") ? xyz_bytes : 0.0));
-    std::string text =
-        output.formats.empty()
-            ? "no frames"
-            : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frames, particles(problem),
-                          fmt::join(output.formats, ", "), size_text(each * frames));
+    const double count = spheres(problem);
+    std::vector<std::string> formats;
+    double bytes = 0.0;
+    if (plan.schedule.h5md)
+        formats.emplace_back("h5md"), bytes += h5md_bytes * count * frame_count(bed);
+    if (plan.schedule.xyz)
+        formats.emplace_back("xyz"), bytes += xyz_bytes(bed, problem);
+    std::string text = formats.empty()
+                           ? "no frames"
+                           : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frame_count(bed),
+                                         count, fmt::join(formats, ", "), size_text(bytes));
     if (output.last_period)
         text += fmt::format("; about {:.0f} frames of the last period, at most {}", period_frames,
-                            size_text(most_period_frames * particles(problem) * h5md_bytes));
+                            size_text(most_period_frames * count * h5md_bytes));
     return text +
            fmt::format("; a table of {:.0f} rows", std::floor(bed.duration / table_interval(bed)) + 1.0);
 }

@@ -117,25 +117,40 @@ std::optional<double> order_cutoff(const scene::Granular& bed, double phi_b) {
     return granular::neighbour_cutoff(bed.bead_radius, phi_b);
 }
 
-double sphere_steps(const granular::GranularProblem& problem) {
-    auto spheres = static_cast<double>(problem.beads);
+double spheres(const granular::GranularProblem& problem) {
+    auto count = static_cast<double>(problem.beads);
     for (const granular::RodSpec& rod : problem.rods)
-        spheres += static_cast<double>(rod.shape.spheres);
-    return spheres * static_cast<double>(problem.equilibration_steps + problem.steps);
+        count += static_cast<double>(rod.shape.spheres);
+    return count;
+}
+
+double sphere_steps(const granular::GranularProblem& problem) {
+    return spheres(problem) * static_cast<double>(problem.equilibration_steps + problem.steps);
 }
 
 double frame_interval(const scene::Granular& bed) { return bed.output.frames.value_or(bed.duration / 100.0); }
 
 double table_interval(const scene::Granular& bed) { return bed.output.table.value_or(0.01); }
 
+double frame_count(const scene::Granular& bed) {
+    return std::floor(bed.duration / frame_interval(bed)) + 1.0;
+}
+
+double xyz_bytes(const scene::Granular& bed, const granular::GranularProblem& problem) {
+    constexpr double line = 140.0; // seven numbers of up to 19 characters and what is short
+    return line * spheres(problem) * frame_count(bed);
+}
+
 GranularSchedule granular_schedule(const scene::Granular& bed, const granular::GranularProblem& problem) {
+    constexpr double short_run = 25e6; // bytes; the paper's box with the usual 101 frames has 22e6
     const auto wants = [&](const char* format) { return std::ranges::count(bed.output.formats, format) > 0; };
+    const bool is_short = static_cast<double>(bed.runs) * xyz_bytes(bed, problem) < short_run;
     return {order_cutoff(bed, granular::bead_area_fraction(problem)).value_or(0.0),
             granular::whole_steps(table_interval(bed), problem.time_step, 1),
             granular::whole_steps(frame_interval(bed), problem.time_step, 1),
             bed.stop_at_travel.value_or(0.0),
             wants("h5md"),
-            wants("xyz"),
+            wants("xyz") || (wants("xyz_if_short") && is_short),
             bed.output.last_period};
 }
 

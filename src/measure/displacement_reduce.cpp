@@ -3,6 +3,7 @@
 #include "regrid.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/estimate.hpp"
 #include "rodwake/measure/displacement.hpp"
 
 #include <fmt/format.h>
@@ -134,12 +135,14 @@ double scatter(const std::vector<double>& values, const std::vector<bool>& measu
     return std::sqrt(std::max(squares / count - sum * sum / (count * count), 0.0));
 }
 
-/// Errors of bins without data, and of all if there is but one block.
-void unknown_errors(DisplacementField& field) {
+/// One block tells no error; a bin without data may be anything that the field is elsewhere.
+void complete_errors(DisplacementField& field) {
     const auto measured = known(field);
-    const double sx = scatter(field.Ux, measured), sy = scatter(field.Uy, measured);
+    const bool tells = field.blocks > 1;
+    const double sx = tells ? scatter(field.Ux, measured) : unknown_error,
+                 sy = tells ? scatter(field.Uy, measured) : unknown_error;
     for (std::size_t j = 0; j < field.grid.bins(); ++j)
-        if (!measured[j] || field.blocks < 2) {
+        if (!measured[j] || !tells) {
             field.sigma_x[j] = sx;
             field.sigma_y[j] = sy;
         }
@@ -184,7 +187,7 @@ DisplacementField reduce(std::span<const DisplacementAccumulator> runs) {
     place(samples, DisplacementSums::of(runs[0]).far_from, field);
     if (options.mirror)
         field = with_mirror_image(field);
-    unknown_errors(field);
+    complete_errors(field);
     return field;
 }
 

@@ -204,8 +204,10 @@ void fields(Visitor& v, GranularOutput& output) {
       output.table);
     v(key("formats")
           .items(0, 2)
-          .one_of({"h5md", "xyz"})
-          .doc("of the frames: H5MD, extended XYZ; [] stores no frames")
+          .one_of({"h5md", "xyz", "xyz_if_short"})
+          .doc("of the frames: H5MD, extended XYZ, extended XYZ if that of all runs stays below 25 MB; [] "
+               "stores "
+               "no frames")
           .example("[\"h5md\", \"xyz\"]"),
       output.formats);
     v(key("last_period")

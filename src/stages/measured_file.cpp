@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace rodwake::stages {
 
@@ -51,11 +52,11 @@ fs::path find(const Scene& scene, const fs::path& run_directory) {
 }
 
 std::vector<double> layer(const store::Hdf5Reader& h5, const fs::path& file, const char* name,
-                          std::size_t side) {
+                          std::size_t side, bool or_unknown = false) {
     const std::string path = std::string("/displacement/") + name;
     if (!h5.has(path))
         refuse(file, fmt::format("has no {}; {}", path, how_to_make));
-    store::Hdf5Dataset data = h5.dataset(path);
+    store::Hdf5Dataset data = h5.dataset(path, or_unknown);
     if (data.shape != std::vector<std::size_t>{side, side})
         refuse(file, fmt::format("{} is not {} bins a side as /displacement/x is", path, side));
     return data.values;
@@ -66,10 +67,7 @@ double lattice_spacing(double phi_b) {
     return std::sqrt(2.0 * std::numbers::pi / (std::numbers::sqrt3 * phi_b));
 }
 
-void require_errors(const MeasuredInput& input, std::int64_t blocks, long samples) {
-    const auto bad = [](double sigma) { return !(sigma > 0.0); };
-    if (std::ranges::any_of(input.grid.sigma_x, bad) || std::ranges::any_of(input.grid.sigma_y, bad))
-        refuse(input.file, "a sigma_x or sigma_y of /displacement is not above 0");
+void require_data(const MeasuredInput& input, std::int64_t blocks, long samples) {
     if (std::ranges::none_of(input.grid.known, [](bool known) { return known; }))
         refuse(input.file, "no bin of /displacement has data (count is 0 everywhere): measure longer");
     if (samples > 0 && blocks < 2)
@@ -77,6 +75,16 @@ void require_errors(const MeasuredInput& input, std::int64_t blocks, long sample
                                        "time. Measure in more runs, for longer, or in shorter measure.block; "
                                        "or set medium.measured.samples = 0 for a run without errors",
                                        blocks));
+}
+
+/// Where no error is known, that of every bin is taken to be the field's root mean square: all count alike.
+void require_errors(const fs::path& file, const std::vector<double>& values, std::vector<double>& sigma) {
+    if (std::ranges::all_of(sigma, [](double s) { return std::isnan(s); })) {
+        const double squares = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
+        std::ranges::fill(sigma, std::sqrt(squares / static_cast<double>(values.size())));
+    }
+    if (std::ranges::any_of(sigma, [](double s) { return !(s > 0.0); }))
+        refuse(file, "a sigma_x or sigma_y of /displacement is not above 0");
 }
 
 } // namespace
@@ -95,19 +103,21 @@ MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {
         refuse(file, fmt::format("has no displacement field (/displacement); {}", how_to_make));
     const std::size_t side = h5.dataset("/displacement/x").values.size();
     const double a = h5.real("/", "bead_radius") / scene.scales->f_over_mu; // in f/mu
-    const auto scaled = [&](const char* name) {
-        std::vector<double> values = layer(h5, file, name, side);
+    const auto scaled = [&](const char* name, bool or_unknown = false) {
+        std::vector<double> values = layer(h5, file, name, side, or_unknown);
         for (double& value : values)
             value *= a;
         return values;
     };
     MeasuredInput input{file,
                         {side, h5.real("/displacement", "spacing") * a, scaled("Ux"), scaled("Uy"),
-                         scaled("sigma_x"), scaled("sigma_y")},
+                         scaled("sigma_x", true), scaled("sigma_y", true)},
                         {}};
     for (const double count : layer(h5, file, "count", side))
         input.grid.known.push_back(count > 0.0);
-    require_errors(input, h5.integer("/displacement", "blocks"), keys.samples);
+    require_data(input, h5.integer("/displacement", "blocks"), keys.samples);
+    require_errors(file, input.grid.Ux, input.grid.sigma_x);
+    require_errors(file, input.grid.Uy, input.grid.sigma_y);
     constexpr double window = 0.71; // of the cell over which a value is a mean, in lattice spacings
     const double radius = window * lattice_spacing(h5.real("/", "phi_b")) * a;
     input.options = {.core = keys.core.value_or(4.0 * a),

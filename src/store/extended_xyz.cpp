@@ -27,7 +27,7 @@ void print_head(Text& out, const FrameLayout& layout, const Frame& frame, double
     const auto flag = [&](std::size_t axis) { return layout.periodic[axis] ? 'T' : 'F'; };
     print(out, "{}\n", layout.particles());
     print(out, "Lattice=\"{} 0 0 0 {} 0 0 0 {}\" ", x / unit, y / unit, z / unit);
-    print(out, "Properties=species:S:1:kind:S:1:pos:R:3:velo:R:3:id:I:1:molecule:I:1:radius:R:1 ");
+    print(out, "Properties=species:S:1:pos:R:3:velo:R:3:id:I:1:molecule:I:1:radius:R:1:kind:S:1 ");
     print(out, "pbc=\"{} {} {}\" Time={} Step={}", flag(0), flag(1), flag(2), frame.time, frame.step);
     for (std::size_t i = 0; i < frame.observables.size(); ++i)
         print(out, " {}={}", layout.observables[i], frame.observables[i]);
@@ -57,10 +57,10 @@ void ExtendedXyzWriter::add_frame(const Frame& frame) {
     for (std::size_t i = 0; i < layout_.particles(); ++i) {
         const int molecule = layout_.species[i] == 0 ? 0 : layout_.rod_of_sphere[of_rods++] + 1;
         const Kind& kind = layout_.kinds[static_cast<std::size_t>(layout_.species[i])];
-        print(out, "{} {}", kind.symbol, kind.name);
+        print(out, "{}", kind.symbol);
         print_vector(out, &position.place[3 * i], unit_);
         print_vector(out, &frame.velocity[3 * i], unit_);
-        print(out, " {} {} {}\n", layout_.id[i], molecule, layout_.radius[i] / unit_);
+        print(out, " {} {} {} {}\n", layout_.id[i], molecule, layout_.radius[i] / unit_, kind.name);
     }
     pending_.write({out.data(), out.size()});
     last_step_ = frame.step;

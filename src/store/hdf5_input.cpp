@@ -133,10 +133,12 @@ void Hdf5Table::read_rows(hsize_t first, hsize_t count, void* values) const {
                                   hdf5_reason()));
 }
 
-std::vector<double> read_finite(const Hdf5Input& file, const std::string& path, const Hdf5Table& table) {
+std::vector<double> read_numbers(const Hdf5Input& file, const std::string& path, const Hdf5Table& table,
+                                 bool or_unknown) {
     std::vector<double> values(table.size());
     table.read(values.data());
-    if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); }))
+    const auto good = [&](double value) { return std::isfinite(value) || (or_unknown && std::isnan(value)); };
+    if (!std::ranges::all_of(values, good))
         file.refuse(path + " holds values that are not finite");
     return values;
 }

@@ -53,8 +53,9 @@ private:
     void check_storage() const;
 };
 
-/// Numbers of all elements; InputError if one is not finite.
-std::vector<double> read_finite(const Hdf5Input& file, const std::string& path, const Hdf5Table& table);
+/// Numbers of all elements; InputError if one is not finite, but for NaN where that may stand for unknown.
+std::vector<double> read_numbers(const Hdf5Input& file, const std::string& path, const Hdf5Table& table,
+                                 bool or_unknown);
 
 /// Attributes of the group or dataset `owner`. The number must be a double, an int64 or a uint64 in the file.
 double real_attribute(const Hdf5Input& file, const std::string& owner, const std::string& name);

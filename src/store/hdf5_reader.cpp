@@ -36,11 +36,13 @@ bool Hdf5Reader::has(const std::string& path) const {
     return file_->has(path);
 }
 
-Hdf5Dataset Hdf5Reader::dataset(const std::string& path) const {
+Hdf5Dataset Hdf5Reader::dataset(const std::string& path, bool or_unknown) const {
     const Hdf5Guard guard;
     const Hdf5Table table(*file_, path, H5T_IEEE_F64LE);
     const auto& shape = table.shape();
-    return {read_finite(*file_, path, table), {shape.begin(), shape.end()}, one_text(*file_, path, "unit")};
+    return {read_numbers(*file_, path, table, or_unknown),
+            {shape.begin(), shape.end()},
+            one_text(*file_, path, "unit")};
 }
 
 double Hdf5Reader::real(const std::string& group, const std::string& name) const {

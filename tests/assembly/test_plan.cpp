@@ -99,6 +99,22 @@ TEST_CASE("Beds of a scene: as written, and the variants that change it") {
     CHECK(made.beds[0].measures.has_value());
 }
 
+TEST_CASE("Frames become extended XYZ if asked for, or if that of all runs is short") {
+    const auto writes = [](const std::string& formats, const std::string& keys) {
+        return plan("schema = 1\n[granular]\nbeads = 1000\nbox = \"78 a\"\nduration = \"1 s\"\n" + keys +
+                    "[granular.output]\n" + formats)
+            .beds[0]
+            .schedule;
+    };
+    CHECK(writes("", "").xyz);                 // 1000 beads, 101 frames, 140 bytes each: 14 MB
+    CHECK_FALSE(writes("", "runs = 2\n").xyz); // 28 MB
+    CHECK_FALSE(writes("frames = \"0.005 s\"", "").xyz);
+    CHECK(writes("formats = [\"xyz\"]", "runs = 2\n").xyz);
+    CHECK_FALSE(writes("formats = [\"h5md\"]", "").xyz);
+    CHECK_FALSE(writes("formats = [\"xyz_if_short\"]", "").h5md);
+    CHECK_FALSE(writes("formats = []", "").xyz);
+}
+
 TEST_CASE("The order of rods is a stage of its own, after the rods or the bed that it looks at") {
     const std::string order = "[rods_order]\nlink = 1.0\n";
     const assembly::Plan theory = plan(rods_text + order);

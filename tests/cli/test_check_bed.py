@@ -77,6 +77,7 @@ class CheckBedTest(ProgramTest):
         self.assertGreater(float(re.search(r"about (\S+) CPU seconds\n", longer).group(1)), 4.8 * each)
         self.assertIn("1 steps of 0.0001 s", self.check(BED, "granular.duration=1e-9"))
         self.assertIn("101 frames of 1549 spheres (h5md), at most 9.39 MB", text)
+        self.assertIn("101 frames of 1549 spheres (h5md, xyz), at most 31.3 MB", self.check(BED, "granular.runs=1"))
         self.assertIn("no frames; a table of 1001 rows", self.check(BED, "granular.output.formats=[]", "granular.output.last_period=false"))
 
     def test_the_step_follows_the_plates(self):

@@ -68,9 +68,11 @@ class FilesTest(BedTest):
 
     def test_formats_that_are_not_wanted(self):
         self.dem("xyz", *setting(output__formats='["xyz"]', output__last_period="false"))
-        self.assertEqual(self.names("xyz"), FINAL - {"trajectory.h5md", "last_period.h5md"} | {"trajectory.xyz"})
+        self.assertEqual(self.names("xyz"), FINAL - {"trajectory.h5md", "last_period.h5md"})
         self.dem("none", *setting(output__formats="[]"))
-        self.assertEqual(self.names("none"), FINAL - {"trajectory.h5md"})
+        self.assertEqual(self.names("none"), FINAL - {"trajectory.h5md", "trajectory.xyz"})
+        self.dem("h5md", *setting(output__formats='["h5md"]'))
+        self.assertEqual(self.names("h5md"), FINAL - {"trajectory.xyz"})
         self.dem("beads", *BEADS_ONLY)
         self.assertEqual(self.names("beads"), FINAL - {"tracks.csv"})
         self.assertEqual(self.hash("xyz"), self.hash("none"))  # what is looked at changes nothing

@@ -143,6 +143,8 @@ class MeasuredFieldTest(ProgramTest):
         self.make(blocks=1)
         self.refuse(2, "errors of its field are unknown: it was measured in 1 block", "rods", "scene.toml", "-o", "out")
         self.rods("plain", "-s", "medium.measured.samples=0")
+        self.make(blocks=1, sigma=np.nan)  # as measured: all bins count alike
+        self.rods("unknown", "-s", "medium.measured.samples=0")
         self.make(sigma=0.0)
         self.refuse(2, "sigma_x or sigma_y of /displacement is not above 0", "rods", "scene.toml", "-o", "out")
         self.make(count=0.0)

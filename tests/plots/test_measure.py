@@ -112,6 +112,11 @@ class OneRunTest(MeasureCase):
             read = profile.read(run, spec, measured.parts(run)[0])
         np.testing.assert_allclose(read[2], np.sqrt(abs(place[kept])) * sigma[kept], rtol=4 * EPS)
         self.assertIn("1/2", caption)
+        self.assertIn("bars: standard error", caption)
+        rows = [line.split(",") for line in (self.folder / "profile_Ux_x.csv").read_text().splitlines() if not line.startswith("#")]
+        self.spoil("profile_Ux_x.csv", "\n".join(",".join([*row[:2], "sigma" if row[0] == "x" else "", row[3]]) for row in rows) + "\n")
+        _, unknown = self.draw("profile")  # measured in one block
+        self.assertIn("the error is unknown", unknown)
         _, caption = self.draw("profile", component="Uy")
         self.assertIn("4 <i>a</i>", caption)
         self.ask("[measure]\nprofile_offset = 0.002\n", figure("profile", component="Uy"))
@@ -244,6 +249,8 @@ class SeriesTest(MeasureCase):
         _, caption = self.draw("series", quantity="force", against="imposed_speed")
         with run_dir.RunDir(self.folder) as run:
             (group,) = series.read(run, draw.figures_of(run)[0])
+            np.testing.assert_array_equal(group.x, np.array(self.SPEEDS) * (1e3 * run.granular.a))  # mm/s; the file has a/s
+        self.assertIn("µN s/mm", caption)
         slope, at_rest = np.polyfit(group.x, group.y, 1)  # equal errors
         line, through = series.fits(group)
         np.testing.assert_allclose(line.values, [at_rest, slope], rtol=1e-12)  # two ways to solve well-conditioned normal equations

@@ -90,7 +90,7 @@ TEST_CASE("what is absent from a bed has the default of the contract") {
     CHECK(g.contacts.rod_wall == rodwake::granular::Surface{0.03, 0.1});
     CHECK(g.contacts.bead_wall == rodwake::granular::Surface{0.2, 0.3});
     CHECK(g.plates == rodwake::granular::Plates{1.2e-3, 200.0, 7.0});
-    CHECK(g.output.formats == std::vector<std::string>{"h5md"});
+    CHECK(g.output.formats == std::vector<std::string>{"h5md", "xyz_if_short"});
 }
 
 TEST_CASE("granular numbers are SI in every scene and need no scales") {

@@ -228,6 +228,14 @@ class MdanalysisTest(SampleTest):
                 np.testing.assert_array_equal(step.velocities, file["particles/trajectory/velocity/value"][index].astype("f4"))
                 np.testing.assert_array_equal(step.dimensions, np.array([SIDE, SIDE, HEIGHT, 90, 90, 90], dtype="f4"))
 
+    def test_positions_of_the_extended_xyz_are_read_as_plain_xyz(self):
+        import MDAnalysis
+        universe = MDAnalysis.Universe(str(self.folder / "radii.xyz"))
+        self.assertEqual(universe.atoms.names.tolist(), ["Al"] * BEADS + ["Cu"] * (SPHERES - BEADS))
+        places = self.open("sample.h5md")["particles/trajectory/position/value"]
+        for index, step in enumerate(universe.trajectory):
+            np.testing.assert_array_equal(step.positions, (places[index] / 4e-4).astype("f4"))
+
 
 def read_xyz(path):
     """Frames of an extended XYZ file: pairs of the second line's entries and the columns by name."""

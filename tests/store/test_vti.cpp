@@ -37,7 +37,7 @@ struct Sample {
     std::vector<double> U = field(4, 3, 3), height = field(4, 3, 1);
     std::vector<double> bits = {
         0.1,  -0.0, Limits::denorm_min(), Limits::max(),     -Limits::max(), 1.0 / 3.0,
-        1e22, -7.0, Limits::min(),        Limits::epsilon(), 5e-324,         0.0};
+        1e22, -7.0, Limits::min(),        Limits::epsilon(), 5e-324,         not_a_number};
 
     std::vector<store::VtiArray> arrays() const {
         return {{"U", 3, U}, {"height", 1, height}, {"a<b & \"c\"", 1, bits}};
@@ -68,12 +68,12 @@ TEST_CASE("What is no grid is refused, and nothing is left") {
 }
 
 TEST_CASE("What is no field on the grid is refused, and nothing is left") {
-    const std::vector<double> bad(12, not_a_number);
+    const std::vector<double> bad(12, HUGE_VAL);
     CHECK(has(refused([](auto&, auto& a) { a[0].components = 2; }), "U has 2 components; 1 and 3 are legal"));
     CHECK(has(refused([](auto&, auto& a) { a[1].values = a[1].values.first(11); }),
               "height has 11 values, expected 3 x 4 x 1"));
     CHECK(has(refused([](auto&, auto& a) { a[1].components = 3; }), "has 12 values, expected 3 x 4 x 3"));
-    CHECK(has(refused([&](auto&, auto& a) { a[1].values = bad; }), "height has values that are not finite"));
+    CHECK(has(refused([&](auto&, auto& a) { a[1].values = bad; }), "height has infinite values"));
     CHECK(has(refused([](auto&, auto& a) { a[1].name = "U"; }), "two fields are named U"));
     for (const char* name : {"", "a\nb", "Stäbe"})
         CHECK(has(refused([=](auto&, auto& a) { a[1].name = name; }), "is no name of a field"));

@@ -1,6 +1,7 @@
 """The sample grids of tests/store/test_vti.cpp as another program reads them: XML, base64 and numpy, no code of ours."""
 
 import base64
+import importlib.util
 import os
 import subprocess
 import tempfile
@@ -68,7 +69,7 @@ def expected(nx, ny, components):
 
 # The same literals as in test_vti.cpp.
 BITS = [0.1, -0.0, 5e-324, np.finfo(float).max, -np.finfo(float).max, 1 / 3, 1e22, -7.0, np.finfo(float).tiny,
-        np.finfo(float).eps, 5e-324, 0.0]
+        np.finfo(float).eps, 5e-324, np.nan]  # an unknown number
 
 
 class VtiTest(unittest.TestCase):
@@ -120,6 +121,21 @@ class VtiTest(unittest.TestCase):
                 (self.folder / "spoilt.vti").write_text(text.replace(old, new), encoding="ascii")
                 with self.assertRaises((ValueError, AssertionError, ElementTree.ParseError)):
                     self.check_sample(self.folder / "spoilt.vti")
+
+    @unittest.skipUnless(importlib.util.find_spec("vtkmodules"), "python3-vtk9 is not installed")
+    def test_vtk_reads_it(self):
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+        reader = vtkXMLImageDataReader()
+        reader.SetFileName(str(self.folder / "sample.vti"))
+        reader.Update()
+        image = reader.GetOutput()
+        self.assertEqual((image.GetDimensions(), image.GetOrigin(), image.GetSpacing()),
+                         ((4, 3, 1), (-0.1, 1 / 3, 0.0), (0.05, 2e-5, 1.0)))
+        points = image.GetPointData()
+        self.assertEqual([points.GetArrayName(i) for i in range(points.GetNumberOfArrays())], ["U", "height", 'a<b & "c"'])
+        self.assert_same_bits(vtk_to_numpy(points.GetArray("U")), expected(4, 3, 3).reshape(12, 3))
+        self.assert_same_bits(vtk_to_numpy(points.GetArray(2)), BITS)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ position = ["8 a", "8 a"]
 """
 
 FINAL = {"scene.toml", "provenance.json", "log.txt", "manifest.json", "result.h5", "summary.json", "table.csv", "tracks.csv", "trajectory.h5md",
-         "last_period.h5md", "final.rwc"}
+         "trajectory.xyz", "last_period.h5md", "final.rwc"}
 
 
 def setting(**keys):

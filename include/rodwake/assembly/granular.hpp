@@ -28,11 +28,18 @@ double equilibration_time(const scene::Granular& bed, double phi_b);
 /// granular.order_cutoff, or granular::neighbour_cutoff, m. Nothing without beads.
 std::optional<double> order_cutoff(const scene::Granular& bed, double phi_b);
 
+/// Beads and spheres of rods.
+double spheres(const granular::GranularProblem& problem);
+
 /// What a run costs, in any unit: spheres times steps, equilibration included.
 double sphere_steps(const granular::GranularProblem& problem);
 
 /// Intervals of frames and of rows of the table, s.
 double frame_interval(const scene::Granular& bed);
 double table_interval(const scene::Granular& bed);
+
+/// Frames of a run that goes to its end, and their size as extended XYZ, about.
+double frame_count(const scene::Granular& bed);
+double xyz_bytes(const scene::Granular& bed, const granular::GranularProblem& problem);
 
 } // namespace rodwake::assembly

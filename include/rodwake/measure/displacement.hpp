@@ -81,7 +81,8 @@ private:
 
 /// On the grid, [row y][column x]. Bins without data have count 0; their value is filled in smoothly from
 /// their neighbours (discrete Laplace equation) so that the field can be interpolated, and their sigma is
-/// the scatter of the whole field. Nothing is NaN.
+/// the scatter of the whole field. With one block of time every sigma is unknown (core/estimate.hpp); nothing
+/// else is NaN.
 struct DisplacementField {
     RodGrid grid;
     DisplacementMethod method = DisplacementMethod::phase;

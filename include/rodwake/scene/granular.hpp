@@ -32,11 +32,12 @@ struct Contacts {
 
 /// [granular.output]
 struct GranularOutput {
-    std::optional<double> frames;                ///< interval, s; absent: duration / 100
-    std::optional<double> table;                 ///< interval, s; absent: 0.01 s
-    std::vector<std::string> formats = {"h5md"}; ///< of the frames: "h5md", "xyz"; empty: no frames
-    bool last_period = true;                     ///< about 50 frames of one plate period at the end
-    double checkpoint = 30.0;                    ///< wall-clock interval, s
+    std::optional<double> frames; ///< interval, s; absent: duration / 100
+    std::optional<double> table;  ///< interval, s; absent: 0.01 s
+    /// Of the frames: "h5md", "xyz", "xyz_if_short"; empty: no frames.
+    std::vector<std::string> formats = {"h5md", "xyz_if_short"};
+    bool last_period = true;  ///< about 50 frames of one plate period at the end
+    double checkpoint = 30.0; ///< wall-clock interval, s
 
     bool operator==(const GranularOutput&) const = default;
 };

@@ -2,9 +2,10 @@
 // Frames as extended XYZ (libAtoms), for viewers: OVITO, ASE. The file appears at commit.
 //
 // Line 2 of a frame: Lattice,
-// Properties=species:S:1:kind:S:1:pos:R:3:velo:R:3:id:I:1:molecule:I:1:radius:R:1, pbc, Time (s), Step, and
-// the observables by their names. Spheres of one rod are one molecule, from 1; beads are 0. Positions are
-// wrapped into the box. Numbers are the shortest that read back to the same double.
+// Properties=species:S:1:pos:R:3:velo:R:3:id:I:1:molecule:I:1:radius:R:1:kind:S:1, pbc, Time (s), Step, and
+// the observables by their names. Species and position come first, because readers of plain XYZ (VMD,
+// MDAnalysis) take a line's first four entries. Spheres of one rod are one molecule, from 1; beads are 0.
+// Positions are wrapped into the box. Numbers are the shortest that read back to the same double.
 
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/frames.hpp"

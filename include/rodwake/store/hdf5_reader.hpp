@@ -28,8 +28,8 @@ public:
 
     /// Whether there is such a group or dataset.
     bool has(const std::string& path) const;
-    /// At an absolute path ("/field/grid/Ux").
-    Hdf5Dataset dataset(const std::string& path) const;
+    /// At an absolute path ("/field/grid/Ux"); with `or_unknown` values may be NaN.
+    Hdf5Dataset dataset(const std::string& path, bool or_unknown = false) const;
 
     /// Attributes of a group ("/" or "/medium"); each must be of the kind that is asked for.
     double real(const std::string& group, const std::string& name) const;

@@ -20,12 +20,12 @@ struct VtiGrid {
 struct VtiArray {
     std::string name;
     std::size_t components = 1;
-    std::span<const double> values; ///< [ny][nx][components]
+    std::span<const double> values; ///< [ny][nx][components]; NaN: unknown
 };
 
 /// The file appears whole or not at all. Throws InputError for what is no grid or no field on it: no points,
-/// spacings not positive, counts that do not fit, names that are empty, double or not text, values that are
-/// not finite; RunError with the system's reason if it cannot be written.
+/// spacings not positive, counts that do not fit, names that are empty, double or not text, infinite values;
+/// RunError with the system's reason if it cannot be written.
 void write_vti(const std::filesystem::path& target, const VtiGrid& grid, std::span<const VtiArray> arrays);
 
 } // namespace rodwake::store

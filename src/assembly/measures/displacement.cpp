@@ -33,7 +33,7 @@ constexpr ValueInfo values[] = {
 constexpr ColumnInfo profile_columns[] = {
     {"x", "a", "place along the line"},
     {"value", "a", "displacement"},
-    {"sigma", "a", "standard error; with one block or in an empty bin the scatter of the field"},
+    {"sigma", "a", "standard error; empty: unknown, as with one block of time"},
     {"count", "1", "samples behind the value"}};
 constexpr FileInfo files[] = {
     {"profile_<k>_<k>.csv", "displacement along a line of the rod's frame", profile_columns},
