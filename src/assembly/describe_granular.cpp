@@ -18,7 +18,10 @@ using granular::Surface;
 constexpr double h5md_bytes = 60.0;
 /// Extended XYZ: a line of eight numbers.
 constexpr double xyz_bytes = 140.0;
+/// While a run goes on: position and velocity in double.
+constexpr double log_bytes = 48.0;
 constexpr double period_frames = 50.0;
+constexpr double large_output = 1e9; // B
 
 double particles(const GranularProblem& problem) {
     auto count = static_cast<double>(problem.beads);
@@ -136,18 +139,38 @@ std::string size_text(double bytes) {
     return fmt::format("{:.3g} {}", bytes, units[unit]);
 }
 
+double frames_of(const scene::Granular& bed) { return std::floor(bed.duration / frame_interval(bed)) + 1.0; }
+
+/// Of a stored frame in all its formats.
+double frame_bytes(const scene::GranularOutput& output, double spheres) {
+    const auto has = [&](const char* name) {
+        return std::ranges::find(output.formats, name) != output.formats.end();
+    };
+    return spheres * ((has("h5md") ? h5md_bytes : 0.0) + (has("xyz") ? xyz_bytes : 0.0));
+}
+
 } // namespace
+
+std::string output_advice(const BedPlan& plan) {
+    const scene::Granular& bed = *plan.of.scene.granular;
+    const double spheres = particles(plan.problem),
+                 stored = bed.output.formats.empty() ? 0.0 : frames_of(bed),
+                 of_period = bed.output.last_period ? period_frames : 0.0,
+                 bytes = stored * frame_bytes(bed.output, spheres) + of_period * spheres * h5md_bytes;
+    if (bytes <= large_output)
+        return {};
+    return fmt::format(
+        "the frames of a run take up to {}, and {} more until it has ended; for less, granular.output.frames "
+        "above {:g} s, formats = [] (no frames), last_period = false. Rows of the table and what [measure] "
+        "finds on the way need none of them",
+        size_text(bytes), size_text((stored + of_period) * spheres * log_bytes), frame_interval(bed));
+}
 
 std::string describe_output(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
     const GranularProblem& problem = plan.problem;
     const scene::GranularOutput& output = bed.output;
-    const double frames = std::floor(bed.duration / frame_interval(bed)) + 1.0;
-    const auto has = [&](const char* name) {
-        return std::ranges::find(output.formats, name) != output.formats.end();
-    };
-    const double each =
-        particles(problem) * ((has("h5md") ? h5md_bytes : 0.0) + (has("xyz") ? xyz_bytes : 0.0));
+    const double frames = frames_of(bed), each = frame_bytes(output, particles(problem));
     std::string text =
         output.formats.empty()
             ? "no frames"
