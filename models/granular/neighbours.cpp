@@ -21,7 +21,7 @@ void bead_pairs(const CellList& cells, double box, double range, std::vector<Nea
     const auto &x = cells.x(), &y = cells.y();
     cells.pairs([&](std::size_t p, std::size_t q) {
         if (square_in_plan(x[p] - x[q], y[p] - y[q], box) < range * range)
-            pairs.push_back({cells.member()[p], cells.member()[q]});
+            pairs.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(q)});
     });
 }
 
@@ -39,7 +39,7 @@ void rod_pairs(const CellList& cells, const Room& room, double skin, std::vector
                 cells.in_cell(column + i, row + j, [&](std::size_t p) {
                     if (square_in_plan(cells.x()[p] - disc.x, cells.y()[p] - disc.y, room.box) <
                         range * range)
-                        pairs.push_back({cells.member()[p], static_cast<std::uint32_t>(k)});
+                        pairs.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(k)});
                 });
     }
 }
@@ -50,6 +50,7 @@ Neighbours neighbours(const Places& places, const Room& room, double skin) {
     const double range = 2.0 * room.radius + skin;
     const CellList cells(places.x, places.y, room.box, range);
     Neighbours found;
+    found.order = cells.member();
     bead_pairs(cells, room.box, range, found.beads);
     rod_pairs(cells, room, skin, found.rods);
     return found;

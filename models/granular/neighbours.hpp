@@ -8,11 +8,13 @@
 
 namespace rodwake::granular {
 
+/// Of beads by their places in Neighbours::order, and of spheres of rods by their numbers.
 struct Near {
     std::uint32_t bead, other; ///< other: a bead, or a rod's sphere
 };
 
 struct Neighbours {
+    std::vector<std::uint32_t> order; ///< the beads, cell by cell: neighbours are near each other here too
     std::vector<Near> beads; ///< each pair once
     std::vector<Near> rods;
 };

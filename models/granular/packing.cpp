@@ -16,14 +16,18 @@ constexpr double push = 0.55;      // share of the overlap that each of two bead
 constexpr double kick = 0.1;       // of a radius, when shaken
 constexpr int sweeps_a_round = 2500, rounds = 4;
 
+struct Place {
+    double x, y, z;
+};
+
 class PushApart {
 public:
     PushApart(Places& places, const Room& room)
-        : p_(places), room_(room), skin_(skin_share * room.radius), diameter_(2.0 * room.radius) {}
+        : places_(places), room_(room), skin_(skin_share * room.radius), diameter_(2.0 * room.radius) {}
 
     /// Largest overlap left.
     double settle(int sweeps) {
-        double left = refresh();
+        double left = find();
         for (int k = 0; k < sweeps && left > 0.0; ++k) {
             left = sweep();
             if (furthest_move() > 0.5 * skin_)
@@ -35,12 +39,12 @@ public:
     }
 
     void shake(RandomStream& random) {
-        for (std::size_t i = 0; i < p_.size(); ++i) {
+        for (std::size_t i = 0; i < places_.size(); ++i) {
             const double angle = random.uniform(0.0, 2.0 * M_PI),
                          step = kick * room_.radius * random.uniform();
-            p_.x[i] += step * std::cos(angle);
-            p_.y[i] += step * std::sin(angle);
-            lift(i, kick * room_.radius * random.uniform(-1.0, 1.0));
+            places_.x[i] += step * std::cos(angle);
+            places_.y[i] += step * std::sin(angle);
+            places_.z[i] = lifted(places_.z[i], kick * room_.radius * random.uniform(-1.0, 1.0));
         }
     }
 
@@ -49,38 +53,46 @@ private:
         double x, y, z, distance;
     };
 
-    Gap gap(Near pair) const {
-        const double x = nearest_image_rounded(p_.x[pair.bead] - p_.x[pair.other], room_.box);
-        const double y = nearest_image_rounded(p_.y[pair.bead] - p_.y[pair.other], room_.box);
-        const double z = p_.z[pair.bead] - p_.z[pair.other];
+    static Gap gap(const Place& a, const Place& b, double box) {
+        const double x = nearest_image_rounded(a.x - b.x, box);
+        const double y = nearest_image_rounded(a.y - b.y, box);
+        const double z = a.z - b.z;
         return {x, y, z, std::sqrt(x * x + y * y + z * z)};
     }
     Gap gap_to_rod(Near pair) const {
         const Disc& disc = room_.rods[pair.other];
-        const double x = nearest_image_rounded(p_.x[pair.bead] - disc.x, room_.box);
-        const double y = nearest_image_rounded(p_.y[pair.bead] - disc.y, room_.box);
-        const double z = p_.z[pair.bead] - disc.height;
-        return {x, y, z, std::sqrt(x * x + y * y + z * z)};
+        return gap(p_[pair.bead], {disc.x, disc.y, disc.height}, room_.box);
     }
     double touching(Near pair) const { return room_.rods[pair.other].radius + room_.radius; }
 
-    void lift(std::size_t i, double step) {
-        p_.z[i] = std::clamp(p_.z[i] + step, -room_.height, room_.height);
+    double lifted(double z, double step) const { return std::clamp(z + step, -room_.height, room_.height); }
+
+    /// Pairs of the places as they are; the largest overlap.
+    double find() {
+        near_ = neighbours(places_, room_, skin_);
+        p_.clear();
+        for (const std::uint32_t i : near_.order)
+            p_.push_back({places_.x[i], places_.y[i], places_.z[i]});
+        found_at_ = p_;
+        return largest_overlap();
     }
 
-    /// New pairs; the largest overlap.
+    /// The same after sweeps.
     double refresh() {
-        near_ = neighbours(p_, room_, skin_);
-        x_ = p_.x;
-        y_ = p_.y;
-        return largest_overlap();
+        for (std::size_t k = 0; k < p_.size(); ++k) {
+            const std::uint32_t i = near_.order[k];
+            places_.x[i] = p_[k].x;
+            places_.y[i] = p_[k].y;
+            places_.z[i] = p_[k].z;
+        }
+        return find();
     }
 
     /// In plan view since the pairs were found.
     double furthest_move() const {
         double square = 0.0;
-        for (std::size_t i = 0; i < x_.size(); ++i) {
-            const double x = p_.x[i] - x_[i], y = p_.y[i] - y_[i];
+        for (std::size_t k = 0; k < p_.size(); ++k) {
+            const double x = p_[k].x - found_at_[k].x, y = p_[k].y - found_at_[k].y;
             square = std::max(square, x * x + y * y);
         }
         return std::sqrt(square);
@@ -89,7 +101,8 @@ private:
     double largest_overlap() const {
         double largest = 0.0;
         for (const Near pair : near_.beads)
-            largest = std::max(largest, diameter_ * (1.0 + separation) - gap(pair).distance);
+            largest = std::max(largest, diameter_ * (1.0 + separation) -
+                                            gap(p_[pair.bead], p_[pair.other], room_.box).distance);
         for (const Near pair : near_.rods)
             largest = std::max(largest, touching(pair) * (1.0 + separation) - gap_to_rod(pair).distance);
         return largest;
@@ -97,27 +110,36 @@ private:
 
     /// Every pair once; the largest overlap met on the way.
     double sweep() {
-        double largest = 0.0;
-        for (const Near pair : near_.beads)
-            largest = std::max(largest, part(pair));
+        double largest = part_beads();
         for (const Near pair : near_.rods)
             largest = std::max(largest, part_from_rod(pair));
         return largest;
     }
 
-    double part(Near pair) {
-        const Gap g = gap(pair);
-        const double missing = diameter_ * (1.0 + aim) - g.distance;
-        if (missing <= 0.0)
-            return 0.0;
-        if (g.distance > 0.0) {
-            const double share = push * missing / g.distance;
-            move(pair.bead, share * g.x, share * g.y, share * g.z);
-            move(pair.other, -share * g.x, -share * g.y, -share * g.z);
-        } else { // the same place: any direction will do
-            move(pair.bead, push * missing, 0.0, 0.0);
+    /// All that is constant is local: the compiler could not know that places are not among the members.
+    double part_beads() {
+        const double box = room_.box, top = room_.height, wanted = diameter_ * (1.0 + aim),
+                     enough = diameter_ * (1.0 + separation);
+        const auto move = [top](Place& at, double x, double y, double z) {
+            at = {at.x + x, at.y + y, std::clamp(at.z + z, -top, top)};
+        };
+        double largest = 0.0;
+        for (const Near pair : near_.beads) {
+            Place &a = p_[pair.bead], &b = p_[pair.other];
+            const Gap g = gap(a, b, box);
+            const double missing = wanted - g.distance;
+            if (missing <= 0.0)
+                continue;
+            if (g.distance > 0.0) {
+                const double share = push * missing / g.distance;
+                move(a, share * g.x, share * g.y, share * g.z);
+                move(b, -share * g.x, -share * g.y, -share * g.z);
+            } else { // the same place: any direction will do
+                move(a, push * missing, 0.0, 0.0);
+            }
+            largest = std::max(largest, enough - g.distance);
         }
-        return std::max(0.0, diameter_ * (1.0 + separation) - g.distance);
+        return largest;
     }
 
     /// In the plane only: a bead cannot leave a rod upwards.
@@ -128,24 +150,17 @@ private:
             return 0.0;
         const double in_plane = std::hypot(g.x, g.y),
                      missing = std::sqrt(wanted * wanted - g.z * g.z) - in_plane;
-        if (in_plane > 0.0)
-            move(pair.bead, missing * g.x / in_plane, missing * g.y / in_plane, 0.0);
-        else
-            move(pair.bead, missing, 0.0, 0.0);
+        Place& bead = p_[pair.bead];
+        bead.x += in_plane > 0.0 ? missing * g.x / in_plane : missing;
+        bead.y += in_plane > 0.0 ? missing * g.y / in_plane : 0.0;
         return std::max(0.0, touching(pair) * (1.0 + separation) - g.distance);
     }
 
-    void move(std::uint32_t i, double x, double y, double z) {
-        p_.x[i] += x;
-        p_.y[i] += y;
-        lift(i, z);
-    }
-
-    Places& p_;
+    Places& places_;
     const Room& room_;
     double skin_, diameter_;
     Neighbours near_;
-    std::vector<double> x_, y_; // when the pairs were found
+    std::vector<Place> p_, found_at_; ///< cell by cell; now, and when the pairs were found
 };
 
 } // namespace

@@ -16,7 +16,10 @@ using granular::Surface;
 
 /// H5MD before compression: position and velocity in double, image in three 32-bit integers.
 constexpr double h5md_bytes = 60.0;
+/// While a run goes on: position and velocity in double.
+constexpr double log_bytes = 48.0;
 constexpr double period_frames = 50.0, most_period_frames = 75.0;
+constexpr double large_output = 1e9; // B
 
 std::string beads_text(const scene::Granular& bed, const GranularProblem& problem) {
     return fmt::format("{} beads of radius {:g} mm and {:g} kg/m^3: phi_b = {:.4f}{}", problem.beads,
@@ -127,23 +130,44 @@ std::string size_text(double bytes) {
     return fmt::format("{:.3g} {}", bytes, units[unit]);
 }
 
+/// Of the stored frames of a run in all their formats.
+double frames_bytes(const BedPlan& plan) {
+    const scene::Granular& bed = *plan.of.scene.granular;
+    return (plan.schedule.h5md ? h5md_bytes * spheres(plan.problem) * frame_count(bed) : 0.0) +
+           (plan.schedule.xyz ? xyz_bytes(bed, plan.problem) : 0.0);
+}
+
 } // namespace
+
+std::string output_advice(const BedPlan& plan) {
+    const scene::Granular& bed = *plan.of.scene.granular;
+    const double count = spheres(plan.problem),
+                 stored = plan.schedule.h5md || plan.schedule.xyz ? frame_count(bed) : 0.0,
+                 of_period = bed.output.last_period ? period_frames : 0.0,
+                 bytes = frames_bytes(plan) + of_period * count * h5md_bytes;
+    if (bytes <= large_output)
+        return {};
+    return fmt::format(
+        "the frames of a run take up to {}, and {} more until it has ended; for less, granular.output.frames "
+        "above {:g} s, formats = [] (no frames), last_period = false. Rows of the table and what [measure] "
+        "finds on the way need none of them",
+        size_text(bytes), size_text((stored + of_period) * count * log_bytes), frame_interval(bed));
+}
 
 std::string describe_output(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
     const GranularProblem& problem = plan.problem;
     const scene::GranularOutput& output = bed.output;
-    const double count = spheres(problem);
+    const double count = spheres(problem), frames = frame_count(bed);
     std::vector<std::string> formats;
-    double bytes = 0.0;
     if (plan.schedule.h5md)
-        formats.emplace_back("h5md"), bytes += h5md_bytes * count * frame_count(bed);
+        formats.emplace_back("h5md");
     if (plan.schedule.xyz)
-        formats.emplace_back("xyz"), bytes += xyz_bytes(bed, problem);
+        formats.emplace_back("xyz");
     std::string text = formats.empty()
                            ? "no frames"
-                           : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frame_count(bed),
-                                         count, fmt::join(formats, ", "), size_text(bytes));
+                           : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frames, count,
+                                         fmt::join(formats, ", "), size_text(frames_bytes(plan)));
     if (output.last_period)
         text += fmt::format("; about {:.0f} frames of the last period, at most {}", period_frames,
                             size_text(most_period_frames * count * h5md_bytes));

@@ -130,9 +130,8 @@ constexpr FileKind plain_kinds[] = {
     {"tracks.csv", Stage::granular, kept, "rods of the bed against time", track_columns},
     {"runs.csv", Stage::granular, kept, "a row a run of the ensemble", runs_columns},
     {"summary.json", Stage::granular, kept,
-     "means of the run, of an ensemble with their errors; SI; phi_b of the beads alone; seconds of an "
-     "ensemble "
-     "are sums over its runs"},
+     "means of the run, of an ensemble with their errors; SI; phi_b of the beads alone; cost by part in "
+     "seconds of wall clock; seconds of an ensemble are sums over its runs"},
     {"trajectory.h5md", Stage::granular, kept, "places and velocities of all spheres in every stored frame"},
     {"trajectory.xyz", Stage::granular, kept, "the same as extended XYZ"},
     {"last_period.h5md", Stage::granular, kept, "frames of the last period of the plates"},

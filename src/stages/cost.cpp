@@ -29,16 +29,12 @@ std::string two_digits(double value) {
 /// Less than this share of a stage is not told from nothing in so short a time.
 constexpr double resolution = 0.02;
 
-std::string percent(double share) {
-    return share < 0.001 ? "< 0.1 %" : fmt::format("{:.{}f} %", 100.0 * share, share < 0.0995 ? 1 : 0);
-}
-
 std::string saving_text(const std::optional<double>& saved) {
     if (!saved)
         return "";
     if (std::abs(*saved) < resolution)
         return "next to nothing";
-    return *saved > 0.0 ? percent(*saved) : fmt::format("nothing, takes {} more", percent(-*saved));
+    return *saved > 0.0 ? percent_text(*saved) : fmt::format("nothing, takes {} more", percent_text(-*saved));
 }
 
 // --- fits -------------------------------------------------------------------------------------------------
@@ -238,6 +234,10 @@ std::string duration_text(double seconds) {
     return two_digits(seconds) + " s";
 }
 
+std::string percent_text(double share) {
+    return share < 0.001 ? "< 0.1 %" : fmt::format("{:.{}f} %", 100.0 * share, share < 0.0995 ? 1 : 0);
+}
+
 std::string cost_table(std::span<const CostRow> rows) {
     if (rows.empty())
         return "";
@@ -251,7 +251,7 @@ std::string cost_table(std::span<const CostRow> rows) {
                                    "share", "left out or chosen, it saves");
     for (const CostRow& row : rows) {
         std::string line = fmt::format("    {:{}}  {:>{}}  {:>7}  {}", row.term, term, row.each, each,
-                                       row.share ? percent(*row.share) : "", saving_text(row.saved));
+                                       row.share ? percent_text(*row.share) : "", saving_text(row.saved));
         line.erase(line.find_last_not_of(' ') + 1);
         text += line + "\n";
     }

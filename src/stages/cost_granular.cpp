@@ -196,7 +196,9 @@ std::string failed_text(const std::string& failure) {
 }
 
 std::string output_text(const BedPlan& bed) {
-    return fmt::format("  output of a run: {}\n", assembly::describe_output(bed));
+    const std::string advice = assembly::output_advice(bed);
+    return fmt::format("  output of a run: {}\n{}", assembly::describe_output(bed),
+                       advice.empty() ? "" : fmt::format("  large: {}\n", advice));
 }
 
 } // namespace

@@ -28,6 +28,8 @@ std::string cost_table(std::span<const CostRow> rows);
 
 /// "0.35 us", "1.2 ms", "64 s"
 std::string duration_text(double seconds);
+/// "12 %", "1.3 %", "< 0.1 %"
+std::string percent_text(double share);
 
 /// A line and a table each; plan has the stage.
 std::string rods_cost(const assembly::Plan& plan, const std::filesystem::path& folder,

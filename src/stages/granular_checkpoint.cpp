@@ -90,6 +90,12 @@ Block measure_block(const GranularCheckpoint& c) {
     return {"measures", out.take(), layout};
 }
 
+Block cost_block(const GranularCheckpoint& c) {
+    ByteWriter out;
+    out.put(c.cost);
+    return {"cost", out.take(), layout};
+}
+
 void read_head(GranularCheckpoint& c, ByteReader in) {
     c.scene = in.get_text();
     c.build = in.get_text();
@@ -128,6 +134,11 @@ void read_measures(GranularCheckpoint& c, ByteReader in) {
     in.finish();
 }
 
+void read_cost(GranularCheckpoint& c, ByteReader in) {
+    c.cost = in.get<RunCost>();
+    in.finish();
+}
+
 void read_record(GranularCheckpoint& c, ByteReader in) {
     c.sums = in.get<granular::RecordSums>();
     c.progress = in.get_array<granular::RodProgress>();
@@ -137,8 +148,8 @@ void read_record(GranularCheckpoint& c, ByteReader in) {
 } // namespace
 
 void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& c) {
-    const std::array blocks = {head_block(c), state_block(c.state), tally_block(c.tallies), record_block(c),
-                               measure_block(c)};
+    const std::array blocks = {head_block(c),   state_block(c.state), tally_block(c.tallies),
+                               record_block(c), measure_block(c),     cost_block(c)};
     store::write_generation(file, store::encode_blocks(blocks));
 }
 
@@ -156,9 +167,12 @@ std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& fil
     read_state(result.checkpoint.state, block("state"));
     read_tallies(result.checkpoint.tallies, block("tallies"));
     read_record(result.checkpoint, block("record"));
-    // files of earlier versions measure nothing
-    if (std::ranges::any_of(loaded->blocks, [](const Block& b) { return b.name == "measures"; }))
+    // files of earlier versions measure nothing and say nothing of the cost
+    const auto has = [&](const char* name) { return std::ranges::count(loaded->blocks, name, &Block::name); };
+    if (has("measures"))
         read_measures(result.checkpoint, block("measures"));
+    if (has("cost"))
+        read_cost(result.checkpoint, block("cost"));
     return result;
 }
 

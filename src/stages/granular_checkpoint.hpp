@@ -2,6 +2,7 @@
 // Checkpoint of one granular run: state, sums and how much of the logs counts. It belongs to one scene, seed
 // and run number.
 
+#include "granular_cost.hpp"
 #include "granular_files.hpp"
 #include "rodwake/granular/record.hpp"
 
@@ -24,6 +25,7 @@ struct GranularCheckpoint {
     LogLengths logs;
     std::string measure_keys{}; ///< MeasurePlan::key_text; empty: nothing is measured on the way
     std::vector<double> measures{};
+    RunCost cost{};
 };
 
 /// Puts the checkpoint in place as the newest of two generations. Throws RunError.

@@ -42,13 +42,16 @@ public:
     }
 
     /// What somebody else executed is read from its folder.
-    void take(const scan::Result& result) const {
+    void take(const scan::Result& result) {
         const auto number = static_cast<std::size_t>(result.point.id);
         const GranularJob& job = jobs_[number];
         if (job.result().end != StageEnd::interrupted || thrown_[number])
             return;
-        if (result.status == scan::Status::exception)
-            throw RunError(fmt::format("{}: {}", job.its().folder.string(), result.cause_text()));
+        if (result.status == scan::Status::exception) {
+            const RunError error(fmt::format("{}: {}", job.its().folder.string(), result.cause_text()));
+            thrown_[number] = std::make_exception_ptr(error); // the other runs go on
+            return;
+        }
         if (result.ok())
             job.result() = {StageEnd::finished, {}, summary_of(job)};
         else
@@ -56,7 +59,7 @@ public:
         on_job_(number, nullptr, nullptr);
     }
 
-    /// The first thing that a job of this process threw.
+    /// The first thing that a job threw, here or on another rank.
     void rethrow() const {
         for (const std::exception_ptr& one : thrown_)
             if (one)

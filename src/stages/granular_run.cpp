@@ -61,12 +61,14 @@ public:
     Run(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
         std::size_t threads)
         : context_(context), requests_seen_(requests()), plan_(plan), bed_(plan.bed), task_(task), log_(log),
-          checkpoint_file_(task.folder / "checkpoint.rwc"), one_thread_(threads == 1), loaded_(load()),
+          checkpoint_file_(task.folder / "checkpoint.rwc"), meter_(plan.bed.problem),
+          one_thread_(threads == 1), loaded_(load()),
           simulation_(plan.bed.problem, first_state(), first_tallies(), threads),
           record_(plan.bed.schedule.order_cutoff, plan.bed.problem.rods.size()),
           files_(task.folder, plan.bed.problem, plan.bed.schedule, loaded_ ? loaded_->logs : LogLengths{}),
           period_(plan.bed.problem), measures_(first_measures()), cpu_start_(cpu_now(one_thread_)),
           wall_start_(Clock::now()), saved_(wall_start_) {
+        meter_.mark(&RunCost::start);
         if (loaded_)
             record_.restore(loaded_->sums, loaded_->progress);
         else
@@ -76,7 +78,7 @@ public:
     GranularResult go(const std::function<void(const Simulation&, const granular::TableRow*)>& on_progress) {
         on_progress_ = &on_progress;
         while (!simulation_.finished() && !travelled()) {
-            simulation_.advance(steps_to_next_event());
+            meter_.advance(simulation_, steps_to_next_event());
             if (simulation_.failure())
                 return failed();
             observe();
@@ -172,14 +174,17 @@ private:
             record_.sample(simulation_);
         if (now % bed_.schedule.row_every == 0 || now == bed_.problem.steps || at_start)
             add_row();
+        meter_.mark(&RunCost::records);
         if (now >= 0 && (now % bed_.schedule.frame_every == 0))
             files_.add_frame(simulation_.state(), simulation_.time());
+        if (now >= 0 && period_.due(now))
+            files_.add_period_frame(simulation_.state(), simulation_.time());
+        meter_.mark(&RunCost::output);
         if (measures_ && now >= 0 && now % bed_.measures->every == 0) {
             fill_frame(frame_, simulation_.state(), simulation_.time(), bed_.problem.box);
             measures_->add(frame_);
+            meter_.mark(&RunCost::measures);
         }
-        if (now >= 0 && period_.due(now))
-            files_.add_period_frame(simulation_.state(), simulation_.time());
     }
 
     void add_row() {
@@ -197,6 +202,12 @@ private:
         return seconds_since(wall_start_) + (loaded_ ? loaded_->wall_seconds : 0.0);
     }
 
+    /// Of this command and those before it.
+    RunCost cost() const {
+        RunCost all = meter_.cost();
+        return loaded_ ? all += loaded_->cost : all;
+    }
+
     void checkpoint() {
         requests_seen_ = requests();
         GranularCheckpoint c{plan_.scene_key, build_name(),   bed_.problem.seed,   task_.run,
@@ -206,8 +217,10 @@ private:
             c.measure_keys = bed_.measures->key_text;
             c.measures = measures_->save();
         }
+        c.cost = cost();
         write_checkpoint(checkpoint_file_, c);
         saved_ = Clock::now();
+        meter_.mark(&RunCost::output);
     }
 
     GranularResult failed() {
@@ -227,6 +240,8 @@ private:
         files_.finish(h5md_info());
         if (measures_)
             write_records(task_.folder / "measure.rwc", *bed_.measures, *measures_);
+        meter_.mark(&RunCost::output);
+        done.cost = cost();
         store::write_atomically(task_.folder / "summary.json", summary_json(bed_.problem, done));
         std::filesystem::rename(checkpoint_file_, task_.folder / "final.rwc");
         store::remove_generations(checkpoint_file_);
@@ -263,6 +278,7 @@ private:
             s.rods.push_back(rod_summary(i, s.simulated_time));
         s.pair = sums.pair;
         s.state_hash = granular::state_hash(simulation_.state());
+        s.cost = cost();
         return s;
     }
 
@@ -294,6 +310,7 @@ private:
     const GranularTask& task_;
     const Logger& log_;
     std::filesystem::path checkpoint_file_;
+    CostMeter meter_; // before the parts that take time to make
     bool one_thread_;
     std::optional<GranularCheckpoint> loaded_;
     Simulation simulation_;

@@ -44,6 +44,7 @@ struct GranularSummary {
     std::vector<RodSummary> rods;
     granular::PairProgress pair{};
     std::uint64_t state_hash = 0;
+    RunCost cost{};
 };
 
 struct GranularResult {

@@ -1,6 +1,7 @@
 #include "granular_jobs.hpp"
 #include "granular_summary.hpp"
 #include "progress.hpp"
+#include "rodwake/assembly/describe.hpp"
 #include "rodwake/core/error.hpp"
 #include "stage_list.hpp"
 
@@ -65,6 +66,18 @@ void report_one(const Session& session, const GranularSummary& s) {
                           s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
 }
 
+/// Of all finished runs, whichever command made them.
+void report_cost(const Session& session, const std::vector<BedWork>& all) {
+    RunCost sum;
+    for (const BedWork& bed : all)
+        for (const GranularResult& result : bed.results)
+            if (result.end == StageEnd::finished)
+                sum += result.summary.cost;
+    if (sum.particle_steps > 0.0)
+        for (const std::string& line : cost_lines(sum))
+            session.log->info("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
+}
+
 void warn_of_absorbing(const Session& session, const BedWork& one, std::span<const GranularSummary> runs) {
     const granular::Plates& plates = one.plan.bed.problem.plates;
     if (const auto count = std::ranges::count(runs, true, &GranularSummary::absorbing_state))
@@ -117,6 +130,8 @@ void announce(const Session& session, const std::vector<BedWork>& all) {
             "dem{}: beads {}, rods {}, phi_b = {:.4f}, runs {}, steps {} + {} of {:g} s; {} instructions",
             one.of().suffix(), p.beads, p.rods.size(), granular::bead_area_fraction(p), one.tasks.size(),
             p.equilibration_steps, p.steps, p.time_step, granular::vector_target());
+        if (const std::string advice = assembly::output_advice(one.plan.bed); !advice.empty())
+            session.log->warn("dem{}: {}", one.of().suffix(), advice);
     }
 }
 
@@ -160,6 +175,7 @@ StageEnd run_granular_stage(Session& session) {
     StageEnd end = StageEnd::finished;
     for (const BedWork& one : all)
         end = worse(end, conclude(session, one));
+    report_cost(session, all);
     return end;
 }
 

@@ -98,6 +98,24 @@ ordered_json mean_pair(std::span<const GranularSummary> runs) {
     return pair;
 }
 
+/// Seconds of wall clock.
+ordered_json cost_json(const RunCost& cost) {
+    ordered_json parts;
+    for (const CostPart& part : cost_parts)
+        parts[part.name] = cost.*part.seconds;
+    parts["particle_steps"] = cost.particle_steps;
+    parts["particle_steps_per_second"] = cost.particle_steps_per_second();
+    return parts;
+}
+
+RunCost cost_of(const json& j) {
+    RunCost cost;
+    for (const CostPart& part : cost_parts)
+        cost.*part.seconds = j.at(part.name);
+    cost.particle_steps = j.at("particle_steps");
+    return cost;
+}
+
 GranularSummary summary_of(const json& j, std::uint32_t run) {
     GranularSummary s;
     s.run = run;
@@ -121,10 +139,19 @@ GranularSummary summary_of(const json& j, std::uint32_t run) {
         }
     }
     s.state_hash = std::stoull(j.at("state_hash").get<std::string>(), nullptr, 16);
+    if (j.contains("cost")) // not in files of earlier versions
+        s.cost = cost_of(j.at("cost"));
     return s;
 }
 
 } // namespace
+
+RunCost cost_of(std::span<const GranularSummary> runs) {
+    RunCost all;
+    for (const GranularSummary& run : runs)
+        all += run.cost;
+    return all;
+}
 
 std::string summary_json(const granular::GranularProblem& problem, const GranularSummary& s) {
     ordered_json out = {{"simulated_time", s.simulated_time},
@@ -142,6 +169,7 @@ std::string summary_json(const granular::GranularProblem& problem, const Granula
     out["run"] = s.run + 1; // as its folder
     out["runs"] = 1;
     out.update(header(problem));
+    out["cost"] = cost_json(s.cost);
     return out.dump(2) + "\n";
 }
 
@@ -172,6 +200,7 @@ std::string ensemble_json(const granular::GranularProblem& problem, std::span<co
     out["runs"] = asked;
     out["finished_runs"] = runs.size();
     out.update(header(problem));
+    out["cost"] = cost_json(cost_of(runs));
     return out.dump(2) + "\n";
 }
 

@@ -10,6 +10,8 @@
 
 namespace rodwake::stages {
 
+/// Summed over the runs.
+RunCost cost_of(std::span<const GranularSummary> runs);
 std::string summary_json(const granular::GranularProblem& problem, const GranularSummary& summary);
 /// Means with standard errors over the runs.
 std::string ensemble_json(const granular::GranularProblem& problem, std::span<const GranularSummary> runs,

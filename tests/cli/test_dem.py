@@ -4,6 +4,7 @@ import json
 import math
 import re
 import shutil
+import time
 
 import h5py
 import numpy
@@ -32,6 +33,36 @@ class FilesTest(BedTest):
             self.assertTrue(0.0 < summary[name] < most, (name, summary[name]))
         self.assertEqual([set(rod) >= {"mean_speed", "net_turn"} for rod in summary["rods"]], [True])
         self.assertRegex(summary["state_hash"], "^[0-9a-f]{16}$")
+
+    def test_the_cost(self):
+        """All time belongs to some part, and what is said at the end is what stands in the file."""
+        began = time.monotonic()
+        done = self.dem("out", *setting(runs=2), "-j", 1)
+        passed = time.monotonic() - began
+        parts = ("start", "flight", "rods", "search", "impulses", "records", "measures", "output", "other")
+        runs = [self.summary(f"out/runs/000{k}") for k in (1, 2)]
+        both = self.summary("out")["cost"]
+        for run in runs:
+            cost = run["cost"]
+            self.assertEqual(cost["particle_steps"], (run["beads"] + 12) * round(0.22 / run["time_step"]))
+            self.assertGreater(min(cost[name] for name in parts if name != "measures"), 0.0)
+            self.assertEqual(cost["measures"], 0.0)
+            # what is timed by itself takes less than the run, and little of the run is left out
+            self.assertGreater(sum(cost[name] for name in parts), 0.95 * run["wall_seconds"])
+            self.assertAlmostEqual(cost["particle_steps_per_second"] * sum(cost[name] for name in parts[1:]), cost["particle_steps"],
+                                   delta=1e-12 * cost["particle_steps"])
+        for name in (*parts, "particle_steps"):
+            self.assertEqual(both[name], sum(run["cost"][name] for run in runs))
+        self.assertLess(sum(both[name] for name in parts), passed)
+        rate = float(re.search(r"cost .* of wall clock, (\S+) particle steps a second", done.stderr)[1])
+        self.assertAlmostEqual(rate / both["particle_steps_per_second"], 1.0, delta=0.01)  # three digits
+        told = {line.split("  ")[0] for line in re.findall(r"^  +(.*%)$", done.stderr, re.M)}
+        checked = self.expect(0, "check", "bed.toml").stdout
+        for words in ("flight, bounces off the plates", "motion of the rods", "search for contacts", "impulses between pairs",
+                      "samples, rows of the table"):
+            self.assertIn(words, told)
+            self.assertIn(words, checked)
+        self.assertNotIn("measures", told)
 
     def test_tables(self):
         self.dem("out")

@@ -54,6 +54,17 @@ class SignalTest(BedTest):
             self.assertEqual(self.status("out"), "interrupted")
             self.assert_no_temporaries()
 
+    def test_large_output_is_announced(self):
+        """61 spheres, 999501 frames and 50 of the last period: 60 bytes each at the end, 48 in the logs."""
+        large = setting(duration=19990.0, output__frames=0.02)
+        words = "frames of a run take up to 3.66 GB, and 2.93 GB more until it has ended; for less, granular.output.frames above 0.02 s"
+        self.assertIn(words, self.expect(0, "check", "bed.toml", *large).stdout)
+        self.assertNotIn("frames of a run take", self.expect(0, "check", "bed.toml").stdout)
+        with self.started("dem", "bed.toml", "-o", "out", *large) as process:
+            self.wait_for(process, "out/rows.log")
+            self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS)[0], 143)
+        self.assertIn(words, self.out("out", "log.txt").read_text())
+
     def test_checkpoint_on_demand(self):
         with self.started("dem", "bed.toml", "-o", "out", *setting(duration=6.0)) as process:
             self.wait_for(process, "out/rows.log")
@@ -84,6 +95,7 @@ class SignalTest(BedTest):
         self.assertEqual(self.hash("out"), self.hash("whole"))
         for run in ("runs/0001", "runs/0002"):
             self.assert_same(f"out/{run}", f"whole/{run}")
+            self.assertEqual(*(self.summary(f"{one}/{run}")["cost"]["particle_steps"] for one in ("out", "whole")))
 
     def test_one_finished_run_tells_no_error(self):
         ensemble = (*setting(runs=2, duration=1.0), "-j", 1, "--quiet")

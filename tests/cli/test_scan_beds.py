@@ -1,5 +1,7 @@
 """rodwake scan of beds: shares, ranks of an MPI job, what check says, what is refused; rodwake dem on ranks."""
 
+import json
+
 import rodwake
 from ranks import RanksTest
 from scans import ScanTest, axis, rows_of
@@ -87,6 +89,54 @@ class SameTest(BedScanTest, RanksTest):
         done = self.ranks(2, "run", "beds.toml", "-o", "out", code=2)
         self.assertIn("only rodwake scan and rodwake dem work under mpiexec", done.stderr)
         self.assertFalse((self.folder / "out").exists())
+
+
+class RepeatTest(RanksTest):
+    """A run of an ensemble that came to no end is made by the next command, without the others."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("bed.toml", BED + PAIR)
+        self.expect(0, "dem", "bed.toml", "-o", "whole", "--quiet", *self.LONG)
+
+    LONG = ("-s", "granular.duration=0.2", "-s", "granular.runs=5")
+
+    def ended(self):
+        return {file.parent.name: file.read_bytes() for file in (self.folder / "out/runs").glob("*/summary.json")}
+
+    def assert_ended_alone(self, before):
+        """As in one go; of runs that were at their end not a byte, and so no CPU time, has changed."""
+        after = self.ended()
+        self.assertEqual({name: after[name] for name in before}, before)
+        whole, out = (json.loads((self.folder / run / "summary.json").read_text()) for run in ("whole", "out"))
+        self.assertEqual((out["state_hash"], out["finished_runs"]), (whole["state_hash"], 5))
+
+    def fails_once(self, begin):
+        begin(0, "-s", "granular.runs=2")
+        in_the_way = self.folder / "out/runs/0003"
+        in_the_way.write_text("")
+        self.assertIn("runs/0003", begin(1).stderr)
+        before = self.ended()
+        self.assertEqual(sorted(before), ["0001", "0002", "0004", "0005"])
+        in_the_way.unlink()
+        begin(0)
+        self.assert_ended_alone(before)
+
+    def test_one_that_failed_on_threads(self):
+        self.fails_once(lambda code, *more: self.expect(code, "dem", "bed.toml", "-o", "out", "--quiet", *self.LONG, *more))
+
+    def test_one_that_failed_on_a_rank(self):
+        self.fails_once(lambda code, *more: self.ranks(2, "dem", "bed.toml", "-o", "out", "--quiet", *self.LONG, *more, code=code))
+
+    def test_a_rank_that_was_killed(self):
+        with self.job(2, "dem", "bed.toml", "-o", "out", "--quiet", *self.LONG) as process:
+            self.assertTrue(rodwake.wait_until(self.ended, 60))
+            self.assertTrue(self.kill_rank_of(process, 1))
+            self.await_end(process)
+        before = self.ended()
+        self.assertTrue(0 < len(before) < 5, before.keys())
+        self.ranks(2, "dem", "bed.toml", "-o", "out", "--quiet", *self.LONG)
+        self.assert_ended_alone(before)
 
 
 class TableTest(BedScanTest):

@@ -58,14 +58,6 @@ class RanksTest(ProgramTest):
         self.assertEqual(done.returncode, code, f"{arguments}\nstdout: {done.stdout}\nstderr: {done.stderr}")
         return done
 
-
-class ScanRanksTest(RanksTest, ScanTest):
-    """The moments of deaths: RODWAKE_TEST_SEED."""
-
-    def setUp(self):
-        super().setUp()
-        self.random = random.Random(os.environ.get("RODWAKE_TEST_SEED", "1"))
-
     @contextlib.contextmanager
     def job(self, ranks, *arguments):
         with subprocess.Popen(command(ranks, *arguments), cwd=self.folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL,
@@ -77,17 +69,12 @@ class ScanRanksTest(RanksTest, ScanTest):
                     with contextlib.suppress(OSError):
                         os.kill(one, signal.SIGKILL)
 
-    def kill_rank(self, rank, run, seconds):
-        """Kills the rank after that time; whether it was there to be killed."""
-        with self.job(2, "scan", "scan.toml", "-o", run, "--quiet") as process:
-            end = time.monotonic() + seconds
-            while time.monotonic() < end and process.poll() is None:
-                time.sleep(0.005)
-            victims = [one for one in processes_below(process.pid) if rank_of(one) == rank]
-            for one in victims:
-                with contextlib.suppress(OSError):
-                    os.kill(one, signal.SIGKILL)
-            self.await_end(process)
+    def kill_rank_of(self, process, rank):
+        """Whether it was there to be killed."""
+        victims = [one for one in processes_below(process.pid) if rank_of(one) == rank]
+        for one in victims:
+            with contextlib.suppress(OSError):
+                os.kill(one, signal.SIGKILL)
         return bool(victims)
 
     def await_end(self, process):
@@ -97,6 +84,24 @@ class ScanRanksTest(RanksTest, ScanTest):
         except subprocess.TimeoutExpired:
             left = [one for one in processes_below(process.pid) if rank_of(one) is not None]
             self.assertEqual(left, [], "ranks that outlive the one that was killed")
+
+
+class ScanRanksTest(RanksTest, ScanTest):
+    """The moments of deaths: RODWAKE_TEST_SEED."""
+
+    def setUp(self):
+        super().setUp()
+        self.random = random.Random(os.environ.get("RODWAKE_TEST_SEED", "1"))
+
+    def kill_rank(self, rank, run, seconds):
+        """Kills the rank after that time; whether it was there to be killed."""
+        with self.job(2, "scan", "scan.toml", "-o", run, "--quiet") as process:
+            end = time.monotonic() + seconds
+            while time.monotonic() < end and process.poll() is None:
+                time.sleep(0.005)
+            killed = self.kill_rank_of(process, rank)
+            self.await_end(process)
+        return killed
 
     def finish_after_deaths(self, rank, deaths):
         """Scans in folders of their own in which this rank dies at a random moment, until there were so many; each is finished

@@ -19,5 +19,7 @@ std::vector<PlanLine> describe(const Plan& plan);
 
 /// What a granular run stores: "100 frames of 1561 spheres (h5md), at most 9.4 MB; a table of 1001 rows".
 std::string describe_output(const BedPlan& bed);
+/// How large that is, where frames take more than 1 GB, and which keys make it less; else empty.
+std::string output_advice(const BedPlan& bed);
 
 } // namespace rodwake::assembly
