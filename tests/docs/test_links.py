@@ -54,6 +54,12 @@ class PagesTest(unittest.TestCase):
             if page != "docs/scene.md":  # made by the program
                 self.assertEqual(long_lines(text), [], page)
 
+    def test_one_version(self):
+        """CMakeLists.txt has it; the record to cite and the changelog repeat it."""
+        version = re.search(r"^project\(rodwake VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
+        self.assertEqual(re.search(r"^version: (\S+)$", (SOURCE / "CITATION.cff").read_text(), re.MULTILINE)[1], version)
+        self.assertEqual(re.search(r"^## (\S+)", (SOURCE / "CHANGELOG.md").read_text(), re.MULTILINE)[1], version)
+
 
 class CheckTest(unittest.TestCase):
     """What the checks above would find."""
