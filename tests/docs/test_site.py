@@ -111,6 +111,19 @@ class SiteTest(unittest.TestCase):
         self.assertIn("extending.html", found)
         self.assertNotIn("python.html", found)
 
+    def test_reference_of_the_headers(self):
+        """Doxygen reads every public header without a warning, and keeps what stands at its top."""
+        with tempfile.TemporaryDirectory(prefix="rodwake-api-") as folder:
+            settings = (SOURCE / "tools/site_parts/Doxyfile").read_text() + f"OUTPUT_DIRECTORY = {folder}\n"
+            done = subprocess.run(["doxygen", "-"], input=settings, cwd=SOURCE, capture_output=True, text=True, timeout=120)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            files = Path(folder, "api/files.html").read_text()
+            self.assertIn("mutual_wakes.hpp", files)
+            self.assertEqual({link for link in self.pages["library.html"].links if link.startswith("api/")}, {"api/files.html"})
+            field = Path(folder, "api/field_8hpp.html").read_text()
+            self.assertIn("Exact steady field of one rod moving along +x through the medium", field)
+            self.assertIn("-(1/xi) d_x U - lap U - eta grad div U = delta(r) xhat", field)
+
 
 if __name__ == "__main__":
     rodwake.main()

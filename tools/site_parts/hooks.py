@@ -43,7 +43,7 @@ def site_link(page, match):
         return f'<a href="api/files.html">{match["label"]}</a>'
     if target in ROOT_PAGES or target.startswith("docs/"):
         return f'{match["image"]}[{match["label"]}]({target.removeprefix("docs/")}{match["anchor"] or ""})'
-    return f'{match["label"]} (`{target}`)'
+    return f"`{target}`" if match["label"] == target else f'{match["label"]} (`{target}`)'
 
 
 def in_words(text):

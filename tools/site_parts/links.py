@@ -2,6 +2,7 @@
 
 import posixpath
 import re
+from collections import Counter
 from dataclasses import dataclass
 
 LINK = re.compile(r"(?P<image>!?)\[(?P<label>[^\]]*)\]\((?P<target>[^)\s#]*)(?P<anchor>#[^)\s]*)?\)")
@@ -41,18 +42,13 @@ def links(page, text):
 
 def anchors(text):
     """What a link can name after #: headings as GitHub turns them into anchors, the second of a kind with -1."""
-    found = []
-    lines = text.split("\n")
+    seen, lines = Counter(), text.split("\n")
     for number, _ in outside_code(text):
         if match := re.match(r"#{1,6} +(.*?)\s*#*$", lines[number - 1]):
-            plain = LINK.sub(lambda link: link["label"], match[1]).replace("`", "").replace("*", "")
+            plain = LINK.sub(lambda link: link["label"], match[1]).translate({ord("`"): None, ord("*"): None})
             slug = re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-")
-            same = sum(other == slug for other in found)
-            found.append(slug)
-            if same:
-                yield f"{slug}-{same}"
-                continue
-            yield slug
+            yield f"{slug}-{seen[slug]}" if seen[slug] else slug
+            seen[slug] += 1
 
 
 def broken(root, pages):
