@@ -1,6 +1,7 @@
 """The docs as a site, built by mkdocs and opened from the disk in headless Chromium."""
 
 import html
+import json
 import re
 import shutil
 import subprocess
@@ -110,6 +111,10 @@ class SiteTest(unittest.TestCase):
         found = re.findall(r'<a href="file:[^"]*/(\w+\.html)[^"]*" class="md-search-result__link', shown)
         self.assertIn("extending.html", found)
         self.assertNotIn("python.html", found)
+        index = json.loads((self.site / "search/search_index.json").read_text(encoding="utf-8"))
+        text = " ".join(entry["text"] for entry in index["docs"])
+        self.assertIn("resists motion with drag ζ per area", text)
+        self.assertNotIn("\\(", text)
 
     def test_reference_of_the_headers(self):
         """Doxygen reads every public header without a warning, and keeps what stands at its top."""

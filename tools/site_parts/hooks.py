@@ -51,7 +51,7 @@ def in_words(text):
     def letter(match):
         name = "LAMDA" if match[1] == "lambda" else match[1].upper()
         with contextlib.suppress(KeyError):
-            return unicodedata.lookup(f"GREEK SMALL LETTER {name}")
+            return unicodedata.lookup(f"GREEK {'CAPITAL' if match[1][0].isupper() else 'SMALL'} LETTER {name}")
         return {"pm": "±", "times": "×", "approx": "≈", "infty": "∞", "le": "≤", "ge": "≥"}.get(match[1], "")
 
     return re.sub(r"\\([a-zA-Z]+)", letter, re.sub(r"\\[()\[\]]", "", text))
