@@ -61,11 +61,26 @@ def dead(pages, files):
     return wrong
 
 
+# Opens pages one after the other in a frame as wide as a phone, and writes how wide each of them is.
+WIDTHS = """<!doctype html><body><pre id="widths"></pre><script>
+(async () => {
+  for (const name of NAMES) {
+    const frame = Object.assign(document.createElement("iframe"), { width: 390, height: 800, src: name });
+    const loaded = new Promise(resolve => frame.onload = resolve);
+    document.body.append(frame);
+    await loaded;
+    document.getElementById("widths").textContent += name + " " + frame.contentDocument.documentElement.scrollWidth + "\\n";
+    frame.remove();
+  }
+})();
+</script>"""
+
+
 def dump(uri):
     """The page as the browser has it when its scripts have run."""
     with tempfile.TemporaryDirectory(prefix="rodwake-page-") as folder:
-        return subprocess.run([*browser.command(folder, 1200, 900), "--virtual-time-budget=10000", "--dump-dom", uri],
-                              capture_output=True, text=True, timeout=60).stdout
+        return subprocess.run([*browser.command(folder, 1200, 900), "--allow-file-access-from-files", "--virtual-time-budget=30000",
+                               "--dump-dom", uri], capture_output=True, text=True, timeout=60).stdout
 
 
 @unittest.skipUnless(shutil.which("mkdocs"), "mkdocs is not installed: tools/packages.txt names what the site needs")
@@ -105,6 +120,16 @@ class SiteTest(unittest.TestCase):
         page.unlink()
         self.assertEqual(shown.count('<span class="katex">') + shown.count('class="katex-error"'), len(equations) + 1)
         self.assertEqual(re.findall(r'style="color: rgb\(204, 0, 0\);">(?:<[^>]*>)*([^<]*)', shown), [r"\wrong"])
+
+    def test_no_page_is_wider_than_a_phone(self):
+        wide, page = self.site / "wide.html", self.site / "widths.html"
+        wide.write_text('<!doctype html><p style="width: 500px">wide</p>')
+        page.write_text(WIDTHS.replace("NAMES", json.dumps([*sorted(self.pages), wide.name])))
+        widths = dict(re.findall(r"^(?:.*>)?(\w+\.html) (\d+)$", dump(page.as_uri()), re.MULTILINE))
+        page.unlink()
+        wide.unlink()
+        self.assertEqual(len(widths), len(self.pages) + 1)
+        self.assertEqual([name for name, width in widths.items() if int(width) > 390], ["wide.html"])
 
     def test_search_from_a_disk(self):
         shown = dump((self.site / "index.html").as_uri() + "?q=microrheology")
