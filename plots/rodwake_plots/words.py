@@ -11,8 +11,9 @@ GREEK = {"alpha": "α", "gamma": "γ", "eta": "η", "kappa": "κ", "mu": "μ", "
          "Gamma": "Γ", "Delta": "Δ"}
 
 SCRIPTS = {"_": "sub", "^": "sup"}
+SIGNS = {"-": "−", "=": " = ", "\\,": "\u2009", "\\ ": "\u2009"}
 RELATIONS = {"propto": "∝", "to": "→"}
-TEX = re.compile(r"\\(?:mathrm|tilde)\{[^}]*\}|\\[A-Za-z]+|[_^]|\{[^}]*\}|\S")
+TEX = re.compile(r"\\(?:mathrm|tilde)\{[^}]*\}|\\[A-Za-z]+|\\[, ]|[_^]|\{[^}]*\}|\S")
 SPELT = re.compile(r"(?<![\w.\"])(alpha|eta|gamma|kappa|lambda|mu|nu|phi|psi|xi|zeta)(\d?)(?:_([A-Za-z]+))?(?!\w)")
 
 
@@ -35,8 +36,8 @@ def atom(token):
         return tex_html(token[7:-1]) + "\u0303"
     if token[1:] in RELATIONS:
         return f" {RELATIONS[token[1:]]} "
-    if token == "-":
-        return "−"
+    if token in SIGNS:
+        return SIGNS[token]
     if token.startswith("{"):
         return tex_html(token[1:-1])
     letter = GREEK.get(token[1:], "") if token.startswith("\\") else token

@@ -88,7 +88,8 @@ class WordsTest(unittest.TestCase):
 
     def test_text_with_formulas(self):
         for text, page in (("beads' & <rods>", "beads' &amp; &lt;rods&gt;"), (r"of $g_B \propto r^{-\eta_6}$, fitted", "of <i>g</i><sub><i>B</i></sub> ∝ <i>r</i><sup>−<i>η</i><sub>6</sub></sup>, fitted"),
-                           (r"$\tilde{\Delta}(s)$ for $s \to 0$", "Δ\u0303(<i>s</i>) for <i>s</i> → 0"), (r"$\mathrm{exp}(-1)$", "exp(−1)")):
+                           (r"$\tilde{\Delta}(s)$ for $s \to 0$", "Δ\u0303(<i>s</i>) for <i>s</i> → 0"), (r"$\mathrm{exp}(-1)$", "exp(−1)"),
+                           (r"$\kappa\,f = 0.5\ \mathrm{s}$", "<i>κ</i>\u2009<i>f</i> = 0.5\u2009s")):
             self.assertEqual(words.text_html(text), page)
 
     def test_every_symbol_of_the_schema_becomes_a_page(self):

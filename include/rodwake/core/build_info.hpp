@@ -8,7 +8,7 @@
 namespace rodwake {
 
 struct BuildInfo {
-    std::string version;  ///< rodwake's version, "0.1.0"
+    std::string version;  ///< of rodwake, "major.minor.patch"
     std::string git;      ///< commit the tree was built from, with "-dirty" if changed; "unknown" outside git
     std::string compiler; ///< name and version
     std::string flags;    ///< build type and its flags

@@ -1,0 +1,88 @@
+"""Pages as text: every link and anchor leads somewhere, the site's contents hold every page, lists are lists to every reader."""
+
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import rodwake
+from rodwake import SOURCE
+
+sys.path.insert(0, str(SOURCE / "tools/site_parts"))
+import links  # noqa: E402
+
+ROOT_PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"]
+PAGES = [*ROOT_PAGES, *sorted(f"docs/{path.name}" for path in (SOURCE / "docs").glob("*.md"))]
+ITEM = re.compile(r"\s*([*-]|\d+\.) ")
+
+
+def in_contents(text):
+    """The pages that the contents of mkdocs.yml name."""
+    return re.findall(r"^ +- [^:]+: (\S+\.md)$", text[text.index("\nnav:"):], re.MULTILINE)
+
+
+def lists_without_blank(text):
+    """Lines at which a list follows a paragraph at once: GitHub shows a list, others one long line."""
+    found, before = [], ""
+    for number, line in links.outside_code(text):
+        if ITEM.match(line) and not line.startswith(" ") and before.strip() and not ITEM.match(before) and not before.startswith(" "):
+            found.append(number)
+        before = line
+    return found
+
+
+def long_lines(text):
+    """Lines above 120 characters that are neither table, equation, image nor comment."""
+    return [number for number, line in links.outside_code(text)
+            if len(line) > 120 and not line.lstrip().startswith(("|", "![", "<!--")) and "\\" not in line and "$$" not in line]
+
+
+class PagesTest(unittest.TestCase):
+    def test_links_lead_somewhere(self):
+        self.assertGreater(sum(len(list(links.links(page, (SOURCE / page).read_text()))) for page in PAGES), 50)
+        self.assertEqual(links.broken(SOURCE, PAGES), [])
+
+    def test_contents_hold_every_page(self):
+        named = in_contents((SOURCE / "mkdocs.yml").read_text())
+        self.assertEqual(sorted(named), sorted(page.removeprefix("docs/") for page in PAGES))
+
+    def test_lists_and_lines(self):
+        for page in PAGES:
+            text = (SOURCE / page).read_text()
+            self.assertEqual(lists_without_blank(text), [], page)
+            if page != "docs/scene.md":  # made by the program
+                self.assertEqual(long_lines(text), [], page)
+
+    def test_one_version(self):
+        """CMakeLists.txt has it; the record to cite and the changelog repeat it."""
+        version = re.search(r"^project\(rodwake VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
+        self.assertEqual(re.search(r"^version: (\S+)$", (SOURCE / "CITATION.cff").read_text(), re.MULTILINE)[1], version)
+        self.assertEqual(re.search(r"^## (\S+)", (SOURCE / "CHANGELOG.md").read_text(), re.MULTILINE)[1], version)
+
+
+class CheckTest(unittest.TestCase):
+    """What the checks above would find."""
+
+    def test_broken_links(self):
+        with tempfile.TemporaryDirectory() as name:
+            root = Path(name)
+            (root / "docs").mkdir()
+            (root / "docs/a.md").write_text("# A b, c\n## `Two` things\n## Same\n## Same\n[up](../README.md) [me](#a-b-c)\n"
+                                            "[no](#a-b) `[code](gone.md)` [web](https://example.org/gone.md)\n```\n[x](gone.md)\n```\n"
+                                            "![image](images/gone.png)\n")
+            (root / "README.md").write_text("[a](docs/a.md#two-things) [s](docs/a.md#same-1)\n[gone](docs/a.md#three) [out](../x.md)\n")
+            self.assertEqual(links.broken(root, ["README.md", "docs/a.md"]), [
+                "README.md:2: docs/a.md has no heading #three", "README.md:2: there is no ../x.md",
+                "docs/a.md:6: docs/a.md has no heading #a-b", "docs/a.md:10: there is no docs/images/gone.png"])
+
+    def test_contents(self):
+        self.assertEqual(in_contents("x:\n  - Not: this.md\nnav:\n  - Start:\n      - A: a.md\n  - B, c: b.md\n"), ["a.md", "b.md"])
+
+    def test_lists(self):
+        self.assertEqual(lists_without_blank("Text\n* no list\n\n* one\n  more\n* two\n\n1. x\n"), [2])
+        self.assertEqual(long_lines("x" * 60 + " " + "y" * 60 + "\n| " + "z " * 70 + "|\n"), [1])
+
+
+if __name__ == "__main__":
+    rodwake.main()
