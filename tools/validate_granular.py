@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Validation of the granular simulator: every number of docs/validation.md that comes from a bed.
 
-    tools/validate_granular.py [--program build/release/rodwake] [--only lone,beads,order,bed,pairs,impacts,force] [--quick]
+    tools/validate_granular.py [--program build/release/rodwake] [--only lone,beads,order,bed,steps,pairs,impacts,force] [--quick]
                                [-j 2] [--keep DIR]
 
 Prints Markdown. Each line gives mean +- standard error, the number of runs and what was asked. --quick: few and short runs, to
@@ -77,7 +77,7 @@ def lone(lab):
     cases = [("motile", "", 16, "2 to 4"), ("apolar", "", 64, "0 within 2 errors"), ("motile", 'taper = "stepwise"\n', 16, "")]
     rows = []
     for kind, shape, runs, asked in cases:
-        for dt in ("5e-6", "1e-5", "2e-5"):
+        for dt in ("5e-6", "1e-5", "2e-5", "5e-5", "1e-4"):
             keys = f'beads = 0\n{BOX}time_step = "{dt} s"\nequilibrate = "0.1 s"\nduration = {lab.seconds(5)}\n'
             s, _ = lab.run(keys, rod(39, 39, kind, shape), runs)
             r = s["rods"][0]
@@ -88,7 +88,7 @@ def lone(lab):
 
 def beads(lab):
     rows = []
-    for dt in ("5e-6", "1e-5", "2e-5", "5e-5"):
+    for dt in ("5e-6", "1e-5", "2e-5", "5e-5", "1e-4"):
         keys = f'phi_b = 0.80\n{BOX}time_step = "{dt} s"\nequilibrate = "0.5 s"\nduration = {lab.seconds(2)}\n'
         s, _ = lab.run(keys, runs=8)
         rows.append([dt, with_error(s["T_xy"], s["T_xy_error"], 1e5), with_error(s["T_z"], s["T_z_error"], 1e3, 4),
@@ -119,6 +119,20 @@ def bed(lab):
         rows.append([f"{phi:.2f}", with_error(r["mean_speed"], r["mean_speed_error"], 1e3),
                      with_error(r["force"], r["force_error"], 1e6), str(s["runs"])])
     table("One rod in the bed, 10 s", ["phi_b", "speed, mm/s", "force on the beads, uN", "runs"], rows)
+
+
+def steps(lab):
+    rows = []
+    for phi in (0.70, 0.80):
+        for dt in ("1.25e-5", "2.5e-5", "5e-5", "1e-4"):
+            keys = f'phi_b = {phi}\n{BOX}time_step = "{dt} s"\nduration = {lab.seconds(10)}\n'
+            s, _ = lab.run(keys, rod(20, 39), 32)
+            r = s["rods"][0]
+            rows.append([f"{phi:.2f}", dt, with_error(r["mean_speed"], r["mean_speed_error"], 1e3),
+                         with_error(s["T_xy"], s["T_xy_error"], 1e5), with_error(s["T_z"], s["T_z_error"], 1e3, 4),
+                         f'{s["cpu_seconds"] / (s["runs"] * (s["simulated_time"] + 0.5)):.3f}', str(s["runs"])])
+    table("What the time step changes: one rod in the bed, 10 s",
+          ["phi_b", "dt, s", "speed, mm/s", "T_xy, 1e-5 m^2/s^2", "T_z, 1e-3 m^2/s^2", "CPU s per simulated s", "runs"], rows)
 
 
 def pairs(lab):
@@ -153,7 +167,8 @@ def force(lab):
     table("Force on the beads of a rod held at a speed, phi_b = 0.80, 10 s", ["speed, mm/s", "force, uN", "runs"], rows)
 
 
-PARTS = {"impacts": impacts, "lone": lone, "beads": beads, "order": order, "bed": bed, "pairs": pairs, "force": force}
+PARTS = {"impacts": impacts, "lone": lone, "beads": beads, "order": order, "bed": bed, "steps": steps, "pairs": pairs,
+         "force": force}
 
 
 def main():

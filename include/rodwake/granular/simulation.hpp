@@ -1,11 +1,12 @@
 #pragma once
 // A granular run, step by step.
 //
-// One step of length dt: every body flies freely (exactly: parabola, symmetric top); beads that reach a plate
-// bounce at the instant they touch it; a rod is pushed at its deepest contact with each plate; then
-// overlapping approaching pairs get one impulse each, in the order of their numbers, of several contacts of
-// one rod with the same partner only the deepest. Impulses follow impact.hpp. A contact whose rebound cannot
-// leave the plate rests on it.
+// One step of length dt: every body flies freely (exactly: parabola, symmetric top); beads and rods that
+// reach a plate bounce at the instant they touch it, as often as they do; pairs that overlap at the end of
+// the step and approach get one impulse each, at the instant they touched, of several contacts of one rod
+// with the same partner only the first. Impulses follow impact.hpp. A contact whose hop would be far shorter
+// than a step rests on the plate. Order of the pairs, rules of rest and what the step costs:
+// docs/granular.md, section 4.
 //
 // Results do not depend on the number of threads, nor on interruptions: advancing by n and then by m steps
 // equals advancing by n + m, and a simulation made from state() goes on with the same bits.
