@@ -80,7 +80,7 @@ TEST_CASE("The bed of a point has its values, with units and ties") {
     CHECK(bed.problem.rods[0].position.y() == Approx(7 * 0.4e-3).epsilon(1e-15));
     CHECK(bed.problem.rods[1].position.y() == Approx(-7 * 0.4e-3).epsilon(1e-15));
     CHECK(bed.problem.seed == 1);
-    CHECK(bed.schedule.row_every == 500);
+    CHECK(bed.schedule.row_every == 100);
     CHECK_FALSE(bed.schedule.xyz); // short as it is
 }
 
