@@ -15,7 +15,7 @@ from pathlib import Path
 SOURCE = Path(__file__).resolve().parent.parent
 BEAD_RADIUS = 0.4e-3  # m
 PLATE_PERIOD = 1 / 200  # s
-RODWAKE_STEP = 2e-5  # s
+RODWAKE_STEP = 1e-4  # s
 
 
 class Problem(Exception):

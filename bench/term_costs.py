@@ -65,7 +65,7 @@ class Counter:
             raise measure.Problem(f"{COUNTED[what]}: no such function ran; was it inlined or renamed?")
         return (instructions - before) / count, functions
 
-    def program_step(self, settings, steps=(500, 3000), dt=2e-5):
+    def program_step(self, settings, steps=(500, 3000), dt=1e-4):
         """Instructions of a step of `rodwake dem`, with all that it does between steps but files of frames: the difference of two
         runs, in which start and end cancel."""
         runs = []

@@ -151,14 +151,14 @@ void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const 
             if (!(approach.gap_now() < 0.0))
                 return;
         }
-        if (const double deep = -approach.gap_now() / bodies.bead_radius; deep > tally.deepest_flight) {
-            tally.deepest_flight = deep;
-            tally.deepest = bead;
-        }
         // what another bead pushed into the plate leaves it by itself
         approach.lower_plate(std::max(-approach.gap(back), 0.0));
         if (!(approach.gap_now() < 0.0))
             return;
+        if (const double deep = -approach.gap_now() / bodies.bead_radius; deep > tally.deepest_flight) {
+            tally.deepest_flight = deep;
+            tally.deepest = bead;
+        }
         back = time_since_touch(approach, back, plate);
         const bool last = bounces == most_bounces;
         const bool rests =

@@ -15,7 +15,7 @@ struct Near {
 
 struct Neighbours {
     std::vector<std::uint32_t> order; ///< the beads, cell by cell: neighbours are near each other here too
-    std::vector<Near> beads; ///< each pair once
+    std::vector<Near> beads;          ///< each pair once
     std::vector<Near> rods;
 };
 

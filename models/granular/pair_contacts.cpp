@@ -12,6 +12,9 @@ namespace {
 
 using Eigen::Matrix3d;
 
+constexpr double deep = 0.05; // of a radius; beds that started from a lattice stay below it
+constexpr int most_sweeps = 8;
+
 /// Of a point at distance `arm` from the centre along the normal.
 Matrix3d bead_inverse_mass(const Bodies& bodies, const Vector3& normal, double arm) {
     const Matrix3d along = normal * normal.transpose();
@@ -235,6 +238,14 @@ WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlap
     one_by_one(bodies, {first_from(bodies.beads), overlapping.end()}, worst, tallies);
     for (const RodContact& contact : rod_contacts_)
         rod_rod(bodies, contact.meeting, tallies);
+    WorstOverlap left = worst;
+    for (int sweep = 1; left.radii > deep && sweep < most_sweeps; ++sweep) {
+        left = {};
+        rod_contacts_.clear();
+        one_by_one(bodies, overlapping, left, tallies);
+        for (const RodContact& contact : rod_contacts_)
+            rod_rod(bodies, contact.meeting, tallies);
+    }
     tallies.max_overlap = std::max(tallies.max_overlap, worst.radii);
     return worst;
 }

@@ -33,7 +33,7 @@ class PairContacts {
 public:
     explicit PairContacts(const PairSetting& setting) : setting_(setting) {}
 
-    /// One sweep over the overlapping pairs, which come in the order (first, second); adds to the tallies.
+    /// Sweeps over the overlapping pairs, which come in the order (first, second); adds to the tallies.
     /// Approaching pairs get an impulse; of the contacts of a rod with one bead or one other rod only the
     /// first to touch.
     WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team);

@@ -106,7 +106,7 @@ double next_touch(const Approach& approach, double left, double rest, bool lossl
 Plate plate_at(const PlateStep& step, int side) { return {side == 0 ? 1.0 : -1.0, &step}; }
 
 /// One impulse where the sphere touches, if it is in contact and approaches; whether it was.
-bool bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left, double rest, bool rebounds,
+bool bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left, double rest,
             const Surface& surface, PlateTally& tally) {
     const Approach now(rod, sphere, plate, left);
     const double gap = now.gap(0.0);
@@ -120,8 +120,8 @@ bool bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left,
     if (!(approach > 0.0))
         return false;
     const bool lossless = surface.restitution == 1.0;
-    const bool rests = !lossless && (!rebounds || 2.0 * surface.restitution * approach <
-                                                      std::max(now.pressing(), plate.step->gravity) * rest);
+    const bool rests = !lossless && 2.0 * surface.restitution * approach <
+                                        std::max(now.pressing(), plate.step->gravity) * rest;
     const Surface acting{surface.friction, rests ? 0.0 : surface.restitution};
     const Vector3 impulse = impulse_along(normal, rod.inverse_mass_at(arm), relative, acting);
     rod.push(impulse, arm);
@@ -136,22 +136,27 @@ bool bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left,
 
 void fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
              const std::function<void()>& moved) {
+    const bool lossless = surface.restitution == 1.0;
     const double rest = rest_share * step.time_step;
     double left = step.time_step;
+    bool acted = true; // the last look gave an impulse; else time must pass
     for (int bounces = 0; left > 0.0;) {
         double next = never;
         for (const int side : {0, 1})
             for (const std::size_t sphere : rod.outline())
                 next = std::min(next, next_touch(Approach(rod, sphere, plate_at(step, side), left), left,
-                                                 rest, surface.restitution == 1.0));
+                                                 rest, lossless));
+        if (!acted || bounces >= most_bounces)
+            next = std::max(next, std::min(rest, left));
         rod.move(std::min(next, left), step.gravity);
         if (next == never)
             return;
         left = std::max(left - next, 0.0);
+        acted = false;
         for (const int side : {0, 1})
             for (const std::size_t sphere : rod.outline())
-                if (bounce(rod, sphere, plate_at(step, side), left, rest, bounces < most_bounces, surface,
-                           tally)) {
+                if (bounce(rod, sphere, plate_at(step, side), left, rest, surface, tally)) {
+                    acted = true;
                     ++bounces;
                     moved();
                 }

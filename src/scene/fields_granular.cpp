@@ -118,7 +118,8 @@ void time_fields(Visitor& v, Granular& bed) {
       bed.runs);
     v(key("overlap_limit")
           .above(0.0, 1.0)
-          .doc("the run stops with an error if an overlap exceeds this fraction of the smaller radius")
+          .doc("the run stops with an error if an overlap exceeds this fraction of the smaller radius (of a "
+               "pair before t = 0: 0.5)")
           .example("0.1"),
       bed.overlap_limit);
     v(key("order_cutoff")

@@ -1,4 +1,4 @@
-// Impulses between beads and rods: momentum, energy, the deepest contact of a clump; and that no overlap is
+// Impulses between beads and rods: momentum, energy, the first contact of a clump; and that no overlap is
 // missed.
 
 #include "beds.hpp"

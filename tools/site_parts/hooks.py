@@ -3,7 +3,6 @@ names or lead to the headers' reference, KaTeX is copied from Debian's package, 
 
 import contextlib
 import json
-import posixpath
 import re
 import shutil
 import sys

@@ -45,6 +45,7 @@ struct GranularProblem {
     std::int64_t steps = 0;               ///< from t = 0 on
     std::uint64_t seed = 1;
     double overlap_limit = 0.1; ///< the run stops if an overlap exceeds this fraction of the smaller radius
+                                ///< (of a pair before t = 0: 0.5)
 
     bool operator==(const GranularProblem&) const = default;
 };

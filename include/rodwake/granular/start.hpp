@@ -28,7 +28,8 @@ double settling_time(Start start, double phi_b);
 /// State at step 0. Deterministic in (problem, run): beads and velocities from the stream (seed, run).
 /// Nothing overlaps: beads with beads, rods or plates. Rods lie flat within 1 % of their free height of mid
 /// gap and move upwards at a normal speed of rms start_speed, so that runs differ without beads too; in the
-/// plane they rest. Beads are numbered by place: successive numbers are near each other. Throws RunError if no such packing was found.
+/// plane they rest. Beads are numbered by place: successive numbers are near each other. Throws RunError if
+/// no such packing was found.
 State make_start(const GranularProblem& problem, std::uint32_t run);
 
 /// State at step 0 with the bed of `stored`: its beads' places in the plane, wrapped into the box, and
