@@ -170,7 +170,8 @@ TEST_CASE("rods are held while the bed settles and let go at t = 0") {
     CHECK(run.rod(0).position.head<2>() != place);
     // 1000 sums of size 1e-2: rounding
     const Eigen::Vector2d moved = run.rod(1).position.head<2>() - other;
-    CHECK((moved - 0.01 * 1000 * problem.time_step * Eigen::Vector2d(std::cos(1.0), std::sin(1.0))).norm() < 1e-14);
+    CHECK((moved - 0.01 * 1000 * problem.time_step * Eigen::Vector2d(std::cos(1.0), std::sin(1.0))).norm() <
+          1e-14);
     CHECK(run.rod(1).heading() == Approx(1.0).epsilon(1e-13));
     CHECK(run.rod(0).heading() != Approx(0.2).epsilon(1e-9));
 }
