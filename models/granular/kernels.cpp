@@ -88,7 +88,7 @@ struct Separation {
 };
 
 Separation Separate(const double* position, const Pair& pair, double box) {
-    const double *a = position + 4 * pair.first, *b = position + 4 * pair.second;
+    const double *a = position + 4 * std::size_t{pair.first}, *b = position + 4 * std::size_t{pair.second};
     const double x = nearest_image_rounded(a[0] - b[0], box), y = nearest_image_rounded(a[1] - b[1], box);
     return {x * x + y * y, a[2] - b[2]};
 }
