@@ -114,6 +114,22 @@ TEST_CASE("nearly empty and nearly close-packed beds run") {
     CHECK(between_plates(run));
 }
 
+TEST_CASE("a dense random start, jammed at first, settles before t = 0 and stops a run only after it") {
+    GranularProblem problem = bed(0.80, 78.0);
+    problem.start = Start::random;
+    const State start = make_start(problem, 0);
+    problem.equilibration_steps = 5000; // half a second
+    Simulation settling(problem, start);
+    settling.advance(5200);
+    INFO((settling.failure() ? settling.failure()->message : ""));
+    CHECK_FALSE(settling.failure());
+    CHECK(settling.tallies().max_overlap > problem.overlap_limit);
+    problem.equilibration_steps = 0;
+    Simulation measured(problem, start);
+    measured.advance(300);
+    CHECK(measured.failure());
+}
+
 TEST_CASE("a time step that spoils the temperatures stops the run and is named") {
     // measured at phi_b = 0.80, Gamma = 7: T_xy and T_z off by 3 and 2 % at 2e-4 s, 6 and 4 % at 4e-4 s, 2
     // and 20 % at 5e-4 s
