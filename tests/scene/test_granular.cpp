@@ -168,7 +168,8 @@ TEST_CASE("spheres and thickness of a rod follow its kind unless they are given"
 TEST_CASE("without time_step the step follows the plates") {
     CHECK_FALSE(granular().time_step);
     CHECK(time_step(granular()) == 1e-4);
-    CHECK(time_step(granular("[granular.plates]\ngamma = 20\n")) == 1.0 / (143 * 200.0)); // 142.5 in the period
+    CHECK(time_step(granular("[granular.plates]\ngamma = 20\n")) ==
+          1.0 / (143 * 200.0)); // 142.5 in the period
     CHECK(time_step(granular("time_step = 2e-5\n[granular.plates]\ngamma = 20\n")) == 2e-5);
 }
 
