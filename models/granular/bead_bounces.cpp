@@ -1,8 +1,11 @@
 #include "bead_bounces.hpp"
 
+#include "touch_time.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace rodwake::granular {
 
@@ -61,8 +64,7 @@ double last_clear(const Approach& approach, double back, double pressing) {
     return std::max(back - leaving / pressing, back / 2.0);
 }
 
-/// How long before the end of the step the bead, which has flown for `back`, touched the plate: Newton, kept
-/// between bounds.
+/// How long before the end of the step the bead, which has flown for `back`, touched the plate.
 double time_since_touch(const Approach& approach, double back, const Plate& plate) {
     // Touching from the start on, or so soon that it makes no hop.
     const double pressing = std::max(plate.pressing(back), 0.0), soon = shortest_hop * back;
@@ -73,16 +75,9 @@ double time_since_touch(const Approach& approach, double back, const Plate& plat
     double before = rough_time_since_touch(-approach.gap_now(), -approach.opening_now(), plate.pressing());
     if (!(before > within && before < apart))
         before = (within + apart) / 2.0;
-    for (int i = 0; i < 60; ++i) {
-        const double gap = approach.gap(before);
-        (gap > 0.0 ? apart : within) = before;
-        const double next = before + gap / approach.opening(before); // d gap/d before = -opening
-        const double taken = next >= within && next <= apart ? next : (within + apart) / 2.0;
-        if (std::abs(taken - before) <= 1e-8 * back) // Newton doubles the digits: what is left is rounding
-            return taken;
-        before = taken;
-    }
-    return before;
+    return touch_time([&](double time) { return approach.gap(time); },
+                      [&](double time) { return -approach.opening(time); }, apart, within, before,
+                      1e-8 * back); // what is left is rounding
 }
 
 /// Impulse on a bead from the plate given its velocity at the contact, applied to velocity and spin.
@@ -136,29 +131,48 @@ bool comes_to_rest(double touching_speed, double pressing, const Plate& plate, d
            std::max(pressing, plate.step->gravity) * shortest_hop * plate.step->time_step;
 }
 
+/// A bead inside a plate, which it flew into since `back` before the end of the step.
+struct Intrusion {
+    Plate plate;
+    Approach approach;
+};
+
+/// None if the bead is in neither plate: the gap is wider than a bead, so it cannot be in both. What another
+/// bead pushed into the plate leaves it by itself.
+std::optional<Intrusion> intrusion(const Bodies& bodies, std::size_t bead, const PlateStep& step,
+                                   double back) {
+    const double z = bodies.position[4 * bead + 2], vz = bodies.velocity[4 * bead + 2];
+    for (const double side : {1.0, -1.0}) {
+        const Plate plate{side, &step};
+        Approach approach(z, vz, bodies.bead_radius, plate);
+        if (!(approach.gap_now() < 0.0))
+            continue;
+        approach.lower_plate(std::max(-approach.gap(back), 0.0));
+        if (approach.gap_now() < 0.0)
+            return Intrusion{plate, approach};
+        return {};
+    }
+    return {};
+}
+
+void note_depth(PlateTally& tally, double depth, std::size_t bead) {
+    if (depth > tally.deepest_flight) {
+        tally.deepest_flight = depth;
+        tally.deepest = bead;
+    }
+}
+
 } // namespace
 
 void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
                  Range& velocities, PlateTally& tally) {
     double back = step.time_step;
     for (int bounces = 0;; ++bounces) {
-        const double z = bodies.position[4 * bead + 2], vz = bodies.velocity[4 * bead + 2];
-        Plate plate{1.0, &step};
-        Approach approach(z, vz, bodies.bead_radius, plate);
-        if (!(approach.gap_now() < 0.0)) { // the gap is wider than a bead: it cannot be in both
-            plate = {-1.0, &step};
-            approach = Approach(z, vz, bodies.bead_radius, plate);
-            if (!(approach.gap_now() < 0.0))
-                return;
-        }
-        // what another bead pushed into the plate leaves it by itself
-        approach.lower_plate(std::max(-approach.gap(back), 0.0));
-        if (!(approach.gap_now() < 0.0))
+        const std::optional<Intrusion> found = intrusion(bodies, bead, step, back);
+        if (!found)
             return;
-        if (const double deep = -approach.gap_now() / bodies.bead_radius; deep > tally.deepest_flight) {
-            tally.deepest_flight = deep;
-            tally.deepest = bead;
-        }
+        const auto& [plate, approach] = *found;
+        note_depth(tally, -approach.gap_now() / bodies.bead_radius, bead);
         back = time_since_touch(approach, back, plate);
         const bool last = bounces == most_bounces;
         const bool rests =

@@ -1,6 +1,7 @@
 #include "rod_bounces.hpp"
 
 #include "bodies.hpp"
+#include "touch_time.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -53,54 +54,57 @@ private:
     double rate_, kept_, swinging_, crossing_; ///< z of the axis: kept + swinging cos + crossing sin
 };
 
-/// The root of gap + lift between a time outside and one inside the plate: Newton, kept between them.
-double touch_between(const Approach& approach, double lift, double apart, double within) {
-    double time = (apart + within) / 2.0;
-    for (int i = 0; i < 60; ++i) {
-        const double gap = approach.gap(time) + lift;
-        (gap > 0.0 ? apart : within) = time;
-        const double next = time - gap / approach.opening(time);
-        const bool inside = (next >= apart && next <= within);
-        const double taken = inside ? next : (apart + within) / 2.0;
-        if (std::abs(taken - time) <= 1e-15 * within)
-            return taken;
-        time = taken;
-    }
-    return time;
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// A lower bound of the gap for all times that count: rotation and plates change the acceleration little
+/// within a step.
+double least_gap(const Approach& approach, double left) {
+    return approach.gap(0.0) + std::min(approach.opening(0.0), 0.0) * left -
+           std::max(approach.pressing(), 0.0) * left * left;
 }
 
-constexpr double never = std::numeric_limits<double>::infinity();
+/// Whether a sphere in contact stays there: what it moves by is what falling for `rest` adds.
+bool stays(const Approach& approach, double rest, bool lossless) {
+    const double opening = approach.opening(0.0);
+    const double slowest = std::max(approach.pressing(), approach.gravity()) * rest;
+    return lossless ? opening == 0.0 : -slowest <= opening && 2.0 * opening <= slowest;
+}
+
+/// When the gap, widened by `lift`, closes between a time outside and one inside.
+double closing(const Approach& approach, double lift, double clear, double inside) {
+    return touch_time([&](double time) { return approach.gap(time) + lift; },
+                      [&](double time) { return approach.opening(time); }, clear, inside,
+                      (clear + inside) / 2.0, 1e-15 * inside);
+}
+
+/// Of a sphere in contact on its way out: it comes back after the top of its hop, if at all within `left`.
+double end_of_hop(const Approach& approach, double left) {
+    const double lift = std::max(-approach.gap(0.0), 0.0), pressing = approach.pressing();
+    if (!(pressing > 0.0) || approach.gap(left) + lift >= 0.0)
+        return never;
+    return closing(approach, lift, std::min(approach.opening(0.0) / pressing, left / 2.0), left);
+}
+
+/// Of a sphere outside: within `left`, be it that it grazes the plate on the way.
+double first_touch(const Approach& approach, double left) {
+    if (approach.gap(left) < 0.0)
+        return closing(approach, 0.0, 0.0, left);
+    const double pressing = approach.pressing();
+    const double nearest = pressing < 0.0 ? approach.opening(0.0) / pressing : never;
+    return nearest < left && approach.gap(nearest) < 0.0 ? closing(approach, 0.0, 0.0, nearest) : never;
+}
 
 /// When the sphere touches the plate next within `left`; a contact that rests is looked at again after
 /// `rest`.
 double next_touch(const Approach& approach, double left, double rest, bool lossless) {
-    const double gap = approach.gap(0.0), opening = approach.opening(0.0), pressing = approach.pressing();
-    // gap >= this for all times that count; rotation and plates change the acceleration little within a step
-    if (gap + std::min(opening, 0.0) * left - std::max(pressing, 0.0) * left * left >
-        touching * approach.radius())
+    const double contact = touching * approach.radius();
+    if (least_gap(approach, left) > contact)
         return never;
-    const bool in_contact = gap <= touching * approach.radius();
-    const double lift = in_contact ? std::max(-gap, 0.0) : 0.0;
-    const double slowest = std::max(pressing, approach.gravity()) * rest; // what falling for `rest` adds
-    const bool rests = lossless ? opening == 0.0 : -slowest <= opening && 2.0 * opening <= slowest;
-    if (in_contact && rests)
+    if (!(approach.gap(0.0) <= contact))
+        return first_touch(approach, left);
+    if (stays(approach, rest, lossless))
         return std::min(rest, left);
-    if (in_contact && opening <= 0.0)
-        return 0.0;
-    double clear = 0.0, inside = left;
-    if (in_contact) { // on its way out: back after the top of its hop, if at all
-        if (!(pressing > 0.0))
-            return never;
-        clear = std::min(opening / pressing, left / 2.0);
-        if (approach.gap(left) + lift >= 0.0)
-            return never;
-    } else if (approach.gap(left) >= 0.0) { // it may graze on the way
-        const double nearest = pressing < 0.0 ? opening / pressing : never;
-        if (!(nearest < left) || approach.gap(nearest) >= 0.0)
-            return never;
-        inside = nearest;
-    }
-    return touch_between(approach, lift, clear, inside);
+    return approach.opening(0.0) <= 0.0 ? 0.0 : end_of_hop(approach, left);
 }
 
 Plate plate_at(const PlateStep& step, int side) { return {side == 0 ? 1.0 : -1.0, &step}; }
@@ -132,6 +136,14 @@ bool bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left,
     return true;
 }
 
+/// Calls f(sphere, plate) for each sphere of the rod's outline at each plate.
+template<class F>
+void for_each_place(const MovingRod& rod, const PlateStep& step, const F& f) {
+    for (const int side : {0, 1})
+        for (const std::size_t sphere : rod.outline())
+            f(sphere, plate_at(step, side));
+}
+
 } // namespace
 
 void fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
@@ -142,10 +154,9 @@ void fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, Plat
     bool acted = true; // the last look gave an impulse; else time must pass
     for (int bounces = 0; left > 0.0;) {
         double next = never;
-        for (const int side : {0, 1})
-            for (const std::size_t sphere : rod.outline())
-                next = std::min(next, next_touch(Approach(rod, sphere, plate_at(step, side), left), left,
-                                                 rest, lossless));
+        for_each_place(rod, step, [&](std::size_t sphere, const Plate& plate) {
+            next = std::min(next, next_touch(Approach(rod, sphere, plate, left), left, rest, lossless));
+        });
         if (!acted || bounces >= most_bounces)
             next = std::max(next, std::min(rest, left));
         rod.move(std::min(next, left), step.gravity);
@@ -153,13 +164,13 @@ void fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, Plat
             return;
         left = std::max(left - next, 0.0);
         acted = false;
-        for (const int side : {0, 1})
-            for (const std::size_t sphere : rod.outline())
-                if (bounce(rod, sphere, plate_at(step, side), left, rest, surface, tally)) {
-                    acted = true;
-                    ++bounces;
-                    moved();
-                }
+        for_each_place(rod, step, [&](std::size_t sphere, const Plate& plate) {
+            if (!bounce(rod, sphere, plate, left, rest, surface, tally))
+                return;
+            acted = true;
+            ++bounces;
+            moved();
+        });
     }
 }
 
