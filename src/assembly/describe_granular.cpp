@@ -133,7 +133,7 @@ std::string size_text(double bytes) {
 /// Of the stored frames of a run in all their formats.
 double frames_bytes(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
-    return (plan.schedule.h5md ? h5md_bytes * spheres(plan.problem) * frame_count(bed) : 0.0) +
+    return (plan.schedule.h5md ? h5md_bytes * stored_spheres(bed, plan.problem) * frame_count(bed) : 0.0) +
            (plan.schedule.xyz ? xyz_bytes(bed, plan.problem) : 0.0);
 }
 
@@ -141,7 +141,7 @@ double frames_bytes(const BedPlan& plan) {
 
 std::string output_advice(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
-    const double count = spheres(plan.problem),
+    const double count = stored_spheres(bed, plan.problem),
                  stored = plan.schedule.h5md || plan.schedule.xyz ? frame_count(bed) : 0.0,
                  of_period = bed.output.last_period ? period_frames : 0.0,
                  bytes = frames_bytes(plan) + of_period * count * h5md_bytes;
@@ -149,16 +149,18 @@ std::string output_advice(const BedPlan& plan) {
         return {};
     return fmt::format(
         "the frames of a run take up to {}, and {} more until it has ended; for less, granular.output.frames "
-        "above {:g} s, formats = [] (no frames), last_period = false. Rows of the table and what [measure] "
+        "above {:g} s, every_bead above {}, formats = [] (no frames), last_period = false. Rows of the table "
+        "and what [measure] "
         "finds on the way need none of them",
-        size_text(bytes), size_text((stored + of_period) * count * log_bytes), frame_interval(bed));
+        size_text(bytes), size_text((stored + of_period) * count * log_bytes), frame_interval(bed),
+        bed.output.every_bead);
 }
 
 std::string describe_output(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
     const GranularProblem& problem = plan.problem;
     const scene::GranularOutput& output = bed.output;
-    const double count = spheres(problem), frames = frame_count(bed);
+    const double count = stored_spheres(bed, problem), frames = frame_count(bed);
     std::vector<std::string> formats;
     if (plan.schedule.h5md)
         formats.emplace_back("h5md");

@@ -138,7 +138,12 @@ double frame_count(const scene::Granular& bed) {
 
 double xyz_bytes(const scene::Granular& bed, const granular::GranularProblem& problem) {
     constexpr double line = 140.0; // seven numbers of up to 19 characters and what is short
-    return line * spheres(problem) * frame_count(bed);
+    return line * stored_spheres(bed, problem) * frame_count(bed);
+}
+
+double stored_spheres(const scene::Granular& bed, const granular::GranularProblem& problem) {
+    const auto beads = static_cast<double>(problem.beads);
+    return spheres(problem) - beads + std::ceil(beads / static_cast<double>(bed.output.every_bead));
 }
 
 GranularSchedule granular_schedule(const scene::Granular& bed, const granular::GranularProblem& problem) {
@@ -151,7 +156,8 @@ GranularSchedule granular_schedule(const scene::Granular& bed, const granular::G
             bed.stop_at_travel.value_or(0.0),
             wants("h5md"),
             wants("xyz") || (wants("xyz_if_short") && is_short),
-            bed.output.last_period};
+            bed.output.last_period,
+            static_cast<std::size_t>(bed.output.every_bead)};
 }
 
 } // namespace rodwake::assembly

@@ -211,6 +211,14 @@ void fields(Visitor& v, GranularOutput& output) {
                "no frames")
           .example("[\"h5md\", \"xyz\"]"),
       output.formats);
+    v(key("every_bead")
+          .within(1, 1000000)
+          .doc("1: all beads are in the frames; k: those numbered 0, k, 2k, ..., and the rods. For large "
+               "beds, "
+               "whose frames are then for looking at motion only: measure while the bed runs, as "
+               "[measure] does")
+          .example("10"),
+      output.every_bead);
     v(key("last_period")
           .doc("also keep about 50 frames of one period of the plates at the end, for the side view")
           .example("false"),

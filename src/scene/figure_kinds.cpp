@@ -26,6 +26,9 @@ constexpr FigureNeed bed_itself{"[granular]",
 constexpr FigureNeed frames{"\"h5md\" in granular.output.formats", [](const Scene& s, const Figure&) {
                                 return contains(s.granular->output.formats, "h5md");
                             }};
+constexpr FigureNeed all_beads{"granular.output.every_bead = 1", [](const Scene& s, const Figure&) {
+                                   return s.granular->output.every_bead == 1;
+                               }};
 constexpr FigureNeed rods_in_bed{"[[granular.rods]]",
                                  [](const Scene& s, const Figure&) { return !s.granular->rods.empty(); }};
 constexpr FigureNeed last_period{"granular.output.last_period = true", [](const Scene& s, const Figure&) {
@@ -65,7 +68,7 @@ const std::vector<FigureKind>& figure_kinds() {
         {"snapshot",
          "beads and rods from above",
          bed,
-         {bed_itself, frames},
+         {bed_itself, frames, all_beads},
          {"trajectory.h5md"},
          {"frame", "colour", "x", "y"}},
         {"rod_tracks",
@@ -77,13 +80,13 @@ const std::vector<FigureKind>& figure_kinds() {
         {"side_view",
          "a slice of the bed between the plates over one period",
          bed,
-         {bed_itself, last_period},
+         {bed_itself, last_period, all_beads},
          {"last_period.h5md"},
          {"x", "y"}},
         {"movie",
          "film of the stored frames",
          bed,
-         {bed_itself, frames},
+         {bed_itself, frames, all_beads},
          {"trajectory.h5md"},
          {"colour", "fps", "x", "y"}},
         {"granular_table", "temperatures, order and overlap in time", bed, {bed_itself}, {"table.csv"}, {}},
@@ -115,7 +118,7 @@ const std::vector<FigureKind>& figure_kinds() {
         {"dragged",
          "where marked beads went as the rod passed",
          measure,
-         {bed_itself, flow},
+         {bed_itself, flow, all_beads},
          {"marked.csv", "trajectory.h5md"},
          {"x", "y"}},
         {"displacement_map",

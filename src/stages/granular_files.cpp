@@ -18,22 +18,25 @@ std::vector<granular::Clump> clumps_of(const granular::GranularProblem& problem)
     return clumps;
 }
 
-void add_particle(store::FrameLayout& layout, std::int32_t species, double mass, double radius) {
+void add_particle(store::FrameLayout& layout, std::int32_t species, std::size_t id, double mass,
+                  double radius) {
     layout.species.push_back(species);
-    layout.id.push_back(static_cast<std::int32_t>(layout.id.size()));
+    layout.id.push_back(static_cast<std::int32_t>(id));
     layout.mass.push_back(mass);
     layout.radius.push_back(radius);
 }
 
-store::FrameLayout layout_of(const granular::GranularProblem& p, const std::vector<granular::Clump>& clumps) {
+store::FrameLayout layout_of(const granular::GranularProblem& p, const std::vector<granular::Clump>& clumps,
+                             std::size_t every_bead) {
     store::FrameLayout layout;
     const double height = p.plates.gap + 2.0 * p.plates.amplitude(p.gravity);
     layout.box = {p.box, p.box, height};
-    for (std::size_t i = 0; i < p.beads; ++i)
-        add_particle(layout, 0, granular::bead_mass(p), p.bead_radius);
+    for (std::size_t i = 0; i < p.beads; i += every_bead)
+        add_particle(layout, 0, i, granular::bead_mass(p), p.bead_radius);
+    std::size_t sphere = p.beads;
     for (std::size_t r = 0; r < clumps.size(); ++r) {
         for (const double radius : clumps[r].radius) {
-            add_particle(layout, 1, clumps[r].sphere_mass(), radius);
+            add_particle(layout, 1, sphere++, clumps[r].sphere_mass(), radius);
             layout.rod_of_sphere.push_back(static_cast<std::int32_t>(r));
         }
         layout.rod_id.push_back(static_cast<std::int32_t>(r));
@@ -79,7 +82,8 @@ store::Frame frame_of(const std::vector<double>& record, std::size_t particles, 
 GranularFiles::GranularFiles(std::filesystem::path folder, const granular::GranularProblem& problem,
                              const assembly::GranularSchedule& schedule, const LogLengths& kept)
     : folder_(std::move(folder)), problem_(problem), schedule_(schedule), clumps_(clumps_of(problem)),
-      layout_(layout_of(problem, clumps_)), frame_doubles_(2 + 6 * layout_.particles() + 13 * layout_.rods()),
+      layout_(layout_of(problem, clumps_, schedule.every_bead)),
+      frame_doubles_(2 + 6 * layout_.particles() + 13 * layout_.rods()),
       row_doubles_(granular::TableRow::names().size() +
                    granular::TrackPoint::names().size() * layout_.rods()) {
     std::filesystem::create_directories(folder_);
@@ -102,7 +106,8 @@ std::vector<double> GranularFiles::frame_record(const State& state, double time)
     std::vector<double> record = {static_cast<double>(state.step), time};
     record.reserve(frame_doubles_);
     for (const auto& spheres : {sphere_positions(state, clumps_), sphere_velocities(state, clumps_)})
-        record.insert(record.end(), spheres.begin(), spheres.end());
+        for (const std::int32_t id : layout_.id)
+            put(record, Eigen::Map<const Eigen::Vector3d>(spheres.data() + 3 * std::size_t(id)));
     for (const granular::RodBody& rod : state.rods)
         put(record, rod.position);
     for (const granular::RodBody& rod : state.rods)

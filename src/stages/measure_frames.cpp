@@ -37,12 +37,22 @@ void check_bed(const std::filesystem::path& file, const store::TrajectoryInfo& i
                const measure::Layout& layout) {
     want_equal(file, "the side of the box in m", info.box[0], layout.box);
     want_equal(file, "the side of the box in m", info.box[1], layout.box);
-    want_equal(file, "the number of beads", static_cast<double>(info.beads),
-               static_cast<double>(layout.beads));
     want_equal(file, "the bead radius in m", info.bead_radius, layout.bead_radius);
     if (info.rods != layout.rods)
         throw InputError(fmt::format("{}: {} rods there and {} in the scene: a trajectory of another bed",
                                      file.string(), info.rods, layout.rods));
+}
+
+void check_beads(const std::filesystem::path& file, const store::TrajectoryInfo& info,
+                 const measure::Layout& layout) {
+    if (info.beads < layout.beads)
+        throw InputError(
+            fmt::format("{}: frames hold {} beads, the scene has {}; they are of another bed, or of one with "
+                        "granular.output.every_bead above 1: then measure while it runs (rodwake run, or dem "
+                        "with [measure])",
+                        file.string(), info.beads, layout.beads));
+    want_equal(file, "the number of beads", static_cast<double>(info.beads),
+               static_cast<double>(layout.beads));
 }
 
 /// Every how many stored frames are measured.
@@ -120,6 +130,7 @@ void for_each_frame(const std::filesystem::path& file, const measure::Layout& la
 void check_trajectory(const std::filesystem::path& file, const assembly::MeasurePlan& plan) {
     const store::H5mdReader reader(file);
     check_bed(file, reader.info(), plan.sums.layout());
+    check_beads(file, reader.info(), plan.sums.layout());
     stride_of(file, reader.info(), plan.interval);
 }
 
@@ -128,6 +139,7 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
                                                     const std::function<bool(double)>& on_progress) {
     const store::TrajectoryInfo info = store::H5mdReader(file).info();
     check_bed(file, info, plan.sums.layout());
+    check_beads(file, info, plan.sums.layout());
     measure::Measures measures = plan.sums;
     bool stopped = false;
     for_each_frame(file, plan.sums.layout(), stride_of(file, info, plan.interval),

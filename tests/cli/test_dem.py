@@ -97,6 +97,27 @@ class FilesTest(BedTest):
             times = file["/particles/trajectory/position/time"][()]
         self.assertEqual((len(times), times[0], times[-1]), (51, 1950 * 1e-4, 0.2))  # a period is 50 steps, a frame each
 
+    def test_frames_of_some_beads(self):
+        """Beads 0, 7, 14, ... and the rod are those of the frames of all; the run does not notice. What needs all says so."""
+        formats = setting(output__formats='["xyz", "h5md"]', duration=0.02, output__frames=0.01)
+        self.dem("all", *formats)
+        self.dem("some", *formats, *setting(output__every_bead=7))
+        self.assertEqual(self.hash("some"), self.hash("all"))
+        beads = self.summary("all")["beads"]
+        kept = [*range(0, beads, 7), *range(beads, beads + 12)]
+        for name in ("trajectory.h5md", "last_period.h5md"):
+            with h5py.File(self.out("all", name)) as whole, h5py.File(self.out("some", name)) as part:
+                for what in ("position", "velocity"):
+                    numpy.testing.assert_array_equal(part[f"/particles/trajectory/{what}/value"],
+                                                     whole[f"/particles/trajectory/{what}/value"][:, kept])
+                self.assertEqual(list(part["/particles/trajectory/id/value"][()].ravel()[:len(kept)]), kept)
+        lines = self.out("some", "trajectory.xyz").read_text().splitlines()
+        self.assertEqual(len(lines), 3 * (len(kept) + 2))
+        measured = ("measure", "bed.toml", "-o", "some", "-s", "measure.order=true", *formats, *setting(output__every_bead=7))
+        self.assertIn("measure while it runs", self.expect(2, *measured).stderr)
+        self.assertIn("granular.output.every_bead = 1", self.expect(
+            2, "check", SCENES / "granular_quick.toml", *setting(output__every_bead=2)).stderr)
+
     def test_formats_that_are_not_wanted(self):
         self.dem("xyz", *setting(output__formats='["xyz"]', output__last_period="false"))
         self.assertEqual(self.names("xyz"), FINAL - {"trajectory.h5md", "last_period.h5md"})

@@ -57,7 +57,7 @@ class SignalTest(BedTest):
     def test_large_output_is_announced(self):
         """61 spheres, 999501 frames and 50 of the last period: 60 bytes each at the end, 48 in the logs."""
         large = setting(duration=19990.0, output__frames=0.02)
-        words = "frames of a run take up to 3.66 GB, and 2.93 GB more until it has ended; for less, granular.output.frames above 0.02 s"
+        words = "frames of a run take up to 3.66 GB, and 2.93 GB more until it has ended; for less, granular.output.frames above 0.02 s, every_bead above 1"
         self.assertIn(words, self.expect(0, "check", "bed.toml", *large).stdout)
         self.assertNotIn("frames of a run take", self.expect(0, "check", "bed.toml").stdout)
         with self.started("dem", "bed.toml", "-o", "out", *large) as process:

@@ -19,6 +19,7 @@ struct GranularSchedule {
     std::int64_t row_every = 1, frame_every = 1; ///< steps between rows of the table, and between frames
     double stop_at_travel = 0.0;                 ///< mean advance of the rods, m; 0: to the end
     bool h5md = true, xyz = false, last_period = true;
+    std::size_t every_bead = 1; ///< beads 0, every_bead, 2 every_bead, ... are in the frames
 };
 GranularSchedule granular_schedule(const scene::Granular& bed, const granular::GranularProblem& problem);
 
@@ -41,5 +42,8 @@ double table_interval(const scene::Granular& bed);
 /// Frames of a run that goes to its end, and their size as extended XYZ, about.
 double frame_count(const scene::Granular& bed);
 double xyz_bytes(const scene::Granular& bed, const granular::GranularProblem& problem);
+
+/// Beads and spheres of rods that a frame holds.
+double stored_spheres(const scene::Granular& bed, const granular::GranularProblem& problem);
 
 } // namespace rodwake::assembly
