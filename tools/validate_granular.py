@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Validation of the granular simulator: every number of docs/validation.md that comes from a bed.
 
-    tools/validate_granular.py [--program build/release/rodwake] [--only lone,beads,order,bed,steps,pairs,impacts,force] [--quick]
+    tools/validate_granular.py [--program build/release/rodwake] [--only lone,beads,order,bed,steps,pairs,impacts,force,yield] [--quick]
                                [-j 2] [--keep DIR]
 
 Prints Markdown. Each line gives mean +- standard error, the number of runs and what was asked. --quick: few and short runs, to
@@ -17,6 +17,8 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+
+import numpy
 
 SOURCE = Path(__file__).resolve().parent.parent
 BOX = 'box = "78 a"\n'
@@ -167,8 +169,44 @@ def force(lab):
     table("Force on the beads of a rod held at a speed, phi_b = 0.80, 10 s", ["speed, mm/s", "force, uN", "runs"], rows)
 
 
+def crossing(thrust, force):
+    """Speed at which two straight lines through (v, f, error) meet, with the error of their coefficients carried on."""
+    lines = [numpy.polyfit(v, f, 1, w=1 / error, cov="unscaled") for v, f, error in (numpy.array(t).T for t in (thrust, force))]
+    (slope, at_rest), (c, f0) = lines[0][0], lines[1][0]
+    v = (at_rest - f0) / (c - slope)
+    gradient = numpy.array([v, 1.0]) / (c - slope)
+    return v, math.sqrt(sum(gradient @ covariance @ gradient for _, covariance in lines))
+
+
+def yielding(lab):
+    """Thrust of a lone rod held at a speed against the force that the bed takes at it: where they are equal it should walk."""
+    speeds, rows, summary = (0.5, 1.0, 1.5, 2.0, 2.5), [], []
+    held = {}
+    for phi in (None, 0.70, 0.80):
+        bed = "beads = 0\n" if phi is None else f"phi_b = {phi}\n"
+        for speed in (0.0, *speeds) if phi is None else speeds:
+            keys = f"{bed}{BOX}equilibrate = \"0.5 s\"\nduration = {lab.seconds(10)}\n"
+            s, _ = lab.run(keys, rod(20, 39, extra=f'imposed_speed = "{speed} mm/s"\n'), 16)
+            r = s["rods"][0]
+            held.setdefault(phi, []).append([speed] + [1e6 * r[k] for k in ("thrust", "thrust_error", "force", "force_error")])
+            rows.append(["none" if phi is None else f"{phi:.2f}", f"{speed:g}", with_error(r["thrust"], r["thrust_error"], 1e6),
+                         with_error(r["force"], r["force_error"], 1e6)])
+    table("Thrust of the plates on a rod held at a speed, and its force on the beads, 10 s, 16 runs",
+          ["phi_b", "speed, mm/s", "thrust, uN", "force, uN"], rows)
+    lone = [point[:3] for point in held[None]]
+    for phi in (0.70, 0.80):
+        s, _ = lab.run(f"phi_b = {phi}\n{BOX}duration = {lab.seconds(10)}\n", rod(20, 39), 16)
+        r = s["rods"][0]
+        force, own = [[p[0], p[3], p[4]] for p in held[phi]], [p[:3] for p in held[phi]]
+        summary.append([f"{phi:.2f}", with_error(*crossing(lone, force)), with_error(*crossing(own, force)),
+                        with_error(r["mean_speed"], r["mean_speed_error"], 1e3), with_error(r["thrust"], r["thrust_error"], 1e6),
+                        with_error(r["force"], r["force_error"], 1e6)])
+    table("Speed from thrust = force, and the free rod's",
+          ["phi_b", "lone rod's thrust, mm/s", "thrust in the bed, mm/s", "free, mm/s", "its thrust, uN", "its force, uN"], summary)
+
+
 PARTS = {"impacts": impacts, "lone": lone, "beads": beads, "order": order, "bed": bed, "steps": steps, "pairs": pairs,
-         "force": force}
+         "force": force, "yield": yielding}
 
 
 def main():

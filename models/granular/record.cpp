@@ -51,6 +51,8 @@ void Record::begin(const Simulation& simulation) {
         const double x = rod.position.x(), y = rod.position.y(), heading = rod.heading();
         rods_[i] = {x,   y,  heading, x, y, heading, 0.0, {impulse_on_beads.x(), impulse_on_beads.y()},
                     0.0, 0.0};
+        const Eigen::Vector3d& from_plates = simulation.tallies().impulse_from_plates[i];
+        thrust_[i] = {{from_plates.x(), from_plates.y()}, 0.0};
     }
 }
 
@@ -59,12 +61,16 @@ void Record::follow_rods(const Simulation& simulation) {
         RodProgress& p = rods_[i];
         const RodBody& rod = simulation.rod(i);
         const Eigen::Vector2d ahead = along(p.heading),
-                              impulse_on_beads = simulation.tallies().impulse_on_beads[i].head<2>();
+                              impulse_on_beads = simulation.tallies().impulse_on_beads[i].head<2>(),
+                              from_plates = simulation.tallies().impulse_from_plates[i].head<2>();
         p.travelled += (rod.position.head<2>() - Eigen::Vector2d(p.x, p.y)).dot(ahead);
         p.impulse_on_beads +=
             (impulse_on_beads - Eigen::Map<const Eigen::Vector2d>(p.impulse_on_beads_at)).dot(ahead);
         p.impulse_on_beads_at[0] = impulse_on_beads.x();
         p.impulse_on_beads_at[1] = impulse_on_beads.y();
+        RodThrust& t = thrust_[i];
+        t.impulse += (from_plates - Eigen::Map<const Eigen::Vector2d>(t.impulse_at)).dot(ahead);
+        Eigen::Map<Eigen::Vector2d>(t.impulse_at) = from_plates;
         p.x = rod.position.x();
         p.y = rod.position.y();
         p.heading = continued(rod.heading(), p.heading);
@@ -153,9 +159,10 @@ double Record::mean_advance() const {
     return rods_.empty() ? 0.0 : sum / static_cast<double>(rods_.size());
 }
 
-void Record::restore(const RecordSums& sums, std::vector<RodProgress> rods) {
+void Record::restore(const RecordSums& sums, std::vector<RodProgress> rods, std::vector<RodThrust> thrust) {
     sums_ = sums;
     rods_ = std::move(rods);
+    thrust_ = std::move(thrust);
 }
 
 } // namespace rodwake::granular

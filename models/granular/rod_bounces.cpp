@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace rodwake::granular {
 
@@ -109,20 +110,20 @@ double next_touch(const Approach& approach, double left, double rest, bool lossl
 
 Plate plate_at(const PlateStep& step, int side) { return {side == 0 ? 1.0 : -1.0, &step}; }
 
-/// One impulse where the sphere touches, if it is in contact and approaches; whether it was.
-bool bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left, double rest,
-            const Surface& surface, PlateTally& tally) {
+/// One impulse where the sphere touches, if it is in contact and approaches: the impulse.
+std::optional<Vector3> bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left,
+                              double rest, const Surface& surface, PlateTally& tally) {
     const Approach now(rod, sphere, plate, left);
     const double gap = now.gap(0.0);
     if (!(gap <= touching * now.radius()))
-        return false;
+        return {};
     tally.max_overlap = std::max(tally.max_overlap, -gap / now.radius());
     const Vector3 normal(0.0, 0.0, plate.side);
     const Vector3 arm = rod.clump().offset[sphere] * rod.axis() - (now.radius() + gap) * normal;
     const Vector3 relative = rod.velocity_at(arm) - Vector3(0.0, 0.0, plate.speed(left));
     const double approach = -relative.dot(normal);
     if (!(approach > 0.0))
-        return false;
+        return {};
     const bool lossless = surface.restitution == 1.0;
     const bool rests = !lossless && 2.0 * surface.restitution * approach <
                                         std::max(now.pressing(), plate.step->gravity) * rest;
@@ -133,7 +134,7 @@ bool bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left,
         rod.lift(-plate.side * gap);
     plate.impulse(tally) += impulse.z();
     ++tally.impulses;
-    return true;
+    return impulse;
 }
 
 /// Calls f(sphere, plate) for each sphere of the rod's outline at each plate.
@@ -146,11 +147,12 @@ void for_each_place(const MovingRod& rod, const PlateStep& step, const F& f) {
 
 } // namespace
 
-void fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
-             const std::function<void()>& moved) {
+Vector3 fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
+                const std::function<void()>& moved) {
     const bool lossless = surface.restitution == 1.0;
     const double rest = rest_share * step.time_step;
     double left = step.time_step;
+    Vector3 got = Vector3::Zero();
     bool acted = true; // the last look gave an impulse; else time must pass
     for (int bounces = 0; left > 0.0;) {
         double next = never;
@@ -161,17 +163,20 @@ void fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, Plat
             next = std::max(next, std::min(rest, left));
         rod.move(std::min(next, left), step.gravity);
         if (next == never)
-            return;
+            break;
         left = std::max(left - next, 0.0);
         acted = false;
         for_each_place(rod, step, [&](std::size_t sphere, const Plate& plate) {
-            if (!bounce(rod, sphere, plate, left, rest, surface, tally))
+            const auto impulse = bounce(rod, sphere, plate, left, rest, surface, tally);
+            if (!impulse)
                 return;
+            got += *impulse;
             acted = true;
             ++bounces;
             moved();
         });
     }
+    return got;
 }
 
 } // namespace rodwake::granular

@@ -12,8 +12,8 @@ namespace rodwake::granular {
 /// touches a plate it gets an impulse at that instant, as often as it touches within the step. A contact
 /// whose hop would be shorter than an eighth of a step rests on the plate: it gets an impulse without rebound
 /// that often, which tends to a lasting contact with Coulomb friction as the step goes to zero. `moved` is
-/// called after each change of velocity.
-void fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
-             const std::function<void()>& moved);
+/// called after each change of velocity. Returns the momentum it got from the plates, N s.
+Eigen::Vector3d fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
+                        const std::function<void()>& moved);
 
 } // namespace rodwake::granular

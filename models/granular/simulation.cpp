@@ -86,7 +86,8 @@ struct Simulation::Impl {
         : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
           contacts({p.contacts, p.box, p.time_step, p.gravity}), team(threads), tallies(t), step(state.step),
           blocks((bodies.beads + beads_per_block - 1) / beads_per_block) {
-        tallies.impulse_on_beads.resize(problem.rods.size(), Vector3::Zero());
+        for (auto* sums : {&tallies.impulse_on_beads, &tallies.impulse_from_plates})
+            sums->resize(problem.rods.size(), Vector3::Zero());
         hold_rods();
     }
 
@@ -143,8 +144,8 @@ struct Simulation::Impl {
         include_ends(velocities);
         for (std::size_t i = 0; i < bodies.rods.size(); ++i) {
             const double before = tally.max_overlap;
-            fly_rod(bodies.rods[i], plate, problem.contacts.rod_plate, tally,
-                    [&] { include_ends(velocities); });
+            tallies.impulse_from_plates[i] += fly_rod(bodies.rods[i], plate, problem.contacts.rod_plate,
+                                                      tally, [&] { include_ends(velocities); });
             if (tally.max_overlap > before)
                 tally.deepest = i;
         }

@@ -82,6 +82,7 @@ constexpr ColumnInfo runs_columns[] = {
     {"mean_speed<k>", "m/s", "of rod k along its heading, thin end first positive"},
     {"net_turn<k>", "rad", "of rod k from t = 0 to the end"},
     {"force<k>", "N", "of rod k on the beads along its heading, mean from t = 0"},
+    {"thrust<k>", "N", "of the plates on rod k along its heading, mean from t = 0"},
     {"separation_change", "m", "of two rods across their mean first heading, outwards positive"},
     {"half_box_time", "s", "when the rods had come half a box; empty: they have not"},
     {"half_box_separation_change", "m", "separation change then"}};

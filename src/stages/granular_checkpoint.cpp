@@ -62,6 +62,20 @@ Block state_block(const granular::State& state) {
     return {"state", out.take(), layout};
 }
 
+void put_vectors(ByteWriter& out, const std::vector<Eigen::Vector3d>& vectors) {
+    std::vector<std::array<double, 3>> numbers;
+    for (const Eigen::Vector3d& v : vectors)
+        numbers.push_back({v.x(), v.y(), v.z()});
+    out.put_array(numbers);
+}
+
+std::vector<Eigen::Vector3d> get_vectors(ByteReader& in) {
+    std::vector<Eigen::Vector3d> vectors;
+    for (const auto& v : in.get_array<std::array<double, 3>>())
+        vectors.emplace_back(v[0], v[1], v[2]);
+    return vectors;
+}
+
 Block tally_block(const granular::Tallies& t) {
     ByteWriter out;
     for (const double value : {t.floor_impulse, t.lid_impulse, t.max_overlap})
@@ -69,11 +83,15 @@ Block tally_block(const granular::Tallies& t) {
     for (const std::int64_t value :
          {t.bead_bead, t.bead_plate, t.bead_rod, t.rod_plate, t.rod_rod, t.overlaps})
         out.put(value);
-    std::vector<std::array<double, 3>> pushed;
-    for (const Eigen::Vector3d& p : t.impulse_on_beads)
-        pushed.push_back({p.x(), p.y(), p.z()});
-    out.put_array(pushed);
+    put_vectors(out, t.impulse_on_beads);
     return {"tallies", out.take(), layout};
+}
+
+Block thrust_block(const GranularCheckpoint& c) {
+    ByteWriter out;
+    put_vectors(out, c.tallies.impulse_from_plates);
+    out.put_array(c.thrust);
+    return {"thrust", out.take(), layout};
 }
 
 Block record_block(const GranularCheckpoint& c) {
@@ -123,8 +141,13 @@ void read_tallies(granular::Tallies& t, ByteReader in) {
     for (std::int64_t* value :
          {&t.bead_bead, &t.bead_plate, &t.bead_rod, &t.rod_plate, &t.rod_rod, &t.overlaps})
         *value = in.get<std::int64_t>();
-    for (const auto& p : in.get_array<std::array<double, 3>>())
-        t.impulse_on_beads.emplace_back(p[0], p[1], p[2]);
+    t.impulse_on_beads = get_vectors(in);
+    in.finish();
+}
+
+void read_thrust(GranularCheckpoint& c, ByteReader in) {
+    c.tallies.impulse_from_plates = get_vectors(in);
+    c.thrust = in.get_array<granular::RodThrust>();
     in.finish();
 }
 
@@ -148,8 +171,8 @@ void read_record(GranularCheckpoint& c, ByteReader in) {
 } // namespace
 
 void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& c) {
-    const std::array blocks = {head_block(c),   state_block(c.state), tally_block(c.tallies),
-                               record_block(c), measure_block(c),     cost_block(c)};
+    const std::array blocks = {head_block(c),   state_block(c.state), tally_block(c.tallies), record_block(c),
+                               thrust_block(c), measure_block(c),     cost_block(c)};
     store::write_generation(file, store::encode_blocks(blocks));
 }
 
@@ -167,8 +190,10 @@ std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& fil
     read_state(result.checkpoint.state, block("state"));
     read_tallies(result.checkpoint.tallies, block("tallies"));
     read_record(result.checkpoint, block("record"));
-    // files of earlier versions measure nothing and say nothing of the cost
+    // files of earlier versions measure nothing and say nothing of thrust and cost
     const auto has = [&](const char* name) { return std::ranges::count(loaded->blocks, name, &Block::name); };
+    if (has("thrust"))
+        read_thrust(result.checkpoint, block("thrust"));
     if (has("measures"))
         read_measures(result.checkpoint, block("measures"));
     if (has("cost"))

@@ -70,7 +70,7 @@ public:
           wall_start_(Clock::now()), saved_(wall_start_) {
         meter_.mark(&RunCost::start);
         if (loaded_)
-            record_.restore(loaded_->sums, loaded_->progress);
+            record_.restore(loaded_->sums, loaded_->progress, loaded_->thrust);
         else
             observe(); // the start itself is the first sample, row and, without equilibration, frame
     }
@@ -114,6 +114,10 @@ private:
         if (c.scene != plan_.scene_key || c.seed != bed_.problem.seed || c.run != task_.run)
             throw InputError(checkpoint_file_.string() + ": belongs to another scene, seed or run; choose "
                                                          "another folder with -o, or --force to start anew");
+        if (c.thrust.size() != bed_.problem.rods.size())
+            throw InputError(checkpoint_file_.string() +
+                             ": of a version that did not follow the thrust of rods; finish the run with "
+                             "that version, choose another folder with -o, or --force to start anew");
         if (!loaded->notice.empty())
             log_->warn("{}", loaded->notice);
         if (c.build != build_name())
@@ -258,6 +262,7 @@ private:
         rod.mean_speed = p.travelled / time;
         rod.net_turn = p.heading - p.heading0;
         rod.force = p.impulse_on_beads / time;
+        rod.thrust = record_.thrust()[i].impulse / time;
         return rod;
     }
 

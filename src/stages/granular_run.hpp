@@ -33,7 +33,8 @@ struct GranularTask {
 struct RodSummary {
     std::string kind;
     double mean_speed = 0.0, net_turn = 0.0;
-    double force = 0.0; ///< on the beads along the heading, mean, N
+    double force = 0.0;  ///< on the beads along the heading, mean, N
+    double thrust = 0.0; ///< of the plates on the rod along the heading, mean, N
 };
 
 struct GranularSummary {

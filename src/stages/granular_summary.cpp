@@ -40,7 +40,8 @@ ordered_json rods_json(const std::vector<RodSummary>& rods) {
         list.push_back({{"kind", rod.kind},
                         {"mean_speed", rod.mean_speed},
                         {"net_turn", rod.net_turn},
-                        {"force", rod.force}});
+                        {"force", rod.force},
+                        {"thrust", rod.thrust}});
     return list;
 }
 
@@ -77,6 +78,7 @@ ordered_json mean_rods(const granular::GranularProblem& problem, std::span<const
         put_mean(rod, "mean_speed", runs, [i](const GranularSummary& s) { return s.rods[i].mean_speed; });
         put_mean(rod, "net_turn", runs, [i](const GranularSummary& s) { return s.rods[i].net_turn; });
         put_mean(rod, "force", runs, [i](const GranularSummary& s) { return s.rods[i].force; });
+        put_mean(rod, "thrust", runs, [i](const GranularSummary& s) { return s.rods[i].thrust; });
         list.push_back(rod);
     }
     return list;
@@ -128,7 +130,8 @@ GranularSummary summary_of(const json& j, std::uint32_t run) {
     s.psi6 = j.at("psi6");
     s.absorbing_state = j.at("absorbing_state");
     for (const json& rod : j.at("rods"))
-        s.rods.push_back({rod.at("kind"), rod.at("mean_speed"), rod.at("net_turn"), rod.at("force")});
+        s.rods.push_back(
+            {rod.at("kind"), rod.at("mean_speed"), rod.at("net_turn"), rod.at("force"), rod.at("thrust")});
     s.pair.half_box_time = -1.0;
     if (j.contains("pair")) {
         const json& pair = j.at("pair");
@@ -208,7 +211,7 @@ std::string ensemble_csv(const granular::GranularProblem& problem, std::span<con
     std::vector<std::string> names = {"run", "simulated_time", "cpu_seconds", "T_xy",
                                       "T_z", "psi6",           "max_overlap"};
     for (std::size_t i = 0; i < problem.rods.size(); ++i)
-        for (const char* name : {"mean_speed", "net_turn", "force"})
+        for (const char* name : {"mean_speed", "net_turn", "force", "thrust"})
             names.push_back(fmt::format("{}{}", name, i));
     const bool pair = problem.rods.size() == 2;
     if (pair)
@@ -223,7 +226,7 @@ std::string ensemble_csv(const granular::GranularProblem& problem, std::span<con
                                    s.psi6,
                                    s.max_overlap};
         for (const RodSummary& rod : s.rods)
-            row.insert(row.end(), {rod.mean_speed, rod.net_turn, rod.force});
+            row.insert(row.end(), {rod.mean_speed, rod.net_turn, rod.force, rod.thrust});
         const double none = std::nan("");
         const bool far = s.pair.half_box_time >= 0.0;
         if (pair)

@@ -76,7 +76,9 @@ const std::vector<std::string> series_header = {"name",
                                                 "force",
                                                 "force_error",
                                                 "speed",
-                                                "speed_error"};
+                                                "speed_error",
+                                                "thrust",
+                                                "thrust_error"};
 
 std::vector<std::string> known(std::vector<std::string> header) {
     header.resize(series_header.size());
@@ -121,8 +123,8 @@ TEST_CASE("series.csv has the columns of all measures where none was made", "[me
     stages::write_series(scratch.path(), {case_of("bare"), forced});
     CHECK(known(header_of(scratch / "series.csv")) == series_header);
     const std::string text = content(scratch / "series.csv");
-    CHECK(text.find("\nbare,0.75,,,,,,,,,,,,3,,,,,,") != std::string::npos);
-    CHECK(text.find("\nforced,0.75,,2,,,,,,,,,,3,,,2,,,") != std::string::npos);
+    CHECK(text.find("\nbare,0.75,,,,,,,,,,,,3,,,,,,,,") != std::string::npos);
+    CHECK(text.find("\nforced,0.75,,2,,,,,,,,,,3,,,2,,,,,") != std::string::npos);
     CHECK_FALSE(fs::exists(scratch / "series.json"));
 }
 

@@ -40,6 +40,14 @@ struct RodProgress {
     double row_travelled; ///< at the last row
 };
 
+/// Momentum that a rod got from the plates along the heading of each moment since t = 0. Over the time that
+/// is its thrust: of a rod that walks freely and steadily as much as its force on the beads, of a lone one
+/// zero.
+struct RodThrust {
+    double impulse_at[2]; ///< in-plane Tallies::impulse_from_plates at the last sample
+    double impulse;       ///< N s
+};
+
 struct SampleSums {
     double T_xy, T_z;
     std::int64_t count;
@@ -63,7 +71,7 @@ struct RecordSums {
 
 class Record {
 public:
-    Record(double order_cutoff, std::size_t rods) : cutoff_(order_cutoff), rods_(rods) {
+    Record(double order_cutoff, std::size_t rods) : cutoff_(order_cutoff), rods_(rods), thrust_(rods) {
         sums_.pair.half_box_time = -1.0;
     }
 
@@ -75,8 +83,9 @@ public:
     /// How far the rods came along their headings at t = 0, mean, m.
     double mean_advance() const;
     const std::vector<RodProgress>& rods() const { return rods_; }
+    const std::vector<RodThrust>& thrust() const { return thrust_; }
     const RecordSums& sums() const { return sums_; }
-    void restore(const RecordSums& sums, std::vector<RodProgress> rods);
+    void restore(const RecordSums& sums, std::vector<RodProgress> rods, std::vector<RodThrust> thrust);
 
 private:
     void begin(const Simulation& simulation);
@@ -86,6 +95,7 @@ private:
     double cutoff_;
     RecordSums sums_{};
     std::vector<RodProgress> rods_;
+    std::vector<RodThrust> thrust_; ///< a value a rod
 };
 
 } // namespace rodwake::granular

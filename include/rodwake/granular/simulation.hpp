@@ -27,7 +27,8 @@ struct Tallies {
     std::int64_t bead_bead = 0, bead_plate = 0, bead_rod = 0, rod_plate = 0, rod_rod = 0; ///< impulses given
     std::int64_t overlaps = 0; ///< pairs found overlapping, summed over steps
     double max_overlap = 0.0;  ///< of a pair or a rod and a plate, in radii of the smaller sphere
-    std::vector<Eigen::Vector3d> impulse_on_beads; ///< momentum each rod gave to the beads, N s
+    std::vector<Eigen::Vector3d> impulse_on_beads;    ///< momentum each rod gave to the beads, N s
+    std::vector<Eigen::Vector3d> impulse_from_plates; ///< momentum each rod got from the plates, N s
 };
 
 /// Why a run cannot go on.

@@ -1,4 +1,5 @@
-// Mean force of the rod on the beads along its heading, and its speed; each run has its own in summary.json.
+// Mean force of the rod on the beads along its heading, its thrust and its speed; each run has its own in
+// summary.json.
 
 #include "rodwake/measure/statistics.hpp"
 
@@ -16,11 +17,13 @@ using scene::Measure, scene::Scene;
 
 constexpr ValueInfo values[] = {
     {"force", "Force", "\u00b5N", "of the rod on the beads, along its heading", 1e6},
+    {"thrust", "Thrust", "\u00b5N", "of the plates on the rod, along its heading", 1e6},
     {"speed", "Speed", "mm/s", "of the rod along its heading", 1e3},
 };
 
 constexpr SeriesInfo series[] = {{{"force", "N", "of the rod on the beads along its heading"}},
-                                 {{"speed", "a/s", "of the rod along its heading"}}};
+                                 {{"speed", "a/s", "of the rod along its heading"}},
+                                 {{"thrust", "N", "of the plates on the rod along its heading"}}};
 
 Estimate of_rod(const MeasuredCase& data, const char* name) {
     return measure::mean_of_blocks(
@@ -28,12 +31,13 @@ Estimate of_rod(const MeasuredCase& data, const char* name) {
 }
 
 MeasureReport report(const MeasuredCase& data) {
-    const Estimate force = of_rod(data, "force"), speed = of_rod(data, "mean_speed");
+    const Estimate force = of_rod(data, "force"), thrust = of_rod(data, "thrust"),
+                   speed = of_rod(data, "mean_speed");
     const Estimate speed_in_a = speed.scaled(1.0 / data.bead_radius());
-    return {.values = {{"force", force}, {"speed", speed}},
-            .series = {{"force", force}, {"speed", speed_in_a}},
-            .line =
-                fmt::format("force on the beads {} uN at {} a/s", text(force.scaled(1e6)), text(speed_in_a))};
+    return {.values = {{"force", force}, {"thrust", thrust}, {"speed", speed}},
+            .series = {{"force", force}, {"speed", speed_in_a}, {"thrust", thrust}},
+            .line = fmt::format("force on the beads {} uN, thrust {} uN, at {} a/s", text(force.scaled(1e6)),
+                                text(thrust.scaled(1e6)), text(speed_in_a))};
 }
 
 // Force against the imposed speeds of several cases.
