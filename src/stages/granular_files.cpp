@@ -28,7 +28,7 @@ void add_particle(store::FrameLayout& layout, std::int32_t species, double mass,
 store::FrameLayout layout_of(const granular::GranularProblem& p, const std::vector<granular::Clump>& clumps) {
     store::FrameLayout layout;
     const double height = p.plates.gap + 2.0 * p.plates.amplitude(p.gravity);
-    layout.box = {p.box, p.box, height};
+    layout.box = {p.box.x, p.box.y, height};
     for (std::size_t i = 0; i < p.beads; ++i)
         add_particle(layout, 0, granular::bead_mass(p), p.bead_radius);
     for (std::size_t r = 0; r < clumps.size(); ++r) {
