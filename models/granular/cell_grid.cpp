@@ -1,7 +1,6 @@
 #include "cell_grid.hpp"
 
 #include "rodwake/core/cell_list.hpp"
-#include "rodwake/core/periodic.hpp"
 
 #include <algorithm>
 
@@ -20,20 +19,21 @@ std::vector<double> column(const Rows& position, std::size_t count, std::size_t 
 }
 
 /// The pairs whose first sphere is one of [begin, end).
-void pairs_of(const Bodies& bodies, const CellList& cells, double box, double skin, std::size_t begin,
-              std::size_t end, PairList& found) {
+void pairs_of(const Bodies& bodies, const CellList& cells, const PeriodicBox& box, double skin,
+              std::size_t begin, std::size_t end, PairList& found) {
     found.clear();
     std::vector<std::uint32_t> partners;
     for (std::size_t i = begin; i < end; ++i) {
         const double x = bodies.position[4 * i], y = bodies.position[4 * i + 1],
                      radius = bodies.radius[i] + skin;
         partners.clear();
-        cells.around(cells.column(x), cells.column(y), [&](std::size_t k) {
+        cells.around(cells.column(x), cells.row(y), [&](std::size_t k) {
             const std::uint32_t j = cells.member()[k];
             if (j <= i)
                 return;
-            const double dx = nearest_image_rounded(x - cells.x()[k], box),
-                         dy = nearest_image_rounded(y - cells.y()[k], box), reach = radius + bodies.radius[j];
+            const double dx = nearest_image_rounded(x - cells.x()[k], box.x),
+                         dy = nearest_image_rounded(y - cells.y()[k], box.y),
+                         reach = radius + bodies.radius[j];
             if (dx * dx + dy * dy < reach * reach && !bodies.same_rod(i, j))
                 partners.push_back(j);
         });
@@ -47,7 +47,7 @@ void pairs_of(const Bodies& bodies, const CellList& cells, double box, double sk
 
 } // namespace
 
-void near_pairs(const Bodies& bodies, double box, double skin, Team& team, PairList& list) {
+void near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team, PairList& list) {
     list.clear();
     const std::size_t count = bodies.spheres();
     if (count < 2)

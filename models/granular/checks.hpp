@@ -2,6 +2,7 @@
 // Collects everything that is wrong with an input, so that one error names it all.
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/periodic.hpp"
 
 #include <cmath>
 #include <string>
@@ -23,6 +24,11 @@ public:
         require(legal && std::isfinite(value), fmt::format("{} = {}: must be {}", name, value, range));
     }
     void positive(std::string_view name, double value) { number(value > 0.0, name, value, "> 0 and finite"); }
+    void sides(const PeriodicBox& box) {
+        positive("box", box.x);
+        if (!box.square())
+            positive("box, second side", box.y);
+    }
     bool passed() const { return problems_.empty(); }
     /// Throws InputError with one line a problem, if there is any.
     void finish() const {

@@ -21,7 +21,8 @@ std::vector<std::size_t> by_vacancy(const std::vector<Eigen::Vector2d>& sites, c
                                     const Room& room, std::uint32_t run) {
     std::vector<double> rank(sites.size());
     for (std::size_t k = 0; k < sites.size(); ++k) {
-        const double depth = room.rods.empty() ? -1.0 : cover(sites[k].x(), sites[k].y(), room) / room.box;
+        const double depth =
+            room.rods.empty() ? -1.0 : cover(sites[k].x(), sites[k].y(), room) / room.box.shorter();
         rank[k] = depth > 0.0 ? depth : -stream_for(Purpose::vacancy, problem.seed, run, k).uniform();
     }
     std::vector<std::size_t> order(sites.size());
@@ -37,8 +38,10 @@ long sites_needed(const GranularProblem& problem, const Room& room) {
     double covered = 0.0;
     for (const RodSpec& rod : problem.rods)
         covered += make_clump(rod.shape).projected_area();
-    const double free = room.box * room.box - covered;
-    return static_cast<long>(std::ceil(static_cast<double>(problem.beads) * room.box * room.box / free));
+    const double free = room.box.area() - covered;
+    const double sites = static_cast<double>(problem.beads) * room.box.x * room.box.y / free;
+    const double rounding = room.box.square() ? 0.0 : 1e-9; // is no site; squares keep their starts of before
+    return static_cast<long>(std::ceil(sites - rounding * sites));
 }
 
 } // namespace
@@ -81,8 +84,8 @@ Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t
         auto random = stream_for(Purpose::place, problem.seed, run, i);
         double x = 0.0, y = 0.0;
         for (int attempt = 0; attempt < most_attempts; ++attempt) {
-            x = random.uniform(0.0, room.box);
-            y = random.uniform(0.0, room.box);
+            x = random.uniform(0.0, room.box.x);
+            y = random.uniform(0.0, room.box.y);
             if (room.rods.empty() || cover(x, y, room) < 0.0)
                 break;
         }

@@ -33,7 +33,7 @@ Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_
 /// Uniform in the room outside the rods.
 Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t run);
 
-/// fit.sites points in [0, box)^2, exact to rounding, always in the same order; the first is (0, 0).
-std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, double box);
+/// fit.sites points in the box, exact to rounding, always in the same order; the first is (0, 0).
+std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, const PeriodicBox& box);
 
 } // namespace rodwake::granular

@@ -5,7 +5,6 @@
 #include <hwy/highway.h>
 
 #include "kernels.hpp"
-#include "rodwake/core/periodic.hpp"
 #include "rodwake/granular/simulation.hpp"
 
 #include <algorithm>
@@ -87,9 +86,9 @@ struct Separation {
     double flat2, height;
 };
 
-Separation Separate(const double* position, const Pair& pair, double box) {
+Separation Separate(const double* position, const Pair& pair, const PeriodicBox& box) {
     const double *a = position + 4 * std::size_t{pair.first}, *b = position + 4 * std::size_t{pair.second};
-    const double x = nearest_image_rounded(a[0] - b[0], box), y = nearest_image_rounded(a[1] - b[1], box);
+    const double x = nearest_image_rounded(a[0] - b[0], box.x), y = nearest_image_rounded(a[1] - b[1], box.y);
     return {x * x + y * y, a[2] - b[2]};
 }
 
@@ -103,9 +102,18 @@ std::uint32_t Bits(hn::Mask<Row> mask) {
     return bytes[0] & 0xFu;
 }
 
+struct BoxLanes {
+    V x, y, per_x, per_y;
+};
+
+BoxLanes LanesOf(const PeriodicBox& box) {
+    const Row row;
+    return {hn::Set(row, box.x), hn::Set(row, box.y), hn::Set(row, 1.0 / box.x), hn::Set(row, 1.0 / box.y)};
+}
+
 /// The same for four pairs.
-HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs, V box,
-                             V per_box, V& flat2, V& height) {
+HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs,
+                             const BoxLanes& box, V& flat2, V& height) {
     const Row row;
     const auto difference = [&](int k) {
         return hn::Sub(hn::LoadU(row, position + 4 * std::size_t{pairs[k].first}),
@@ -116,8 +124,8 @@ HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HW
     const V y01 = hn::InterleaveUpper(row, r0, r1), y23 = hn::InterleaveUpper(row, r2, r3);
     V x = hn::ConcatLowerLower(row, xz23, xz01), y = hn::ConcatLowerLower(row, y23, y01);
     height = hn::ConcatUpperUpper(row, xz23, xz01);
-    x = hn::Sub(x, hn::Mul(box, hn::Round(hn::Mul(x, per_box))));
-    y = hn::Sub(y, hn::Mul(box, hn::Round(hn::Mul(y, per_box))));
+    x = hn::Sub(x, hn::Mul(box.x, hn::Round(hn::Mul(x, box.per_x))));
+    y = hn::Sub(y, hn::Mul(box.y, hn::Round(hn::Mul(y, box.per_y))));
     flat2 = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
 }
 #endif
@@ -149,17 +157,17 @@ HWY_INLINE std::size_t Select(std::size_t begin, std::size_t end, std::uint32_t*
 }
 
 std::size_t OverlappingPairs(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                             double box, std::uint32_t* found) {
+                             const PeriodicBox& box, std::uint32_t* found) {
     const auto one = [&](std::size_t k) {
         const Separation s = Separate(position, list.pairs[k], box);
         return s.flat2 + s.height * s.height < list.reach[k] * list.reach[k];
     };
 #if RODWAKE_ROWS
     const Row row;
-    const V vbox = hn::Set(row, box), per_box = hn::Set(row, 1.0 / box);
+    const BoxLanes lanes = LanesOf(box);
     const auto four = [&](std::size_t k) HWY_ATTR {
         V flat2, height;
-        SeparateFour(position, &list.pairs[k], vbox, per_box, flat2, height);
+        SeparateFour(position, &list.pairs[k], lanes, flat2, height);
         const V reach = hn::LoadU(row, &list.reach[k]);
         return Bits(hn::Lt(hn::Add(flat2, hn::Mul(height, height)), hn::Mul(reach, reach)));
     };
@@ -170,17 +178,18 @@ std::size_t OverlappingPairs(const double* position, const PairList& list, std::
 }
 
 std::size_t PairsWithinReach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                             double box, double allowance, std::uint32_t* found) {
+                             const PeriodicBox& box, double allowance, std::uint32_t* found) {
     const auto one = [&](std::size_t k) {
         const double reach = list.reach[k] + allowance;
         return Separate(position, list.pairs[k], box).flat2 < reach * reach;
     };
 #if RODWAKE_ROWS
     const Row row;
-    const V vbox = hn::Set(row, box), per_box = hn::Set(row, 1.0 / box), vallowance = hn::Set(row, allowance);
+    const BoxLanes lanes = LanesOf(box);
+    const V vallowance = hn::Set(row, allowance);
     const auto four = [&](std::size_t k) HWY_ATTR {
         V flat2, height;
-        SeparateFour(position, &list.pairs[k], vbox, per_box, flat2, height);
+        SeparateFour(position, &list.pairs[k], lanes, flat2, height);
         const V reach = hn::Add(hn::LoadU(row, &list.reach[k]), vallowance);
         return Bits(hn::Lt(flat2, hn::Mul(reach, reach)));
     };
@@ -277,12 +286,12 @@ void drift(double* position, double* velocity, std::size_t begin, std::size_t en
 }
 
 std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                        double box, std::uint32_t* found) {
+                        const PeriodicBox& box, std::uint32_t* found) {
     return HWY_DYNAMIC_DISPATCH(OverlappingPairs)(position, list, begin, end, box, found);
 }
 
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                         double box, double allowance, std::uint32_t* found) {
+                         const PeriodicBox& box, double allowance, std::uint32_t* found) {
     return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, allowance, found);
 }
 

@@ -4,6 +4,7 @@
 // the same bits: no sum is reordered and no product is fused.
 
 #include "rodwake/core/parallel.hpp"
+#include "rodwake/core/periodic.hpp"
 #include "rows.hpp"
 
 #include <cstddef>
@@ -50,13 +51,13 @@ struct PairList {
 void gather(const std::vector<PairList>& parts, Team& team, PairList& list);
 
 /// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room
-/// for end - begin + 8; `box`: side of the periodic square.
+/// for end - begin + 8.
 std::size_t overlapping(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                        double box, std::uint32_t* found);
+                        const PeriodicBox& box, std::uint32_t* found);
 
 /// Pairs of [begin, end) nearer in the plane than their reach and `allowance`.
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
-                         double box, double allowance, std::uint32_t* found);
+                         const PeriodicBox& box, double allowance, std::uint32_t* found);
 
 /// The largest distance in the plane between the same rows of two arrays.
 double furthest_moved(const Rows& position, const Rows& before, Team& team);

@@ -22,7 +22,9 @@ constexpr double cost_of_strain = 0.5; // in the currency of lost spacing
 constexpr double cost_of_turn = 0.02;  // the same, of rows turned by one tolerance; grows as the square
 
 /// Spacing of the perfect lattice of the same density.
-double perfect_spacing(double box, double sites) { return box * std::sqrt(2.0 / (std::sqrt(3.0) * sites)); }
+double perfect_spacing(const PeriodicBox& box, double sites) {
+    return box.mean_side() * std::sqrt(2.0 / (std::sqrt(3.0) * sites));
+}
 
 /// Columns a1, a2 of the perfect lattice.
 Matrix2d perfect_lattice(double spacing, double orientation) {
@@ -48,12 +50,13 @@ double shortest_vector(const Matrix2d& lattice) {
 }
 
 /// The lattice with these box edges; its vectors are the columns of box N^-1, N = (m1 m2; n1 n2).
-LatticeFit measured(int m1, int n1, int m2, int n2, double box) {
+LatticeFit measured(int m1, int n1, int m2, int n2, const PeriodicBox& box) {
     LatticeFit fit{m1, n1, m2, n2};
     fit.sites = static_cast<long>(m1) * n2 - static_cast<long>(m2) * n1;
     Matrix2d lattice;
     lattice << n2, -m2, -n1, m1;
-    lattice *= box / static_cast<double>(fit.sites);
+    lattice.row(0) *= box.x / static_cast<double>(fit.sites);
+    lattice.row(1) *= box.y / static_cast<double>(fit.sites);
     fit.orientation = std::atan2(lattice(1, 0), lattice(0, 0));
     fit.spacing = shortest_vector(lattice);
     const Matrix2d perfect =
@@ -63,7 +66,8 @@ LatticeFit measured(int m1, int n1, int m2, int n2, double box) {
 }
 
 struct Search {
-    double box, orientation;
+    PeriodicBox box;
+    double orientation;
     long least, most;
     LatticeFit best{};
     double best_cost = std::numeric_limits<double>::infinity();
@@ -74,7 +78,7 @@ struct Search {
     double cost(const LatticeFit& fit) const {
         const double spacing = perfect_spacing(box, static_cast<double>(least));
         const double turned = std::remainder(fit.orientation - orientation, 2.0 * M_PI);
-        const double turns = turned / std::max(degree, 0.5 * spacing / box);
+        const double turns = turned / std::max(degree, 0.5 * spacing / box.mean_side());
         return 1.0 - fit.spacing / spacing + cost_of_strain * fit.strain + cost_of_turn * turns * turns;
     }
 
@@ -91,7 +95,9 @@ struct Search {
 
     /// All integer box edges next to those of the perfect lattice of this density.
     void around(double sites) {
-        const Matrix2d edges = box * perfect_lattice(perfect_spacing(box, sites), orientation).inverse();
+        Matrix2d edges = perfect_lattice(perfect_spacing(box, sites), orientation).inverse();
+        edges.col(0) *= box.x;
+        edges.col(1) *= box.y;
         const auto low = [](double x) { return static_cast<int>(std::floor(x)) - 1; };
         const int m1 = low(edges(0, 0)), n1 = low(edges(1, 0)), m2 = low(edges(0, 1)), n2 = low(edges(1, 1));
         for (int k = 0; k < 256; ++k) // four choices for each of the four
@@ -106,9 +112,9 @@ long positive_remainder(long number, long divisor) {
 
 } // namespace
 
-LatticeFit fit_lattice(double box, long sites, double orientation) {
+LatticeFit fit_lattice(const PeriodicBox& box, long sites, double orientation) {
     Checks checks;
-    checks.positive("box", box);
+    checks.sides(box);
     checks.number(true, "orientation", orientation, "finite (rad)");
     checks.require(sites >= 1 && static_cast<double>(sites) <= most_sites,
                    fmt::format("sites = {}: must be 1 to {:g}", sites, most_sites));
@@ -122,16 +128,60 @@ LatticeFit fit_lattice(double box, long sites, double orientation) {
     return search.best;
 }
 
-std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, double box) {
+double LatticeBox::row_ratio() const {
+    const double along = rows_along_y ? box.y : box.x, across = rows_along_y ? box.x : box.y;
+    return across / static_cast<double>(rows) / (along / static_cast<double>(in_row));
+}
+
+LatticeBox with_area(LatticeBox shape, double area) {
+    const double ratio =
+        std::sqrt(0.75) * static_cast<double>(shape.rows) / static_cast<double>(shape.in_row);
+    const double along = std::sqrt(area / ratio), across = area / along;
+    shape.box = shape.rows_along_y ? PeriodicBox(across, along) : PeriodicBox(along, across);
+    return shape;
+}
+
+LatticeBox lattice_box(double sites, long least, double orientation) {
+    const double sixths = orientation / (30.0 * degree), nearest = std::round(sixths);
+    Checks checks;
+    checks.require(
+        sites >= 4.0 && sites <= most_sites,
+        fmt::format("a lattice of {:.4g} sites to fit a box to: must be 4 to {:g}", sites, most_sites));
+    checks.require(
+        std::abs(sixths - nearest) < 1e-9,
+        fmt::format("orientation = {} rad with box = \"fit\": a lattice without strain closes in a "
+                    "rectangle only if its rows lie along a side; give 0 or 90 deg",
+                    orientation));
+    checks.finish();
+    LatticeBox best;
+    double best_cost = std::numeric_limits<double>::infinity();
+    const long in_row = std::lround(std::sqrt(sites * std::sqrt(0.75)));
+    const long pairs = std::lround(std::sqrt(sites / std::sqrt(0.75)) / 2.0);
+    for (long i = std::max(in_row - 2, 1L); i <= in_row + 2; ++i)
+        for (long j = std::max(pairs - 1, 1L); j <= pairs + 1; ++j) {
+            const double found = static_cast<double>(i * 2 * j),
+                         ratio = std::sqrt(0.75) * static_cast<double>(2 * j) / static_cast<double>(i),
+                         cost = std::abs(std::log(ratio)) + std::abs(std::log(found / sites));
+            if (i * 2 * j < least || !(cost < best_cost - 1e-12))
+                continue;
+            best.in_row = i;
+            best.rows = 2 * j;
+            best_cost = cost;
+        }
+    best.rows_along_y = std::lround(nearest) % 2 != 0;
+    return with_area(best, 1.0);
+}
+
+std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, const PeriodicBox& box) {
     const long sites = fit.sites, rows = std::gcd(fit.n1, fit.n2), row = sites / rows;
-    const double scale = box / static_cast<double>(sites);
+    const double scale_x = box.x / static_cast<double>(sites), scale_y = box.y / static_cast<double>(sites);
     std::vector<Eigen::Vector2d> places;
     places.reserve(static_cast<std::size_t>(sites));
     for (long j = 0; j < rows; ++j)
         for (long i = 0; i < row; ++i) // integer coordinates, so no site is lost or doubled at the edge
             places.emplace_back(
-                static_cast<double>(positive_remainder(fit.n2 * i - fit.m2 * j, sites)) * scale,
-                static_cast<double>(positive_remainder(fit.m1 * j - fit.n1 * i, sites)) * scale);
+                static_cast<double>(positive_remainder(fit.n2 * i - fit.m2 * j, sites)) * scale_x,
+                static_cast<double>(positive_remainder(fit.m1 * j - fit.n1 * i, sites)) * scale_y);
     return places;
 }
 

@@ -10,14 +10,14 @@ namespace rodwake::granular {
 
 namespace {
 
-double square_in_plan(double dx, double dy, double box) {
-    dx = nearest_image_rounded(dx, box);
-    dy = nearest_image_rounded(dy, box);
+double square_in_plan(double dx, double dy, const PeriodicBox& box) {
+    dx = nearest_image_rounded(dx, box.x);
+    dy = nearest_image_rounded(dy, box.y);
     return dx * dx + dy * dy;
 }
 
 /// In an order that decides how beads are moved apart: that of the cells.
-void bead_pairs(const CellList& cells, double box, double range, std::vector<Near>& pairs) {
+void bead_pairs(const CellList& cells, const PeriodicBox& box, double range, std::vector<Near>& pairs) {
     const auto &x = cells.x(), &y = cells.y();
     cells.pairs([&](std::size_t p, std::size_t q) {
         if (square_in_plan(x[p] - x[q], y[p] - y[q], box) < range * range)
@@ -25,18 +25,27 @@ void bead_pairs(const CellList& cells, double box, double range, std::vector<Nea
     });
 }
 
+/// Cells along one side that a disc may reach into.
+struct Span {
+    std::ptrdiff_t first, count;
+};
+
+Span span_of(std::size_t at, std::size_t cells, double range_in_cells) {
+    const auto all = static_cast<std::ptrdiff_t>(cells);
+    const auto wide = std::min(static_cast<std::ptrdiff_t>(std::ceil(range_in_cells)), all);
+    const std::ptrdiff_t count = std::min(2 * wide + 1, all);
+    return {static_cast<std::ptrdiff_t>(at) - count / 2, count};
+}
+
 void rod_pairs(const CellList& cells, const Room& room, double skin, std::vector<Near>& pairs) {
-    const auto across = static_cast<std::ptrdiff_t>(cells.across());
     for (std::size_t k = 0; k < room.rods.size(); ++k) {
         const Disc& disc = room.rods[k];
         const double range = disc.radius + room.radius + skin;
-        const auto wide = std::min(static_cast<std::ptrdiff_t>(std::ceil(range / cells.width())), across);
-        const std::ptrdiff_t span = std::min(2 * wide + 1, across);
-        const std::ptrdiff_t column = static_cast<std::ptrdiff_t>(cells.column(disc.x)) - span / 2,
-                             row = static_cast<std::ptrdiff_t>(cells.column(disc.y)) - span / 2;
-        for (std::ptrdiff_t i = 0; i < span; ++i)
-            for (std::ptrdiff_t j = 0; j < span; ++j)
-                cells.in_cell(column + i, row + j, [&](std::size_t p) {
+        const Span columns = span_of(cells.column(disc.x), cells.columns(), range / cells.width()),
+                   rows = span_of(cells.row(disc.y), cells.rows(), range / cells.height());
+        for (std::ptrdiff_t i = 0; i < columns.count; ++i)
+            for (std::ptrdiff_t j = 0; j < rows.count; ++j)
+                cells.in_cell(columns.first + i, rows.first + j, [&](std::size_t p) {
                     if (square_in_plan(cells.x()[p] - disc.x, cells.y()[p] - disc.y, room.box) <
                         range * range)
                         pairs.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(k)});

@@ -21,21 +21,24 @@ std::uint32_t spread(std::uint32_t bits) {
     return (bits | bits << 1) & 0x55555555u;
 }
 
-std::vector<std::uint32_t> tiles(const Places& places, double box) {
-    const double across =
-        std::max(1.0, std::floor(std::sqrt(static_cast<double>(places.size()) / beads_per_tile)));
-    const auto column = [&](double coordinate) {
-        return static_cast<std::uint32_t>(std::min(into_box(coordinate, box) / box * across, across - 1.0));
+std::vector<std::uint32_t> tiles(const Places& places, const PeriodicBox& box) {
+    const double tiles = static_cast<double>(places.size()) / beads_per_tile;
+    const auto along = [&](double side, double other) {
+        return std::max(1.0, std::floor(std::sqrt(tiles * (side / other))));
+    };
+    const double columns = along(box.x, box.y), rows = along(box.y, box.x);
+    const auto number = [](double coordinate, double side, double count) {
+        return static_cast<std::uint32_t>(std::min(into_box(coordinate, side) / side * count, count - 1.0));
     };
     std::vector<std::uint32_t> tile(places.size());
     for (std::size_t i = 0; i < places.size(); ++i)
-        tile[i] = spread(column(places.x[i])) | spread(column(places.y[i])) << 1;
+        tile[i] = spread(number(places.x[i], box.x, columns)) | spread(number(places.y[i], box.y, rows)) << 1;
     return tile;
 }
 
 } // namespace
 
-Places numbered_by_place(const Places& places, double box) {
+Places numbered_by_place(const Places& places, const PeriodicBox& box) {
     const std::vector<std::uint32_t> tile = tiles(places, box);
     std::vector<std::size_t> order(places.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

@@ -53,9 +53,9 @@ private:
         double x, y, z, distance;
     };
 
-    static Gap gap(const Place& a, const Place& b, double box) {
-        const double x = nearest_image_rounded(a.x - b.x, box);
-        const double y = nearest_image_rounded(a.y - b.y, box);
+    static Gap gap(const Place& a, const Place& b, const PeriodicBox& box) {
+        const double x = nearest_image_rounded(a.x - b.x, box.x);
+        const double y = nearest_image_rounded(a.y - b.y, box.y);
         const double z = a.z - b.z;
         return {x, y, z, std::sqrt(x * x + y * y + z * z)};
     }
@@ -118,7 +118,8 @@ private:
 
     /// All that is constant is local: the compiler could not know that places are not among the members.
     double part_beads() {
-        const double box = room_.box, top = room_.height, wanted = diameter_ * (1.0 + aim),
+        const PeriodicBox box = room_.box;
+        const double top = room_.height, wanted = diameter_ * (1.0 + aim),
                      enough = diameter_ * (1.0 + separation);
         const auto move = [top](Place& at, double x, double y, double z) {
             at = {at.x + x, at.y + y, std::clamp(at.z + z, -top, top)};

@@ -12,7 +12,7 @@ namespace rodwake::granular {
 
 /// Where beads may be. z = 0 is the middle of the gap; rods lie there, but for a little (Disc::height).
 struct Room {
-    double box;             ///< m
+    PeriodicBox box;        ///< m
     double radius;          ///< of the beads, m
     double height;          ///< bead centres keep to |z| <= height, m
     std::vector<Disc> rods; ///< spheres of all rods

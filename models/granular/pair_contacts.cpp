@@ -45,8 +45,8 @@ bool first(double back, double length, double other_back, double other_length) {
 
 Vector3 PairContacts::apart(const Bodies& bodies, const Pair& pair) const {
     Vector3 r = row(bodies.position, pair.first) - row(bodies.position, pair.second);
-    for (int k : {0, 1})
-        r[k] = nearest_image_rounded(r[k], setting_.box);
+    r.x() = nearest_image_rounded(r.x(), setting_.box.x);
+    r.y() = nearest_image_rounded(r.y(), setting_.box.y);
     return r;
 }
 

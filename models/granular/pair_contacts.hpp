@@ -26,7 +26,8 @@ struct WorstOverlap {
 /// What the impulses of a step need to know of their surroundings.
 struct PairSetting {
     ContactTable table;
-    double box, time_step, gravity;
+    PeriodicBox box;
+    double time_step, gravity;
 };
 
 class PairContacts {

@@ -20,9 +20,10 @@ std::size_t chunks_of(std::size_t count) { return (count + chunk - 1) / chunk; }
 
 } // namespace
 
-PairFinder::PairFinder(const Bodies& bodies, double box)
+PairFinder::PairFinder(const Bodies& bodies, const PeriodicBox& box)
     : box_(box),
-      length_(bodies.radius.empty() ? box : *std::min_element(bodies.radius.begin(), bodies.radius.end())),
+      length_(bodies.radius.empty() ? box.shorter()
+                                    : *std::min_element(bodies.radius.begin(), bodies.radius.end())),
       skin_(first_skin * length_), allowance_(0.02 * length_) {}
 
 void PairFinder::rebuild(const Bodies& bodies, Team& team) {

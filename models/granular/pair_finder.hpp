@@ -18,7 +18,7 @@ namespace rodwake::granular {
 
 class PairFinder {
 public:
-    PairFinder(const Bodies& bodies, double box);
+    PairFinder(const Bodies& bodies, const PeriodicBox& box);
 
     /// The pairs that overlap in space after a step in which no sphere was faster than `fastest` in the
     /// plane, m/s. Impulses since the last call may have moved spheres besides, by what they changed
@@ -41,9 +41,10 @@ private:
     template<class Test>
     void collect(std::size_t pairs, Team& team, const Test& test);
 
-    double box_, length_; ///< length_: scale for limits, a bead radius
-    double skin_;         ///< of the outer list, beside the allowance it was built for, m
-    double allowance_;    ///< pairs nearer than that in the plane are in the inner list, m
+    PeriodicBox box_;
+    double length_;    ///< scale for limits, a bead radius, m
+    double skin_;      ///< of the outer list, beside the allowance it was built for, m
+    double allowance_; ///< pairs nearer than that in the plane are in the inner list, m
     double outer_allowance_ = 0.0;
     double fastest_ = 0.0;  ///< of the step before, m/s
     double furthest_ = 0.0; ///< no sphere has moved further since the inner list was drawn, m

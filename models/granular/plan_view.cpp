@@ -17,12 +17,12 @@ std::vector<Disc> rod_discs(const RodSpec& rod, const Clump& clump) {
     return discs;
 }
 
-double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, double box) {
+double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, const PeriodicBox& box) {
     double deepest = -std::numeric_limits<double>::infinity();
     for (const Disc& a : first)
         for (const Disc& b : second) {
-            const double dx = nearest_image_rounded(a.x - b.x, box),
-                         dy = nearest_image_rounded(a.y - b.y, box);
+            const double dx = nearest_image_rounded(a.x - b.x, box.x),
+                         dy = nearest_image_rounded(a.y - b.y, box.y);
             deepest = std::max(deepest, a.radius + b.radius - std::hypot(dx, dy));
         }
     return deepest;

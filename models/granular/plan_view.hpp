@@ -16,6 +16,6 @@ struct Disc {
 std::vector<Disc> rod_discs(const RodSpec& rod, const Clump& clump);
 
 /// Largest depth by which discs of the two rows overlap, m; negative: the gap between them.
-double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, double box);
+double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, const PeriodicBox& box);
 
 } // namespace rodwake::granular

@@ -60,7 +60,7 @@ void check_numbers(const GranularProblem& problem, Checks& checks) {
                    fmt::format("beads = {}: must be at most {}", problem.beads, most_beads));
     checks.positive("bead_radius", problem.bead_radius);
     checks.positive("bead_density", problem.bead_density);
-    checks.positive("box", problem.box);
+    checks.sides(problem.box);
     checks.number(true, "orientation", problem.orientation, "finite (rad)");
     checks.number(problem.start_speed >= 0.0, "start_speed", problem.start_speed, ">= 0 and finite");
     checks.number(problem.overlap_limit > 0.0 && problem.overlap_limit <= 1.0, "overlap_limit",
@@ -75,10 +75,10 @@ void check_numbers(const GranularProblem& problem, Checks& checks) {
     check_time(problem, checks);
 }
 
-void check_rod_numbers(const RodSpec& rod, std::string_view name, double box, Checks& checks) {
-    checks.number(std::abs(rod.position.x()) <= furthest_rod * box, fmt::format("{}: position x", name),
+void check_rod_numbers(const RodSpec& rod, std::string_view name, const PeriodicBox& box, Checks& checks) {
+    checks.number(std::abs(rod.position.x()) <= furthest_rod * box.x, fmt::format("{}: position x", name),
                   rod.position.x(), fmt::format("within {} box lengths of 0", furthest_rod));
-    checks.number(std::abs(rod.position.y()) <= furthest_rod * box, fmt::format("{}: position y", name),
+    checks.number(std::abs(rod.position.y()) <= furthest_rod * box.y, fmt::format("{}: position y", name),
                   rod.position.y(), fmt::format("within {} box lengths of 0", furthest_rod));
     checks.number(true, fmt::format("{}: heading", name), rod.heading, "finite (rad)");
     if (rod.imposed_speed)
@@ -101,10 +101,11 @@ std::vector<Clump> check_rods(const GranularProblem& problem, Checks& checks) {
 }
 
 void check_box(const GranularProblem& problem, Checks& checks) {
-    const double a = problem.bead_radius, box = problem.box;
-    checks.require(
-        problem.beads == 0 || box >= least_box * a,
-        fmt::format("box = {} m: must be at least {} bead radii, {} m", box, least_box, least_box * a));
+    // a rod turns: its image along the shorter side is the near one
+    const double a = problem.bead_radius, box = problem.box.shorter();
+    checks.require(problem.beads == 0 || box >= least_box * a,
+                   fmt::format("box = {} m: {}must be at least {} bead radii, {} m", box,
+                               problem.box.square() ? "" : "its shorter side ", least_box, least_box * a));
     for (std::size_t k = 0; k < problem.rods.size(); ++k) {
         const double length = problem.rods[k].shape.length;
         checks.require(
@@ -114,6 +115,26 @@ void check_box(const GranularProblem& problem, Checks& checks) {
                 "rod and its own image: the box must be larger than length + {} bead radii = {} m",
                 k, length, box, image_clearance, length + image_clearance * a));
     }
+}
+
+void check_body_force(const GranularProblem& problem, Checks& checks) {
+    if (!problem.body_force)
+        return;
+    const BodyForce& force = *problem.body_force;
+    const double widest = 0.1 * problem.box.shorter();
+    checks.require(problem.beads > 0, "body_force: acts on beads, and there are none");
+    checks.number(true, "body_force: acceleration", force.acceleration, "finite (m/s^2)");
+    checks.number(true, "body_force: direction", force.direction, "finite (rad)");
+    if (force.kind == BodyForceKind::uniform)
+        return;
+    checks.number(force.width > 0.0 && force.width <= widest, "body_force: width", force.width,
+                  fmt::format("> 0 and at most a tenth of the box's shorter side, {} m", widest));
+    checks.number(true, "body_force: speed", force.speed, "finite (m/s)");
+    for (const double place : force.place)
+        checks.number(std::abs(place) <= furthest_rod * problem.box.shorter(), "body_force: position", place,
+                      fmt::format("within {} box lengths of 0", furthest_rod));
+    checks.require(force.place.empty() || force.place.size() == 2,
+                   fmt::format("body_force: position of {} numbers: must have 2", force.place.size()));
 }
 
 void check_gap(const GranularProblem& problem, Checks& checks) {
@@ -134,13 +155,13 @@ void check_room(const GranularProblem& problem, const std::vector<Clump>& clumps
     const double beads = bead_area_fraction(problem);
     double rods = 0.0;
     for (const Clump& clump : clumps)
-        rods += clump.projected_area() / (problem.box * problem.box);
+        rods += clump.projected_area() / problem.box.area();
     checks.require(
         beads + rods <= closest_packing,
         fmt::format("{} beads cover {:.4f} of the box and the rods {:.4f}, together {:.4f}: a layer of discs "
                     "covers at most {:.4f}; use fewer beads (at most about {}) or a larger box",
                     problem.beads, beads, rods, beads + rods, closest_packing,
-                    std::max(0L, static_cast<long>((closest_packing - rods) * problem.box * problem.box /
+                    std::max(0L, static_cast<long>((closest_packing - rods) * problem.box.area() /
                                                    (M_PI * problem.bead_radius * problem.bead_radius)))));
 }
 
@@ -174,8 +195,8 @@ double Plates::longest_step(double gravity, double bead_radius) const {
 }
 
 double bead_area_fraction(const GranularProblem& problem) {
-    const double ratio = problem.bead_radius / problem.box;
-    return static_cast<double>(problem.beads) * M_PI * ratio * ratio;
+    const double a = problem.bead_radius;
+    return static_cast<double>(problem.beads) * M_PI * (a / problem.box.x) * (a / problem.box.y);
 }
 
 double bead_mass(const GranularProblem& problem) {
@@ -193,6 +214,7 @@ void validate(const GranularProblem& problem) {
     const auto clumps = check_rods(problem, checks);
     checks.finish(); // the rest compares numbers that make sense
     check_box(problem, checks);
+    check_body_force(problem, checks);
     check_gap(problem, checks);
     check_room(problem, clumps, checks);
     check_overlaps(problem, clumps, checks);

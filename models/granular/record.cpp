@@ -81,14 +81,14 @@ void Record::follow_pair(const Simulation& simulation) {
     if (rods_.size() != 2)
         return;
     const RodProgress &a = rods_[0], &b = rods_[1];
-    const double box = simulation.problem().box; // rods may stand beside each other across its edge
-    const PairCourse course(a.heading0, b.heading0, nearest_image_rounded(a.x0 - b.x0, box),
-                            nearest_image_rounded(a.y0 - b.y0, box));
+    const PeriodicBox& box = simulation.problem().box; // rods may stand beside each other across its edge
+    const PairCourse course(a.heading0, b.heading0, nearest_image_rounded(a.x0 - b.x0, box.x),
+                            nearest_image_rounded(a.y0 - b.y0, box.y));
     if (!course.common())
         return;
     sums_.pair.change = course.change(a.x - b.x - a.x0 + b.x0, a.y - b.y - a.y0 + b.y0);
     const double advanced = course.ahead(a.x + b.x - a.x0 - b.x0, a.y + b.y - a.y0 - b.y0) / 2.0;
-    if (sums_.pair.half_box_time < 0.0 && advanced >= box / 2.0) {
+    if (sums_.pair.half_box_time < 0.0 && advanced >= course.side_along(box) / 2.0) {
         sums_.pair.half_box_time = simulation.time();
         sums_.pair.half_box_change = sums_.pair.change;
     }

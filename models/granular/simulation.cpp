@@ -1,6 +1,7 @@
 #include "rodwake/granular/simulation.hpp"
 
 #include "bead_bounces.hpp"
+#include "body_kicks.hpp"
 #include "pair_contacts.hpp"
 #include "pair_finder.hpp"
 #include "rod_bounces.hpp"
@@ -39,9 +40,10 @@ struct BlockResult {
 constexpr double top_speed = 1e6;      // m/s
 constexpr double furthest_image = 1e6; // boxes; beyond, wrapping loses digits
 
-bool sound(const Vector3& position, const Vector3& velocity, const Vector3& spin, double box) {
+bool sound(const Vector3& position, const Vector3& velocity, const Vector3& spin, const PeriodicBox& box) {
     return position.allFinite() && velocity.allFinite() && spin.allFinite() &&
-           position.head<2>().cwiseAbs().maxCoeff() <= furthest_image * box;
+           std::abs(position.x()) <= furthest_image * box.x &&
+           std::abs(position.y()) <= furthest_image * box.y;
 }
 
 void check_numbers(const GranularProblem& problem, const State& state) {
@@ -123,6 +125,11 @@ struct Simulation::Impl {
                     mine.velocities.high[0] = std::numeric_limits<double>::infinity();
             }
         });
+    }
+
+    /// Half of what a body force gives the beads in a step; t = `time`.
+    void half_kick(double time) {
+        kick(bodies, *problem.body_force, problem.box, time, 0.5 * problem.time_step, team);
     }
 
     /// Rod ends move fastest; the spheres between them no faster. They go round: within a step their
@@ -226,6 +233,9 @@ struct Simulation::Impl {
     template<class Mark>
     void one_step(const Mark& mark) {
         const PlateStep plate = plate_step();
+        const bool pushed = problem.body_force && !equilibrating();
+        if (pushed)
+            half_kick(time());
         fly_beads(plate);
         Range velocities = Range::empty();
         PlateTally beads; // of the blocks only what the guard looks at
@@ -248,6 +258,8 @@ struct Simulation::Impl {
             finder.find(bodies, velocities.fastest_in_plane(), problem.time_step, team);
         mark(&StepTimes::search);
         const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies, team);
+        if (pushed)
+            half_kick(time());
         mark(&StepTimes::impulses);
         guard_depths(worst, rods, beads);
         if (step == problem.equilibration_steps)

@@ -118,8 +118,8 @@ double set_places(State& state, Places places, const GranularProblem& problem, c
     const double middle = middle_height(problem);
     state.beads.resize(places.size());
     for (std::size_t i = 0; i < places.size(); ++i) {
-        state.beads.x[i] = into_box(places.x[i], problem.box);
-        state.beads.y[i] = into_box(places.y[i], problem.box);
+        state.beads.x[i] = into_box(places.x[i], problem.box.x);
+        state.beads.y[i] = into_box(places.y[i], problem.box.y);
         state.beads.z[i] = middle + places.z[i];
     }
     return left;
@@ -141,10 +141,10 @@ void check_stored(const GranularProblem& problem, const Beads& stored) {
                                 i, (*column)[i]));
 }
 
-std::vector<Eigen::Vector2d> places_in_box(const Beads& beads, double box) {
+std::vector<Eigen::Vector2d> places_in_box(const Beads& beads, const PeriodicBox& box) {
     std::vector<Eigen::Vector2d> places;
     for (std::size_t i = 0; i < beads.size(); ++i)
-        places.emplace_back(into_box(beads.x[i], box), into_box(beads.y[i], box));
+        places.emplace_back(into_box(beads.x[i], box.x), into_box(beads.y[i], box.y));
     return places;
 }
 

@@ -97,7 +97,11 @@ void bind_granular(py::module_& module) {
         .def_property_readonly("steps", [](const Bed& b) { return b.plan().problem.steps; })
         .def_property_readonly("frame_every", [](const Bed& b) { return b.plan().schedule.frame_every; })
         .def_property_readonly("time_step", [](const Bed& b) { return b.plan().problem.time_step; })
-        .def_property_readonly("box", [](const Bed& b) { return b.plan().problem.box; })
+        .def_property_readonly("box",
+                               [](const Bed& b) {
+                                   const PeriodicBox& box = b.plan().problem.box;
+                                   return std::pair(box.x, box.y);
+                               })
         .def_property_readonly("bead_radius", [](const Bed& b) { return b.plan().problem.bead_radius; })
         .def_property_readonly("time", [](const Bed& b) { return b.simulation().time(); })
         .def_property_readonly("finished", [](const Bed& b) { return b.simulation().finished(); })

@@ -61,9 +61,18 @@ class Bed:
         return bool(self._core.finished)
 
     @property
+    def sides(self) -> tuple[float, float]:
+        """Of the periodic box along x and y, m."""
+        x, y = self._core.box
+        return float(x), float(y)
+
+    @property
     def box(self) -> float:
-        """Side of the periodic square, m."""
-        return float(self._core.box)
+        """Side of the periodic square, m; a rectangle has `sides`."""
+        x, y = self.sides
+        if x != y:
+            raise ValueError(f"the box is a rectangle of {x} m x {y} m: ask for sides")
+        return x
 
     @property
     def bead_radius(self) -> float:

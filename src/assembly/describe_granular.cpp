@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 
 namespace rodwake::assembly {
 
@@ -108,7 +109,7 @@ std::string time_text(const scene::Granular& bed, const GranularProblem& problem
 /// Keys that say how a start is made, beside a start that is not made so.
 void add_unused_lines(const scene::Granular& bed, Lines& lines) {
     const scene::Granular unset;
-    if (bed.start != scene::GranularStart::lattice && bed.orientation != unset.orientation)
+    if (bed.start != scene::GranularStart::lattice && bed.orientation != unset.orientation && !bed.box.fit)
         lines.push_back({false, "granular.orientation: used with start = \"lattice\" only"});
     if (bed.start == scene::GranularStart::restart && bed.start_speed != unset.start_speed)
         lines.push_back({false, "granular.start_speed: not used with start = \"restart\""});
@@ -177,6 +178,36 @@ std::string describe_output(const BedPlan& plan) {
            fmt::format("; a table of {:.0f} rows", std::floor(bed.duration / table_interval(bed)) + 1.0);
 }
 
+PlanLine body_force_line(const GranularProblem& problem) {
+    if (!problem.body_force)
+        return {false, "body force: no [granular.body_force]"};
+    const granular::BodyForce& force = *problem.body_force;
+    const double peak = force.acceleration * granular::bead_mass(problem);
+    const std::string along = fmt::format("{:.3g} N a bead ({:g} m/s^2) along {:g} deg", peak,
+                                          force.acceleration, force.direction * 180.0 / std::numbers::pi);
+    if (force.kind == granular::BodyForceKind::uniform)
+        return {true, "body force on all beads: " + along};
+    return {true, fmt::format(
+                      "body force on the beads, a Gaussian of width {:.4g} a that moves at {:g} mm/s: {} at "
+                      "its peak",
+                      force.width / problem.bead_radius, 1e3 * force.speed, along)};
+}
+
+std::string box_text(const scene::Granular& bed, const GranularProblem& problem) {
+    const double a = problem.bead_radius;
+    const PeriodicBox& box = problem.box;
+    if (box.square())
+        return fmt::format("periodic box of {:.4g} a = {:g} mm", box.x / a, 1e3 * box.x);
+    std::string text = fmt::format("periodic box of {:.6g} a x {:.6g} a = {:g} mm x {:g} mm", box.x / a,
+                                   box.y / a, 1e3 * box.x, 1e3 * box.y);
+    if (const auto lattice = bed_size(bed).lattice)
+        text += fmt::format(", fitted to a lattice without strain: {} rows of {} sites along {}, row ratio "
+                            "{:.6f} (sqrt(3)/2 = 0.866025)",
+                            lattice->rows, lattice->in_row, lattice->rows_along_y ? "y" : "x",
+                            lattice->row_ratio());
+    return text;
+}
+
 void describe_granular(const Plan& plan, Lines& lines) {
     if (plan.beds.empty()) {
         lines.push_back({false, "granular bed: no [granular] table"});
@@ -186,13 +217,13 @@ void describe_granular(const Plan& plan, Lines& lines) {
     const scene::Granular& bed = *plan.scene.granular;
     lines.push_back(
         {problem.beads > 0, problem.beads > 0 ? beads_text(bed, problem) : "beads: there are none"});
-    lines.push_back({true, fmt::format("periodic box of {:.4g} a = {:g} mm",
-                                       problem.box / problem.bead_radius, 1e3 * problem.box)});
+    lines.push_back({true, box_text(bed, problem)});
     lines.push_back(plates_line(problem));
     lines.push_back({true, contacts_text(problem.contacts)});
     lines.push_back({true, start_text(bed, problem)});
     lines.push_back({true, time_text(bed, problem)});
     add_rod_lines(problem, lines);
+    lines.push_back(body_force_line(problem));
     add_order_line(bed, problem, lines);
     add_unused_lines(bed, lines);
     if (plan.has(Stage::granular) || plan.has(Stage::measure)) // else a scan varies the bed

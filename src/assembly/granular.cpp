@@ -40,26 +40,54 @@ double shadow(const granular::RodShape& shape, std::size_t index) {
     }
 }
 
-/// N of N pi a^2 = phi_b L^2, from which the shadows of the rods are taken off if they count.
-std::size_t bead_count(const scene::Granular& bed, const std::vector<granular::RodSpec>& rods) {
+double shadows_of(const scene::Granular& bed) {
+    double shadows = 0.0;
+    for (std::size_t i = 0; i < bed.rods.size(); ++i)
+        shadows += shadow(bed.rods[i].shape, i);
+    return shadows;
+}
+
+/// N of N pi a^2 = phi_b L_x L_y, from which the shadows of the rods are taken off if they count.
+std::size_t bead_count(const scene::Granular& bed, const PeriodicBox& box) {
     if (bed.beads)
         return static_cast<std::size_t>(*bed.beads);
-    const double wanted = *bed.phi_b * bed.box * bed.box;
-    double shadows = 0.0;
-    for (std::size_t i = 0; i < rods.size(); ++i)
-        shadows += bed.count_rod_area ? shadow(rods[i].shape, i) : 0.0;
+    const double wanted = *bed.phi_b * box.x * box.y;
+    const double shadows = bed.count_rod_area ? shadows_of(bed) : 0.0;
     if (shadows > wanted)
         throw InputError(fmt::format(
             "phi_b = {} with count_rod_area leaves no room for beads: the rods alone cover {:.4f} "
             "of the box; raise phi_b or the box, or set count_rod_area = false",
-            *bed.phi_b, shadows / (bed.box * bed.box)));
+            *bed.phi_b, shadows / box.area()));
     const double count =
         std::round((wanted - shadows) / (std::numbers::pi * bed.bead_radius * bed.bead_radius));
     constexpr double most = 1e7; // as for the key beads
     if (count > most)
         throw InputError(fmt::format("phi_b = {} in a box of {} m is {:.3g} beads; at most {:g}", *bed.phi_b,
-                                     bed.box, count, most));
+                                     box.x, count, most));
     return static_cast<std::size_t>(count);
+}
+
+/// The lattice's sites are those that a start asks for: beads, and what the rods cover, as dense.
+BedSize fitted_size(const scene::Granular& bed) {
+    const double size = bed.box.x * bed.box.x, covered = shadows_of(bed);
+    const auto beads = static_cast<double>(bead_count(bed, PeriodicBox(bed.box.x)));
+    if (!(covered < size) || !(beads >= 1.0))
+        throw InputError("box = \"fit\" needs beads beside the rods: give a larger size, \"fit 155 a\"");
+    const double sites = beads * size / (size - covered);
+    if (bed.beads) {
+        const auto least = static_cast<long>(std::ceil(sites * (1.0 - 1e-9)));
+        const auto fit = with_area(granular::lattice_box(sites, least, bed.orientation), size);
+        return {fit.box, static_cast<std::size_t>(*bed.beads), fit};
+    }
+    // S = N A/(A - covered) with N pi a^2 = phi_b A - counted, solved for A
+    const auto shape = granular::lattice_box(sites, 1, bed.orientation);
+    const double bead = std::numbers::pi * bed.bead_radius * bed.bead_radius,
+                 counted = bed.count_rod_area ? covered : 0.0,
+                 lattice = static_cast<double>(shape.sites()) * bead, sum = counted + lattice,
+                 area =
+                     (sum + std::sqrt(sum * sum - 4.0 * *bed.phi_b * lattice * covered)) / (2.0 * *bed.phi_b);
+    const auto fit = with_area(shape, area);
+    return {fit.box, static_cast<std::size_t>((*bed.phi_b * area - counted) / bead + 1e-6), fit};
 }
 
 granular::Start start_of(const scene::Granular& bed) {
@@ -70,13 +98,15 @@ granular::GranularProblem translate(const scene::Granular& bed) {
     granular::GranularProblem problem;
     for (const scene::GranularRod& rod : bed.rods)
         problem.rods.push_back(rod_spec(rod));
-    problem.beads = bead_count(bed, problem.rods);
+    const BedSize size = bed_size(bed);
+    problem.beads = size.beads;
     problem.bead_radius = bed.bead_radius;
     problem.bead_density = bed.bead_density;
     problem.gravity = bed.gravity;
-    problem.box = bed.box;
+    problem.box = size.box;
     problem.plates = bed.plates;
     problem.contacts = contact_table(bed.contacts);
+    problem.body_force = bed.body_force;
     problem.start = start_of(bed);
     problem.orientation = bed.orientation;
     problem.start_speed = bed.start_speed;
@@ -101,6 +131,13 @@ granular::GranularProblem granular_problem(const scene::Scene& scene) {
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: [granular] {}", scene.path, error.what()));
     }
+}
+
+BedSize bed_size(const scene::Granular& bed) {
+    if (bed.box.fit)
+        return fitted_size(bed);
+    const PeriodicBox box{bed.box.x, bed.box.y};
+    return {box, bead_count(bed, box), {}};
 }
 
 double equilibration_time(const scene::Granular& bed, double phi_b) {

@@ -28,14 +28,18 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
         if (kind.reset_late_keys)
             kind.reset_late_keys(*key.measure);
     const measure::Layout& layout = plan.sums.layout();
-    return fmt::format("{}box {:.17g}, beads {}, rods {}\n", scene::to_plain_toml(key), layout.box,
-                       layout.beads, layout.rods);
+    const std::string second = layout.box.square() ? "" : fmt::format(" x {:.17g}", layout.box.y);
+    return fmt::format("{}box {:.17g}{}, beads {}, rods {}\n", scene::to_plain_toml(key), layout.box.x,
+                       second, layout.beads, layout.rods);
 }
 
 } // namespace
 
 measure::Layout layout_of(const granular::GranularProblem& p) {
-    return {p.box, p.bead_radius, granular::bead_mass(p), p.beads, p.rods.size()};
+    measure::Layout layout{p.box, p.bead_radius, granular::bead_mass(p), p.beads, p.rods.size()};
+    for (const granular::RodSpec& rod : p.rods)
+        layout.headings.push_back(rod.heading);
+    return layout;
 }
 
 std::int64_t steps_between_frames(const Scene& scene) {

@@ -45,14 +45,14 @@ std::vector<Bond> sorted_from_either_end(const std::vector<Bond>& half, std::siz
 
 } // namespace
 
-std::vector<Bond> bonds_within(std::span<const double> x, std::span<const double> y, double box,
+std::vector<Bond> bonds_within(std::span<const double> x, std::span<const double> y, const PeriodicBox& box,
                                double cutoff) {
     const CellList cells(x, y, box, cutoff);
     std::vector<Bond> half;
     half.reserve(4 * x.size());
     cells.pairs([&](std::size_t p, std::size_t q) {
-        const double dx = nearest_image_rounded(cells.x()[q] - cells.x()[p], box),
-                     dy = nearest_image_rounded(cells.y()[q] - cells.y()[p], box), r2 = dx * dx + dy * dy;
+        const double dx = nearest_image_rounded(cells.x()[q] - cells.x()[p], box.x),
+                     dy = nearest_image_rounded(cells.y()[q] - cells.y()[p], box.y), r2 = dx * dx + dy * dy;
         if (r2 < cutoff * cutoff && r2 > 0.0)
             half.push_back({cells.member()[p], cells.member()[q], dx, dy});
     });

@@ -1,7 +1,5 @@
 #include "rodwake/core/cell_list.hpp"
 
-#include "rodwake/core/periodic.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,20 +8,25 @@ namespace rodwake {
 namespace {
 
 /// Fewer than 3 would be their own neighbours, and many more than places would only cost memory.
-std::size_t cells_across(std::size_t count, double box, double reach) {
-    const double most = 2.0 * std::sqrt(static_cast<double>(count)) + 3.0;
-    const double fit = std::min(std::floor(box / reach), most);
+std::size_t cells_along(double side, double other, std::size_t count, double reach) {
+    const double most = 2.0 * std::sqrt(static_cast<double>(count) * (side / other)) + 3.0;
+    const double fit = std::min(std::floor(side / reach), most);
     return fit >= 3.0 ? static_cast<std::size_t>(fit) : 1;
+}
+
+std::size_t cell_of(double coordinate, double side, double width, std::size_t cells) {
+    return std::min(cells - 1, static_cast<std::size_t>(into_box(coordinate, side) / width));
 }
 
 } // namespace
 
-CellList::CellList(std::span<const double> x, std::span<const double> y, double box, double reach)
-    : box_(box), across_(cells_across(x.size(), box, reach)), start_(across_ * across_ + 1, 0),
-      member_(x.size()), x_(x.size()), y_(x.size()) {
+CellList::CellList(std::span<const double> x, std::span<const double> y, const PeriodicBox& box, double reach)
+    : box_(box), columns_(cells_along(box.x, box.y, x.size(), reach)),
+      rows_(cells_along(box.y, box.x, x.size(), reach)), start_(columns_ * rows_ + 1, 0), member_(x.size()),
+      x_(x.size()), y_(x.size()) {
     std::vector<std::uint32_t> cell(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) {
-        cell[i] = static_cast<std::uint32_t>(column(x[i]) + across_ * column(y[i]));
+        cell[i] = static_cast<std::uint32_t>(column(x[i]) + columns_ * row(y[i]));
         ++start_[cell[i] + 1];
     }
     for (std::size_t c = 1; c < start_.size(); ++c)
@@ -37,8 +40,7 @@ CellList::CellList(std::span<const double> x, std::span<const double> y, double 
     }
 }
 
-std::size_t CellList::column(double coordinate) const {
-    return std::min(across_ - 1, static_cast<std::size_t>(into_box(coordinate, box_) / width()));
-}
+std::size_t CellList::column(double x) const { return cell_of(x, box_.x, width(), columns_); }
+std::size_t CellList::row(double y) const { return cell_of(y, box_.y, height(), rows_); }
 
 } // namespace rodwake

@@ -47,15 +47,25 @@ double strength_of(const std::vector<Complex>& along_x, const std::vector<Comple
 }
 
 /// Half of the ring (n > 0, or n = 0 and m > 0); the other half is its mirror image.
-std::vector<Wave> ring_of(std::span<const double> x, std::span<const double> y, double box) {
+/// Wave vector (m, n) in waves on the way along the mean side.
+Vector2 waves_of(const Order& order, const PeriodicBox& box) {
+    const double side = box.mean_side();
+    return {order.first * (side / box.x), order.second * (side / box.y)};
+}
+
+std::vector<Wave> ring_of(std::span<const double> x, std::span<const double> y, const PeriodicBox& box) {
     // number of waves across the box: rows of a triangular lattice of N sites
     const double middle = std::sqrt(2.0 * static_cast<double>(x.size()) / std::sqrt(3.0));
-    const int most = static_cast<int>(std::ceil(middle * (1.0 + ring_width)));
-    const auto along_x = powers(x, box, most), along_y = powers(y, box, most);
+    const auto most = [&](double side) {
+        return static_cast<int>(std::ceil(middle * (1.0 + ring_width) * (side / box.mean_side())));
+    };
+    const int most_m = most(box.x), most_n = most(box.y);
+    const auto along_x = powers(x, box.x, most_m), along_y = powers(y, box.y, most_n);
     std::vector<Wave> ring;
-    for (int n = 0; n <= most; ++n)
-        for (int m = n == 0 ? 1 : -most; m <= most; ++m)
-            if (std::abs(std::hypot(m, n) - middle) <= ring_width * middle)
+    for (int n = 0; n <= most_n; ++n)
+        for (int m = n == 0 ? 1 : -most_m; m <= most_m; ++m)
+            if (const Vector2 k = waves_of({m, n}, box);
+                std::abs(std::hypot(k.x, k.y) - middle) <= ring_width * middle)
                 ring.push_back({{m, n}, // conj(sum) has the same size: the sign of m goes to n
                                 strength_of(along_x[static_cast<std::size_t>(std::abs(m))],
                                             along_y[static_cast<std::size_t>(n)], m < 0)});
@@ -63,9 +73,9 @@ std::vector<Wave> ring_of(std::span<const double> x, std::span<const double> y, 
 }
 
 /// Between 45 and 75 degrees apart.
-bool sixty_degrees(const Order& a, const Order& b) {
-    const double dot = a.first * b.first + a.second * b.second;
-    const double cosine = dot / (std::hypot(a.first, a.second) * std::hypot(b.first, b.second));
+bool sixty_degrees(const Vector2& a, const Vector2& b) {
+    const double dot = a.x * b.x + a.y * b.y;
+    const double cosine = dot / (std::hypot(a.x, a.y) * std::hypot(b.x, b.y));
     return cosine > 0.2588 && cosine < 0.7072;
 }
 
@@ -75,7 +85,7 @@ struct Triple {
 };
 
 /// The middle one of a triple is the sum of the other two, either sign of which may be in the half ring.
-Triple best_triple(const std::vector<Wave>& waves) {
+Triple best_triple(const std::vector<Wave>& waves, const PeriodicBox& box) {
     std::map<Order, double> strength;
     for (const Wave& wave : waves) {
         strength[wave.order] = wave.strength;
@@ -86,8 +96,8 @@ Triple best_triple(const std::vector<Wave>& waves) {
         for (const auto& [side, of_side] : strength) {
             const Order other{middle.order.first - side.first, middle.order.second - side.second};
             const auto found = strength.find(other);
-            if (found == strength.end() || !sixty_degrees(middle.order, side) ||
-                !sixty_degrees(middle.order, other))
+            if (found == strength.end() || !sixty_degrees(waves_of(middle.order, box), waves_of(side, box)) ||
+                !sixty_degrees(waves_of(middle.order, box), waves_of(other, box)))
                 continue;
             const double product = middle.strength * of_side * found->second;
             if (product > best.product * (1.0 + 1e-9)) // equal ones differ by rounding: the first
@@ -111,7 +121,8 @@ double strength_in(const std::vector<Wave>& ring, const Order& order) {
     return std::ranges::find(ring, order, &Wave::order)->strength;
 }
 
-BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& order, double box) {
+BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& order,
+                    const PeriodicBox& box) {
     BraggPeaks peaks;
     double total = 0.0;
     for (const Wave& wave : ring)
@@ -119,7 +130,7 @@ BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& o
     for (std::size_t k = 0; k < 3; ++k) {
         peaks.m[k] = order[k].first;
         peaks.n[k] = order[k].second;
-        peaks.G[k] = {2.0 * M_PI * peaks.m[k] / box, 2.0 * M_PI * peaks.n[k] / box};
+        peaks.G[k] = {2.0 * M_PI * peaks.m[k] / box.x, 2.0 * M_PI * peaks.n[k] / box.y};
         peaks.strength[k] = strength_in(ring, order[k]);
         total -= peaks.strength[k];
     }
@@ -147,7 +158,7 @@ double BraggPeaks::lattice_spacing() const {
     return cell > 0.0 ? std::sqrt(2.0 / (std::sqrt(3.0) * cell)) : 0.0;
 }
 
-BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, double box) {
+BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, const PeriodicBox& box) {
     if (x.size() < least_points || x.size() != y.size())
         throw InputError(
             fmt::format("measure: Bragg peaks of {} and {} coordinates: needs as many y as x, at "
@@ -158,9 +169,9 @@ BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, doub
     std::ranges::stable_sort(waves, std::greater{}, &Wave::strength);
     if (waves.size() > strongest)
         waves.resize(strongest);
-    Triple best = best_triple(waves);
+    Triple best = best_triple(waves, box);
     if (best.product < 0.0)
-        best = best_triple(ring);
+        best = best_triple(ring, box);
     if (best.product < 0.0)
         throw RunError(
             fmt::format("measure: no three wave vectors of a lattice of {} beads fit the box", x.size()));

@@ -16,12 +16,12 @@ constexpr double largest_radius = 4.0; // spacings; finer grids are not for this
 } // namespace
 
 double lattice_spacing(const Layout& layout) {
-    return layout.box * std::sqrt(2.0 / (std::sqrt(3.0) * static_cast<double>(layout.beads)));
+    return layout.box.mean_side() * std::sqrt(2.0 / (std::sqrt(3.0) * static_cast<double>(layout.beads)));
 }
 
 CellWindow::CellWindow(const BinSamples& bins, const BinSamples* smooth, const RodGrid& grid, double spacing)
     : bins_(bins), smooth_(smooth), grid_(grid), scattered_(bins, bins.place, grid),
-      radius_(std::clamp(lattice_radius * spacing / grid.spacing, least_radius, largest_radius)) {
+      radius_(std::clamp(lattice_radius * spacing / grid.width, least_radius, largest_radius)) {
     if (smooth)
         to_fit_.emplace(*smooth, smooth->place, grid);
 }
@@ -45,7 +45,7 @@ CellMean CellWindow::around(std::size_t bin) const {
     if (!(beads > 0.0) || (fit && std::hypot(x, y) > largest_offset * radius_ * beads))
         return {};
     mean.guess = fit ? fit->at(0.0, 0.0) : bins_.value[mean.parts.front().bin];
-    mean.place = {x / beads * grid_.spacing, y / beads * grid_.spacing};
+    mean.place = {x / beads * grid_.width, y / beads * grid_.height};
     mean.count =
         beads / (0.5 * M_PI * radius_ * radius_); // integral of the window, bins without data included
     return mean;

@@ -95,7 +95,7 @@ void fit_plateau(const Points& points, Fits& fits) {
 
 double steepest_rate(const Points& points) { return 8.0 / points.r.front(); }
 
-Fits fit(const Points& points, double box) {
+Fits fit(const Points& points, const PeriodicBox& box) {
     Fits fits;
     fits.algebraic = fit_shape(algebraic_shape, points, flattest, steepest, box);
     fits.exponential = fit_shape(exponential_shape, points, 0.0, steepest_rate(points), box);
@@ -104,7 +104,7 @@ Fits fit(const Points& points, double box) {
 }
 
 /// The same near a fit of nearly the same points.
-Fits fit_near(const Fits& known, const Points& points, double box) {
+Fits fit_near(const Fits& known, const Points& points, const PeriodicBox& box) {
     Fits fits;
     const double eta = known.algebraic.k, rate = known.exponential.k, most = steepest_rate(points);
     fits.algebraic = refine_shape(algebraic_shape, points, std::max(flattest, eta - 1.0),

@@ -19,7 +19,7 @@ struct Sums {
     double chi2() const { return std::max(0.0, gg - (mm > 0.0 ? mg * mg / mm : 0.0)); }
 };
 
-Sums sums_of(Shape shape, const Points& points, double k, double box) {
+Sums sums_of(Shape shape, const Points& points, double k, const PeriodicBox& box) {
     Sums sums;
     for (std::size_t i = 0; i < points.r.size(); ++i) {
         // relative to the first point: no amplitude is out of range
@@ -68,33 +68,36 @@ double curvature_error(F chi2, double k, double step) {
 
 } // namespace
 
-double algebraic_shape(double r, double eta, double box) {
-    const double image = box > 0.0 ? M_PI * r * r / (2.0 * box * box) : 0.0;
+double algebraic_shape(double r, double eta, const PeriodicBox& box) {
+    const double image = box.x > 0.0 ? M_PI * r * r / (2.0 * box.area()) : 0.0;
     return std::exp(-eta * (std::log(r) - image));
 }
 
-double exponential_shape(double r, double rate, double box) {
-    if (!(box > 0.0))
+double exponential_shape(double r, double rate, const PeriodicBox& box) {
+    if (!(box.x > 0.0))
         return std::exp(-rate * r);
-    // By symmetry an eighth of the circle; evenly spaced angles integrate a smooth periodic function.
-    constexpr int angles = 4, images = 2;
+    // By symmetry an eighth of the circle (of a rectangle a quarter); evenly spaced angles integrate a smooth
+    // periodic function.
+    constexpr int images = 2;
+    const int angles = box.square() ? 4 : 8;
+    const double part = box.square() ? 4.0 : 2.0;
     const auto size = [](double x, double y) { return std::sqrt(x * x + y * y); };
     double sum = 0.0;
     for (int k = 0; k < angles; ++k) {
-        const double angle = (k + 0.5) * M_PI / (4.0 * angles), x = r * std::cos(angle),
+        const double angle = (k + 0.5) * M_PI / (part * angles), x = r * std::cos(angle),
                      y = r * std::sin(angle);
         for (int m = -images; m <= images; ++m)
             for (int n = -images; n <= images; ++n)
-                sum += std::exp(-rate * size(x + m * box, y + n * box));
+                sum += std::exp(-rate * size(x + m * box.x, y + n * box.y));
     }
     return sum / angles;
 }
 
-double chi2_of_shape(Shape shape, const Points& points, double k, double box) {
+double chi2_of_shape(Shape shape, const Points& points, double k, const PeriodicBox& box) {
     return sums_of(shape, points, k, box).chi2();
 }
 
-ShapeFit refine_shape(Shape shape, const Points& points, double low, double high, double box) {
+ShapeFit refine_shape(Shape shape, const Points& points, double low, double high, const PeriodicBox& box) {
     const auto chi2 = [&](double k) { return chi2_of_shape(shape, points, k, box); };
     ShapeFit fit;
     fit.k = smallest(chi2, low, high);
@@ -104,7 +107,7 @@ ShapeFit refine_shape(Shape shape, const Points& points, double low, double high
     return fit;
 }
 
-ShapeFit fit_shape(Shape shape, const Points& points, double low, double high, double box) {
+ShapeFit fit_shape(Shape shape, const Points& points, double low, double high, const PeriodicBox& box) {
     const auto chi2 = [&](double k) { return chi2_of_shape(shape, points, k, box); };
     const double step = (high - low) / scan;
     int best = 0;

@@ -12,8 +12,8 @@ namespace rodwake::measure {
 
 namespace {
 
-constexpr double shortest_edge = 1e-7; // of the box
-constexpr double widest = 1.5;         // of the box: no empty circle through a bead reaches beyond sqrt(2)
+constexpr double shortest_edge = 1e-7; // of the shorter side
+constexpr double widest = 1.5; // of the longer side: no empty circle through a bead reaches beyond sqrt(2)
 
 /// Beads around one bead, relative to it.
 struct Around {
@@ -67,8 +67,8 @@ Turn turn_from(const Around& near, std::size_t p, std::vector<double>& t) {
 }
 
 /// Appends the bonds of bead `from`; false if the beads within the reach do not tell.
-bool follow(const Around& near, std::size_t from, double reach, double box, std::vector<Bond>& bonds,
-            std::vector<double>& scratch) {
+bool follow(const Around& near, std::size_t from, double reach, const PeriodicBox& box,
+            std::vector<Bond>& bonds, std::vector<double>& scratch) {
     const std::size_t first = nearest_bead(near), before = bonds.size();
     if (first == none)
         return false;
@@ -76,7 +76,7 @@ bool follow(const Around& near, std::size_t from, double reach, double box, std:
     Turn last;
     double first_x = 0.0, first_y = 0.0;
     const auto add = [&](std::size_t k, double edge_x, double edge_y) {
-        if (std::sqrt(edge_x * edge_x + edge_y * edge_y) >= shortest_edge * box)
+        if (std::sqrt(edge_x * edge_x + edge_y * edge_y) >= shortest_edge * box.shorter())
             bonds.push_back({from, near.bead[k], near.x[k], near.y[k]});
     };
     for (std::size_t step = 0; step <= near.bead.size(); ++step) {
@@ -102,15 +102,17 @@ bool follow(const Around& near, std::size_t from, double reach, double box, std:
 
 /// All beads and images within the reach of a bead, straight from the list of all.
 Around all_within(const std::vector<double>& x, const std::vector<double>& y, std::size_t i, double reach,
-                  double box) {
+                  const PeriodicBox& box) {
     Around near;
-    // up to half the box nearest images are all there are
-    const int images = reach <= 0.5 * box ? 0 : static_cast<int>(std::ceil(reach / box + 0.5));
-    for (int m = -images; m <= images; ++m)
-        for (int n = -images; n <= images; ++n)
+    const auto images = [&](double side) { // up to half the box nearest images are all there are
+        return reach <= 0.5 * box.shorter() ? 0 : static_cast<int>(std::ceil(reach / side + 0.5));
+    };
+    const int most_m = images(box.x), most_n = images(box.y);
+    for (int m = -most_m; m <= most_m; ++m)
+        for (int n = -most_n; n <= most_n; ++n)
             for (std::size_t j = 0; j < x.size(); ++j) {
-                const double dx = nearest_image_once(x[j] - x[i], box) + m * box;
-                const double dy = nearest_image_once(y[j] - y[i], box) + n * box;
+                const double dx = nearest_image_once(x[j] - x[i], box.x) + m * box.x;
+                const double dy = nearest_image_once(y[j] - y[i], box.y) + n * box.y;
                 const double r2 = dx * dx + dy * dy;
                 if (r2 > 0.0 && r2 < reach * reach)
                     near.add(j, dx, dy);
@@ -119,9 +121,9 @@ Around all_within(const std::vector<double>& x, const std::vector<double>& y, st
 }
 
 void follow_farther(const std::vector<double>& x, const std::vector<double>& y, std::size_t i, double reach,
-                    double box, std::vector<Bond>& bonds, std::vector<double>& scratch) {
-    while (reach < widest * box) {
-        reach = std::min(2.0 * reach, widest * box);
+                    const PeriodicBox& box, std::vector<Bond>& bonds, std::vector<double>& scratch) {
+    while (reach < widest * box.longer()) {
+        reach = std::min(2.0 * reach, widest * box.longer());
         if (follow(all_within(x, y, i, reach, box), i, reach, box, bonds, scratch))
             return;
     }
@@ -130,19 +132,21 @@ void follow_farther(const std::vector<double>& x, const std::vector<double>& y, 
 
 } // namespace
 
-std::vector<Bond> delaunay_bonds(const std::vector<double>& x, const std::vector<double>& y, double box) {
+std::vector<Bond> delaunay_bonds(const std::vector<double>& x, const std::vector<double>& y,
+                                 const PeriodicBox& box) {
     std::vector<Bond> bonds;
     if (x.empty())
         return bonds;
     // A dozen beads, enough for most. Not beyond half the box, where nearest images are not all.
-    const double reach = std::min(2.0 * box / std::sqrt(static_cast<double>(x.size())), 0.5 * box);
+    const double reach =
+        std::min(2.0 * box.mean_side() / std::sqrt(static_cast<double>(x.size())), 0.5 * box.shorter());
     std::vector<Around> near(x.size());
     std::vector<double> scratch;
     const CellList cells(x, y, box, reach);
     cells.pairs([&](std::size_t p, std::size_t q) {
         const std::size_t i = cells.member()[p], j = cells.member()[q];
-        const double dx = nearest_image_once(cells.x()[q] - cells.x()[p], box);
-        const double dy = nearest_image_once(cells.y()[q] - cells.y()[p], box);
+        const double dx = nearest_image_once(cells.x()[q] - cells.x()[p], box.x);
+        const double dy = nearest_image_once(cells.y()[q] - cells.y()[p], box.y);
         const double r2 = dx * dx + dy * dy;
         if (!(r2 < reach * reach && r2 > 0.0))
             return;

@@ -14,7 +14,8 @@
 
 namespace rodwake::measure {
 
-/// Places in [0, box).
-std::vector<Bond> delaunay_bonds(const std::vector<double>& x, const std::vector<double>& y, double box);
+/// Places in the box.
+std::vector<Bond> delaunay_bonds(const std::vector<double>& x, const std::vector<double>& y,
+                                 const PeriodicBox& box);
 
 } // namespace rodwake::measure

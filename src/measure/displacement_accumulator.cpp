@@ -23,9 +23,9 @@ const DisplacementOptions& checked(const Layout& layout, const DisplacementOptio
     want(layout.beads >= least_beads, fmt::format("{} beads: needs at least {}", layout.beads, least_beads));
     want(options.rod < layout.rods,
          fmt::format("rod = {}: there are {} rods, counted from 0", options.rod, layout.rods));
-    want(options.far_from >= 0.0 && options.far_from <= largest_far * layout.box,
+    want(options.far_from >= 0.0 && options.far_from <= largest_far * layout.box.shorter(),
          fmt::format("far_from = {:g} m: must be 0 (30 % of the box) or up to half of the box, {:g} m",
-                     options.far_from, largest_far * layout.box));
+                     options.far_from, largest_far * layout.box.shorter()));
     want(std::isfinite(options.block) && options.block > 0.0,
          fmt::format("block = {:g} s: must be finite and above 0", options.block));
     want(std::isfinite(options.from), fmt::format("from = {:g} s: must be finite", options.from));
@@ -54,7 +54,7 @@ const char* to_string(DisplacementMethod method) {
 
 DisplacementAccumulator::Impl::Impl(const Layout& layout_in, const DisplacementOptions& options_in)
     : layout(layout_in), options(checked(layout_in, options_in)),
-      far_from(options.far_from > 0.0 ? options.far_from : default_far * layout.box),
+      far_from(options.far_from > 0.0 ? options.far_from : default_far * layout.box.shorter()),
       sums(sums_for(layout, options, far_from)) {}
 
 void DisplacementAccumulator::Impl::add(const Frame& frame) {

@@ -107,4 +107,8 @@ struct DisplacementSums {
     static const DisplacementAccumulator::Impl& of(const DisplacementAccumulator& run) { return *run.impl_; }
 };
 
+inline RodGrid grid_of(const DisplacementAccumulator& run) {
+    return {box_seen_by(run.options().rod, run.layout()), run.options().spacing};
+}
+
 } // namespace rodwake::measure

@@ -41,11 +41,12 @@ std::vector<bool> known(const DisplacementField& field) {
 /// Mean of the filled field over the reference.
 Vector2 reference_of(const DisplacementField& field, double far_from) {
     const RodGrid& grid = field.grid;
-    const double inside = 0.5 * grid.spacing * static_cast<double>(grid.n); // in the box at any heading
+    const double inside = std::min(0.5 * grid.width * static_cast<double>(grid.columns),
+                                   0.5 * grid.height * static_cast<double>(grid.rows)); // at any heading
     Vector2 sum;
     double total = 0.0;
     for (std::size_t j = 0; j < grid.bins(); ++j) {
-        const double r = std::hypot(grid.middle(j % grid.n), grid.middle(j / grid.n));
+        const double r = std::hypot(grid.x_of(j), grid.y_of(j));
         const bool counts = field.reference == Reference::far ? field.count[j] > 0.0 && r > far_from
                                                               : field.count[j] > 0.0 || r < inside;
         if (!counts)
@@ -68,8 +69,8 @@ void fill_gaps(DisplacementField& field) {
     const auto measured = known(field);
     if (std::ranges::find(measured, true) == measured.end())
         throw InputError("measure: displacement: no bead came into any bin of the grid");
-    fill_in(field.Ux, measured, field.grid.n);
-    fill_in(field.Uy, measured, field.grid.n);
+    fill_in(field.Ux, measured, field.grid.columns);
+    fill_in(field.Uy, measured, field.grid.columns);
 }
 
 /// Where a displaced sample was depends on what counts as no displacement, so the two are found together.
@@ -89,7 +90,9 @@ void place(const BinSamples& samples, double far_from, DisplacementField& field)
 }
 
 /// Bin of (x, -y).
-std::size_t mirrored(std::size_t bin, std::size_t n) { return (n - bin / n) % n * n + bin % n; }
+std::size_t mirrored(std::size_t bin, const RodGrid& grid) {
+    return (grid.rows - bin / grid.columns) % grid.rows * grid.columns + bin % grid.columns;
+}
 
 struct Pair {
     double value, sigma;
@@ -103,7 +106,7 @@ Pair mean_of(double u, double v, double su, double sv, double cu, double cv) {
 DisplacementField with_mirror_image(const DisplacementField& field) {
     DisplacementField mean = field;
     for (std::size_t j = 0; j < field.grid.bins(); ++j) {
-        const std::size_t k = mirrored(j, field.grid.n);
+        const std::size_t k = mirrored(j, field.grid);
         if (field.count[j] + field.count[k] == 0.0)
             continue;
         const auto x = mean_of(field.Ux[j], field.Ux[k], field.sigma_x[j], field.sigma_x[k], field.count[j],
@@ -177,7 +180,7 @@ DisplacementField reduce(std::span<const DisplacementAccumulator> runs) {
     check(runs);
     const DisplacementOptions& options = runs[0].options();
     DisplacementField field;
-    field.grid = RodGrid(runs[0].layout().box, options.spacing);
+    field.grid = grid_of(runs[0]);
     field.method = options.method;
     field.reference = options.reference;
     describe(runs, field);
@@ -205,20 +208,23 @@ Profile profile(const DisplacementField& field, const std::string& component, co
     want(component == "Ux" || component == "Uy", "component", component, "Ux or Uy");
     want(along == "x" || along == "y", "along", along, "x or y");
     const RodGrid& grid = field.grid;
-    const std::size_t middle = grid.n / 2;
-    const double line = std::round(at / grid.spacing) + static_cast<double>(middle);
-    if (!(line >= 0.0 && line < static_cast<double>(grid.n)))
+    const bool along_x = along == "x";
+    const std::size_t lines = along_x ? grid.rows : grid.columns, points = along_x ? grid.columns : grid.rows;
+    const auto across = [&](std::size_t k) { return along_x ? grid.y(k) : grid.x(k); };
+    const double line =
+        std::round(at / (along_x ? grid.height : grid.width)) + static_cast<double>(lines / 2);
+    if (!(line >= 0.0 && line < static_cast<double>(lines)))
         throw InputError(fmt::format("measure: profile at {:g} m: the grid reaches from {:g} to {:g} m", at,
-                                     grid.middle(0), grid.middle(grid.n - 1)));
+                                     across(0), across(lines - 1)));
     const auto& value = component == "Ux" ? field.Ux : field.Uy;
     const auto& sigma = component == "Ux" ? field.sigma_x : field.sigma_y;
-    Profile result{component, along, grid.middle(static_cast<std::size_t>(line)), {}, {}, {}, {}};
-    for (std::size_t k = 0; k < grid.n; ++k) {
-        const std::size_t fixed = static_cast<std::size_t>(line),
-                          bin = along == "x" ? fixed * grid.n + k : k * grid.n + fixed;
+    const std::size_t fixed = static_cast<std::size_t>(line);
+    Profile result{component, along, across(fixed), {}, {}, {}, {}};
+    for (std::size_t k = 0; k < points; ++k) {
+        const std::size_t bin = along_x ? fixed * grid.columns + k : k * grid.columns + fixed;
         if (!(field.count[bin] > 0.0))
             continue;
-        result.place.push_back(grid.middle(k));
+        result.place.push_back(along_x ? grid.x(k) : grid.y(k));
         result.value.push_back(value[bin]);
         result.sigma.push_back(sigma[bin]);
         result.count.push_back(field.count[bin]);

@@ -28,8 +28,8 @@ void check(const Layout& layout, const FlowOptions& options) {
     want(std::isfinite(options.lag) && options.lag >= 0.0, "lag (s)", options.lag, "finite and not negative");
     want(std::isfinite(options.block) && options.block > 0.0 && options.block >= options.lag, "block (s)",
          options.block, "finite, positive and at least the lag");
-    want(options.marked_within >= 0.0 && options.marked_within <= layout.box / 2.0, "marked_within (m)",
-         options.marked_within, "from 0 to half the box");
+    want(options.marked_within >= 0.0 && options.marked_within <= layout.box.shorter() / 2.0,
+         "marked_within (m)", options.marked_within, "from 0 to half the box");
     want(std::isfinite(options.marked_travel) && options.marked_travel >= 0.0, "marked_travel (m)",
          options.marked_travel, "finite and not negative");
 }
@@ -52,7 +52,7 @@ RodPlace halfway(const RodPlace& before, const RodPlace& now) {
 FlowAccumulator::FlowAccumulator(const Layout& layout, const FlowOptions& options)
     : layout_(layout), options_(options) {
     check(layout, options);
-    grid_ = RodGrid(layout.box, options.spacing);
+    grid_ = RodGrid(box_seen_by(options.rod, layout), options.spacing);
 }
 
 void FlowAccumulator::start(const Past& now) {
@@ -60,7 +60,7 @@ void FlowAccumulator::start(const Past& now) {
     const RodView view(now.rod, layout_.box);
     const double within2 = options_.marked_within * options_.marked_within;
     for (std::size_t i = 0; i < layout_.beads; ++i)
-        if (view.distance2(into_box(now.x[i], layout_.box), into_box(now.y[i], layout_.box)) < within2) {
+        if (view.distance2(into_box(now.x[i], layout_.box.x), into_box(now.y[i], layout_.box.y)) < within2) {
             marked_.push_back(i);
             first_x_.push_back(now.x[i]);
             first_y_.push_back(now.y[i]);
@@ -118,8 +118,8 @@ void FlowAccumulator::take(const Past& before, const Past& now) {
     const RodView view(halfway(before.rod, now.rod), layout_.box);
     Block& block = block_at((before.time + now.time) / 2.0);
     for (std::size_t i = 0; i < layout_.beads; ++i) {
-        const Seen place = view.at(into_box((before.x[i] + now.x[i]) / 2.0, layout_.box),
-                                   into_box((before.y[i] + now.y[i]) / 2.0, layout_.box));
+        const Seen place = view.at(into_box((before.x[i] + now.x[i]) / 2.0, layout_.box.x),
+                                   into_box((before.y[i] + now.y[i]) / 2.0, layout_.box.y));
         const auto bin = grid_.bin(place.x, place.y);
         if (!bin)
             continue;

@@ -66,14 +66,12 @@ void set_bin(FlowField& field, std::size_t bin, const std::vector<const FlowAccu
 
 double near_speed(const FlowField& field, double within) {
     double sum = 0.0, count = 0.0;
-    for (std::size_t j = 0; j < field.grid.n; ++j)
-        for (std::size_t i = 0; i < field.grid.n; ++i) {
-            const std::size_t bin = j * field.grid.n + i;
-            if (std::hypot(field.grid.middle(i), field.grid.middle(j)) > within)
-                continue;
-            sum += field.count[bin] * std::hypot(field.vx[bin], field.vy[bin]);
-            count += field.count[bin];
-        }
+    for (std::size_t bin = 0; bin < field.grid.bins(); ++bin) {
+        if (std::hypot(field.grid.x_of(bin), field.grid.y_of(bin)) > within)
+            continue;
+        sum += field.count[bin] * std::hypot(field.vx[bin], field.vy[bin]);
+        count += field.count[bin];
+    }
     return count > 0.0 ? sum / count : 0.0;
 }
 

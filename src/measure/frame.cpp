@@ -31,13 +31,20 @@ void want_inside(const std::vector<double>& places, double box) {
 
 } // namespace
 
+PeriodicBox box_seen_by(std::size_t rod, const Layout& layout) {
+    const double heading = rod < layout.headings.size() ? layout.headings[rod] : 0.0;
+    const bool along_y = std::abs(std::sin(heading)) > std::abs(std::cos(heading));
+    return along_y ? PeriodicBox(layout.box.y, layout.box.x) : layout.box;
+}
+
 void validate(const Layout& layout) {
-    want_positive("side of the box", layout.box);
+    want_positive("side of the box", layout.box.x);
+    want_positive("side of the box", layout.box.y);
     want_positive("bead radius", layout.bead_radius);
     want_positive("bead mass", layout.bead_mass);
-    if (layout.box < 8.0 * layout.bead_radius)
+    if (layout.box.shorter() < 8.0 * layout.bead_radius)
         throw InputError(fmt::format("measure: a box of side {:.3g} a: must be at least 8 a",
-                                     layout.box / layout.bead_radius));
+                                     layout.box.shorter() / layout.bead_radius));
     if (layout.beads == 0)
         throw InputError("measure: there are no beads to measure");
 }
@@ -49,8 +56,8 @@ void check_frame(const Layout& layout, const Frame& frame) {
         want_values("coordinates of beads", *values, layout.beads);
     for (const auto* values : {&frame.vx, &frame.vy})
         want_values("velocities of beads", *values, layout.beads);
-    want_inside(frame.x, layout.box);
-    want_inside(frame.y, layout.box);
+    want_inside(frame.x, layout.box.x);
+    want_inside(frame.y, layout.box.y);
     if (frame.rods.size() != layout.rods)
         throw RunError(
             fmt::format("measure: {} rods in a frame, expected {}", frame.rods.size(), layout.rods));

@@ -19,7 +19,7 @@ double mean(const std::vector<double>& values) {
 } // namespace
 
 LagrangianAccumulator::LagrangianAccumulator(const Layout& layout, const DisplacementOptions& options)
-    : layout_(layout), options_(options), grid_(layout.box, options.spacing),
+    : layout_(layout), options_(options), grid_(box_seen_by(options.rod, layout), options.spacing),
       blocks_(grid_.bins(), channels, options.block) {}
 
 void LagrangianAccumulator::add(const Frame& frame) {
@@ -45,13 +45,13 @@ void LagrangianAccumulator::start(const Frame& frame, const RodView& rod) {
     place_x_ = frame.unwrapped_x;
     place_y_ = frame.unwrapped_y;
     for (std::size_t i = 0; i < layout_.beads; ++i) {
-        const double ahead = rod.at(frame.x[i], frame.y[i]).x / layout_.box;
+        const double ahead = rod.at(frame.x[i], frame.y[i]).x / grid_.box.x;
         samples_[i] = ahead > first_zone_begin && ahead < zone_end ? 1.0 : 0.0;
     }
 }
 
 void LagrangianAccumulator::note_zone(std::size_t bead, const Frame& frame, const Seen& now) {
-    const double ahead = now.x / layout_.box;
+    const double ahead = now.x / grid_.box.x;
     if (!(ahead > zone_begin && ahead < zone_end)) {
         in_zone_[bead] = 0.0;
         return;
@@ -67,8 +67,8 @@ void LagrangianAccumulator::note_zone(std::size_t bead, const Frame& frame, cons
 void LagrangianAccumulator::count(std::size_t bead, const Frame& frame, const RodView& rod, double* sums) {
     const double dx = frame.unwrapped_x[bead] - drift_x_ - place_x_[bead] / samples_[bead];
     const double dy = frame.unwrapped_y[bead] - drift_y_ - place_y_[bead] / samples_[bead];
-    const auto inside = [&](double place) { return into_box(place, layout_.box); };
-    const Seen before = rod.at(inside(frame.x[bead] - dx), inside(frame.y[bead] - dy));
+    const Seen before =
+        rod.at(into_box(frame.x[bead] - dx, layout_.box.x), into_box(frame.y[bead] - dy, layout_.box.y));
     const auto bin = grid_.bin(before.x, before.y);
     if (!bin)
         return;
@@ -77,8 +77,8 @@ void LagrangianAccumulator::count(std::size_t bead, const Frame& frame, const Ro
     sum[along] += moved.x;
     sum[across] += moved.y;
     sum[beads] += 1.0;
-    sum[place_x] += nearest_image_once(before.x - grid_.middle(*bin % grid_.n), layout_.box);
-    sum[place_y] += nearest_image_once(before.y - grid_.middle(*bin / grid_.n), layout_.box);
+    sum[place_x] += nearest_image_once(before.x - grid_.x_of(*bin), grid_.box.x);
+    sum[place_y] += nearest_image_once(before.y - grid_.y_of(*bin), grid_.box.y);
 }
 
 void LagrangianAccumulator::save(StateWriter& out) const {
@@ -167,9 +167,7 @@ double beads_in(const Sources& sources, std::size_t bin) {
     return beads;
 }
 
-Vector2 middle(const RodGrid& grid, std::size_t bin) {
-    return {grid.middle(bin % grid.n), grid.middle(bin / grid.n)};
-}
+Vector2 middle(const RodGrid& grid, std::size_t bin) { return {grid.x_of(bin), grid.y_of(bin)}; }
 
 BinSamples of_bins(const Sources& sources, const RodGrid& grid) {
     BinSamples samples(grid.bins());
@@ -201,7 +199,7 @@ BinSamples of_cells(const Sources& sources, const CellWindow& window, const RodG
 } // namespace
 
 BinSamples lagrangian_samples(std::span<const DisplacementAccumulator> runs) {
-    const RodGrid grid(runs[0].layout().box, runs[0].options().spacing);
+    const RodGrid grid = grid_of(runs[0]);
     const double spacing = lattice_spacing(runs[0].layout());
     const Sources sources = sources_of(runs);
     const BinSamples single = of_bins(sources, grid);

@@ -22,29 +22,34 @@ Scattered::Scattered(const BinSamples& samples, const std::vector<Vector2>& plac
     : samples_(samples), places_(places), grid_(grid), in_cell_(grid.bins()) {
     for (std::size_t j = 0; j < places.size(); ++j)
         if (samples.count[j] > 0.0)
-            in_cell_[cell(column(places[j].x), column(places[j].y))].push_back(j);
+            in_cell_[cell(column(places[j].x), row(places[j].y))].push_back(j);
 }
 
-long Scattered::column(double place) const {
-    return static_cast<long>(std::floor(place / grid_.spacing + 0.5)) + static_cast<long>(grid_.n / 2);
+long Scattered::column(double x) const {
+    return static_cast<long>(std::floor(x / grid_.width + 0.5)) + static_cast<long>(grid_.columns / 2);
+}
+
+long Scattered::row(double y) const {
+    return static_cast<long>(std::floor(y / grid_.height + 0.5)) + static_cast<long>(grid_.rows / 2);
 }
 
 std::size_t Scattered::cell(long i, long j) const {
-    const long n = static_cast<long>(grid_.n);
-    return static_cast<std::size_t>(((j % n + n) % n) * n + (i % n + n) % n);
+    const long n = static_cast<long>(grid_.columns), m = static_cast<long>(grid_.rows);
+    return static_cast<std::size_t>(((j % m + m) % m) * n + (i % n + n) % n);
 }
 
 std::vector<Near> Scattered::around(std::size_t bin, double reach) const {
     std::vector<Near> found;
-    const double x = grid_.middle(bin % grid_.n), y = grid_.middle(bin / grid_.n);
-    const double box = grid_.spacing * static_cast<double>(grid_.n);
-    const long i = static_cast<long>(bin % grid_.n), j = static_cast<long>(bin / grid_.n);
+    const double x = grid_.x_of(bin), y = grid_.y_of(bin);
+    const PeriodicBox box{grid_.width * static_cast<double>(grid_.columns),
+                          grid_.height * static_cast<double>(grid_.rows)};
+    const long i = static_cast<long>(bin % grid_.columns), j = static_cast<long>(bin / grid_.columns);
     const long far = static_cast<long>(std::ceil(reach));
     for (long dj = -far; dj <= far; ++dj)
         for (long di = -far; di <= far; ++di)
             for (const std::size_t k : in_cell_[cell(i + di, j + dj)]) {
-                const Near near{k, std::remainder(places_[k].x - x, box) / grid_.spacing,
-                                std::remainder(places_[k].y - y, box) / grid_.spacing};
+                const Near near{k, std::remainder(places_[k].x - x, box.x) / grid_.width,
+                                std::remainder(places_[k].y - y, box.y) / grid_.height};
                 if (std::hypot(near.x, near.y) <= reach)
                     found.push_back(near);
             }

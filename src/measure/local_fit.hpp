@@ -11,7 +11,7 @@ namespace rodwake::measure {
 
 struct Near {
     std::size_t sample;
-    double x, y; ///< from the point, in spacings of the grid
+    double x, y; ///< from the point, in widths and heights of the grid's bins
 };
 
 /// Samples with data, found by their places; the box is periodic. Keeps references to what it is made from.
@@ -23,7 +23,8 @@ public:
     const BinSamples& samples() const { return samples_; }
 
 private:
-    long column(double place) const;
+    long column(double x) const;
+    long row(double y) const;
     std::size_t cell(long i, long j) const;
 
     const BinSamples& samples_;

@@ -23,7 +23,7 @@ void want(bool legal, const std::string& what) {
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 
 void want_bins(const Layout& layout, const OrderOptions& options) {
-    const double half = 0.5 * layout.box, ratio = options.order_bin / options.bin;
+    const double half = 0.5 * layout.box.shorter(), ratio = options.order_bin / options.bin;
     want(positive(options.bin) && options.bin <= half && half / options.bin <= most_bins,
          fmt::format("bin {:g} m of g(r): must be above 0, at most half the box, {:g} m, and at least a "
                      "millionth of that",
@@ -43,9 +43,9 @@ void validate(const Layout& layout, const OrderOptions& options) {
     want_bins(layout, options);
     want(positive(options.block), fmt::format("blocks of {:g} s: must be above 0", options.block));
     want(options.cutoff_frames >= 1, "cut-off from 0 frames: must be at least 1");
-    want(!options.cutoff || (positive(*options.cutoff) && *options.cutoff <= 0.5 * layout.box),
+    want(!options.cutoff || (positive(*options.cutoff) && *options.cutoff <= 0.5 * layout.box.shorter()),
          fmt::format("cut-off {:g} m for neighbours: must be above 0 and at most half the box, {:g} m",
-                     options.cutoff.value_or(0.0), 0.5 * layout.box));
+                     options.cutoff.value_or(0.0), 0.5 * layout.box.shorter()));
 }
 
 /// Bins of g(r) in one of g_B(r).
@@ -55,8 +55,8 @@ std::size_t bins_of_order_bin(const OrderOptions& options) {
 
 /// 1.4 spacings of the perfect triangular lattice of this density: between its first two shells, 1 and 1.73.
 double cutoff_by_spacing(const Layout& layout) {
-    const double area = layout.box * layout.box / static_cast<double>(layout.beads);
-    return std::min(1.4 * std::sqrt(2.0 / std::sqrt(3.0) * area), 0.5 * layout.box);
+    const double area = layout.box.area() / static_cast<double>(layout.beads);
+    return std::min(1.4 * std::sqrt(2.0 / std::sqrt(3.0) * area), 0.5 * layout.box.shorter());
 }
 
 void add_to(std::vector<double>& sums, const std::vector<double>& values, std::size_t together) {
@@ -89,14 +89,14 @@ void OrderAccumulator::add(const Frame& frame) {
 Cutoff OrderAccumulator::settled_cutoff() const {
     if (!waits() || waiting_.empty())
         return cutoff_;
-    const std::size_t bins = whole_bins(layout_.box, options_.bin);
+    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin);
     std::vector<double> pairs(bins, 0.0);
     for (const Waiting& frame : waiting_)
         add_to(pairs, count_pairs(frame.x, frame.y, {}, layout_.box, options_.bin, bins).pairs, 1);
     const std::vector<double> g = pair_correlation(pairs, static_cast<double>(waiting_.size()), layout_.beads,
                                                    layout_.box, options_.bin);
     const auto minimum = first_minimum(middles(bins, options_.bin), g, layout_.bead_radius);
-    if (minimum && *minimum <= 0.5 * layout_.box)
+    if (minimum && *minimum <= 0.5 * layout_.box.shorter())
         return {*minimum, false};
     return {cutoff_by_spacing(layout_), true};
 }
@@ -111,7 +111,7 @@ void OrderAccumulator::count_waiting() {
 OrderAccumulator::Block& OrderAccumulator::block_at(double time) {
     const double number = std::floor(time / options_.block);
     if (blocks_.empty() || block_number_.back() != number) {
-        const std::size_t bins = whole_bins(layout_.box, options_.bin),
+        const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
                           together = bins_of_order_bin(options_);
         blocks_.push_back({std::vector<double>(bins, 0.0), std::vector<double>(bins / together, 0.0),
                            std::vector<double>(bins / together, 0.0), std::vector<double>(bins, 0.0)});
@@ -124,7 +124,8 @@ void OrderAccumulator::count(double time, const std::vector<double>& x, const st
     const LocalOrder order = options_.neighbours == Neighbours::delaunay
                                  ? order_by_delaunay(x, y, layout_.box)
                                  : order_by_cutoff(x, y, layout_.box, cutoff_.value);
-    const std::size_t bins = whole_bins(layout_.box, options_.bin), together = bins_of_order_bin(options_);
+    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
+                      together = bins_of_order_bin(options_);
     const PairSums sums = count_pairs(x, y, order.psi, layout_.box, options_.bin, bins);
     Block& block = block_at(time);
     add_to(block.pairs, sums.pairs, 1);
@@ -175,7 +176,7 @@ void OrderAccumulator::load(StateReader& in) {
         std::vector<double> x = in.array(layout_.beads);
         waiting_.push_back({time, std::move(x), in.array(layout_.beads)});
     }
-    const std::size_t bins = whole_bins(layout_.box, options_.bin),
+    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
                       order_bins = bins / bins_of_order_bin(options_);
     for (std::size_t left = in.count(); left > 0; --left) {
         Block block{in.array(bins), in.array(order_bins), in.array(order_bins), in.array(bins)};

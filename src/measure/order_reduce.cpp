@@ -57,14 +57,17 @@ struct Sums {
 };
 
 /// Where the decay begins to be one: 8 a, where the shells and the 1/r^2 of phonons have faded; at most L/8.
-double decay_from(const Layout& layout) { return std::min(8.0 * layout.bead_radius, layout.box / 8.0); }
+double decay_from(const Layout& layout) {
+    return std::min(8.0 * layout.bead_radius, layout.box.shorter() / 8.0);
+}
 
 /// g_B(r) from about there on in steps of two lattice rows (less in boxes too small for six such), in smooth
 /// windows of four, weighted by pairs: g_B swings with the rows, and whole swings cancel, which needs bins
 /// finer than those shown. Neighbouring points share pairs. With each block left out in turn. `bin`: of g(r),
 /// m.
 DecayPoints decay_points(const std::vector<Block>& blocks, const Layout& layout, double bin) {
-    const double row = std::sqrt(0.5 * std::sqrt(3.0) / static_cast<double>(layout.beads)) * layout.box;
+    const double row =
+        std::sqrt(0.5 * std::sqrt(3.0) / static_cast<double>(layout.beads)) * layout.box.mean_side();
     DecayPoints points;
     points.box = layout.box;
     points.without.resize(blocks.size());
@@ -159,7 +162,8 @@ double common_growth(const std::vector<Series>& bins) {
 
 void reduce_g(const std::vector<Block>& blocks, const OrderAccumulator& run, OrderResult& result) {
     const std::size_t bins = blocks.front().pairs.size(), beads = run.layout().beads;
-    const double box = run.layout().box, bin = run.options().bin, frames = static_cast<double>(result.frames);
+    const PeriodicBox& box = run.layout().box;
+    const double bin = run.options().bin, frames = static_cast<double>(result.frames);
     const std::vector<double> of_one = pair_correlation(std::vector<double>(bins, 1.0), 1.0, beads, box, bin);
     std::vector<Series> all;
     for (std::size_t k = 0; k < bins; ++k)

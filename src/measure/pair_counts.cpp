@@ -54,11 +54,12 @@ PairSums split(const std::vector<Slot>& slots, std::size_t bins) {
 } // namespace
 
 PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
-                     const std::vector<std::complex<double>>& psi, double box, double bin, std::size_t bins) {
+                     const std::vector<std::complex<double>>& psi, const PeriodicBox& box, double bin,
+                     std::size_t bins) {
     const Columns c = columns(x, y, psi);
     const double per_bin = 1.0 / bin;
-    // Slots as far as the corners of the box, box/sqrt(2), so that the loop need not ask.
-    std::vector<Slot> slots(static_cast<std::size_t>(0.7072 * box * per_bin) + 2);
+    // Slots as far as the corners of the box, half its diagonal, so that the loop need not ask.
+    std::vector<Slot> slots(static_cast<std::size_t>(0.5001 * std::hypot(box.x, box.y) * per_bin) + 2);
     slots.resize(std::max(slots.size(), bins));
     std::vector<std::int32_t> at(x.size() + padding);
     std::vector<double> order(x.size() + padding);
@@ -70,17 +71,17 @@ PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
     return split(slots, bins);
 }
 
-std::size_t whole_bins(double box, double bin) {
-    return static_cast<std::size_t>(box / (2.0 * bin) * (1.0 + 1e-12));
+std::size_t whole_bins(double side, double bin) {
+    return static_cast<std::size_t>(side / (2.0 * bin) * (1.0 + 1e-12));
 }
 
 std::vector<double> pair_correlation(const std::vector<double>& pairs, double frames, std::size_t beads,
-                                     double box, double bin) {
+                                     const PeriodicBox& box, double bin) {
     const double n = static_cast<double>(beads), all = frames * n * (n - 1.0) / 2.0;
     std::vector<double> g(pairs.size(), 0.0);
     for (std::size_t k = 0; k < g.size() && all > 0.0; ++k) {
         const double ring = M_PI * bin * bin * (2.0 * static_cast<double>(k) + 1.0);
-        g[k] = pairs[k] / (all * ring / (box * box));
+        g[k] = pairs[k] / (all * ring / box.area());
     }
     return g;
 }

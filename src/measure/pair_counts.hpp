@@ -2,6 +2,8 @@
 // Sums over all pairs by distance. Distances are made in vectorised rows into a buffer; sums are then taken
 // one pair after the other, so that no vector width changes a bit.
 
+#include "rodwake/core/periodic.hpp"
+
 #include <complex>
 #include <cstddef>
 #include <vector>
@@ -13,17 +15,18 @@ struct PairSums {
     std::vector<double> order; ///< sum of Re psi_i* psi_j over them
 };
 
-/// Pairs i < j by their distance to nearest images, floor(distance * (1/bin)); bins * bin <= box/2.
-/// Places in [0, box). `psi` may be empty: its sums are 0.
+/// Pairs i < j by their distance to nearest images, floor(distance * (1/bin)); bins * bin <= half the shorter
+/// side. Places in the box. `psi` may be empty: its sums are 0.
 PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
-                     const std::vector<std::complex<double>>& psi, double box, double bin, std::size_t bins);
+                     const std::vector<std::complex<double>>& psi, const PeriodicBox& box, double bin,
+                     std::size_t bins);
 
-/// floor(box/2/bin), where a quotient within rounding of a whole number is that number.
-std::size_t whole_bins(double box, double bin);
+/// floor(side/2/bin), where a quotient within rounding of a whole number is that number.
+std::size_t whole_bins(double side, double bin);
 
 /// g(r) in each bin from the sums over so many frames of so many beads: pairs over those of an ideal gas.
 std::vector<double> pair_correlation(const std::vector<double>& pairs, double frames, std::size_t beads,
-                                     double box, double bin);
+                                     const PeriodicBox& box, double bin);
 std::vector<double> middles(std::size_t bins, double bin);
 
 } // namespace rodwake::measure

@@ -1,6 +1,8 @@
 #pragma once
 // Distances of one bead to many, as bins: the part of the pair loop that is vectorised.
 
+#include "rodwake/core/periodic.hpp"
+
 #include <cstddef>
 #include <cstdint>
 
@@ -14,9 +16,9 @@ struct PairColumns {
 inline constexpr std::size_t padding = 8;
 
 /// Of bead i with each of the `count` beads after it: floor(distance * per_bin) and Re psi_i* psi_j. Places
-/// in [0, box). Writes up to `padding` values more. Every element is on its own, no product is fused: all
+/// in the box. Writes up to `padding` values more. Every element is on its own, no product is fused: all
 /// instruction sets give the same bits.
-void fill_pair_row(const PairColumns& beads, std::size_t i, std::size_t count, double box, double per_bin,
-                   std::int32_t* bin, double* order);
+void fill_pair_row(const PairColumns& beads, std::size_t i, std::size_t count, const PeriodicBox& box,
+                   double per_bin, std::int32_t* bin, double* order);
 
 } // namespace rodwake::measure

@@ -29,7 +29,8 @@ void want_positive(const char* what, double value) {
 }
 
 void check(const PairTrack& track, const PairOptions& options) {
-    want_positive("box (m)", options.box);
+    want_positive("box (m)", options.box.x);
+    want_positive("box (m)", options.box.y);
     want_positive("contact distance (m)", options.contact_distance);
     const EndingCriteria& limit = options.ending;
     want_positive("locked heading (rad)", limit.locked_heading);
@@ -62,12 +63,12 @@ struct Offset {
 };
 
 /// Rod 0 seen from rod 1, of the nearest images.
-Offset apart(const PairTrack& track, double box, std::size_t row) {
-    return {nearest_image(track.x[0][row] - track.x[1][row], box),
-            nearest_image(track.y[0][row] - track.y[1][row], box)};
+Offset apart(const PairTrack& track, const PeriodicBox& box, std::size_t row) {
+    return {nearest_image(track.x[0][row] - track.x[1][row], box.x),
+            nearest_image(track.y[0][row] - track.y[1][row], box.y)};
 }
 
-double separation(const PairTrack& track, double box, std::size_t row) {
+double separation(const PairTrack& track, const PeriodicBox& box, std::size_t row) {
     return nearest_distance(track.x[0][row] - track.x[1][row], track.y[0][row] - track.y[1][row], box);
 }
 
@@ -98,14 +99,16 @@ double change(const PairTrack& track, const PairCourse& course, std::size_t row)
     return course.change(d.x, d.y);
 }
 
-/// Straight between the rows on both sides of half a box.
-std::optional<double> half_box_change(const PairTrack& track, const PairCourse& course, double box) {
+/// Straight between the rows on both sides of half a box along the course.
+std::optional<double> half_box_change(const PairTrack& track, const PairCourse& course,
+                                      const PeriodicBox& box) {
+    const double half = course.side_along(box) / 2.0;
     for (std::size_t row = 1; row < track.t.size(); ++row) {
         const double now = advanced(track, course, row);
-        if (now < box / 2.0)
+        if (now < half)
             continue;
         const double before = advanced(track, course, row - 1);
-        const double part = (box / 2.0 - before) / (now - before);
+        const double part = (half - before) / (now - before);
         const double first = change(track, course, row - 1);
         return first + part * (change(track, course, row) - first);
     }
@@ -123,7 +126,8 @@ int leader(const PairTrack& track, const PairCourse& course, Offset first, const
     return course.ahead(first.x + d.x, first.y + d.y) >= 0.0 ? 0 : 1;
 }
 
-void set_course(PairRun& run, const PairTrack& track, double box, Offset first, const Row (&turn)[2]) {
+void set_course(PairRun& run, const PairTrack& track, const PeriodicBox& box, Offset first,
+                const Row (&turn)[2]) {
     const PairCourse course(track.heading[0][0], track.heading[1][0], first.x, first.y);
     run.separation =
         course.common() && !run.perpendicular ? course.separation() : std::hypot(first.x, first.y);
@@ -145,7 +149,7 @@ std::size_t late_row(const PairTrack& track, double fraction) {
 }
 
 /// The end of a track from its rows `late` to last (core/encounter.hpp says what is a mean).
-PairEnd end_of(const PairTrack& track, double box, std::size_t late, const Row (&turn)[2]) {
+PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late, const Row (&turn)[2]) {
     const std::size_t last = track.t.size() - 1;
     const double duration = track.t[last] - track.t[late];
     const Offset place = apart(track, box, last), way = moved(track, late, last);

@@ -11,7 +11,7 @@ Phases referenced(const Phases& waves, const Phases& reference) {
 } // namespace
 
 PhaseAccumulator::PhaseAccumulator(const Layout& layout, const DisplacementOptions& options)
-    : layout_(layout), options_(options), grid_(layout.box, options.spacing),
+    : layout_(layout), options_(options), grid_(box_seen_by(options.rod, layout), options.spacing),
       blocks_(grid_.bins(), channels, options.block), waves_(layout.beads) {}
 
 bool PhaseAccumulator::add(const Frame& frame) {
@@ -62,8 +62,8 @@ void PhaseAccumulator::count(const Seen& now, const Phases& waves, BlockSums& bl
         sums[2 * k + 1] += waves[k].imag();
     }
     sums[beads] += 1.0;
-    sums[place_x] += nearest_image_once(now.x - grid_.middle(*bin % grid_.n), layout_.box);
-    sums[place_y] += nearest_image_once(now.y - grid_.middle(*bin / grid_.n), layout_.box);
+    sums[place_x] += nearest_image_once(now.x - grid_.x_of(*bin), grid_.box.x);
+    sums[place_y] += nearest_image_once(now.y - grid_.y_of(*bin), grid_.box.y);
 }
 
 void PhaseAccumulator::save(StateWriter& out) const {

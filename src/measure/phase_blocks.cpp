@@ -34,17 +34,18 @@ void add_bin(double* to, const double* from, double w, double apart, std::size_t
 /// Weighted means along x or y of the periodic grid.
 Sums blurred(const Sums& sums, const RodGrid& grid, double width, bool along_x) {
     Sums result(sums.size(), 0.0);
-    const long n = static_cast<long>(grid.n),
-               reach = std::min(static_cast<long>(cut * width / grid.spacing), n / 2 - 1);
+    const double spacing = along_x ? grid.width : grid.height;
+    const long n = static_cast<long>(grid.columns), m = static_cast<long>(grid.rows),
+               reach = std::min(static_cast<long>(cut * width / spacing), (along_x ? n : m) / 2 - 1);
     std::vector<double> weight;
     for (long k = -reach; k <= reach; ++k)
-        weight.push_back(std::exp(-0.5 * std::pow(static_cast<double>(k) * grid.spacing / width, 2)));
+        weight.push_back(std::exp(-0.5 * std::pow(static_cast<double>(k) * spacing / width, 2)));
     const double total = std::accumulate(weight.begin(), weight.end(), 0.0);
     const std::size_t place = along_x ? PhaseAccumulator::place_x : PhaseAccumulator::place_y;
-    for (long j = 0; j < n * n; ++j)
+    for (long j = 0; j < n * m; ++j)
         for (long k = -reach; k <= reach; ++k) {
-            const long from = along_x ? j / n * n + (j % n + k + n) % n : (j / n + k + n) % n * n + j % n;
-            const double apart = static_cast<double>(k) * grid.spacing;
+            const long from = along_x ? j / n * n + (j % n + k + n) % n : (j / n + k + m) % m * n + j % n;
+            const double apart = static_cast<double>(k) * spacing;
             add_bin(&result[static_cast<std::size_t>(j) * channels],
                     &sums[static_cast<std::size_t>(from) * channels],
                     weight[static_cast<std::size_t>(k + reach)] / total, apart, place);
@@ -55,7 +56,7 @@ Sums blurred(const Sums& sums, const RodGrid& grid, double width, bool along_x) 
 std::complex<double> far_sum(const Sums& sums, std::size_t k, const RodGrid& grid, double far_from) {
     std::complex<double> total = 0.0;
     for (std::size_t j = 0; j < grid.bins(); ++j)
-        if (std::hypot(grid.middle(j % grid.n), grid.middle(j / grid.n)) > far_from)
+        if (std::hypot(grid.x_of(j), grid.y_of(j)) > far_from)
             total += std::complex<double>(sums[j * channels + 2 * k], sums[j * channels + 2 * k + 1]);
     return total;
 }
@@ -99,7 +100,7 @@ std::vector<PhaseBlock> phase_blocks(std::span<const DisplacementAccumulator> ru
     std::vector<PhaseBlock> blocks;
     for (const DisplacementAccumulator& run : runs) {
         const auto& accumulator = std::get<PhaseAccumulator>(DisplacementSums::of(run).sums);
-        const RodGrid grid(run.layout().box, run.options().spacing);
+        const RodGrid grid = grid_of(run);
         const BlockSums* before = nullptr;
         for (const BlockSums& block : accumulator.blocks()) {
             PhaseBlock made = lattice_of(*accumulator.peaks(), block, follows_of(before, block));

@@ -79,7 +79,7 @@ std::vector<Vector2> first_guess(const std::vector<PhaseBlock>& blocks, const Ro
     for (double Vector2::*part : {&Vector2::x, &Vector2::y}) {
         std::vector<double> values(u.size());
         std::ranges::transform(u, values.begin(), [&](const Vector2& v) { return v.*part; });
-        fill_in(values, done, grid.n);
+        fill_in(values, done, grid.columns);
         for (std::size_t j = 0; j < u.size(); ++j)
             u[j].*part = values[j];
     }
@@ -110,8 +110,8 @@ BinSamples of_bins(const std::vector<PhaseBlock>& blocks, std::vector<Vector2> g
         cell.solve(samples.value[j]);
         scatter.add(j, cell.pulls(samples.value[j]), cell.present(), follows);
         samples.coherence[j] = cell.coherence();
-        samples.place[j] = {grid.middle(j % grid.n) + cell.total(PhaseAccumulator::place_x) / beads,
-                            grid.middle(j / grid.n) + cell.total(PhaseAccumulator::place_y) / beads};
+        samples.place[j] = {grid.x_of(j) + cell.total(PhaseAccumulator::place_x) / beads,
+                            grid.y_of(j) + cell.total(PhaseAccumulator::place_y) / beads};
     }
     scatter.finish(samples);
     return samples;
@@ -124,7 +124,7 @@ BinSamples of_cells(const std::vector<PhaseBlock>& blocks, const CellWindow& win
     const auto follows = follows_of(blocks);
     for (std::size_t j = 0; j < grid.bins(); ++j) {
         const CellMean mean = window.around(j);
-        samples.place[j] = {grid.middle(j % grid.n) + mean.place.x, grid.middle(j / grid.n) + mean.place.y};
+        samples.place[j] = {grid.x_of(j) + mean.place.x, grid.y_of(j) + mean.place.y};
         samples.count[j] = mean.count;
         samples.value[j] = mean.guess;
         if (mean.parts.empty())
@@ -140,7 +140,7 @@ BinSamples of_cells(const std::vector<PhaseBlock>& blocks, const CellWindow& win
 
 BinSamples at_middles(BinSamples samples, const RodGrid& grid) {
     for (std::size_t j = 0; j < grid.bins(); ++j)
-        samples.place[j] = {grid.middle(j % grid.n), grid.middle(j / grid.n)};
+        samples.place[j] = {grid.x_of(j), grid.y_of(j)};
     return samples;
 }
 
@@ -160,7 +160,7 @@ void want_crystal(std::span<const DisplacementAccumulator> runs) {
 
 BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
     want_crystal(runs);
-    const RodGrid grid(runs[0].layout().box, runs[0].options().spacing);
+    const RodGrid grid = grid_of(runs[0]);
     std::vector<std::vector<double>> smoothed;
     const auto blocks = phase_blocks(runs, smoothed);
     BinSamples single =

@@ -7,9 +7,10 @@
 
 namespace rodwake::measure {
 
-/// Places in [0, box), else InputError; 0 < cutoff <= box/2.
-LocalOrder order_by_cutoff(const std::vector<double>& x, const std::vector<double>& y, double box,
+/// Places in the box, else InputError; 0 < cutoff <= half its shorter side.
+LocalOrder order_by_cutoff(const std::vector<double>& x, const std::vector<double>& y, const PeriodicBox& box,
                            double cutoff);
-LocalOrder order_by_delaunay(const std::vector<double>& x, const std::vector<double>& y, double box);
+LocalOrder order_by_delaunay(const std::vector<double>& x, const std::vector<double>& y,
+                             const PeriodicBox& box);
 
 } // namespace rodwake::measure

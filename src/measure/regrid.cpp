@@ -20,23 +20,23 @@ struct Around {
     std::size_t count = 0;
 };
 
-Around around(std::size_t bin, std::size_t n) {
+Around around(std::size_t bin, std::size_t n, std::size_t bins) {
     Around found;
-    const std::size_t column = bin % n, row = bin / n;
+    const std::size_t column = bin % n;
     if (column > 0)
         found.bins[found.count++] = bin - 1;
     if (column + 1 < n)
         found.bins[found.count++] = bin + 1;
-    if (row > 0)
+    if (bin >= n)
         found.bins[found.count++] = bin - n;
-    if (row + 1 < n)
+    if (bin + n < bins)
         found.bins[found.count++] = bin + n;
     return found;
 }
 
 } // namespace
 
-void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::size_t n) {
+void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::size_t columns) {
     std::vector<Eigen::Index> unknown(values.size(), -1);
     std::vector<std::size_t> bins;
     for (std::size_t j = 0; j < values.size(); ++j)
@@ -50,7 +50,7 @@ void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::s
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
     for (Eigen::Index k = 0; k < size; ++k) {
-        const Around near = around(bins[static_cast<std::size_t>(k)], n);
+        const Around near = around(bins[static_cast<std::size_t>(k)], columns, values.size());
         entries.emplace_back(k, k, static_cast<double>(near.count));
         for (std::size_t i = 0; i < near.count; ++i)
             if (known[near.bins[i]])

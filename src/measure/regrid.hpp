@@ -21,8 +21,8 @@ void regrid(const BinSamples& samples, const std::vector<Vector2>& undisplaced, 
 
 // Values of empty bins from those around them.
 
-/// Solves the discrete Laplace equation in the bins of an n x n grid that are not known, with the known ones
-/// as given and no flux through the edge. All stay as they are if none is known.
-void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::size_t n);
+/// Solves the discrete Laplace equation in the bins of a grid of so many columns that are not known, with the
+/// known ones as given and no flux through the edge. All stay as they are if none is known.
+void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::size_t columns);
 
 } // namespace rodwake::measure

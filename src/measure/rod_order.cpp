@@ -54,13 +54,13 @@ double side_of(std::span<const double> x, std::span<const double> y, double link
 }
 
 std::vector<std::size_t> cluster_sizes(std::span<const RodPlace> rods, double link,
-                                       std::optional<double> box) {
+                                       std::optional<PeriodicBox> box) {
     std::vector<double> x, y;
     for (const RodPlace& rod : rods) {
         x.push_back(rod.x);
         y.push_back(rod.y);
     }
-    const double side = box ? *box : side_of(x, y, link);
+    const PeriodicBox side = box ? *box : PeriodicBox(side_of(x, y, link));
     const CellList cells(x, y, side, link);
     Sets sets(rods.size());
     cells.pairs([&](std::size_t p, std::size_t q) {
@@ -144,7 +144,7 @@ double RodOrder::weighted_size() const {
     return squares / rods;
 }
 
-RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<double> box) {
+RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<PeriodicBox> box) {
     return {alignment(rods, 1.0), alignment(rods, 2.0), cluster_sizes(rods, link, box)};
 }
 

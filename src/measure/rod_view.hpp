@@ -1,6 +1,6 @@
 #pragma once
 // Beads as a rod sees them, for inner loops: seen_from (rod_grid.hpp) with the rod's sine and cosine worked
-// out once, and only for places in [0, box).
+// out once, and only for places in the box.
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/measure/rod_grid.hpp"
@@ -13,29 +13,30 @@ namespace rodwake::measure {
 
 class RodView {
 public:
-    RodView(const RodPlace& rod, double box)
-        : box_(box), x_(into_box(rod.x, box)), y_(into_box(rod.y, box)), cosine_(std::cos(rod.heading)),
+    RodView(const RodPlace& rod, const PeriodicBox& box)
+        : box_(box), x_(into_box(rod.x, box.x)), y_(into_box(rod.y, box.y)), cosine_(std::cos(rod.heading)),
           sine_(std::sin(rod.heading)) {}
 
     Seen at(double x, double y) const {
-        return turned(nearest_image_once(x - x_, box_), nearest_image_once(y - y_, box_));
+        return turned(nearest_image_once(x - x_, box_.x), nearest_image_once(y - y_, box_.y));
     }
     /// A vector's components along and across the rod.
     Seen turned(double x, double y) const { return {cosine_ * x + sine_ * y, -sine_ * x + cosine_ * y}; }
     double distance2(double x, double y) const {
-        const double dx = nearest_image_once(x - x_, box_), dy = nearest_image_once(y - y_, box_);
+        const double dx = nearest_image_once(x - x_, box_.x), dy = nearest_image_once(y - y_, box_.y);
         return dx * dx + dy * dy;
     }
 
 private:
-    double box_, x_, y_, cosine_, sine_;
+    PeriodicBox box_;
+    double x_, y_, cosine_, sine_;
 };
 
 // Which beads are far from every rod.
 
 class FarField {
 public:
-    FarField(const Frame& frame, double box, double from) : from2_(from * from) {
+    FarField(const Frame& frame, const PeriodicBox& box, double from) : from2_(from * from) {
         for (const RodPlace& rod : frame.rods)
             rods_.emplace_back(rod, box);
     }

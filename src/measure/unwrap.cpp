@@ -22,13 +22,14 @@ struct Candidate {
 
 /// Calls visit(bin, distance^2 in bins) for the bins around one, not across the grid's edge.
 template<class Visit>
-void around(std::size_t bin, std::size_t n, Visit visit) {
-    const long column = static_cast<long>(bin % n), row = static_cast<long>(bin / n),
-               side = static_cast<long>(n);
+void around(std::size_t bin, const RodGrid& grid, Visit visit) {
+    const long columns = static_cast<long>(grid.columns), rows = static_cast<long>(grid.rows),
+               column = static_cast<long>(bin) % columns, row = static_cast<long>(bin) / columns;
     for (long j = -reach; j <= reach; ++j)
         for (long i = -reach; i <= reach; ++i)
-            if ((i != 0 || j != 0) && column + i >= 0 && column + i < side && row + j >= 0 && row + j < side)
-                visit(static_cast<std::size_t>((row + j) * side + column + i),
+            if ((i != 0 || j != 0) && column + i >= 0 && column + i < columns && row + j >= 0 &&
+                row + j < rows)
+                visit(static_cast<std::size_t>((row + j) * columns + column + i),
                       static_cast<double>(i * i + j * j));
 }
 
@@ -51,7 +52,7 @@ public:
         std::optional<std::size_t> found;
         for (std::size_t j = 0; j < u_.size(); ++j)
             if (!done_[j] && quality_[j] > 0.0 && (!found || quality_[j] > quality_[*found]) &&
-                std::hypot(grid_.middle(j % grid_.n), grid_.middle(j / grid_.n)) >= beyond)
+                std::hypot(grid_.x_of(j), grid_.y_of(j)) >= beyond)
                 found = j;
         return found;
     }
@@ -61,7 +62,7 @@ private:
     void take(std::size_t bin, const Vector2& near) {
         u_[bin] = lattice_.nearest_to(u_[bin], near);
         done_[bin] = true;
-        around(bin, grid_.n, [&](std::size_t next, double) {
+        around(bin, grid_, [&](std::size_t next, double) {
             if (done_[next] || waiting_[next] || !(quality_[next] > 0.0))
                 return;
             waiting_[next] = true;
@@ -71,7 +72,7 @@ private:
     Vector2 expected(std::size_t bin) const {
         Vector2 sum;
         double total = 0.0;
-        around(bin, grid_.n, [&](std::size_t next, double distance2) {
+        around(bin, grid_, [&](std::size_t next, double distance2) {
             if (!done_[next])
                 return;
             const double weight = quality_[next] / (distance2 * distance2);

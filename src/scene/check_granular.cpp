@@ -14,6 +14,10 @@ using Report = std::function<void(const std::string&, const std::string&)>;
 void start(const Granular& bed, const Report& report) {
     if (bed.start == GranularStart::restart && bed.restart_from.empty())
         report("granular.start", "start = \"restart\" needs restart_from, the checkpoint to go on from");
+    if (bed.start == GranularStart::restart && bed.box.fit)
+        report("granular.box",
+               "box = \"fit\" is made for a lattice and the rods in it, and the stored bed has a box: "
+               "give its two sides, `box` in its summary.json (m)");
     if (bed.start != GranularStart::restart && !bed.restart_from.empty())
         report("granular.restart_from", "restart_from belongs to start = \"restart\" only");
     if (bed.beads == 0 && bed.rods.empty())
@@ -42,6 +46,25 @@ void times(const Granular& bed, const Report& report) {
     interval("frames", bed.output.frames, max_frames);
     // Without the key the table has a row every 0.01 s.
     interval("table", bed.output.table.value_or(0.01), max_rows);
+}
+
+void body_force(const Granular& bed, const Report& report) {
+    if (!bed.body_force)
+        return;
+    const granular::BodyForce& force = *bed.body_force;
+    const auto belongs = [&](bool given, const char* name) {
+        if (given)
+            report(std::string("granular.body_force.") + name,
+                   fmt::format("{} belongs to kind = \"gaussian\" only", name));
+    };
+    if (force.kind == granular::BodyForceKind::gaussian) {
+        if (!(force.width > 0.0))
+            report("granular.body_force.width", "kind = \"gaussian\" needs width, above 0");
+        return;
+    }
+    belongs(force.width != 0.0, "width");
+    belongs(force.speed != 0.0, "speed");
+    belongs(!force.place.empty(), "position");
 }
 
 void rods(const Granular& bed, const Report& report) {
@@ -73,6 +96,7 @@ void check_granular(const Scene& scene, const Report& report) {
     start(*scene.granular, report);
     times(*scene.granular, report);
     rods(*scene.granular, report);
+    body_force(*scene.granular, report);
     radii(scene, report);
 }
 

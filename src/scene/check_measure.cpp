@@ -77,12 +77,13 @@ void lengths(const Measure& m, const Granular& bed, const Report& report) {
             report(std::string("measure.") + key,
                    fmt::format("{} = {:g} m: at most {:g} m, {}", key, *value, most, why));
     };
-    want_below(m.spacing, "spacing", bed.box / 4.0, "a quarter of the box");
-    want_below(m.flow_spacing, "flow_spacing", bed.box / 4.0, "a quarter of the box");
-    want_below(m.order_cutoff, "order_cutoff", bed.box / 4.0, "a quarter of the box");
-    want_below(m.marked_within, "marked_within", bed.box / 2.0, "half the box");
-    want_below(m.profile_offset, "profile_offset", bed.box / 2.0, "half the box");
-    want_below(m.far_from, "far_from", 0.45 * bed.box, "0.45 of the box: beyond it hardly a bead is left");
+    want_below(m.spacing, "spacing", bed.box.shorter() / 4.0, "a quarter of the box");
+    want_below(m.flow_spacing, "flow_spacing", bed.box.shorter() / 4.0, "a quarter of the box");
+    want_below(m.order_cutoff, "order_cutoff", bed.box.shorter() / 4.0, "a quarter of the box");
+    want_below(m.marked_within, "marked_within", bed.box.shorter() / 2.0, "half the box");
+    want_below(m.profile_offset, "profile_offset", bed.box.shorter() / 2.0, "half the box");
+    want_below(m.far_from, "far_from", 0.45 * bed.box.shorter(),
+               "0.45 of the box: beyond it hardly a bead is left");
     if (m.order_cutoff && m.order_neighbours == measure::Neighbours::delaunay)
         report("measure.order_cutoff", "order_cutoff belongs to order_neighbours = \"cutoff\" only");
 }

@@ -73,7 +73,7 @@ void order_of_rods(const Scene& scene, const Report& report) {
     else if (order.block && *order.block > counts)
         report("rods_order.block", fmt::format("rods_order.block = {} {} is longer than what counts, {}",
                                                *order.block, time, counts));
-    const std::optional<double> box = bed            ? std::optional(scene.granular->box)
+    const std::optional<double> box = bed            ? std::optional(scene.granular->box.shorter())
                                       : scene.medium ? scene.medium->periodic
                                                      : std::nullopt;
     if (box && order.link > 0.5 * *box)

@@ -22,6 +22,7 @@ void fields(Visitor& v, Cut& cut);
 void fields(Visitor& v, Field& field);
 void fields(Visitor& v, granular::Plates& plates);
 void fields(Visitor& v, granular::Surface& surface);
+void fields(Visitor& v, granular::BodyForce& force);
 void fields(Visitor& v, SurfaceChange& change);
 void fields(Visitor& v, Contacts& contacts);
 void fields(Visitor& v, GranularOutput& output);

@@ -17,14 +17,14 @@ void bead_fields(Visitor& v, Granular& bed) {
           .symbol("\\phi_b")
           .above(0.0, densest)
           .because("a layer of equal discs cannot be denser than pi/(2 sqrt 3)")
-          .doc("area fraction N pi a^2/L^2 that the number of beads N is made from, rounded")
+          .doc("area fraction N pi a^2/(L_x L_y) that the number of beads N is made from, rounded")
           .example("0.8"),
       bed.phi_b);
     v(key("beads").symbol("N").within(0, 1e7).doc("number of beads; 0 needs a rod").example("1549"),
       bed.beads);
     v(key("count_rod_area")
           .written_if(bed.phi_b.has_value())
-          .doc("with phi_b; true: the beads that the rods displace are taken out, N pi a^2 = phi_b L^2 - "
+          .doc("with phi_b; true: the beads that the rods displace are taken out, N pi a^2 = phi_b L_x L_y - "
                "shadows "
                "of the rods, so that the bed around them is as dense as one of phi_b without rods; false: "
                "they "
@@ -40,7 +40,11 @@ void bead_fields(Visitor& v, Granular& bed) {
           .required()
           .unit(length)
           .above(0.0, 1e3)
-          .doc("side of the periodic square, L")
+          .doc("the periodic box: its side L; or two sides, [\"78 a\", \"77.0 a\"]; or \"fit\", \"fit 155 "
+               "a\": "
+               "the rectangle of about that size, 78 a by itself, that a lattice without strain fills at "
+               "phi_b "
+               "(or of the same area at beads), rows along x or y as orientation says; check prints it")
           .example("\"78 a\""),
       bed.box);
 }
@@ -188,6 +192,50 @@ void fields(Visitor& v, Contacts& contacts) {
             contacts.rod_rod);
 }
 
+void fields(Visitor& v, granular::BodyForce& force) {
+    using enum granular::BodyForceKind;
+    v(key("kind")
+          .doc(
+              "uniform: the same everywhere; gaussian: b exp(-|r - R|^2/(2 width^2)) about R, which moves at "
+              "`speed` along `direction`")
+          .example("\"gaussian\""),
+      choice(force.kind, {{"uniform", uniform}, {"gaussian", gaussian}}));
+    v(key("acceleration")
+          .symbol("b")
+          .required()
+          .unit(acceleration)
+          .within(-1e4, 1e4)
+          .doc("force on a bead over its mass, along `direction`; of a gaussian its peak")
+          .example("0.5"),
+      force.acceleration);
+    v(key("direction").unit(angle).doc("of the force, counter-clockwise from +x").example("\"90 deg\""),
+      force.direction);
+    const bool moves = force.kind == gaussian;
+    v(key("width")
+          .written_if(moves)
+          .unit(length)
+          .within(0.0, 1e3)
+          .doc("gaussian: standard deviation; at most a tenth of the box's shorter side")
+          .example("\"4 a\""),
+      force.width);
+    v(key("speed")
+          .written_if(moves)
+          .unit(speed)
+          .within(-10.0, 10.0)
+          .doc("gaussian: of its centre along `direction`; negative: against the force")
+          .example("\"1 mm/s\""),
+      force.speed);
+    v(key("position")
+          .written_if(moves)
+          .unit(length)
+          .within(-1e3, 1e3)
+          .items(2, 2)
+          .absent("the middle of the box")
+          .doc("gaussian: of its centre at t = 0, [x, y]")
+          .example("[\"20 a\", \"39 a\"]"),
+      force.place);
+}
+
 void fields(Visitor& v, GranularOutput& output) {
     v(key("frames")
           .unit(time)
@@ -253,6 +301,10 @@ void fields(Visitor& v, Granular& bed) {
     v.table(key("contacts")
                 .doc("What happens when two things touch. Absent: the defaults, which are the paper's."),
             bed.contacts);
+    v.table(key("body_force")
+                .doc("A force on the beads in the plane, from t = 0 on, with a rod or without. "
+                     "Absent: there is none."),
+            bed.body_force);
     v.table(key("output").doc("What is stored. Absent: the defaults."), bed.output);
     v.list(key("rods").items(0, max_rods).doc("One entry for each rod in the bed."), bed.rods);
 }

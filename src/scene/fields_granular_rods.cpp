@@ -70,7 +70,7 @@ void fields(Visitor& v, GranularRod& rod) {
           .unit(length)
           .within(-1e3, 1e3)
           .items(2, 2)
-          .doc("of the centre of mass, [x, y]; the box reaches from 0 to L")
+          .doc("of the centre of mass, [x, y]; the box reaches from 0 to L_x, L_y")
           .example("[\"20 a\", \"46.5 a\"]"),
       rod.position);
     v(key("heading").unit(angle).doc("of the thin end, counter-clockwise from +x").example("\"90 deg\""),

@@ -14,6 +14,8 @@ namespace rodwake::scene {
 
 namespace {
 
+constexpr std::string_view usual_box = "78 a"; // "fit" alone: the paper's
+
 std::string expected_number(Dimension dimension) {
     static constexpr const char* examples[] = {"",        "0.4 mm", "5 s",         "2.8 mm/s",
                                                "0.5 1/s", "30 deg", "2700 kg/m^3", "9.81 m/s^2"};
@@ -100,6 +102,27 @@ void Reader::operator()(const Key& key, std::vector<double>& value) {
     if (const Entry* entry = find(key))
         if (auto found = numbers(key, entry->value, path_of(key.name)))
             value = std::move(*found);
+}
+
+void Reader::operator()(const Key& key, BoxSize& value) {
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const std::string path = path_of(key.name);
+    const Node& node = entry->value;
+    const auto* word = node.as<std::string>();
+    if (node.as<Node::List>()) {
+        Key sides = key;
+        sides.items(2, 2);
+        if (const auto found = numbers(sides, node, path))
+            value = {(*found)[0], (*found)[1]};
+    } else if (word && (*word == "fit" || word->starts_with("fit "))) {
+        const Node size{node.place, word->size() > 3 ? word->substr(4) : std::string(usual_box)};
+        if (const auto side = quantity(key, size, path))
+            value = {*side, *side, true};
+    } else if (const auto side = quantity(key, node, path)) {
+        value = {*side, *side};
+    }
 }
 
 void Reader::operator()(const Key& key, std::vector<std::vector<double>>& value) {

@@ -99,6 +99,15 @@ void Setter::operator()(const Key& key, double& value) {
     });
 }
 
+/// A side: lists and "fit" can be set only before the scene is read.
+void Setter::operator()(const Key& key, BoxSize& value) {
+    here(key, [&](Progress& p) {
+        if (const Value* given = take(key, p, true))
+            if (const auto side = number(key, p, *given))
+                value = {*side, *side};
+    });
+}
+
 void Setter::operator()(const Key& key, std::optional<double>& value) {
     const bool is_target = here(key, [&](Progress& p) {
         if (const Value* given = take(key, p, true))

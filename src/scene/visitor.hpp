@@ -31,6 +31,8 @@ public:
     virtual void operator()(const Key& key, bool& value) = 0;
     virtual void operator()(const Key& key, std::string& value) = 0;
     virtual void operator()(const Key& key, std::vector<double>& value) = 0;
+    /// A length, two of them, or "fit", alone or before a length.
+    virtual void operator()(const Key& key, BoxSize& value) = 0;
     virtual void operator()(const Key& key, std::vector<long>& value) = 0;
     virtual void operator()(const Key& key, std::vector<std::vector<double>>& value) = 0;
     /// Values of another key, as a scene file has them.

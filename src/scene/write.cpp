@@ -51,6 +51,13 @@ public:
         else
             line(key, quoted(value));
     }
+    void operator()(const Key& key, BoxSize& value) override {
+        const std::string side = quantity_text(value.x, key.dimension, units_);
+        if (value.fit)
+            line(key, fmt::format("\"fit {} {}\"", side, si_unit(key.dimension)));
+        else
+            line(key, value.x == value.y ? side : list_text(key, {value.x, value.y}));
+    }
     void operator()(const Key& key, std::vector<double>& value) override {
         if (value.empty())
             absent(key);

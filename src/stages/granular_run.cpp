@@ -295,7 +295,7 @@ private:
         info.command = context_.command;
         info.seed = p.seed;
         info.parameters = {{"bead_radius", p.bead_radius},
-                           {"box", p.box},
+                           {"box", p.box.x},
                            {"gap", p.plates.gap},
                            {"frequency", p.plates.frequency},
                            {"gamma", p.plates.gamma},
@@ -305,6 +305,8 @@ private:
                            {"phi_b", granular::bead_area_fraction(p)},
                            {"order_cutoff", bed_.schedule.order_cutoff},
                            {"run", static_cast<double>(task_.run + 1)}};
+        if (!p.box.square())
+            info.parameters.emplace_back("box_y", p.box.y);
         return info;
     }
 

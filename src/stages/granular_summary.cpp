@@ -25,7 +25,7 @@ ordered_json header(const granular::GranularProblem& problem) {
     return {{"beads", p.beads},
             {"phi_b", granular::bead_area_fraction(p)},
             {"bead_radius", p.bead_radius},
-            {"box", p.box},
+            {"box", p.box.square() ? ordered_json(p.box.x) : ordered_json{p.box.x, p.box.y}},
             {"time_step", p.time_step},
             {"gamma", p.plates.gamma},
             {"frequency", p.plates.frequency},

@@ -13,10 +13,11 @@ namespace {
 
 using assembly::Column;
 
-Column middles(const measure::RodGrid& grid, double scale) {
+/// Middles of the columns (x) or rows (y).
+Column middles(const measure::RodGrid& grid, char axis, double scale) {
     Column out;
-    for (std::size_t k = 0; k < grid.n; ++k)
-        out.push_back(grid.middle(k) * scale);
+    for (std::size_t k = 0; k < (axis == 'x' ? grid.columns : grid.rows); ++k)
+        out.push_back((axis == 'x' ? grid.x(k) : grid.y(k)) * scale);
     return out;
 }
 
@@ -33,21 +34,24 @@ void write_table(const std::filesystem::path& folder, const assembly::MeasureTab
 }
 
 void write_image(const std::filesystem::path& folder, const assembly::MeasureImage& image, double a) {
-    const double first = image.grid.middle(0) / a, spacing = image.grid.spacing / a;
+    const measure::RodGrid& grid = image.grid;
     std::vector<store::VtiArray> arrays;
     for (const assembly::ImageArray& one : image.arrays)
         arrays.push_back({one.name, one.components, one.values});
-    store::write_vti(folder / image.file, {image.grid.n, image.grid.n, {first, first}, {spacing, spacing}},
-                     arrays);
+    store::write_vti(
+        folder / image.file,
+        {grid.columns, grid.rows, {grid.x(0) / a, grid.y(0) / a}, {grid.width / a, grid.height / a}}, arrays);
 }
 
 void put_grid(store::Hdf5Writer& out, const assembly::MeasureGrid& grid, double a) {
-    const std::size_t n = grid.grid.n;
-    for (const char* axis : {"x", "y"})
-        out.dataset(grid.group + "/" + axis, middles(grid.grid, 1.0 / a), {n}, "a");
+    const measure::RodGrid& bins = grid.grid;
+    out.dataset(grid.group + "/x", middles(bins, 'x', 1.0 / a), {bins.columns}, "a");
+    out.dataset(grid.group + "/y", middles(bins, 'y', 1.0 / a), {bins.rows}, "a");
     for (const assembly::GridLayer& layer : grid.layers)
-        out.dataset(grid.group + "/" + layer.name, layer.values, {n, n}, layer.unit);
-    out.attribute(grid.group, "spacing", grid.grid.spacing / a);
+        out.dataset(grid.group + "/" + layer.name, layer.values, {bins.rows, bins.columns}, layer.unit);
+    out.attribute(grid.group, "spacing", bins.width / a);
+    if (!bins.box.square())
+        out.attribute(grid.group, "spacing_y", bins.height / a);
     for (const auto& attribute : grid.attributes)
         std::visit(
             [&]<class T>(const T& value) {

@@ -35,8 +35,8 @@ void want_equal(const std::filesystem::path& file, const char* what, double foun
 
 void check_bed(const std::filesystem::path& file, const store::TrajectoryInfo& info,
                const measure::Layout& layout) {
-    want_equal(file, "the side of the box in m", info.box[0], layout.box);
-    want_equal(file, "the side of the box in m", info.box[1], layout.box);
+    want_equal(file, "the side of the box along x in m", info.box[0], layout.box.x);
+    want_equal(file, "the side of the box along y in m", info.box[1], layout.box.y);
     want_equal(file, "the bead radius in m", info.bead_radius, layout.bead_radius);
     if (info.rods != layout.rods)
         throw InputError(fmt::format("{}: {} rods there and {} in the scene: a trajectory of another bed",
@@ -71,26 +71,27 @@ std::size_t stride_of(const std::filesystem::path& file, const store::Trajectory
 
 } // namespace
 
-void fill_frame(measure::Frame& frame, const granular::State& state, double time, double box) {
+void fill_frame(measure::Frame& frame, const granular::State& state, double time, const PeriodicBox& box) {
     const granular::Beads& beads = state.beads;
     resize(frame, beads.size(), state.rods.size());
     frame.time = time;
     for (std::size_t i = 0; i < beads.size(); ++i) {
-        const store::Wrapped x = store::wrap(beads.x[i], box), y = store::wrap(beads.y[i], box);
+        const store::Wrapped x = store::wrap(beads.x[i], box.x), y = store::wrap(beads.y[i], box.y);
         frame.x[i] = x.place;
         frame.y[i] = y.place;
-        frame.unwrapped_x[i] = unwrapped(x.place, x.image, box);
-        frame.unwrapped_y[i] = unwrapped(y.place, y.image, box);
+        frame.unwrapped_x[i] = unwrapped(x.place, x.image, box.x);
+        frame.unwrapped_y[i] = unwrapped(y.place, y.image, box.y);
         frame.vx[i] = beads.vx[i];
         frame.vy[i] = beads.vy[i];
     }
     for (std::size_t r = 0; r < state.rods.size(); ++r) {
         const granular::RodBody& rod = state.rods[r];
-        frame.rods[r] = {unwrapped(rod.position.x(), box), unwrapped(rod.position.y(), box), rod.heading()};
+        frame.rods[r] = {unwrapped(rod.position.x(), box.x), unwrapped(rod.position.y(), box.y),
+                         rod.heading()};
     }
 }
 
-void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, double box) {
+void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, const PeriodicBox& box) {
     const std::size_t beads = stored.x.size();
     resize(frame, beads, stored.rods.size());
     frame.time = stored.time;
@@ -99,15 +100,15 @@ void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, double 
     frame.vx = stored.vx;
     frame.vy = stored.vy;
     for (std::size_t i = 0; i < beads; ++i) {
-        frame.unwrapped_x[i] = unwrapped(stored.x[i], stored.image_x[i], box);
-        frame.unwrapped_y[i] = unwrapped(stored.y[i], stored.image_y[i], box);
+        frame.unwrapped_x[i] = unwrapped(stored.x[i], stored.image_x[i], box.x);
+        frame.unwrapped_y[i] = unwrapped(stored.y[i], stored.image_y[i], box.y);
     }
     for (std::size_t r = 0; r < stored.rods.size(); ++r) {
         const store::StoredRod& rod = stored.rods[r];
         const auto& q = rod.orientation;
         granular::RodBody body;
         body.orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-        frame.rods[r] = {unwrapped(rod.x, rod.image_x, box), unwrapped(rod.y, rod.image_y, box),
+        frame.rods[r] = {unwrapped(rod.x, rod.image_x, box.x), unwrapped(rod.y, rod.image_y, box.y),
                          body.heading()};
     }
 }

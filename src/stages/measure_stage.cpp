@@ -93,7 +93,7 @@ CaseResults facts_of(const assembly::BedPlan& plan) {
     r.phi_b = bed.phi_b.value_or(granular::bead_area_fraction(plan.problem));
     if (bed.rods.size() == 2) {
         const auto &p = bed.rods[0].position, &q = bed.rods[1].position;
-        r.separation = nearest_distance(p[0] - q[0], p[1] - q[1], bed.box);
+        r.separation = nearest_distance(p[0] - q[0], p[1] - q[1], plan.problem.box);
     }
     if (!bed.rods.empty())
         r.imposed_speed = bed.rods[static_cast<std::size_t>(one.scene.measure->rod)].imposed_speed;

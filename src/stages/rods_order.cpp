@@ -80,7 +80,7 @@ OrderKeys::OrderKeys(const scene::Scene& scene) : units(assembly::order_units(sc
     from = order.from * units.time;
     block = order.block.value_or((end - order.from) / 10.0) * units.time;
     if (bed)
-        box = scene.granular->box;
+        box = assembly::bed_size(*scene.granular).box;
     else if (scene.medium && scene.medium->periodic)
         box = *scene.medium->periodic * units.length;
 }

@@ -11,7 +11,7 @@ namespace rodwake::stages {
 /// [rods_order] of a case, in the units of its files.
 struct OrderKeys {
     double link = 0.0, from = 0.0, block = 0.0;
-    std::optional<double> box; ///< side of the periodic one; absent: infinite plane
+    std::optional<PeriodicBox> box; ///< the periodic one; absent: infinite plane
     assembly::OutputUnits units;
 
     explicit OrderKeys(const scene::Scene& scene);

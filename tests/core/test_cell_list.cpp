@@ -19,16 +19,16 @@ using PairSet = std::set<std::pair<std::size_t, std::size_t>>;
 
 struct Points {
     std::vector<double> x, y;
-    double box;
+    PeriodicBox box;
 };
 
 /// Some boxes away from the origin, as unwrapped places are.
-Points random_points(std::size_t count, double box, std::uint64_t seed) {
+Points random_points(std::size_t count, const PeriodicBox& box, std::uint64_t seed) {
     RandomStream random(seed);
     Points p{{}, {}, box};
     for (std::size_t i = 0; i < count; ++i) {
-        p.x.push_back(random.uniform(-2.0 * box, 2.0 * box));
-        p.y.push_back(random.uniform(-2.0 * box, 2.0 * box));
+        p.x.push_back(random.uniform(-2.0 * box.x, 2.0 * box.x));
+        p.y.push_back(random.uniform(-2.0 * box.y, 2.0 * box.y));
     }
     return p;
 }
@@ -71,8 +71,8 @@ std::vector<std::complex<double>> plain_psi6(const Points& p, double cutoff) {
     for (std::size_t i = 0; i < p.x.size(); ++i) {
         int near = 0;
         for (std::size_t j = 0; j < p.x.size(); ++j) {
-            const double dx = std::remainder(p.x[j] - p.x[i], p.box),
-                         dy = std::remainder(p.y[j] - p.y[i], p.box);
+            const double dx = std::remainder(p.x[j] - p.x[i], p.box.x),
+                         dy = std::remainder(p.y[j] - p.y[i], p.box.y);
             if (i == j || std::hypot(dx, dy) >= cutoff)
                 continue;
             psi[i] += std::polar(1.0, 6.0 * std::atan2(dy, dx));
@@ -92,22 +92,24 @@ LocalOrder order_of(const Points& p, double cutoff) {
 
 TEST_CASE("cells miss no near pair and show none twice, however many there are") {
     std::uint64_t seed = 60;
-    for (const double reach : {0.01, 0.1, 0.26, 0.34, 0.6, 3.0}) { // 3 and fewer than 3 across among them
-        const Points p = random_points(150, 1.0, ++seed);
-        const CellList cells(p.x, p.y, p.box, reach);
-        CHECK((cells.across() == 1 || cells.width() >= reach));
-        int twice = 0;
-        const PairSet seen = candidates(cells, twice), wanted = all_near(p, reach);
-        CHECK(twice == 0);
-        CHECK(std::ranges::includes(seen, wanted));
-        PairSet around; // by the nine cells around each place
-        for (std::size_t i = 0; i < p.x.size(); ++i)
-            cells.around(cells.column(p.x[i]), cells.column(p.y[i]), [&](std::size_t k) {
-                if (cells.member()[k] > i)
-                    around.emplace(i, cells.member()[k]);
-            });
-        CHECK(around == seen);
-    }
+    for (const double reach : {0.01, 0.1, 0.26, 0.34, 0.6, 3.0}) // 3 and fewer than 3 along a side among them
+        for (const PeriodicBox box : {PeriodicBox(1.0), PeriodicBox(1.6, 0.7), PeriodicBox(0.4, 5.0)}) {
+            const Points p = random_points(150, box, ++seed);
+            const CellList cells(p.x, p.y, p.box, reach);
+            CHECK((cells.columns() == 1 || cells.width() >= reach));
+            CHECK((cells.rows() == 1 || cells.height() >= reach));
+            int twice = 0;
+            const PairSet seen = candidates(cells, twice), wanted = all_near(p, reach);
+            CHECK(twice == 0);
+            CHECK(std::ranges::includes(seen, wanted));
+            PairSet around; // by the nine cells around each place
+            for (std::size_t i = 0; i < p.x.size(); ++i)
+                cells.around(cells.column(p.x[i]), cells.row(p.y[i]), [&](std::size_t k) {
+                    if (cells.member()[k] > i)
+                        around.emplace(i, cells.member()[k]);
+                });
+            CHECK(around == seen);
+        }
 }
 
 TEST_CASE("a cell list keeps places as given, in the order of cells, and few cells for few places") {
@@ -117,8 +119,10 @@ TEST_CASE("a cell list keeps places as given, in the order of cells, and few cel
         CHECK(cells.x()[k] == p.x[cells.member()[k]]);
         CHECK(cells.y()[k] == p.y[cells.member()[k]]);
     }
-    CHECK(cells.across() == 10);
-    CHECK(CellList(p.x, p.y, p.box, 1e-9).across() < 20);
+    CHECK(cells.columns() == 10);
+    CHECK(cells.rows() == 10);
+    CHECK(CellList(p.x, p.y, p.box, 1e-9).columns() < 20);
+    CHECK(CellList(p.x, p.y, {2.0, 8.0}, 0.3).rows() == 26);
     CHECK(CellList({}, {}, 1.0, 0.1).member().empty());
     CHECK(cells.column(-1e-20) == 0);
     CHECK(cells.column(1.9999) == 9);
@@ -143,7 +147,7 @@ TEST_CASE("psi_6 is 1 inside a perfect crystal, whatever its direction") {
 }
 
 TEST_CASE("psi_6 equals the sum over all pairs") {
-    for (const double box : {4.0, 10.0, 40.0}) {
+    for (const PeriodicBox box : {PeriodicBox(4.0), PeriodicBox(10.0, 7.0), PeriodicBox(20.0, 40.0)}) {
         const Points p = random_points(200, box, 51);
         const LocalOrder order = order_of(p, 1.5);
         const auto wanted = plain_psi6(p, 1.5);

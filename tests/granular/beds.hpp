@@ -14,7 +14,7 @@ inline void set_contacts(GranularProblem& problem, const Surface& surface) {
 }
 
 /// Static plates, no beads yet; a short step, and guards that only stop nonsense.
-inline GranularProblem still_plates(double gap, double box) {
+inline GranularProblem still_plates(double gap, const PeriodicBox& box) {
     GranularProblem problem;
     problem.plates = {gap, 200.0, 0.0};
     problem.time_step = 2e-5; // what is made by hand moves faster than a bed does
@@ -65,7 +65,8 @@ inline Bodies bodies_of(const Simulation& simulation) {
 }
 
 /// Pairs that overlap, by asking all of them; (first, second) in order.
-inline std::vector<std::pair<std::size_t, std::size_t>> all_overlaps(const Bodies& b, double box) {
+inline std::vector<std::pair<std::size_t, std::size_t>> all_overlaps(const Bodies& b,
+                                                                     const PeriodicBox& box) {
     std::vector<std::pair<std::size_t, std::size_t>> found;
     for (std::size_t i = 0; i < b.spheres(); ++i)
         for (std::size_t j = i + 1; j < b.spheres(); ++j) {
@@ -74,8 +75,8 @@ inline std::vector<std::pair<std::size_t, std::size_t>> all_overlaps(const Bodie
             double d2 = 0.0;
             for (std::size_t k = 0; k < 3; ++k) {
                 double d = b.position[4 * i + k] - b.position[4 * j + k];
-                if (k < 2)
-                    d -= box * std::round(d / box);
+                if (const double side = k == 0 ? box.x : box.y; k < 2)
+                    d -= side * std::round(d / side);
                 d2 += d * d;
             }
             if (d2 < (b.radius[i] + b.radius[j]) * (b.radius[i] + b.radius[j]))

@@ -75,10 +75,11 @@ inline std::vector<Ball> balls_of(const State& state, const GranularProblem& pro
 /// negative: an overlap. Every pair is looked at.
 inline double clearance(const State& state, const GranularProblem& problem) {
     auto balls = balls_of(state, problem);
-    const double floor = floor_height(problem), lid = floor + problem.plates.gap, box = problem.box;
+    const double floor = floor_height(problem), lid = floor + problem.plates.gap;
+    const PeriodicBox& box = problem.box;
     for (Ball& ball : balls) {
-        ball.x = folded(ball.x, box);
-        ball.y = folded(ball.y, box);
+        ball.x = folded(ball.x, box.x);
+        ball.y = folded(ball.y, box.y);
     }
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < balls.size(); ++i) {
@@ -86,10 +87,10 @@ inline double clearance(const State& state, const GranularProblem& problem) {
         least = std::min({least, p.z - p.radius - floor, lid - p.z - p.radius});
         for (std::size_t j = i + 1; j < balls.size(); ++j) {
             const Ball& q = balls[j];
-            const double x = nearest(p.x, q.x, box);
+            const double x = nearest(p.x, q.x, box.x);
             if (x < 2e-3 && p.body != q.body) // more than any two radii together
                 least =
-                    std::min(least, std::hypot(x, nearest(p.y, q.y, box), p.z - q.z) - p.radius - q.radius);
+                    std::min(least, std::hypot(x, nearest(p.y, q.y, box.y), p.z - q.z) - p.radius - q.radius);
         }
     }
     return least;
@@ -102,8 +103,8 @@ inline void check_start(const GranularProblem& problem, std::uint32_t run = 0) {
     REQUIRE(state.rods.size() == problem.rods.size());
     CHECK(clearance(state, problem) > 0.0);
     for (std::size_t i = 0; i < problem.beads; ++i)
-        REQUIRE((state.beads.x[i] >= 0.0 && state.beads.x[i] < problem.box && state.beads.y[i] >= 0.0 &&
-                 state.beads.y[i] < problem.box));
+        REQUIRE((state.beads.x[i] >= 0.0 && state.beads.x[i] < problem.box.x && state.beads.y[i] >= 0.0 &&
+                 state.beads.y[i] < problem.box.y));
 }
 
 inline double mean(const std::vector<double>& numbers, int power) {

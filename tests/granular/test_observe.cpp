@@ -126,7 +126,7 @@ TEST_CASE("travel and separation of rods on known courses") {
     CHECK(record.mean_advance() == Approx(speed * time).epsilon(1e-11));
     // rod 0 is below and heads down by 0.2 rad, rod 1 above and up: they part across the mean heading, +x
     CHECK(record.sums().pair.change == Approx(2.0 * speed * time * std::sin(0.2)).epsilon(1e-11));
-    const double half = problem.box / 2.0 / (speed * std::cos(0.2));
+    const double half = problem.box.x / 2.0 / (speed * std::cos(0.2));
     CHECK(half < time);
     CHECK(record.sums().pair.half_box_time >= half * (1.0 - 1e-12));
     CHECK(record.sums().pair.half_box_time < half + 11 * problem.time_step); // a sample every ten steps

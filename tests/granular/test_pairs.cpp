@@ -322,7 +322,7 @@ TEST_CASE("no overlap is missed in a hot gas") {
             std::int64_t overlaps = 0;
             SimulationCost cost;
             CAPTURE(gas.problem.beads, gas.problem.start_speed, boxes);
-            CHECK(missed_steps(gas.problem, shifted(make_start(gas.problem, 0), boxes, gas.problem.box),
+            CHECK(missed_steps(gas.problem, shifted(make_start(gas.problem, 0), boxes, gas.problem.box.x),
                                gas.steps, overlaps, cost) == 0);
             CHECK(overlaps > 100);
             CHECK(cost.list_refreshes > 50);

@@ -16,8 +16,8 @@ State left_behind(const GranularProblem& problem) {
     stored.step = 1000;
     stored.rods.resize(3);
     for (std::size_t i = 0; i < stored.beads.size(); ++i) {
-        stored.beads.x[i] += problem.box * static_cast<double>(i % 7) - 3.0 * problem.box;
-        stored.beads.y[i] -= problem.box * static_cast<double>(i % 3);
+        stored.beads.x[i] += problem.box.x * static_cast<double>(i % 7) - 3.0 * problem.box.x;
+        stored.beads.y[i] -= problem.box.y * static_cast<double>(i % 3);
         stored.beads.z[i] += 1.0;
         stored.beads.wx[i] = static_cast<double>(i);
     }
@@ -49,8 +49,10 @@ TEST_CASE("a restart takes beads where and as they were, and drops the surplus a
     for (std::size_t i = 0; i < problem.beads; ++i) {
         const auto from = static_cast<std::size_t>(state.beads.wx[i]);
         // The lattice is open, so nobody is moved; wrapping rounds at the size of a few boxes.
-        REQUIRE(nearest(state.beads.x[i], folded(stored.beads.x[from], problem.box), problem.box) < 1e-16);
-        REQUIRE(nearest(state.beads.y[i], folded(stored.beads.y[from], problem.box), problem.box) < 1e-16);
+        REQUIRE(nearest(state.beads.x[i], folded(stored.beads.x[from], problem.box.x), problem.box.x) <
+                1e-16);
+        REQUIRE(nearest(state.beads.y[i], folded(stored.beads.y[from], problem.box.y), problem.box.y) <
+                1e-16);
         REQUIRE(std::abs(state.beads.z[i] - middle) < 0.01 * 0.2e-3 + 1e-12);
         REQUIRE(state.beads.vx[i] == stored.beads.vx[from]);
         REQUIRE(state.beads.vz[i] == stored.beads.vz[from]);
@@ -73,10 +75,10 @@ TEST_CASE("a restart makes room for rods: the most covered beads go first") {
     for (std::size_t i = 0; i < stored.beads.size(); ++i) {
         double deepest = -1.0;
         for (const Ball& ball : balls_of(rods, only_rods)) {
-            const double x =
-                nearest(folded(ball.x, problem.box), folded(stored.beads.x[i], problem.box), problem.box);
-            const double y =
-                nearest(folded(ball.y, problem.box), folded(stored.beads.y[i], problem.box), problem.box);
+            const double x = nearest(folded(ball.x, problem.box.x), folded(stored.beads.x[i], problem.box.x),
+                                     problem.box.x);
+            const double y = nearest(folded(ball.y, problem.box.y), folded(stored.beads.y[i], problem.box.y),
+                                     problem.box.y);
             deepest = std::max(deepest, ball.radius + a - std::hypot(x, y));
         }
         depth.push_back(deepest);
@@ -115,7 +117,8 @@ TEST_CASE("a restart from a bed that does not fit says why") {
     damaged.beads.vy[17] = std::nan("");
     CHECK_THROWS_WITH(restart_from(problem, damaged, 0), Catch::Contains("bead 17"));
     auto smaller = problem;
-    smaller.box *= 0.885; // beads in disorder cover 0.7/0.783 = 0.894 of it: only a crystal would fit
+    smaller.box =
+        0.885 * smaller.box.x; // beads in disorder cover 0.7/0.783 = 0.894 of it: only a crystal would fit
     smaller.plates.gap = 2.001 * a;
     CHECK_THROWS_WITH(restart_from(smaller, stored, 0), Catch::Contains("same size"));
     CHECK_THROWS_AS(restart_from(smaller, stored, 0), RunError);

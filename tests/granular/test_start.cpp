@@ -61,7 +61,7 @@ TEST_CASE("the search for overlaps sees beads, rods and plates") {
     const State sound = make_start(problem, 0);
     REQUIRE(clearance(sound, problem) > 0.0);
     State state = sound;
-    state.beads.x[3] = state.beads.x[0] + 1.999 * a + 5 * problem.box; // an image
+    state.beads.x[3] = state.beads.x[0] + 1.999 * a + 5 * problem.box.x; // an image
     state.beads.y[3] = state.beads.y[0];
     CHECK(clearance(state, problem) < 0.0);
     state = sound;

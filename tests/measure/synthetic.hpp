@@ -37,8 +37,8 @@ inline Frame frame_of(const Layout& layout, double time, std::vector<double> x, 
     Frame frame;
     frame.time = time;
     for (std::size_t i = 0; i < x.size(); ++i) {
-        frame.x.push_back(wrapped(x[i], layout.box));
-        frame.y.push_back(wrapped(y[i], layout.box));
+        frame.x.push_back(wrapped(x[i], layout.box.x));
+        frame.y.push_back(wrapped(y[i], layout.box.y));
     }
     frame.unwrapped_x = std::move(x);
     frame.unwrapped_y = std::move(y);

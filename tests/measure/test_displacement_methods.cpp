@@ -15,7 +15,7 @@ namespace {
 /// What beads are displaced by since they were 0.3 L to 0.45 L ahead of the rod, at the same y; mean over the
 /// box 0.
 Truth since_zone(const SyntheticWake& wake) {
-    const double box = wake.layout().box;
+    const double box = wake.layout().box.x;
     const auto zone = [&wake, box](double y) {
         elastic::Vector mean;
         for (int k = 0; k < 15; ++k) {

@@ -40,8 +40,8 @@ struct FlowBed {
     FlowBed(Motion m, Field f, std::uint64_t seed = 1) : motion(m), field(std::move(f)) {
         RandomStream random(seed);
         for (std::size_t i = 0; i < layout.beads; ++i) {
-            x.push_back(random.uniform(0.0, layout.box));
-            y.push_back(random.uniform(0.0, layout.box));
+            x.push_back(random.uniform(0.0, layout.box.x));
+            y.push_back(random.uniform(0.0, layout.box.y));
         }
     }
     Frame frame() const {
@@ -111,10 +111,10 @@ Seen smooth(double x, double y) {
 /// Largest difference to the field at the middles of bins within `within`, over `scale`.
 double worst(const FlowField& flow, const Field& field, double within, double scale) {
     double most = 0.0;
-    for (std::size_t j = 0; j < flow.grid.n; ++j)
-        for (std::size_t i = 0; i < flow.grid.n; ++i) {
-            const double x = flow.grid.middle(i), y = flow.grid.middle(j);
-            const std::size_t bin = j * flow.grid.n + i;
+    for (std::size_t j = 0; j < flow.grid.rows; ++j)
+        for (std::size_t i = 0; i < flow.grid.columns; ++i) {
+            const double x = flow.grid.x(i), y = flow.grid.y(j);
+            const std::size_t bin = j * flow.grid.columns + i;
             if (std::hypot(x, y) > within || flow.count[bin] == 0.0)
                 continue;
             const Seen v = field(x, y);

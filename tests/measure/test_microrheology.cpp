@@ -28,8 +28,8 @@ struct Bed {
     Bed(std::size_t beads, std::uint64_t seed)
         : layout(synthetic::layout(beads)), normal(seed), x(beads, 0.0), y(beads, 0.0) {
         for (std::size_t i = 0; i < beads; ++i) {
-            x0.push_back(normal.random.uniform(0.0, layout.box));
-            y0.push_back(normal.random.uniform(0.0, layout.box));
+            x0.push_back(normal.random.uniform(0.0, layout.box.x));
+            y0.push_back(normal.random.uniform(0.0, layout.box.y));
         }
     }
     /// Bound: exact steps of an Ornstein-Uhlenbeck motion of variance `spread`^2, which decays by `keep` a
@@ -282,7 +282,7 @@ TEST_CASE("uneven frames are named", "[microrheology]") {
     frames[3].time = frames[2].time;
     CHECK_THROWS_AS(accumulator_of(frames), RunError);
     frames = drifting_frames(5);
-    frames[2].x[0] = frames[2].x[1] = layout(50).box;
+    frames[2].x[0] = frames[2].x[1] = layout(50).box.x;
     CHECK_THROWS_AS(accumulator_of(frames), RunError);
     frames = drifting_frames(5);
     frames[2].vx.pop_back();

@@ -21,15 +21,15 @@ const double none = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric
 TEST_CASE("a grid has an even number of bins, as near the wanted spacing as can be", "[rod_grid]") {
     for (const double wanted : {0.5 * a, 1.0 * a, 2.0 * a, 2.1 * a, 5.0 * a, 19.5 * a}) {
         const RodGrid grid(box, wanted);
-        CHECK(grid.n % 2 == 0);
-        CHECK(grid.n >= 4);
-        CHECK(grid.spacing * static_cast<double>(grid.n) == Approx(box).epsilon(1e-15));
-        for (const std::size_t other : {grid.n - 2, grid.n + 2}) // n is nearest to L/wanted
+        CHECK(grid.columns % 2 == 0);
+        CHECK(grid.columns >= 4);
+        CHECK(grid.width * static_cast<double>(grid.columns) == Approx(box).epsilon(1e-15));
+        for (const std::size_t other : {grid.columns - 2, grid.columns + 2}) // n is nearest to L/wanted
             if (other >= 4)
-                CHECK(std::abs(box / wanted - static_cast<double>(grid.n)) <=
+                CHECK(std::abs(box / wanted - static_cast<double>(grid.columns)) <=
                       std::abs(box / wanted - static_cast<double>(other)) + 1e-9);
-        CHECK(grid.middle(grid.n / 2) == 0.0);
-        CHECK(grid.middle(0) == Approx(-box / 2.0).epsilon(1e-15));
+        CHECK(grid.x(grid.columns / 2) == 0.0);
+        CHECK(grid.x(0) == Approx(-box / 2.0).epsilon(1e-15));
     }
     for (const double wanted : {0.0, -a, box / 3.9, none, inf, 1e-300})
         CHECK_THROWS_AS(RodGrid(box, wanted), InputError);
@@ -42,16 +42,16 @@ TEST_CASE("a grid has an even number of bins, as near the wanted spacing as can 
 
 TEST_CASE("middles are in their bins, far edges belong to the image, and outside is nowhere", "[rod_grid]") {
     const RodGrid grid(box, 2.0 * a);
-    for (std::size_t j = 0; j < grid.n; ++j)
-        for (std::size_t i = 0; i < grid.n; ++i)
+    for (std::size_t j = 0; j < grid.rows; ++j)
+        for (std::size_t i = 0; i < grid.columns; ++i)
             for (const double off : {-0.49, 0.0, 0.49})
-                CHECK(grid.bin(grid.middle(i) + off * grid.spacing, grid.middle(j) - off * grid.spacing) ==
-                      j * grid.n + i);
-    CHECK(grid.bin(box / 2.0 - 0.51 * grid.spacing, 0.0) == grid.n / 2 * grid.n + grid.n - 1);
-    CHECK(grid.bin(box / 2.0 - 0.49 * grid.spacing, 0.0) == grid.n / 2 * grid.n);
-    CHECK(grid.bin(0.0, box / 2.0) == grid.n / 2);
+                CHECK(grid.bin(grid.x(i) + off * grid.width, grid.y(j) - off * grid.width) ==
+                      j * grid.columns + i);
+    CHECK(grid.bin(box / 2.0 - 0.51 * grid.width, 0.0) == grid.columns / 2 * grid.columns + grid.columns - 1);
+    CHECK(grid.bin(box / 2.0 - 0.49 * grid.width, 0.0) == grid.columns / 2 * grid.columns);
+    CHECK(grid.bin(0.0, box / 2.0) == grid.columns / 2);
     for (const double out :
-         {box / 2.0 + 0.51 * grid.spacing, -box / 2.0 - 0.51 * grid.spacing, inf, none, 1e300}) {
+         {box / 2.0 + 0.51 * grid.width, -box / 2.0 - 0.51 * grid.width, inf, none, 1e300}) {
         CHECK_FALSE(grid.bin(out, 0.0));
         CHECK_FALSE(grid.bin(0.0, out));
     }

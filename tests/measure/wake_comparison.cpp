@@ -10,7 +10,7 @@ Comparison compare(const rodwake::measure::DisplacementField& field, const Truth
     Comparison result;
     double squares = 0.0;
     for (std::size_t j = 0; j < field.grid.bins(); ++j) {
-        const double x = field.grid.middle(j % field.grid.n), y = field.grid.middle(j / field.grid.n);
+        const double x = field.grid.x_of(j), y = field.grid.y_of(j);
         if (field.count[j] == 0.0 || std::hypot(x, y) < core || field.coherence[j] < coherence)
             continue;
         const auto u = truth(x, y);

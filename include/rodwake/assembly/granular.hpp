@@ -2,6 +2,7 @@
 // From the [granular] tables of a scene to a granular problem and to what follows from the two. Both are SI.
 
 #include "rodwake/granular/problem.hpp"
+#include "rodwake/granular/start.hpp"
 #include "rodwake/scene/scene.hpp"
 
 #include <optional>
@@ -12,6 +13,16 @@ namespace rodwake::assembly {
 /// modelled. A restarted run has no start: with start = "restart" the caller takes the state from
 /// granular.restart_from, and `start` of the problem means nothing.
 granular::GranularProblem granular_problem(const scene::Scene& scene);
+
+/// granular.box as it is. With "fit": unstrained for the lattice that the start will take, phi_b kept as
+/// given (to less than a bead), or with beads the area; the wanted size to half a lattice spacing a side,
+/// about. Throws InputError if rows do not lie along a side (orientation no multiple of 30 degrees).
+struct BedSize {
+    PeriodicBox box;
+    std::size_t beads = 0;
+    std::optional<granular::LatticeBox> lattice; ///< with "fit"
+};
+BedSize bed_size(const scene::Granular& bed);
 
 /// When what is stored of a run, and when it ends: what follows from [granular] beside the problem. SI.
 struct GranularSchedule {

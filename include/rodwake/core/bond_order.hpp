@@ -5,6 +5,8 @@
 //
 // theta_ij is the angle of the bond from i to j, from +x.
 
+#include "rodwake/core/periodic.hpp"
+
 #include <complex>
 #include <cstddef>
 #include <span>
@@ -20,7 +22,7 @@ struct Bond {
 
 /// To all beads nearer than the cut-off, by nearest images; beads in exactly one place have no direction and
 /// are no neighbours. Places anywhere. Sorted by (from, to), so sums over them depend on the places alone.
-std::vector<Bond> bonds_within(std::span<const double> x, std::span<const double> y, double box,
+std::vector<Bond> bonds_within(std::span<const double> x, std::span<const double> y, const PeriodicBox& box,
                                double cutoff);
 
 struct LocalOrder {

@@ -1,6 +1,8 @@
 #pragma once
-// Places in the periodic plane sorted into square cells, so that who is near whom is found without looking at
+// Places in the periodic plane sorted into equal cells, so that who is near whom is found without looking at
 // all pairs.
+
+#include "rodwake/core/periodic.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -10,17 +12,19 @@
 namespace rodwake {
 
 /// CellList at least `reach` wide: whoever is nearer than the reach is in the same cell or one of the eight
-/// around. Where fewer than three fit across, one cell holds all. Members of a cell are in the order of their
-/// numbers, so everything that is found comes in an order that depends on the places alone.
+/// around. Along a side that fewer than three fit into there is one. Members of a cell are in the order of
+/// their numbers, so everything that is found comes in an order that depends on the places alone.
 class CellList {
 public:
-    /// Places anywhere, box > 0, reach > 0; as many x as y.
-    CellList(std::span<const double> x, std::span<const double> y, double box, double reach);
+    /// Places anywhere, sides > 0, reach > 0; as many x as y.
+    CellList(std::span<const double> x, std::span<const double> y, const PeriodicBox& box, double reach);
 
-    std::size_t across() const { return across_; }
-    double width() const { return box_ / static_cast<double>(across_); }
-    /// Of a coordinate; rows are counted as columns are.
-    std::size_t column(double coordinate) const;
+    std::size_t columns() const { return columns_; }
+    std::size_t rows() const { return rows_; }
+    double width() const { return box_.x / static_cast<double>(columns_); }
+    double height() const { return box_.y / static_cast<double>(rows_); }
+    std::size_t column(double x) const;
+    std::size_t row(double y) const;
 
     /// In the order of the cells: the number of each place, and the place as it was given, so that a loop
     /// over a cell reads memory in order.
@@ -29,58 +33,62 @@ public:
     const std::vector<double>& y() const { return y_; }
 
     /// Calls use(k) for each index k of member() in a cell; columns and rows are counted round the box, from
-    /// -across on.
+    /// -columns() and -rows() on.
     template<class Use>
     void in_cell(std::ptrdiff_t column, std::ptrdiff_t row, Use&& use) const {
-        const auto n = static_cast<std::ptrdiff_t>(across_);
-        each(static_cast<std::size_t>((column + n) % n + n * ((row + n) % n)), use);
+        const auto n = static_cast<std::ptrdiff_t>(columns_), m = static_cast<std::ptrdiff_t>(rows_);
+        each(static_cast<std::size_t>((column + n) % n + n * ((row + m) % m)), use);
     }
 
     /// The cell of a column and row and those around it, each once.
     template<class Use>
     void around(std::size_t column, std::size_t row, Use&& use) const {
-        if (across_ == 1)
-            return each(0, use);
-        const auto before = [&](std::size_t at) { return at == 0 ? across_ - 1 : at - 1; };
-        const auto after = [&](std::size_t at) { return at + 1 == across_ ? 0 : at + 1; };
-        for (const std::size_t j : {before(row), row, after(row)})
-            for (const std::size_t i : {before(column), column, after(column)})
-                each(i + across_ * j, use);
+        const Near i = near(column, columns_), j = near(row, rows_);
+        for (std::size_t k = 0; k < j.count; ++k)
+            for (std::size_t l = 0; l < i.count; ++l)
+                each(i.at[l] + columns_ * j.at[k], use);
     }
 
     /// Calls see(p, q) once for each pair of indices of member() in the same or neighbouring cells.
     template<class See>
     void pairs(See&& see) const {
-        const std::size_t n = across_;
-        for (std::size_t row = 0; row < n; ++row)
+        const std::size_t n = columns_, m = rows_;
+        for (std::size_t row = 0; row < m; ++row)
             for (std::size_t column = 0; column < n; ++column) {
                 const std::size_t cell = row * n + column, right = (column + 1) % n,
-                                  left = (column + n - 1) % n, below = (row + 1) % n * n;
+                                  left = (column + n - 1) % n, below = (row + 1) % m * n;
                 const auto look = [&](std::size_t p, std::size_t from, std::size_t to) {
                     for (std::size_t q = from; q < to; ++q)
                         see(p, q);
                 };
                 for (std::size_t p = start_[cell]; p < start_[cell + 1]; ++p) {
                     look(p, p + 1, start_[cell + 1]);
-                    if (n == 1)
-                        continue;
                     // half of the eight cells around, so that each two cells are seen once
-                    for (const std::size_t other :
-                         {row * n + right, below + left, below + column, below + right})
-                        look(p, start_[other], start_[other + 1]);
+                    const std::size_t half[] = {row * n + right, below + left, below + column, below + right};
+                    for (std::size_t k = 0; k < 4; ++k)
+                        if ((k == 2 || n > 1) && (k == 0 || m > 1))
+                            look(p, start_[half[k]], start_[half[k] + 1]);
                 }
             }
     }
 
 private:
+    struct Near {
+        std::size_t at[3], count;
+    };
+    /// Of n round the box: the one before, it itself and the one after; one alone has no others.
+    static Near near(std::size_t at, std::size_t n) {
+        return n == 1 ? Near{{0}, 1} : Near{{at == 0 ? n - 1 : at - 1, at, at + 1 == n ? 0 : at + 1}, 3};
+    }
+
     template<class Use>
     void each(std::size_t cell, Use&& use) const {
         for (std::size_t k = start_[cell]; k < start_[cell + 1]; ++k)
             use(k);
     }
 
-    double box_;
-    std::size_t across_ = 1;
+    PeriodicBox box_;
+    std::size_t columns_ = 1, rows_ = 1;
     std::vector<std::uint32_t> start_, member_; ///< members of cell c: member[start[c]] .. member[start[c+1]]
     std::vector<double> x_, y_;
 };

@@ -24,6 +24,9 @@
 // rad/s over 0.5 s, to and fro. So on a track the angle is the largest of the last part, velocities and rates
 // of turn are means over it, and the limits are those of `noisy_track`.
 
+#include "rodwake/core/periodic.hpp"
+
+#include <cmath>
 #include <string>
 
 namespace rodwake {
@@ -80,6 +83,10 @@ public:
     /// Along the mean first heading and to its left; 0 without one.
     double ahead(double x, double y) const { return ahead_x_ * x + ahead_y_ * y; }
     double across(double x, double y) const { return -ahead_y_ * x + ahead_x_ * y; }
+    /// The side of the box nearest to the mean first heading: x without one.
+    double side_along(const PeriodicBox& box) const {
+        return std::abs(ahead_x_) >= std::abs(ahead_y_) ? box.x : box.y;
+    }
     /// Separation across at first, >= 0.
     double separation() const;
     /// Its change, outwards positive, once rod 0 has moved by (x, y) relative to rod 1.

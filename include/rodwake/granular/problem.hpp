@@ -2,6 +2,8 @@
 // What a granular run models: beads and rods between two horizontal plates that vibrate in phase, periodic in
 // x and y. SI units throughout. z points up, against gravity.
 
+#include "rodwake/core/periodic.hpp"
+#include "rodwake/granular/body_force.hpp"
 #include "rodwake/granular/impact.hpp"
 #include "rodwake/granular/shape.hpp"
 #include "rodwake/granular/surfaces.hpp"
@@ -29,13 +31,14 @@ enum class Start { lattice, random };
 
 struct GranularProblem {
     std::size_t beads = 0;
-    double bead_radius = 0.4e-3;  ///< a, m
-    double bead_density = 2700.0; ///< kg/m^3
-    double gravity = 9.81;        ///< m/s^2
-    double box = 78 * 0.4e-3;     ///< side of the periodic square, m
+    double bead_radius = 0.4e-3;   ///< a, m
+    double bead_density = 2700.0;  ///< kg/m^3
+    double gravity = 9.81;         ///< m/s^2
+    PeriodicBox box = 78 * 0.4e-3; ///< m
     Plates plates;
     ContactTable contacts;
     std::vector<RodSpec> rods;
+    std::optional<BodyForce> body_force; ///< on the beads, from t = 0 on
     Start start = Start::lattice;
     double orientation = 0.0;  ///< wanted angle of the close-packed rows from +x, rad
     double start_speed = 0.02; ///< rms of each velocity component of the beads at the start; rods: of hops
@@ -50,7 +53,7 @@ struct GranularProblem {
     bool operator==(const GranularProblem&) const = default;
 };
 
-/// Area fraction N pi a^2/L^2 of the beads alone.
+/// Area fraction N pi a^2/(L_x L_y) of the beads alone.
 double bead_area_fraction(const GranularProblem& problem);
 
 /// kg.

@@ -56,7 +56,7 @@ struct SampleSums {
 /// Two rods: the change of their separation across their mean first heading (PairCourse), outwards positive.
 struct PairProgress {
     double change;          ///< at the last sample, m
-    double half_box_time;   ///< when they had come half a box on average; negative: not yet
+    double half_box_time;   ///< when they had come half the side along which they head; negative: not yet
     double half_box_change; ///< then
 };
 

@@ -7,10 +7,10 @@
 
 namespace rodwake::granular {
 
-/// A triangular lattice that closes in the periodic square.
+/// A triangular lattice that closes in the periodic box.
 struct LatticeFit {
     int m1 = 0, n1 = 0, m2 = 0,
-        n2 = 0;               ///< box edges as lattice vectors: L x = m1 a1 + n1 a2, L y = m2 a1 + n2 a2
+        n2 = 0;               ///< box edges as lattice vectors: L_x x = m1 a1 + n1 a2, L_y y = m2 a1 + n2 a2
     long sites = 0;           ///< |m1 n2 - m2 n1|
     double orientation = 0.0; ///< angle of the a1 rows it really has, rad
     double strain = 0.0;      ///< largest principal stretch from the perfect triangle, minus 1
@@ -18,7 +18,25 @@ struct LatticeFit {
 };
 
 /// The least strained lattice with at least `sites` sites, rows at about `orientation` (mod 60 degrees).
-LatticeFit fit_lattice(double box, long sites, double orientation);
+LatticeFit fit_lattice(const PeriodicBox& box, long sites, double orientation);
+
+/// A rectangle that a perfect triangular lattice fills: `in_row` sites a row, an even number of rows.
+struct LatticeBox {
+    PeriodicBox box;
+    long in_row = 0, rows = 0;
+    bool rows_along_y = false;
+
+    long sites() const { return in_row * rows; }
+    /// Distance of rows over that of sites in them: sqrt(3)/2 but for rounding.
+    double row_ratio() const;
+};
+
+/// The numbers of sites and rows, at least `least` sites in all, that are nearest to a square with `sites`:
+/// least |ln(L_x/L_y)| + |ln(found/sites)|. `orientation` of the rows is a multiple of 30 degrees: 60 degrees
+/// are the same lattice. Throws InputError for another. The box is of area 1.
+LatticeBox lattice_box(double sites, long least, double orientation);
+/// The same in a box of this area.
+LatticeBox with_area(LatticeBox shape, double area);
 
 /// How long a bed takes to settle before it is worth measuring, s: 0.5 s from a lattice. A random start needs
 /// time to order: at phi_b = 0.70 a fluid settles in 2 s, from the transition on (0.72) crystals grow, 8 s,

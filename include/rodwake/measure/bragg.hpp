@@ -1,6 +1,8 @@
 #pragma once
-// The first Bragg peaks of a crystal in the periodic box. Only wave vectors 2 pi (m, n)/L fit into the box,
-// so they are exact: a crystal that closes in the box has its reciprocal vectors among them.
+// The first Bragg peaks of a crystal in the periodic box. Only wave vectors 2 pi (m/L_x, n/L_y) fit into the
+// box, so they are exact: a crystal that closes in the box has its reciprocal vectors among them.
+
+#include "rodwake/core/periodic.hpp"
 
 #include <array>
 #include <complex>
@@ -16,7 +18,7 @@ struct Vector2 {
 };
 
 struct BraggPeaks {
-    std::array<int, 3> m{}, n{};      ///< G_k = 2 pi (m_k, n_k)/L, k = 0, 1, 2; G_1 = G_0 + G_2
+    std::array<int, 3> m{}, n{};      ///< G_k = 2 pi (m_k/L_x, n_k/L_y), k = 0, 1, 2; G_1 = G_0 + G_2
     std::array<Vector2, 3> G{};       ///< 1/m
     std::array<double, 3> strength{}; ///< |(1/N) sum exp(i G_k.r)|^2, 1 for a perfect lattice
     double liquid_strength = 0.0;     ///< mean of the same over the ring searched: about S/N of a liquid
@@ -32,8 +34,8 @@ struct BraggPeaks {
 
 /// The triple with G_1 = G_0 + G_2 of the largest product of strengths among wave vectors within 12 % of the
 /// ring 2 pi/(row distance) of a triangular lattice of this density, each two about 60 degrees apart. The
-/// box's whole beads count; places in [0, L). Deterministic.
-BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, double box);
+/// box's whole beads count; places in it. Deterministic.
+BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, const PeriodicBox& box);
 
 /// u from the three phases G_k.u, least squares: u = (sum G_k G_k^T)^-1 sum G_k phase_k, exact for any
 /// triple.

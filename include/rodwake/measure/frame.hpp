@@ -3,6 +3,7 @@
 // whether they come from a running simulation or from a stored trajectory: a coordinate is the place in the
 // periodic box and the image index, and what is unwrapped is made from the two.
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/measure/state_io.hpp"
 
 #include <cstddef>
@@ -14,13 +15,17 @@ namespace rodwake::measure {
 
 /// What is the same in every frame. SI.
 struct Layout {
-    double box = 0.0;         ///< side L of the periodic square, m
+    PeriodicBox box;          ///< m
     double bead_radius = 0.0; ///< a, m
     double bead_mass = 0.0;   ///< kg
     std::size_t beads = 0, rods = 0;
+    std::vector<double> headings = {}; ///< of the rods as they start, rad from +x; none: along x
 
     bool operator==(const Layout&) const = default;
 };
+
+/// The box as rod `rod` sees it: the side nearest to its first heading lies along the rod's x.
+PeriodicBox box_seen_by(std::size_t rod, const Layout& layout);
 
 /// Throws InputError unless the box, the radius and the mass are finite and positive, the box is at least 8 a
 /// and there are beads.
@@ -34,8 +39,8 @@ struct RodPlace {
 
 struct Frame {
     double time = 0.0;                            ///< s, from the end of the equilibration
-    std::vector<double> x, y;                     ///< [beads], m, in [0, L)
-    std::vector<double> unwrapped_x, unwrapped_y; ///< [beads], m, unwrapped: x + L * image index
+    std::vector<double> x, y;                     ///< [beads], m, in the box
+    std::vector<double> unwrapped_x, unwrapped_y; ///< [beads], m, unwrapped: x + L_x * image index
     std::vector<double> vx, vy;                   ///< [beads], m/s
     std::vector<RodPlace> rods;                   ///< [rods]
 };

@@ -6,7 +6,7 @@
 //   psi_6   = (1/N) |sum_i psi_6,i|                                            (paper Sec. III.A)
 //   g_B(r)  = <psi_6,i* psi_6,j>_r: mean over pairs at distance r, the paper's correlation over g(r)
 //
-// Normalisation: N(N-1)/2 pairs over the box's area L^2, so an ideal gas has g = 1 without a finite-size
+// Normalisation: N(N-1)/2 pairs over the box's area L_x L_y, so an ideal gas has g = 1 without a finite-size
 // term. Distances to nearest images, up to L/2. Angles from +x. Rods are no beads: they are holes here.
 //
 // Neighbours: beads nearer than a cut-off, by default the first minimum of g(r) of the first frames
@@ -38,9 +38,9 @@ struct OrderOptions {
 
 /// psi_6 of each bead; places in [0, L).
 std::vector<std::complex<double>> psi6_by_cutoff(const std::vector<double>& x, const std::vector<double>& y,
-                                                 double box, double cutoff);
+                                                 const PeriodicBox& box, double cutoff);
 std::vector<std::complex<double>> psi6_by_delaunay(const std::vector<double>& x, const std::vector<double>& y,
-                                                   double box);
+                                                   const PeriodicBox& box);
 
 /// Position of the first minimum of g(r) after its first peak, by a parabola through the bins around the
 /// smallest one of the smoothed curve; nothing if there is none before r_max (an ideal gas).
@@ -138,12 +138,12 @@ struct DecayPoints {
     std::vector<double> r, g_B, error;        ///< m; errors <= 0 are unknown: such points are left out
     std::vector<std::vector<double>> without; ///< [block][point]
     double growth = 1.0;
-    double box = 0.0; ///< m; 0: the infinite plane
+    PeriodicBox box; ///< m; 0: the infinite plane
 };
 
 /// The class of a measured g_B(r) at r >= from. Least squares in g_B itself (values may be negative) of
 ///
-///   algebraic    A exp(-eta s), s = ln r - pi r^2/(2 L^2): what ln r is in the periodic box, the mean of
+///   algebraic    A exp(-eta s), s = ln r - pi r^2/(2 L_x L_y): what ln r is in the periodic box, the mean of
 ///                its Green's function over a circle of radius r, exact for r <= L/2
 ///   exponential  A sum over images of exp(-|r + n L|/xi), its mean over the same circle
 ///

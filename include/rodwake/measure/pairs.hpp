@@ -18,7 +18,7 @@ struct PairTrack {
 };
 
 struct PairOptions {
-    double box = 0.0;              ///< L, m
+    PeriodicBox box;               ///< m
     double contact_distance = 0.0; ///< between centres of mass, m; e.g. one rod length
     EndingCriteria ending = noisy_track;
 

@@ -4,6 +4,7 @@
 // The granular bed has its own scale: everything here is SI, whatever `units` says, and "a" in a string means
 // granular.bead_radius. [scales] is not needed. What is absent and follows from other keys stays absent here.
 
+#include "rodwake/granular/body_force.hpp"
 #include "rodwake/granular/shape.hpp"
 #include "rodwake/granular/surfaces.hpp"
 
@@ -53,16 +54,26 @@ struct GranularRod {
     bool operator==(const GranularRod&) const = default;
 };
 
+/// granular.box, m.
+struct BoxSize {
+    double x = 0.0, y = 0.0;
+    /// The rectangle that an unstrained lattice fills (granular/fitted_box.hpp): of about this size, x = y.
+    bool fit = false;
+
+    double shorter() const { return x < y ? x : y; }
+    bool operator==(const BoxSize&) const = default;
+};
+
 /// [granular]: beads and rods between two plates, periodic in x and y.
 struct Granular {
-    std::optional<double> phi_b; ///< N pi a^2/L^2; either this or beads
+    std::optional<double> phi_b; ///< N pi a^2/(L_x L_y); either this or beads
     std::optional<long> beads;
     /// Rods take the place of beads: N pi a^2 = phi_b L^2 - shadows of the rods.
     bool count_rod_area = true;
     double bead_radius = 0.4e-3;  ///< a, m
     double bead_density = 2700.0; ///< kg/m^3
     double gravity = 9.81;        ///< m/s^2
-    double box = 0.0;             ///< side of the periodic square, m
+    BoxSize box;                  ///< the periodic box
     GranularStart start = GranularStart::lattice;
     std::string restart_from;          ///< checkpoint file; with start = restart only
     double orientation = 0.0;          ///< of the close-packed rows from +x, rad
@@ -77,6 +88,7 @@ struct Granular {
     std::optional<double> order_cutoff; ///< m; absent: 1.4 lattice spacings
     granular::Plates plates;
     Contacts contacts;
+    std::optional<granular::BodyForce> body_force;
     GranularOutput output;
     std::vector<GranularRod> rods;
 

@@ -76,7 +76,7 @@ Values values_of(const DisplacementField& u, double a) {
     const double spacing = u.peaks.lattice_spacing(); // 0 without peaks
     return {{"method", measure::to_string(u.method)},
             {"reference", reference_name(u)},
-            {"spacing", u.grid.spacing / a},
+            {"spacing", u.grid.width / a},
             {"blocks", count_value(u.blocks)},
             {"frames", count_value(u.frames)},
             {"block_correlation", u.block_correlation},

@@ -52,7 +52,7 @@ std::string describe(const Scene& scene) {
 
 Values values_of(const FlowField& f, double a) {
     return {{"drag", f.drag.scaled(1.0 / a)},  {"drag_share", f.drag_share},
-            {"near_speed", f.near_speed / a},  {"spacing", f.grid.spacing / a},
+            {"near_speed", f.near_speed / a},  {"spacing", f.grid.width / a},
             {"blocks", count_value(f.blocks)}, {"frames", count_value(f.frames)}};
 }
 

@@ -5,6 +5,8 @@
 #include "measure_parts.hpp"
 #include "pair_run.hpp"
 
+#include "rodwake/assembly/granular.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -73,7 +75,7 @@ measure::PairTrack track_of(const RunTables& run) {
 
 measure::PairRun followed(const Scene& scene, const RunTables& run) {
     measure::PairOptions options;
-    options.box = scene.granular->box;
+    options.box = bed_size(*scene.granular).box;
     options.contact_distance = contact_distance(scene);
     return measure::follow_pair(track_of(run), options);
 }
