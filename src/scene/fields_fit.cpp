@@ -265,10 +265,19 @@ void fields(Visitor& v, Fit& fit, const FitUnits& units) {
     model_fields(v, fit);
     search_fields(v, fit.search);
     report_fields(v, fit);
+    map_fields(v, fit);
     v.list(key("profiles").items(0, 100).doc("Measured displacement along a line."), fit.profiles);
     v.list(key("trajectories").items(0, 100).doc("Measured tracks of rods."), fit.trajectories,
            [&](FitTrajectory& track) { fields(v, track, units); });
-    map_fields(v, fit);
+    v.list(
+        key("maps").items(0, 100).doc("Measured displacement on a grid, fitted with an orthotropic medium."),
+        fit.maps);
+    v.list(
+        key("masks").items(0, 100).doc(
+            "Which bins of the maps are left out. The first is that of the fit; it is made again with each "
+            "of "
+            "the others, and the spread of the parameters over all is reported as the error of the choice."),
+        fit.masks);
     v.list(key("compare").items(0, 20).doc("Other parameter values, drawn and scored beside the fit."),
            fit.compare);
 }

@@ -72,15 +72,6 @@ void map_fields(Visitor& v, Fit& fit) {
                "to 1/4 of the box")
           .example("\"1 a\""),
       fit.source_width);
-    v.list(
-        key("maps").items(0, 100).doc("Measured displacement on a grid, fitted with an orthotropic medium."),
-        fit.maps);
-    v.list(
-        key("masks").items(0, 100).doc(
-            "Which bins of the maps are left out. The first is that of the fit; it is made again with each "
-            "of "
-            "the others, and the spread of the parameters over all is reported as the error of the choice."),
-        fit.masks);
 }
 
 } // namespace rodwake::scene
