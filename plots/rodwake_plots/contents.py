@@ -7,7 +7,7 @@ from . import schema, words
 
 MOST_FILES = 6
 VERBS = ("dem", "rods", "fit", "field", "scan", "run")  # that make a folder from a scene alone
-FIT_TABLES = ("fit_profile_*.csv", "fit_curve_*.csv", "fit_trajectory_*.csv")
+FIT_TABLES = ("fit_profile_*.csv", "fit_curve_*.csv", "fit_map_*.csv", "fit_trajectory_*.csv")
 
 
 def identifier(name):
@@ -28,7 +28,7 @@ def files_of(run, spec):
     names = list(schema.FIGURES[spec.kind]["files"])
     if spec.kind == "profile":
         names = [f"profile_{spec.component}_{spec.along}.csv"]
-    if spec.kind in ("fit", "fit_trajectories"):
+    if spec.kind in ("fit", "fit_map", "fit_trajectories"):
         names += FIT_TABLES
     found = [path for name in names for pattern in (name, f"variants/*/{name}", f"runs/*/{name}") for path in sorted(run.path.glob(pattern))]
     return [path.relative_to(run.path).as_posix() for path in found]

@@ -50,7 +50,7 @@ def defaults(run):
 def besides(run, asked):
     """What to add to figures asked for, none of which shows the fit or the scan that was made: data and fit, phase diagram."""
     shown, taken = {schema.subject(one.kind) for one in asked}, {one.name for one in asked}
-    kinds = (["fit", "fit_trajectories"] if run.has_fit and "fit" not in shown else []) + (
+    kinds = (["fit", "fit_map", "fit_trajectories"] if run.has_fit and "fit" not in shown else []) + (
         ["phase_diagram", "scan_curve"] if run.has_scan and "scan" not in shown else [])
     ends = {"fit": "to_data", "scan": "of_scan"}
     return [replace(one, name=f"{one.name}_{ends[schema.subject(kind)]}") if one.name in taken else one

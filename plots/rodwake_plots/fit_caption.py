@@ -9,7 +9,7 @@ def of(fit, views, spec):
     text = "Displacement of the medium around a rod that heads along +<i>x</i>: data (points"
     known = any(np.isfinite(view.points.sigma).any() for view in views)
     text += ", bars: standard error" if known else ", of unknown error"
-    text += f") and the theory (lines). {fitted_to(fit)}: {values(fit)}. "
+    text += f") and the theory of an isotropic medium (lines). {fitted_to(fit)}: {values(fit)}. "
     if any(np.nanmax(view.curve.band, initial=0.0) > 0 for view in views):
         text += "Shaded: one standard error of the fitted curve. "
     if spec.residuals:

@@ -44,6 +44,14 @@ class Curve(NamedTuple):
     compared: list
 
 
+class Map(NamedTuple):
+    x: np.ndarray
+    y: np.ndarray
+    data: tuple        # U_x and U_y as [row y][column x]; nan: no data
+    model: tuple
+    used: np.ndarray   # false: left out of the fit
+
+
 class FitResult:
     def __init__(self, folder):
         self.path = folder / FILE
@@ -66,6 +74,15 @@ class FitResult:
     @property
     def trajectories(self):
         return self._tables("trajectories")
+
+    @property
+    def maps(self):
+        return self._tables("maps")
+
+    @property
+    def systematics(self):
+        """{name of a parameter: {curvature, held, masks, jackknife, total}}; nothing where none was asked for."""
+        return dict(self._table("systematics").get("errors") or {})
 
     @property
     def compared(self):
@@ -122,6 +139,14 @@ class FitResult:
         names = ["x", "model", "band", *(f"compare_{index}" for index in range(len(self.compared)))]
         x, model, band, *compared = self._columns(profile, "curve", *names)
         return Curve(x, model, np.where(np.isfinite(band) & (band >= 0), band, np.nan), compared)
+
+    def map(self, one):
+        x, y, *rest, used = self._columns(one, "data", "x", "y", "Ux", "Uy", "model_Ux", "model_Uy", "used")
+        columns, rows = np.unique(x), np.unique(y)
+        if columns.size * rows.size != x.size:
+            raise PlotError(f"{self.path}: the map {one.get('name', '')} is not a full grid")
+        Ux, Uy, model_x, model_y, used = (values.reshape(rows.size, columns.size) for values in (*rest, used))
+        return Map(columns, rows, (Ux, Uy), (model_x, model_y), used > 0)
 
     def paths(self, trajectory):
         """t, data and model as [time][rod][x, y, theta]."""

@@ -8,12 +8,15 @@ from . import fit_tables, fit_words, words
 def parts(run):
     """Paragraphs as HTML, tables as (name, heads, rows); nothing for what there is nothing of."""
     fit = run.fit
+    yield models(fit)
     yield quality(fit)
     yield remarks(fit)
     yield medium(run)
     yield named("Fitted parameters", ("Parameter", "Value", "95 % interval", "Start", "Bounds", "Remark"),
                 [*map(fit_tables.parameter, fit.parameters.values()), *fit_tables.derived(fit)])
     yield named("Correlations", *fit_tables.correlations(fit))
+    yield named("Errors by their cause", *fit_tables.systematics(fit))
+    yield named("Maps", *fit_tables.maps(fit))
     yield named("Profiles", *fit_tables.profiles(fit))
     yield named("Trajectories", *fit_tables.trajectories(fit))
     yield named("Other values", *fit_tables.compared(fit))
@@ -42,6 +45,16 @@ def chi2_words(fit):
     if not dof > 0:
         return f"{words.equation('<i>χ</i>²', chi2)}, no degrees of freedom left"
     return words.equation("<i>χ</i>²/dof", chi2 / dof, digits=3)
+
+
+def models(fit):
+    """Which medium the numbers belong to."""
+    told = []
+    if fit.profiles:
+        told.append("profiles by the steady field of an <b>isotropic</b> medium along a line")
+    if fit.maps:
+        told.append("maps by the steady field of an <b>orthotropic</b> medium outside the mask")
+    return f"<p>Fitted: {' and '.join(told)}.</p>" if told else ""
 
 
 def quality(fit):

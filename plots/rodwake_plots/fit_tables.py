@@ -64,6 +64,25 @@ def correlations(fit):
     return heads, rows
 
 
+def maps(fit):
+    rows = []
+    for one in fit.maps:
+        sides = " × ".join(words.number(side) for side in one.get("box") or [])
+        rows.append((words.escape(str(one.get("name", ""))), words.escape(str(one.get("file", ""))), words.number(one.get("used")), sides,
+                     words.number(one.get("speed")), words.number(one.get("chi2"))))
+    return ("Map", "File", "Bins fitted", "Box", "Speed", "<i>χ</i>²"), rows
+
+
+def systematics(fit):
+    """Errors of the free parameters by where they come from."""
+    kinds = ("curvature", "held", "masks", "jackknife", "total")
+    rows = []
+    for name, one in fit.systematics.items():
+        errors = (words.number(one[kind], 2) if words.is_number(one.get(kind)) else "–" for kind in kinds)
+        rows.append((fit_words.symbol_html(name), words.number(one.get("value"), 4), *errors))
+    return ("Parameter", "Value", "Curvature", "Held constants", "Masks", "Jackknife over runs", "Total"), rows
+
+
 def profiles(fit):
     rows = []
     for one in fit.profiles:

@@ -6,7 +6,7 @@ import re
 
 from . import schema
 
-GREEK = {"alpha": "α", "gamma": "γ", "eta": "η", "kappa": "κ", "mu": "μ", "nu": "ν", "xi": "ξ", "theta": "θ", "pm": "±",
+GREEK = {"alpha": "α", "gamma": "γ", "eta": "η", "kappa": "κ", "mu": "μ", "nu": "ν", "xi": "ξ", "rho": "ρ", "theta": "θ", "pm": "±",
          "times": "×", "infty": "∞", "varepsilon": "ε", "epsilon": "ε", "zeta": "ζ", "lambda": "λ", "phi": "φ", "psi": "ψ",
          "Gamma": "Γ", "Delta": "Δ"}
 

@@ -77,6 +77,9 @@ struct FitResult {
 FitResult fit(const scene::Scene& scene, const std::vector<ProfileTuple>& profiles,
               const std::vector<TrackTuple>& tracks, std::size_t threads) {
     const scene::Fit& keys = scene.fit.value();
+    if (!keys.maps.empty() || !keys.fixed_errors.empty())
+        throw InputError("maps and fixed_errors are fitted by rodwake fit alone: write the scene and use "
+                         "rodwake.Scene.run");
     assembly::FitInputs inputs;
     for (std::size_t i = 0; i < profiles.size(); ++i)
         inputs.profiles.emplace_back(profile_of(keys.profiles.at(i), profiles[i]));

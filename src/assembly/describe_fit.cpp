@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
 namespace rodwake::assembly {
 
 namespace {
@@ -38,6 +40,31 @@ std::string track_text(const scene::FitTrajectory& track, const std::optional<Fi
                        data->file.string());
 }
 
+std::string mask_text(const scene::Fit& keys) {
+    if (keys.masks.empty())
+        return "no mask, every bin counts";
+    const fitting::MapMask mask = map_mask(keys.masks.front());
+    return fmt::format("|y| >= {:g}, r >= {:g}, {:.0f} to {:.0f} deg from the heading{}", mask.strip,
+                       mask.radius, mask.from * 180.0 / std::numbers::pi, mask.to * 180.0 / std::numbers::pi,
+                       keys.masks.size() > 1 ? fmt::format("; {} other masks tried", keys.masks.size() - 1)
+                                             : "");
+}
+
+void add_maps(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
+    if (keys.maps.empty())
+        return;
+    for (std::size_t i = 0; i < inputs.maps.size(); ++i) {
+        const std::optional<FitMapData>& map = inputs.maps[i];
+        lines.push_back({true, map ? fmt::format("fit: {} x {} bins of {}, box {:g} x {:g}, rod at {:g}",
+                                                 map->data.x.size(), map->data.y.size(), map->file.string(),
+                                                 map->data.lx, map->data.ly, map->data.speed)
+                                   : "fit: bins of a map that the run makes"});
+    }
+    lines.push_back({true, "fit of maps: " + mask_text(keys)});
+    for (const auto& [name, error] : keys.fixed_errors)
+        lines.push_back({true, fmt::format("fit: {} is held with an error of {:g}", name, error)});
+}
+
 void add_data(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
     for (std::size_t i = 0; i < keys.profiles.size(); ++i) {
         const scene::FitProfile& p = keys.profiles[i];
@@ -57,9 +84,21 @@ void add_term(const scene::Fit& keys, const char* parameter, const char* what, L
                                           parameter)});
 }
 
+void add_map_terms(const scene::Fit& keys, Lines& lines) {
+    if (keys.maps.empty())
+        return;
+    add_term(keys, "force", "monopole in an orthotropic medium", lines);
+    add_term(keys, "p_xx", "dipole along the rod", lines);
+    add_term(keys, "p_yy", "dipole across the rod", lines);
+    add_term(keys, "zeta", "drag of the medium", lines);
+    add_term(keys, "rho", "inertia of the medium", lines);
+    add_term(keys, "eta_s", "viscosity of the medium", lines);
+}
+
 void add_terms(const scene::Fit& keys, Lines& lines) {
+    add_map_terms(keys, lines);
     if (!keys.profiles.empty()) {
-        add_term(keys, "f_over_mu", "monopole", lines);
+        add_term(keys, "f_over_mu", "monopole in an isotropic medium", lines);
         add_term(keys, "f2d_over_mu", "dipole", lines);
         add_term(keys, "x0", "place of the force ahead of the centre", lines);
         add_term(keys, "offset", "offset of Ux", lines);
@@ -88,6 +127,7 @@ void describe_fit(const Plan& plan, Lines& lines) {
     const scene::Fit& keys = *plan.scene.fit;
     add_parameters(keys, lines);
     add_data(keys, *plan.fit, lines);
+    add_maps(keys, *plan.fit, lines);
     add_terms(keys, lines);
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace rodwake::assembly {
 
@@ -69,18 +70,12 @@ Problem track_problem(const FitPlan& plan) {
     return problem;
 }
 
-Problem problem_of(const FitPlan& plan) {
-    const bool profiles = std::ranges::any_of(plan.keys.profiles, is_fitted), tracks = !plan.tracks.empty();
-    if (!tracks)
-        return profile_problem(plan);
-    if (!profiles)
-        return track_problem(plan);
-    const Problem a = profile_problem(plan), b = track_problem(plan);
-    if (a.sigma_known != b.sigma_known)
-        throw InputError(
-            "profiles and trajectories need standard errors both, or neither: sigma in the files, "
-            "sigma_position and sigma_heading in [[fit.trajectories]]");
-    return fitting::joined({a, b});
+Problem map_problem(const FitPlan& plan) {
+    std::vector<fitting::Map> maps;
+    for (const FitMapData& map : plan.maps)
+        maps.push_back(map.data);
+    return fitting::map_problem(plan.map_model, maps, plan.mask,
+                                parameters(plan.keys, fitting::map_parameter_names()));
 }
 
 /// "f_over_mu = 1, eta = 1": what is not fixed.
@@ -150,7 +145,35 @@ FitPart part(const Problem& problem, const std::vector<std::string>& known, bool
 
 bool FitInputs::complete() const {
     const auto there = [](const auto& one) { return one.has_value(); };
-    return std::ranges::all_of(profiles, there) && std::ranges::all_of(tracks, there);
+    return std::ranges::all_of(profiles, there) && std::ranges::all_of(tracks, there) &&
+           std::ranges::all_of(maps, there);
+}
+
+Problem fit_problem(const FitPlan& plan) {
+    std::vector<Problem> kinds;
+    if (std::ranges::any_of(plan.keys.profiles, is_fitted))
+        kinds.push_back(profile_problem(plan));
+    if (!plan.maps.empty())
+        kinds.push_back(map_problem(plan));
+    if (!plan.tracks.empty())
+        kinds.push_back(track_problem(plan));
+    if (kinds.size() == 1)
+        return kinds.front();
+    const auto known = std::ranges::count_if(kinds, &Problem::sigma_known);
+    if (known != 0 && known != static_cast<long>(kinds.size()))
+        throw InputError(
+            "profiles, maps and trajectories need standard errors all, or none of them: sigma in the files, "
+            "sigma_position and sigma_heading in [[fit.trajectories]]");
+    return fitting::joined(kinds);
+}
+
+fitting::MapMask map_mask(const scene::FitMask& keys) {
+    fitting::MapMask mask{.strip = keys.strip, .radius = keys.radius};
+    if (!keys.sector.empty()) {
+        mask.from = keys.sector[0];
+        mask.to = keys.sector[1];
+    }
+    return mask;
 }
 
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
@@ -160,10 +183,15 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
         plan.profiles.push_back(std::move(profile.value()));
     for (auto& track : inputs.tracks)
         plan.tracks.push_back(std::move(track.value()));
+    for (auto& map : inputs.maps)
+        plan.maps.push_back(std::move(map.value()));
+    plan.map_model = {keys.rod_length, keys.source_width};
+    if (!keys.masks.empty())
+        plan.mask = map_mask(keys.masks.front());
     plan.wake = {keys.box, keys.heading, keys.core};
     plan.track_model.ode.rtol = 1e-10;
     plan.track_model.ode.atol = 1e-12;
-    plan.problem = problem_of(plan);
+    plan.problem = fit_problem(plan);
     require_start(plan.problem);
     plan.method = {keys.search};
     return plan;
@@ -177,6 +205,8 @@ std::vector<double> FitPart::values(std::span<const double> all) const {
 }
 
 FitPart wake_part(const Problem& problem) { return part(problem, fitting::wake_parameter_names(), false); }
+
+FitPart map_part(const Problem& problem) { return part(problem, fitting::map_parameter_names(), false); }
 
 FitPart track_part(const Problem& problem) {
     return part(problem, fitting::trajectory_parameter_names(), true);
@@ -204,7 +234,22 @@ std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare
     return out;
 }
 
+namespace {
+
+/// F and T: whatever force and time the scene's constants are given in.
+std::string map_unit(const std::string& parameter, const std::string& length) {
+    static const std::map<std::string, std::string> units = {
+        {"amplitude", "1"},    {"force", "F"},         {"p_xx", "F {0}"},   {"p_yy", "F {0}"},
+        {"zeta", "F T/{0}^3"}, {"rho", "F T^2/{0}^3"}, {"eta_s", "F T/{0}"}};
+    const auto at = units.find(parameter);
+    return fmt::format(fmt::runtime(at == units.end() ? "F/{0}" : at->second), length);
+}
+
+} // namespace
+
 std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
+    if (scene::is_map_parameter(parameter))
+        return map_unit(parameter, keys.length_unit);
     if (parameter.starts_with("heading."))
         return "rad";
     if (parameter == "kappa")
@@ -213,7 +258,7 @@ std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
         return "v0";
     if (parameter == "eta" || parameter == "alpha")
         return "1";
-    const std::string length = keys.profiles.empty() ? "f/mu" : keys.length_unit;
+    const std::string length = keys.profiles.empty() && keys.maps.empty() ? "f/mu" : keys.length_unit;
     return parameter == "f2d_over_mu" ? length + "^2" : length;
 }
 

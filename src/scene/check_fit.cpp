@@ -1,6 +1,7 @@
 #include "check_fit.hpp"
 
 #include "check_fit_data.hpp"
+#include "check_fit_maps.hpp"
 #include "fields.hpp"
 #include "suggest.hpp"
 
@@ -42,9 +43,10 @@ void roles(const Fit& fit, const Report& report) {
         unused("bounds", name);
 }
 
-/// Where the physics allows a value: eta > -1, lengths and alpha > 0.
+/// Where the physics allows a value: eta > -1; lengths, alpha and moduli > 0.
 double lowest(const std::string& name) {
-    return name == "eta" ? -1.0 : name == "xi" || name == "alpha" ? 0.0 : -HUGE_VAL;
+    static const std::vector<std::string> positive = {"xi", "alpha", "c11", "c22", "c66"};
+    return name == "eta" ? -1.0 : contains(positive, name) ? 0.0 : -HUGE_VAL;
 }
 
 void value(const std::string& path, const std::string& name, double value, const Report& report) {
@@ -178,6 +180,7 @@ void check_fit(const Scene& scene, const Report& report) {
     likelihood(fit, report);
     compare(fit, report);
     check_fit_data(fit, report);
+    check_fit_maps(fit, report);
 }
 
 } // namespace rodwake::scene

@@ -27,7 +27,11 @@ bool has_coupling(const Fit& fit) {
 std::string lacks(const Fit& fit, const std::string& name) {
     const bool fitted_only = fit_is_free(fit, name); // a fixed one may belong to a prediction
     const char* role = fitted_only ? " with role = \"fit\"" : "";
-    const bool tracks = !fit.trajectories.empty();
+    const bool tracks = !fit.trajectories.empty(), maps = !fit.maps.empty();
+    if (is_map_parameter(name))
+        return maps ? "" : "[[fit.maps]]";
+    if (maps && (name == "offset" || name == "offset_y"))
+        return "";
     if (name == "kappa" || name == "gamma1" || name == "gamma2")
         return tracks ? "" : "[[fit.trajectories]]";
     if (name == "offset")
@@ -50,10 +54,10 @@ std::string place_of(const Fit& fit, const std::string& name) {
 }
 
 void wanted(const Fit& fit, const Report& report) {
-    if (!has_profiles(fit, nullptr, true) && fit.trajectories.empty())
+    if (!has_profiles(fit, nullptr, true) && fit.trajectories.empty() && fit.maps.empty())
         return report("fit",
                       fit.profiles.empty()
-                          ? "[fit] has no data: give [[fit.profiles]] or [[fit.trajectories]]"
+                          ? "[fit] has no data: give [[fit.profiles]], [[fit.maps]] or [[fit.trajectories]]"
                           : "[fit] has no data to fit: every one of [[fit.profiles]] has role = \"predict\"");
     for (const std::string& name : fit_used(fit))
         if (const std::string what = lacks(fit, name); !what.empty())
@@ -90,7 +94,7 @@ void model(const Fit& fit, const Report& report) {
                    fmt::format("{} belongs to [[fit.profiles]]; there are none", name));
     };
     of_profiles(fit.core != unset.core, "core");
-    of_profiles(fit.independent_spacing.has_value(), "independent_spacing");
+    of_profiles(fit.independent_spacing.has_value() && fit.maps.empty(), "independent_spacing");
     of_profiles(fit.heading != unset.heading, "heading");
     if (fit.heading != unset.heading && !fit.box)
         report("fit.heading", "heading is that of the rod against the sides of box; there is no box");

@@ -30,6 +30,9 @@ void fields(Visitor& v, GranularRod& rod);
 void fields(Visitor& v, Granular& granular);
 void fields(Visitor& v, Measure& measure);
 void fields(Visitor& v, FitProfile& profile);
+void fields(Visitor& v, FitMap& map);
+void fields(Visitor& v, FitMask& mask);
+void map_fields(Visitor& v, Fit& fit);
 void fields(Visitor& v, FitCompare& compare);
 /// What lengths mean in [fit], and what reduced units are in a file of tracks unless it says otherwise.
 struct FitUnits {

@@ -19,8 +19,8 @@ void parameter_fields(Visitor& v, Fit& fit) {
       fit.parameters);
     v(key("start")
           .one_of(names)
-          .absent(
-              "1 for f_over_mu, eta, alpha and kappa, 10 for xi (1 with trajectories alone), 0 for others")
+          .absent("1 for f_over_mu, eta, alpha, kappa, amplitude, force, c11, c22 and c66, 10 for xi (1 with "
+                  "trajectories alone), 0 for others")
           .doc("where the search starts; of no use for one that is fixed or tied")
           .example("{ f_over_mu = 2.0, eta = 1.0, alpha = 0.2 }"),
       fit.start);
@@ -38,6 +38,13 @@ void parameter_fields(Visitor& v, Fit& fit) {
               "parameters, fixed or tied")
           .example("{ f2d_over_mu = 0.1 }"),
       fit.fixed);
+    v(key("fixed_errors")
+          .one_of(names)
+          .absent("none: the values of fixed are exact")
+          .doc("standard errors of values in fixed: the fit is made again with each value moved by its error "
+               "either way, and what that changes is added to the errors")
+          .example("{ c66 = 0.02 }"),
+      fit.fixed_errors);
     v(key("tied")
           .one_of(names)
           .absent("none")
@@ -75,8 +82,8 @@ void model_fields(Visitor& v, Fit& fit) {
           .above(0.0)
           .absent("all points are independent")
           .doc("points closer to each other share data: sigma is multiplied by "
-               "sqrt(independent_spacing/spacing of "
-               "the points) if that is above 1")
+               "sqrt(independent_spacing/spacing of the points) if that is above 1, of maps by "
+               "independent_spacing/spacing of the bins")
           .example("\"4.2 a\""),
       fit.independent_spacing);
 }
@@ -258,9 +265,19 @@ void fields(Visitor& v, Fit& fit, const FitUnits& units) {
     model_fields(v, fit);
     search_fields(v, fit.search);
     report_fields(v, fit);
+    map_fields(v, fit);
     v.list(key("profiles").items(0, 100).doc("Measured displacement along a line."), fit.profiles);
     v.list(key("trajectories").items(0, 100).doc("Measured tracks of rods."), fit.trajectories,
            [&](FitTrajectory& track) { fields(v, track, units); });
+    v.list(
+        key("maps").items(0, 100).doc("Measured displacement on a grid, fitted with an orthotropic medium."),
+        fit.maps);
+    v.list(
+        key("masks").items(0, 100).doc(
+            "Which bins of the maps are left out. The first is that of the fit; it is made again with each "
+            "of "
+            "the others, and the spread of the parameters over all is reported as the error of the choice."),
+        fit.masks);
     v.list(key("compare").items(0, 20).doc("Other parameter values, drawn and scored beside the fit."),
            fit.compare);
 }

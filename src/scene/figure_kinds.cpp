@@ -55,6 +55,7 @@ constexpr FigureNeed profiles{"[[fit.profiles]]",
                               [](const Scene& s, const Figure&) { return !s.fit->profiles.empty(); }};
 constexpr FigureNeed tracks{"[[fit.trajectories]]",
                             [](const Scene& s, const Figure&) { return !s.fit->trajectories.empty(); }};
+constexpr FigureNeed maps{"[[fit.maps]]", [](const Scene& s, const Figure&) { return !s.fit->maps.empty(); }};
 constexpr FigureNeed starts{"fit.starts of 2 or more",
                             [](const Scene& s, const Figure&) { return s.fit->search.starts >= 2; }};
 constexpr FigureNeed likelihood{"fit.likelihood",
@@ -190,6 +191,12 @@ const std::vector<FigureKind>& figure_kinds() {
          {a_fit, profiles},
          {"fit.json"},
          {"profiles", "residuals", "x", "y"}},
+        {"fit_map",
+         "measured displacement maps, the fit and what is left",
+         FigureSubject::fit,
+         {a_fit, maps},
+         {"fit.json"},
+         {}},
         {"fit_trajectories",
          "measured tracks and the fit",
          FigureSubject::fit,

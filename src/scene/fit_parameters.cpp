@@ -5,6 +5,7 @@
 #include "fit_parameters.hpp"
 #include "suggest.hpp"
 
+#include <algorithm>
 #include <map>
 
 namespace rodwake::scene {
@@ -23,6 +24,17 @@ const std::vector<FitParameter>& fit_parameter_list() {
         {"xi", "\\xi", "screening length mu/(zeta v0) of the medium"},
         {"alpha", "\\alpha", "f_over_mu/xi, in place of xi"},
         {"x0", "x_0", "where the force acts, ahead of the rod's centre"},
+        {"amplitude", "A", "of maps: the monopole over its prediction, which force is"},
+        {"force", "f", "of maps: force of the rod on the medium along its heading"},
+        {"p_xx", "P_{xx}", "of maps: force dipole along the rod, positive if it pushes outward"},
+        {"p_yy", "P_{yy}", "of maps: force dipole across the rod, the inclusion that its slot is"},
+        {"c11", "C_{11}", "of maps: elastic constant along the heading"},
+        {"c22", "C_{22}", "of maps: elastic constant across the heading"},
+        {"c12", "C_{12}", "of maps: elastic constant that couples both"},
+        {"c66", "C_{66}", "of maps: shear modulus"},
+        {"zeta", "\\zeta", "of maps: drag per area"},
+        {"rho", "\\rho", "of maps: mass per area"},
+        {"eta_s", "\\eta_s", "of maps: viscosity"},
         {"offset", "U_x^{(0)}", "added to Ux"},
         {"offset_y", "U_y^{(0)}", "added to Uy"},
         {"kappa", "\\kappa", "coupling to strain, from trajectories, in mu v0/f whatever units says"},
@@ -42,11 +54,18 @@ std::span<const std::string_view> fit_parameter_names() {
     return names;
 }
 
+bool is_map_parameter(std::string_view parameter) {
+    static const std::vector<std::string_view> names = {"amplitude", "force", "p_xx", "p_yy", "c11",  "c22",
+                                                        "c12",       "c66",   "zeta", "rho",  "eta_s"};
+    return std::ranges::find(names, parameter) != names.end();
+}
+
 double fit_default_start(const Fit& fit, const std::string& parameter) {
     if (parameter == "xi" && fit.profiles.empty()) // tracks alone: in f/mu, so 1/alpha
         return 1.0;
     static const std::map<std::string, double> starts = {
-        {"f_over_mu", 1.0}, {"eta", 1.0}, {"xi", 10.0}, {"alpha", 1.0}, {"kappa", 1.0}};
+        {"f_over_mu", 1.0}, {"eta", 1.0},   {"xi", 10.0}, {"alpha", 1.0}, {"kappa", 1.0},
+        {"amplitude", 1.0}, {"force", 1.0}, {"c11", 1.0}, {"c22", 1.0},   {"c66", 1.0}};
     const auto it = starts.find(parameter);
     return it == starts.end() ? 0.0 : it->second;
 }

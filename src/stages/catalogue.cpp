@@ -102,6 +102,17 @@ constexpr ColumnInfo fit_profile_columns[] = {
     {"band", "{data}", "standard error of the model; empty: not fixed by the data"},
     {"residual", "1", "(value - model)/sigma"},
     {"used", "1", "1: fitted; 0: within the core"}};
+constexpr ColumnInfo fit_map_columns[] = {
+    {"x", "{data}", "place ahead of the rod"},
+    {"y", "{data}", "place to the left of the rod"},
+    {"Ux", "{data}", "measured displacement along the heading; empty: no data"},
+    {"Uy", "{data}", "measured displacement across; empty: no data"},
+    {"sigma_x", "{data}", "standard error of Ux as used; empty: unknown"},
+    {"sigma_y", "{data}", "standard error of Uy as used; empty: unknown"},
+    {"model_Ux", "{data}", "fitted displacement along the heading"},
+    {"model_Uy", "{data}", "fitted displacement across"},
+    {"known", "1", "1: there are data"},
+    {"used", "1", "1: fitted; 0: masked or without data"}};
 constexpr ColumnInfo fit_curve_columns[] = {{"x", "{data}", "place along the line"},
                                             {"model", "{data}", "fitted displacement"},
                                             {"band", "{data}", "standard error of the model"},
@@ -156,6 +167,7 @@ constexpr FileKind plain_kinds[] = {
     {"medium.json", Stage::fit, result, "the medium that the fit gives to field and rods"},
     {"fit_profile_<k>.csv", Stage::fit, result, "a profile with its fit", fit_profile_columns},
     {"fit_curve_<k>.csv", Stage::fit, result, "the model along a profile's line", fit_curve_columns},
+    {"fit_map_<k>.csv", Stage::fit, result, "a displacement map with its fit", fit_map_columns},
     {"fit_trajectory_<k>.csv", Stage::fit, result, "rods with their fit", fit_track_columns},
     {"fit_starts.log", Stage::fit, progress, "starts that are done"},
 

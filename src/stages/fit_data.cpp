@@ -1,6 +1,7 @@
 #include "fit_data.hpp"
 
 #include "catalogue.hpp"
+#include "fit_map_data.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/store/csv.hpp"
@@ -146,8 +147,7 @@ fs::path find_fit_file(const std::string& file, const scene::Scene& scene, const
             return place;
         if (std::error_code none; fs::exists(place, none))
             throw InputError(
-                fmt::format("{}: is not a regular file; fit.profiles and fit.trajectories name CSV files",
-                            place.string()));
+                fmt::format("{}: is not a regular file; [fit] names files with data", place.string()));
         looked +=
             fmt::format("{}{}", looked.empty() ? "" : ", ", fs::absolute(place).lexically_normal().string());
     }
@@ -263,6 +263,15 @@ assembly::FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& r
     for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
         if (const scene::FitTrajectory& one = keys.trajectories[i]; !absent(one.file))
             inputs.tracks[i] = read_fit_track(one, find_fit_file(one.file, scene, run_directory), keys.box);
+    for (std::size_t table = 0; table < keys.maps.size(); ++table)
+        for (const std::string& name : keys.maps[table].files) {
+            inputs.maps.emplace_back();
+            if (absent(name))
+                continue;
+            inputs.maps.back() = read_fit_map(keys.maps[table], find_fit_file(name, scene, run_directory),
+                                              keys.independent_spacing, needs_speed(keys));
+            inputs.maps.back()->table = table;
+        }
     return inputs;
 }
 

@@ -1,9 +1,13 @@
 #include "fit_files.hpp"
 
+#include "fit_systematics.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
 
 #include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
 
 namespace rodwake::stages {
 
@@ -56,6 +60,41 @@ void write_track(const fs::path& folder, std::size_t i, const assembly::FitTrack
     store::write_atomically(folder / fmt::format("fit_trajectory_{}.csv", i), store::to_csv(names, columns));
 }
 
+/// All bins, row by row; what is not known is empty.
+void write_map(const fs::path& folder, std::size_t i, const fitting::Map& map, const FitMapResult& r) {
+    static const std::vector<std::string> names = {"x",       "y",        "Ux",       "Uy",    "sigma_x",
+                                                   "sigma_y", "model_Ux", "model_Uy", "known", "used"};
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    std::vector<Column> columns(names.size());
+    for (std::size_t bin = 0; bin < map.bins(); ++bin) {
+        const bool known = map.known[bin], sigma = known && !map.sigma_x.empty();
+        const double enlarged = 1.0 / std::sqrt(map.independent);
+        const double row[] = {map.place_x(bin),
+                              map.place_y(bin),
+                              known ? map.Ux[bin] : unknown,
+                              known ? map.Uy[bin] : unknown,
+                              sigma ? enlarged * map.sigma_x[bin] : unknown,
+                              sigma ? enlarged * map.sigma_y[bin] : unknown,
+                              r.model.Ux[bin],
+                              r.model.Uy[bin],
+                              known ? 1.0 : 0.0,
+                              r.used[bin] ? 1.0 : 0.0};
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            columns[k].push_back(row[k]);
+    }
+    store::write_atomically(folder / fmt::format("fit_map_{}.csv", i), store::to_csv(names, columns));
+}
+
+/// Which medium the numbers belong to.
+std::string media(const assembly::FitPlan& plan) {
+    std::string text;
+    if (!plan.profiles.empty())
+        text += "Profiles: steady field of an isotropic medium, along lines\n";
+    if (!plan.maps.empty())
+        text += "Maps: steady field of an orthotropic medium, outside the mask\n";
+    return text.empty() ? text : text + "\n";
+}
+
 } // namespace
 
 void write_fit(const fs::path& folder, const assembly::FitPlan& plan, const FitResults& results,
@@ -66,7 +105,11 @@ void write_fit(const fs::path& folder, const assembly::FitPlan& plan, const FitR
     }
     for (std::size_t i = 0; i < results.tracks.size(); ++i)
         write_track(folder, i, plan.tracks[i], results.tracks[i]);
-    store::write_atomically(folder / "fit.txt", fitting::to_text(plan.problem, results.fit, results.report));
+    for (std::size_t i = 0; i < results.maps.size(); ++i)
+        write_map(folder, i, plan.maps[i].data, results.maps[i]);
+    store::write_atomically(folder / "fit.txt",
+                            media(plan) + fitting::to_text(plan.problem, results.fit, results.report) +
+                                to_text(plan, results));
     store::write_atomically(folder / "fit.json", fit_json(plan, results, origin));
 }
 

@@ -1,5 +1,6 @@
 #include "fit_json.hpp"
 
+#include "fit_map_json.hpp"
 #include "rodwake/core/build_info.hpp"
 
 #include <fmt/format.h>
@@ -104,6 +105,7 @@ ordered_json profile_json(const assembly::FitPlan& plan, const FitResults& resul
     const scene::FitProfile& keys = plan.keys.profiles[i];
     const FitProfileResult& r = results.profiles[i];
     return {{"name", plan.profiles[i].name},
+            {"medium", "isotropic"},
             {"file", plan.profiles[i].file.string()},
             {"component", keys.component},
             {"along", keys.along},
@@ -192,12 +194,14 @@ void add_quality(ordered_json& out, const assembly::FitPlan& plan, const FitResu
 }
 
 void add_data(ordered_json& out, const assembly::FitPlan& plan, const FitResults& results) {
-    for (const char* list : {"profiles", "trajectories", "compare"})
+    for (const char* list : {"profiles", "trajectories", "maps", "compare"})
         out[list] = ordered_json::array();
     for (std::size_t i = 0; i < results.profiles.size(); ++i)
         out["profiles"].push_back(profile_json(plan, results, i));
     for (std::size_t i = 0; i < results.tracks.size(); ++i)
         out["trajectories"].push_back(track_json(plan, results, i));
+    for (std::size_t i = 0; i < results.maps.size(); ++i)
+        out["maps"].push_back(map_json(plan, results, i));
     for (std::size_t i = 0; i < results.compare.size(); ++i)
         out["compare"].push_back(compare_json(plan.keys.compare[i], results, results.compare[i]));
 }
@@ -215,6 +219,7 @@ std::string fit_json(const assembly::FitPlan& plan, const FitResults& results, c
                                    {"low", number(l.low)},
                                    {"high", number(l.high)}};
     add_data(out, plan, results);
+    out["systematics"] = systematics_json(plan, results);
     out["length_unit"] = plan.keys.length_unit;
     out["box"] = number(plan.keys.box);
     out["core"] = plan.keys.core;

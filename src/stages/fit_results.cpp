@@ -124,6 +124,25 @@ FitProfileResult profile_result(const assembly::FitPlan& plan, const FitResults&
     return out;
 }
 
+FitMapResult map_result(const assembly::FitPlan& plan, std::size_t index, std::span<const double> values) {
+    const fitting::Map& map = plan.maps[index].data;
+    const assembly::FitPart part = assembly::map_part(plan.problem);
+    FitMapResult out;
+    out.model = fitting::predict(plan.map_model, map, part.parameters, part.values(values));
+    out.used.assign(map.bins(), false);
+    for (const std::size_t bin : fitting::used_bins(map, plan.mask)) {
+        out.used[bin] = true;
+        ++out.bins;
+        const auto r = [&](double value, double model, const std::vector<double>& sigma) {
+            return (value - model) / (sigma.empty() ? 1.0 : sigma[bin]);
+        };
+        const double x = r(map.Ux[bin], out.model.Ux[bin], map.sigma_x),
+                     y = r(map.Uy[bin], out.model.Uy[bin], map.sigma_y);
+        out.chi2 += map.independent * (x * x + y * y);
+    }
+    return out;
+}
+
 FitCompareResult compare_result(const assembly::FitPlan& plan, const scene::FitCompare& keys,
                                 std::span<const double> fitted) {
     FitCompareResult out{assembly::compared_values(plan, keys, fitted), 0.0, {}, {}};
@@ -134,6 +153,8 @@ FitCompareResult compare_result(const assembly::FitPlan& plan, const scene::FitC
         if (plan.keys.profiles[i].role == scene::FitRole::fit)
             out.chi2 += out.profile_chi2.back();
     }
+    for (std::size_t i = 0; i < plan.maps.size(); ++i)
+        out.chi2 += map_result(plan, i, out.values).chi2;
     return out;
 }
 
@@ -180,6 +201,8 @@ FitResults fit_results(const assembly::FitPlan& plan, fitting::Fit fit) {
         results.profiles.push_back(profile_result(plan, results, i));
     for (std::size_t i = 0; i < plan.tracks.size(); ++i)
         results.tracks.push_back(track_result(plan, i, results.fit.values));
+    for (std::size_t i = 0; i < plan.maps.size(); ++i)
+        results.maps.push_back(map_result(plan, i, results.fit.values));
     return results;
 }
 

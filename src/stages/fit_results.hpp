@@ -23,9 +23,39 @@ struct FitTrackResult {
     double rms_position = 0.0, rms_heading = 0.0; ///< file's unit; rad
 };
 
+struct FitMapResult {
+    elastic::DisplacementMap model; ///< at every bin
+    std::vector<bool> used;
+    std::size_t bins = 0; ///< used ones
+    double chi2 = 0.0;    ///< of the used ones, both components
+};
+
+/// What other fits say of the errors; lists of numbers are those of all parameters.
+struct FitSystematics {
+    struct Held {
+        std::string name;
+        double error = 0.0;         ///< of the constant
+        std::vector<double> change; ///< of the parameters for one such error
+    };
+    struct Choice {
+        fitting::MapMask mask;
+        std::size_t residuals = 0;
+        fitting::Report report;
+    };
+    struct LeftOut {
+        std::size_t map = 0;
+        std::vector<double> values;
+    };
+    std::vector<Held> held;
+    std::vector<Choice> masks; ///< the first is that of the fit
+    std::vector<LeftOut> runs; ///< of the jackknife
+    /// Empty: not asked for. `total`: the jackknife's error, else the curvature's, with the other two.
+    std::vector<double> held_error, mask_spread, jackknife, total;
+};
+
 struct FitCompareResult {
     std::vector<double> values; ///< of all parameters
-    double chi2 = 0.0;          ///< over the fitted profiles
+    double chi2 = 0.0;          ///< over the fitted profiles and maps
     std::vector<double> profile_chi2;
     std::vector<std::optional<fitting::ScaleFactor>> scale_factor;
 };
@@ -37,10 +67,12 @@ struct FitResults {
     std::map<std::string, Estimate> derived; ///< alpha of a fit of xi, xi of one of alpha
     std::vector<FitProfileResult> profiles;
     std::vector<FitTrackResult> tracks;
+    std::vector<FitMapResult> maps;
+    FitSystematics systematics;
     std::vector<FitCompareResult> compare;
 };
 
-/// Everything but the likelihood, which takes searches of its own.
+/// Everything but likelihood and systematics, which take searches of their own.
 FitResults fit_results(const assembly::FitPlan& plan, fitting::Fit fit);
 
 } // namespace rodwake::stages

@@ -3,6 +3,7 @@
 #include "fit_files.hpp"
 #include "fit_ledger.hpp"
 #include "fit_medium.hpp"
+#include "fit_systematics.hpp"
 #include "progress.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
@@ -31,6 +32,15 @@ void log_data(const assembly::FitPlan& plan, const Logger& log) {
                   p.data.place.size(), p.file.string());
         if (p.left_out > 0)
             log->warn("fit: {}: {} points without a sigma are left out", p.file.string(), p.left_out);
+    }
+    for (const assembly::FitMapData& m : plan.maps) {
+        log->info("fit: map {}: {} of {} bins count, {}", m.name,
+                  fitting::used_bins(m.data, plan.mask).size(), m.data.bins(), m.file.string());
+        if (m.left_out > 0)
+            log->warn("fit: {}: {} bins without a sigma are left out", m.file.string(), m.left_out);
+        if (m.mirrored)
+            log->info("fit: {}: both sides of the rod are the same numbers; those at y >= 0 count",
+                      m.file.string());
     }
     for (const assembly::FitTrackData& t : plan.tracks) {
         log->info("fit: trajectory {}: {} rods, {} rows from {}", t.name, t.rods, t.data.times.size(),
@@ -98,6 +108,20 @@ bool add_likelihoods(const assembly::FitPlan& plan, const fitting::Method& metho
     return true;
 }
 
+/// False if a signal stopped it.
+bool add_systematics(const assembly::FitPlan& plan, const fitting::Method& method, FitResults& results,
+                     const Logger& log) {
+    auto found = fit_systematics(plan, method, results.fit, results.report);
+    if (!found)
+        return false;
+    results.systematics = std::move(*found);
+    for (std::size_t k = 0; k < results.systematics.total.size(); ++k)
+        if (const fitting::Estimate& e = results.report.estimates[k]; e.free)
+            log->info("fit: {} = {:.6g} +- {:.2g} with what held constants, masks and runs add", e.name,
+                      e.value, results.systematics.total[k]);
+    return true;
+}
+
 fitting::Fit solve(const assembly::FitPlan& plan, fitting::Method& method, FitLedger& ledger,
                    const RunContext& context, const Logger& log) {
     method.done = ledger.done();
@@ -125,6 +149,10 @@ std::string fit_key(const scene::Scene& scene, const assembly::FitPlan& plan) {
     for (const assembly::FitProfileData& p : plan.profiles)
         key += fmt::format("{}\n{}\n{}\n", fmt::join(p.data.place, " "), fmt::join(p.data.value, " "),
                            fmt::join(p.data.sigma, " "));
+    for (const assembly::FitMapData& m : plan.maps)
+        key += fmt::format("{} {} {}\n{}\n{}\n{}\n{}\n", m.data.lx, m.data.ly, m.data.speed,
+                           fmt::join(m.data.Ux, " "), fmt::join(m.data.Uy, " "),
+                           fmt::join(m.data.sigma_x, " "), fmt::join(m.data.sigma_y, " "));
     for (const assembly::FitTrackData& t : plan.tracks)
         for (std::size_t i = 0; i < t.data.times.size(); ++i)
             key += fmt::format("{} {}\n", t.data.times[i], fmt::join(t.data.states[i], " "));
@@ -149,7 +177,8 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const assembly::FitPlan&
         return {stopped ? StageEnd::interrupted : StageEnd::failed, std::nullopt};
     }
     FitResults results = fit_results(plan, std::move(fit));
-    stopped = stopped || !add_likelihoods(plan, method, results, context, log);
+    stopped = stopped || !add_likelihoods(plan, method, results, context, log) ||
+              !add_systematics(plan, method, results, log);
     write_fit(folder, plan, results, {context.command});
     log_results(plan, results, log);
     if (!stopped)

@@ -78,7 +78,7 @@ class FittedMediumTest(FitTest):
         before = sorted(self.folder.rglob("*"))
         text = self.expect(0, "check", "fit.toml").stdout
         modelled, left_out = text.split("# modelled")[1].split("# not modelled")
-        for part in ("fit of f_over_mu, eta, xi: slsqp from 1 start", f"{len(X)} of {len(X)} points of ux.csv", "monopole (f_over_mu)",
+        for part in ("fit of f_over_mu, eta, xi: slsqp from 1 start", f"{len(X)} of {len(X)} points of ux.csv", "monopole in an isotropic medium (f_over_mu)",
                      "medium: eta and xi from the fit", "periodic box of 30"):
             self.assertIn(part, modelled)
         for part in ("no dipole: f2d_over_mu is not in", "no images: no fit.box"):

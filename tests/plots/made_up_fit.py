@@ -21,7 +21,7 @@ at = 0.0
 """
 FOUR = (("Ux", "x", 0.0, "fit"), ("Ux", "y", 0.0, "fit"), ("Uy", "x", 4.0, "predict"), ("Uy", "y", 0.0, "predict"))
 TWO = (("Ux", "x", 0.0, "predict"), ("Uy", "x", 4.0, "fit"))
-UNITS = {"f_over_mu": "a", "eta": "1", "xi": "a", "f2d_over_mu": "a^2", "x0": "a", "kappa": "v0 mu/f", "heading.0.1": "rad"}
+UNITS = {"f_over_mu": "a", "eta": "1", "xi": "a", "f2d_over_mu": "a^2", "x0": "a", "amplitude": "1", "p_yy": "F a", "kappa": "v0 mu/f", "heading.0.1": "rad"}
 
 
 def shape(component, x, y, strength=2.2, length=16.0):
@@ -46,7 +46,7 @@ def parameter(value, stderr=0.1, free=True, **more):
 def parameters(names=("f_over_mu", "eta", "xi")):
     known = {"f_over_mu": parameter(2.2, 0.06), "eta": parameter(1.31, 0.15, log=True, bounds=[1e-6, 1e6]),
              "xi": parameter(21.6, 1.9, log=True, bounds=[1e-6, 100.0], start=10.0), "f2d_over_mu": parameter(0.1, 0.02),
-             "x0": parameter(0.4, 0.1), "kappa": parameter(0.5, 0.01), "heading.0.1": parameter(0.01, 0.002)}
+             "x0": parameter(0.4, 0.1), "amplitude": parameter(0.85, 0.02), "p_yy": parameter(9.1, 0.8), "kappa": parameter(0.5, 0.01), "heading.0.1": parameter(0.01, 0.002)}
     return {name: known[name] | {"unit": UNITS[name]} for name in names}
 
 
@@ -101,6 +101,21 @@ def write_trajectory(folder, index, random, count=60):
     return {"name": "rods", "file": "rods.csv", "rods": 2, "data": f"fit_trajectory_{index}.csv", "rms_position": 0.051, "rms_heading": 0.019}
 
 
+def write_map(folder, index, strip=8.0):
+    """Rows of bins, one of which has no data; a ridge in the strip that is not fitted."""
+    x, y = (values.ravel() for values in np.meshgrid(np.arange(-36.0, 36.0, 2.0), np.arange(-33.0, 33.0, 2.0)))
+    model = [shape("Ux", x, y + 1e-3), shape("Uy", x, y + 1e-3)]
+    random, known = np.random.default_rng(index), np.arange(x.size) != 7
+    Ux, Uy = (np.where(known, values + 0.02 * random.standard_normal(x.size), np.nan) for values in model)
+    used = known & (abs(y) >= strip)
+    write_csv(folder / f"fit_map_{index}.csv", {"x": x, "y": y, "Ux": Ux + 0.3 * (abs(y) < strip), "Uy": Uy, "sigma_x": 0.02 + 0 * x,
+                                                "sigma_y": 0.02 + 0 * x, "model_Ux": model[0], "model_Uy": model[1], "known": known * 1,
+                                                "used": used * 1})
+    return {"name": f"run {index}", "file": f"run{index}.h5", "data": f"fit_map_{index}.csv", "bins": x.size, "used": int(used.sum()),
+            "box": [72.0, 66.0], "speed": 2.6, "independent": 1.0, "mirrored": False, "mask": {"strip": strip, "radius": 0.0, "sector": [0, 3.14]},
+            "chi2": 1234.5}
+
+
 def correlation(count):
     """Strong between neighbours, weak and negative farther off."""
     away = abs(np.subtract.outer(np.arange(count), np.arange(count)))
@@ -120,7 +135,7 @@ def record(names=("f_over_mu", "eta", "xi"), number_of_starts=12, compare=1, lik
                                     "chi2": 99.1 + one, "profiles": []} for one in range(compare)]} | more
 
 
-def write_fit(folder, profiles=FOUR, trajectories=0, known=1, compare=1, core=8.0, scene=SCENE, figures="", **more):
+def write_fit(folder, profiles=FOUR, trajectories=0, maps=0, known=1, compare=1, core=8.0, scene=SCENE, figures="", **more):
     """The whole run directory of a fit alone; `more` goes over the record."""
     folder.mkdir(parents=True, exist_ok=True)
     random = np.random.default_rng(1)
@@ -129,6 +144,7 @@ def write_fit(folder, profiles=FOUR, trajectories=0, known=1, compare=1, core=8.
     told = record(compare=compare, core=core, **more)
     told["profiles"] = [write_profile(folder, index, kind, random, compare, known, core) for index, kind in enumerate(profiles)]
     told["trajectories"] = [write_trajectory(folder, index, random) for index in range(trajectories)]
+    told["maps"] = [write_map(folder, index) for index in range(maps)]
     for one in told["compare"]:
         one["profiles"] = [{"chi2": 1.6 * own["chi2"], "excess": own["excess"]} for own in told["profiles"]]
     (folder / "fit.json").write_text(json.dumps(told))

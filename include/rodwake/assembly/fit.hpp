@@ -2,6 +2,7 @@
 // From [fit] and measured data to a problem of the fitting part and how it is solved. Reading the files is
 // not done here (rodwake/stages/fit_inputs.hpp does).
 
+#include "rodwake/fitting/map.hpp"
 #include "rodwake/fitting/method.hpp"
 #include "rodwake/fitting/trajectory.hpp"
 #include "rodwake/fitting/wake.hpp"
@@ -34,10 +35,21 @@ struct FitTrackData {
     fitting::Trajectory data;
 };
 
+/// What one of the files of [[fit.maps]] holds.
+struct FitMapData {
+    std::string name;
+    std::filesystem::path file; ///< for messages
+    std::size_t table = 0;      ///< which of [[fit.maps]] names it
+    fitting::Map data;
+    std::size_t left_out = 0; ///< bins of unknown sigma beside others of known
+    bool mirrored = false;    ///< its halves are the same data: those of y < 0 are left out
+};
+
 /// The data of a fit, in the order of the scene's tables. Absent: a stage of the run makes the file first.
 struct FitInputs {
     std::vector<std::optional<FitProfileData>> profiles;
     std::vector<std::optional<FitTrackData>> tracks;
+    std::vector<std::optional<FitMapData>> maps{}; ///< of all tables, one file after the other
 
     bool complete() const;
 };
@@ -46,6 +58,9 @@ struct FitPlan {
     scene::Fit keys;
     std::vector<FitProfileData> profiles; ///< as fit.profiles
     std::vector<FitTrackData> tracks;     ///< as fit.trajectories
+    std::vector<FitMapData> maps;         ///< the files of fit.maps
+    fitting::MapModel map_model;
+    fitting::MapMask mask; ///< the first of fit.masks
     fitting::WakeModel wake;
     fitting::TrajectoryModel track_model;
     fitting::Problem problem;
@@ -56,6 +71,11 @@ struct FitPlan {
 /// the start are not finite.
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs);
 
+/// The problem of the plan's keys and data as they are by now.
+fitting::Problem fit_problem(const FitPlan& plan);
+
+fitting::MapMask map_mask(const scene::FitMask& keys);
+
 /// The parameters of the plan that one of the models knows, and where they stand among all.
 struct FitPart {
     std::vector<fitting::Parameter> parameters;
@@ -64,6 +84,7 @@ struct FitPart {
     std::vector<double> values(std::span<const double> all) const;
 };
 FitPart wake_part(const fitting::Problem& problem);
+FitPart map_part(const fitting::Problem& problem);
 FitPart track_part(const fitting::Problem& problem);
 
 /// The values of a comparison: those named, alpha or xi as the fit has it, the others as fitted.

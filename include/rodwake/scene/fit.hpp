@@ -58,6 +58,24 @@ struct FitTrajectory {
     bool operator==(const FitTrajectory&) const = default;
 };
 
+/// [[fit.maps]]: displacement on a grid, of one run or of several alike.
+struct FitMap {
+    std::vector<std::string> files;
+    std::optional<double> speed; ///< absent: as the file has it
+    std::vector<double> box;     ///< sides along and across the heading; empty: as the file has it
+    std::string name;            ///< empty: from the files
+
+    bool operator==(const FitMap&) const = default;
+};
+
+/// [[fit.masks]]: which bins of the maps are left out; the first is that of the fit.
+struct FitMask {
+    double strip = 0.0, radius = 0.0;
+    std::vector<double> sector; ///< [from, to], rad; empty: all round
+
+    bool operator==(const FitMask&) const = default;
+};
+
 /// [[fit.compare]]: other values, drawn and scored beside the fit; parameters not named are as fitted.
 struct FitCompare {
     std::string name;
@@ -71,17 +89,21 @@ struct Fit {
     std::map<std::string, double> start; ///< absent: fit_default_start
     std::map<std::string, Interval> bounds;
     std::map<std::string, double> fixed;
+    std::map<std::string, double> fixed_errors; ///< standard errors of some of `fixed`
     std::map<std::string, Tie> tied;
     std::vector<std::string> log = {"eta", "xi", "alpha"};
     std::optional<double> box;
     double heading = 0.0; ///< rad
     double core = 0.0;
     std::optional<double> independent_spacing;
+    double rod_length = 0.0, source_width = 1.0; ///< of the source in maps
     fitting::SearchOptions search;
     std::vector<std::string> likelihood;
     std::string length_unit = "a";
     std::vector<FitProfile> profiles;
     std::vector<FitTrajectory> trajectories;
+    std::vector<FitMap> maps;
+    std::vector<FitMask> masks; ///< empty: every bin with data
     std::vector<FitCompare> compare;
 
     bool operator==(const Fit&) const = default;
@@ -91,6 +113,8 @@ struct Fit {
 std::span<const std::string_view> fit_parameter_names();
 /// Where a parameter starts without an entry in fit.start: xi at 10 for profiles, at 1 for tracks alone.
 double fit_default_start(const Fit& fit, const std::string& parameter);
+/// Whether it belongs to maps alone.
+bool is_map_parameter(std::string_view parameter);
 /// Bounds of a parameter: those given, else [1e-6, 1e6] for eta, xi and alpha, nothing for others.
 std::optional<Interval> fit_bounds(const Fit& fit, const std::string& parameter);
 /// Whether it is searched in its logarithm: named in fit.log and bounded away from 0.

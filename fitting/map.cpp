@@ -1,0 +1,179 @@
+// Residuals of maps against the field of a rod in an orthotropic medium.
+
+#include "rodwake/fitting/map.hpp"
+
+#include "map_terms.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace rodwake::fitting {
+
+namespace {
+
+/// A map, what of it is fitted, and where its residuals begin: first all U_x, then all U_y.
+struct Fitted {
+    Map map;
+    std::vector<std::size_t> bins;
+    MapField field;
+    std::size_t first = 0;
+};
+
+void check_lists(const Map& map) {
+    const auto wrong = [&](const auto& list) { return list.size() != map.bins(); };
+    const auto wrong_sigma = [&](const auto& list) { return !list.empty() && wrong(list); };
+    if (wrong(map.Ux) || wrong(map.Uy) || wrong(map.known) || wrong_sigma(map.sigma_x) ||
+        map.sigma_x.size() != map.sigma_y.size())
+        throw InputError(map.name + ": displacements, sigmas and the grid of the map differ in number");
+    if (!(map.independent > 0.0 && map.independent <= 1.0))
+        throw InputError(fmt::format("{}: independent = {}: a bin is worth more than 0 and at most 1 value",
+                                     map.name, map.independent));
+    if (!std::isfinite(map.speed))
+        throw InputError(map.name + ": the speed of the rod must be a finite number");
+}
+
+std::string where(const Map& map, std::size_t bin) {
+    return fmt::format("{} at ({:g}, {:g})", map.name, map.place_x(bin), map.place_y(bin));
+}
+
+void check_bin(const Map& map, std::size_t bin) {
+    if (!std::isfinite(map.Ux[bin]) || !std::isfinite(map.Uy[bin]))
+        throw InputError(where(map, bin) + ": the displacement must be a finite number");
+    if (map.sigma_x.empty())
+        return;
+    for (const double sigma : {map.sigma_x[bin], map.sigma_y[bin]})
+        if (!(sigma > 0.0) || !std::isfinite(sigma))
+            throw InputError(fmt::format("{}: sigma = {}: must be above 0", where(map, bin), sigma));
+}
+
+Fitted fitted(const MapModel& model, const Map& map, const MapMask& mask, const MapTerms& terms) {
+    check_lists(map);
+    Fitted out{map, used_bins(map, mask), MapField(model, map, terms)};
+    if (out.bins.empty())
+        throw InputError(map.name + ": the mask leaves no bin with data");
+    for (const std::size_t bin : out.bins)
+        check_bin(map, bin);
+    return out;
+}
+
+bool sigmas_known(const std::vector<Map>& maps) {
+    const auto with = std::ranges::count_if(maps, [](const Map& m) { return !m.sigma_x.empty(); });
+    if (with != 0 && with != static_cast<long>(maps.size()))
+        throw InputError("some maps have standard errors and some have none: their weights cannot be "
+                         "compared; give all of them some, or none");
+    return with != 0;
+}
+
+/// Calls with (row of the residuals, bin, component 0 or 1, 1/sigma).
+template<class Visit>
+void for_each_residual(const Fitted& f, Visit visit) {
+    const double enlarged = std::sqrt(f.map.independent);
+    for (std::size_t component = 0; component < 2; ++component)
+        for (std::size_t i = 0; i < f.bins.size(); ++i) {
+            const auto& sigma = component == 0 ? f.map.sigma_x : f.map.sigma_y;
+            visit(static_cast<Eigen::Index>(f.first + component * f.bins.size() + i), f.bins[i], component,
+                  enlarged / (sigma.empty() ? 1.0 : sigma[f.bins[i]]));
+        }
+}
+
+void evaluate(const Fitted& f, const MapTerms& terms, const std::vector<bool>& wanted,
+              std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) {
+    const elastic::DisplacementMap model = f.field.at(p);
+    for_each_residual(f, [&](Eigen::Index row, std::size_t bin, std::size_t component, double weight) {
+        r[row] = weight * (component == 0 ? model.Ux[bin] - f.map.Ux[bin] : model.Uy[bin] - f.map.Uy[bin]);
+    });
+    for (std::size_t term = 0; jacobian && term < terms.index.size(); ++term) {
+        const long column = terms.index[term];
+        if (column < 0 || !wanted[static_cast<std::size_t>(column)])
+            continue;
+        const elastic::DisplacementMap slope = f.field.derivative(p, term);
+        for_each_residual(f, [&](Eigen::Index row, std::size_t bin, std::size_t component, double weight) {
+            (*jacobian)(row, column) = weight * (component == 0 ? slope.Ux[bin] : slope.Uy[bin]);
+        });
+    }
+}
+
+std::string residual_name(const std::vector<Fitted>& all, std::size_t i) {
+    const Fitted* of = &all.front();
+    for (const Fitted& f : all)
+        if (f.first <= i)
+            of = &f;
+    const std::size_t own = i - of->first, n = of->bins.size();
+    return fmt::format("U_{} of {}", own < n ? "x" : "y", where(of->map, of->bins[own % n]));
+}
+
+/// Whether every constant of the medium is fixed.
+bool medium_is_fixed(const std::vector<Parameter>& parameters) {
+    static const std::vector<std::string> constants = {"c11", "c22", "c12", "c66", "zeta", "rho", "eta_s"};
+    return std::ranges::all_of(parameters, [](const Parameter& p) {
+        return p.fixed || std::ranges::find(constants, p.name) == constants.end();
+    });
+}
+
+std::vector<double> starts_of(const std::vector<Parameter>& parameters) {
+    std::vector<double> out;
+    for (const Parameter& p : parameters)
+        out.push_back(p.start);
+    return out;
+}
+
+} // namespace
+
+bool MapMask::keeps(double x, double y) const {
+    constexpr double rounding = 1e-9; // bins in the middle of which an edge lies belong to both sides
+    if (std::abs(y) < strip - rounding || std::hypot(x, y) < radius - rounding)
+        return false;
+    const double angle = std::atan2(std::abs(y), x);
+    return from - rounding <= angle && angle <= to + rounding;
+}
+
+std::vector<std::size_t> used_bins(const Map& map, const MapMask& mask) {
+    std::vector<std::size_t> bins;
+    for (std::size_t bin = 0; bin < map.bins(); ++bin)
+        if (map.known[bin] && mask.keeps(map.place_x(bin), map.place_y(bin)))
+            bins.push_back(bin);
+    return bins;
+}
+
+Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const MapMask& mask,
+                    std::vector<Parameter> parameters) {
+    const MapTerms terms = map_terms(parameters);
+    auto all = std::make_shared<std::vector<Fitted>>();
+    Problem problem;
+    double values = 0.0;
+    for (const Map& map : maps) {
+        all->push_back(fitted(model, map, mask, terms));
+        all->back().first = problem.residuals;
+        problem.residuals += 2 * all->back().bins.size();
+        values += map.independent * 2.0 * static_cast<double>(all->back().bins.size());
+        if (medium_is_fixed(parameters))
+            all->back().field.hold_medium(starts_of(parameters));
+    }
+    if (all->empty())
+        throw InputError("there are no maps to fit");
+    std::vector<bool> wanted;
+    for (const Parameter& p : parameters)
+        wanted.push_back(!p.fixed);
+    problem.parameters = std::move(parameters);
+    problem.sigma_known = sigmas_known(maps);
+    problem.independent = values / static_cast<double>(problem.residuals);
+    problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                           Eigen::MatrixXd* jacobian) {
+        for (const Fitted& f : *all)
+            evaluate(f, terms, wanted, p, r, jacobian);
+    };
+    problem.residual_name = [all](std::size_t i) { return residual_name(*all, i); };
+    validate(problem);
+    return problem;
+}
+
+elastic::DisplacementMap predict(const MapModel& model, const Map& map,
+                                 const std::vector<Parameter>& parameters, std::span<const double> values) {
+    return MapField(model, map, map_terms(parameters)).at(values);
+}
+
+} // namespace rodwake::fitting

@@ -1,0 +1,77 @@
+#pragma once
+// Residuals of a measured displacement map against the steady field of a rod in an orthotropic medium.
+//
+//   model(x, y) = amplitude force U_f + p_xx U_xx + p_yy U_yy + offset         (elastic/anisotropic.hpp)
+//
+// at every bin that the mask leaves, both components, in the rod's frame (x along the heading) with the
+// crystal's axes along x and y. U_f, U_xx, U_yy depend on c11, c22, c12, c66 and, where they are parameters,
+// on zeta, rho and eta_s together with the map's speed. Only the ratios of forces to constants matter.
+//
+//   name                  meaning                                                  unit, for a length l
+//   amplitude             monopole over its prediction `force`; absent: 1          1
+//   force                 of the rod on the medium, along +x                       force
+//   p_xx, p_yy            force dipoles of the rod, positive: outward              force l
+//   c11, c22, c12, c66    elastic constants; c11 along the heading                 force/l
+//   zeta, rho, eta_s      drag, mass, viscosity per area; absent: 0                as in anisotropic.hpp
+//   offset, offset_y      constants added to U_x and U_y                           l
+//
+// Bins next to each other share noise: chi2 and the curvature's errors take them as independent but for
+// `independent`. Where several runs were measured the jackknife (refits.hpp) needs no such assumption.
+
+#include "rodwake/elastic/anisotropic.hpp"
+#include "rodwake/fitting/problem.hpp"
+
+#include <numbers>
+
+namespace rodwake::fitting {
+
+/// Bins are left out for |y| < strip, for r < radius, and where the angle from the heading, the same on both
+/// sides of the rod, is not within [from, to].
+struct MapMask {
+    double strip = 0.0, radius = 0.0;
+    double from = 0.0, to = std::numbers::pi; ///< rad
+
+    bool keeps(double x, double y) const;
+    bool operator==(const MapMask&) const = default;
+};
+
+/// Displacements on a grid of places, [row y][column x], in any unit of length.
+struct Map {
+    std::string name = {};
+    double lx = 0.0, ly = 0.0; ///< sides of the periodic box along x and y
+    double speed = 0.0;        ///< of the rod against the medium; negative: backwards
+    std::vector<double> x = {}, y = {};
+    std::vector<double> Ux = {}, Uy = {};
+    std::vector<double> sigma_x = {}, sigma_y = {}; ///< standard errors, > 0; empty: equal, unknown
+    std::vector<bool> known = {};                   ///< whether a bin has data
+    double independent = 1.0; ///< independent values a bin is worth, in (0, 1]; sigma is enlarged by
+                              ///< 1/sqrt(independent)
+
+    std::size_t bins() const { return x.size() * y.size(); }
+    double place_x(std::size_t bin) const { return x[bin % x.size()]; }
+    double place_y(std::size_t bin) const { return y[bin / x.size()]; }
+};
+
+/// Of the source, the same for all maps.
+struct MapModel {
+    double rod_length = 0.0, source_width = 1.0; ///< RodFrame::length and width
+};
+
+std::vector<std::string> map_parameter_names();
+
+/// Bins that are fitted.
+std::vector<std::size_t> used_bins(const Map& map, const MapMask& mask);
+
+/// Throws InputError for unknown or missing parameters (the four constants; force, p_xx or p_yy; force with
+/// an amplitude), lists of wrong length, numbers that are not finite, sigma <= 0, maps with and without
+/// sigma, a mask that leaves a map no bin, fewer data than free parameters, an illegal box, length or width.
+/// Constants that are all fixed are worked out once, so that the problem is linear and an evaluation costs a
+/// pass over the bins; a medium that has no steady field then throws here.
+Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const MapMask& mask,
+                    std::vector<Parameter> parameters);
+
+/// The model at every bin of the map.
+elastic::DisplacementMap predict(const MapModel& model, const Map& map,
+                                 const std::vector<Parameter>& parameters, std::span<const double> values);
+
+} // namespace rodwake::fitting

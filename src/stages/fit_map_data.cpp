@@ -1,0 +1,191 @@
+#include "fit_map_data.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/csv.hpp"
+#include "rodwake/store/hdf5_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::stages {
+
+namespace {
+
+namespace fs = std::filesystem;
+using assembly::FitMapData;
+using Column = std::vector<double>;
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& why) {
+    throw InputError(fmt::format("{}: fit.maps.files: {}", file.string(), why));
+}
+
+double spacing(const Column& places) { return places[1] - places[0]; }
+
+void require_even(const fs::path& file, const Column& places, const char* axis) {
+    if (places.size() < 2)
+        refuse(file, fmt::format("a map needs two {} or more; it has {}", axis, places.size()));
+    for (std::size_t k = 1; k < places.size(); ++k)
+        if (std::abs(places[k] - places[k - 1] - spacing(places)) > 1e-6 * std::abs(spacing(places)))
+            refuse(file, fmt::format("its {} are not evenly spaced: {:g} follows {:g}", axis, places[k],
+                                     places[k - 1]));
+}
+
+Column layer(const store::Hdf5Reader& h5, const fs::path& file, const char* name, const fitting::Map& map,
+             bool or_unknown) {
+    const std::string path = std::string("/displacement/") + name;
+    if (!h5.has(path))
+        refuse(file, "has no " + path);
+    store::Hdf5Dataset data = h5.dataset(path, or_unknown);
+    if (data.shape != std::vector<std::size_t>{map.y.size(), map.x.size()})
+        refuse(file, path + " has another number of bins than /displacement/x and y");
+    return data.values;
+}
+
+fitting::Map of_measure(const fs::path& file) {
+    const store::Hdf5Reader h5(file);
+    if (!h5.has("/displacement/x") || !h5.has("/displacement/y"))
+        refuse(file, "has no displacement field (/displacement); rodwake measure writes one with "
+                     "measure.displacement = \"phase\"");
+    fitting::Map map;
+    map.x = h5.dataset("/displacement/x").values;
+    map.y = h5.dataset("/displacement/y").values;
+    map.Ux = layer(h5, file, "Ux", map, false);
+    map.Uy = layer(h5, file, "Uy", map, false);
+    map.sigma_x = layer(h5, file, "sigma_x", map, true);
+    map.sigma_y = layer(h5, file, "sigma_y", map, true);
+    for (const double count : layer(h5, file, "count", map, false))
+        map.known.push_back(count > 0.0);
+    require_even(file, map.x, "columns x");
+    require_even(file, map.y, "rows y");
+    map.lx = spacing(map.x) * static_cast<double>(map.x.size());
+    map.ly = spacing(map.y) * static_cast<double>(map.y.size());
+    map.speed = h5.real("/displacement", "mean_speed_a_per_s");
+    return map;
+}
+
+/// The different values, increasing.
+Column places_of(Column values) {
+    std::ranges::sort(values);
+    values.erase(std::ranges::unique(values).begin(), values.end());
+    return values;
+}
+
+std::size_t slot(const Column& places, double at) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(places, at) - places.begin());
+}
+
+fitting::Map of_table(const fs::path& file) {
+    static const std::vector<std::string> required = {"x", "y", "Ux", "Uy"},
+                                          optional = {"sigma_x", "sigma_y"};
+    const store::Table table = store::read_csv(file, required, optional);
+    const Column &x = *table.find("x"), &y = *table.find("y");
+    const Column *sigma_x = table.find("sigma_x"), *sigma_y = table.find("sigma_y");
+    if ((sigma_x == nullptr) != (sigma_y == nullptr))
+        refuse(file, "columns sigma_x and sigma_y come together");
+    fitting::Map map;
+    map.x = places_of(x);
+    map.y = places_of(y);
+    require_even(file, map.x, "columns x");
+    require_even(file, map.y, "rows y");
+    map.known.assign(map.bins(), false);
+    for (Column* values : {&map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y})
+        values->assign(map.bins(), std::nan(""));
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        const std::size_t bin = slot(map.y, y[i]) * map.x.size() + slot(map.x, x[i]);
+        if (map.known[bin])
+            throw InputError(fmt::format("{}:{}: x = {:g}, y = {:g} is there twice", file.string(),
+                                         table.lines[i], x[i], y[i]));
+        map.known[bin] = true;
+        map.Ux[bin] = (*table.find("Ux"))[i];
+        map.Uy[bin] = (*table.find("Uy"))[i];
+        map.sigma_x[bin] = sigma_x ? (*sigma_x)[i] : std::nan("");
+        map.sigma_y[bin] = sigma_y ? (*sigma_y)[i] : std::nan("");
+    }
+    return map;
+}
+
+/// Sigmas of no bin: equal weights. Of some bins: the others are left out.
+void settle_sigmas(FitMapData& out) {
+    fitting::Map& map = out.data;
+    const auto known = [&](std::size_t bin) {
+        return std::isfinite(map.sigma_x[bin]) && std::isfinite(map.sigma_y[bin]);
+    };
+    bool any = false;
+    for (std::size_t bin = 0; bin < map.bins(); ++bin)
+        any = any || (map.known[bin] && known(bin));
+    if (!any) {
+        map.sigma_x.clear();
+        map.sigma_y.clear();
+        return;
+    }
+    for (std::size_t bin = 0; bin < map.bins(); ++bin)
+        if (map.known[bin] && !known(bin)) {
+            map.known[bin] = false;
+            ++out.left_out;
+        }
+}
+
+/// measure.mirror puts the same numbers on both sides, which must not count twice.
+bool is_mirrored(const fitting::Map& map) {
+    const std::size_t nx = map.x.size(), ny = map.y.size();
+    std::size_t compared = 0;
+    for (std::size_t j = 0; j < ny; ++j)
+        for (std::size_t k = 0; k < nx; ++k) {
+            const auto other = std::ranges::find_if(
+                map.y, [&](double y) { return std::abs(y + map.y[j]) < 1e-6 * spacing(map.y); });
+            if (map.y[j] >= 0.0 || other == map.y.end())
+                continue;
+            const std::size_t a = j * nx + k, b = static_cast<std::size_t>(other - map.y.begin()) * nx + k;
+            if (!map.known[a] || !map.known[b])
+                continue;
+            ++compared;
+            if (map.Ux[a] != map.Ux[b] || map.Uy[a] != -map.Uy[b])
+                return false;
+        }
+    return compared > 0;
+}
+
+void take_one_half(fitting::Map& map) {
+    for (std::size_t bin = 0; bin < map.bins(); ++bin)
+        map.known[bin] = map.known[bin] && map.place_y(bin) >= 0.0;
+}
+
+} // namespace
+
+bool needs_speed(const scene::Fit& keys) {
+    return scene::fit_has(keys, "zeta") || scene::fit_has(keys, "rho") || scene::fit_has(keys, "eta_s");
+}
+
+FitMapData read_fit_map(const scene::FitMap& keys, const fs::path& file,
+                        std::optional<double> independent_spacing, bool needs_speed) {
+    const bool table = file.extension() == ".csv";
+    FitMapData out{keys.name.empty() ? file.filename().string() : keys.name, file, 0, {}, 0, false};
+    out.data = table ? of_table(file) : of_measure(file);
+    fitting::Map& map = out.data;
+    map.name = file.string();
+    if (table && keys.box.empty())
+        refuse(file, "a table does not say how large its periodic box is: give fit.maps.box = [Lx, Ly]");
+    if (table && needs_speed && !keys.speed)
+        refuse(file, "zeta, rho and eta_s go with the rod's speed, which a table does not say: give "
+                     "fit.maps.speed");
+    map.speed = keys.speed.value_or(map.speed);
+    if (!keys.box.empty()) {
+        map.lx = keys.box[0];
+        map.ly = keys.box[1];
+    }
+    if (const double across = map.x.back() - map.x.front(), up = map.y.back() - map.y.front();
+        across > map.lx * (1.0 + 1e-6) || up > map.ly * (1.0 + 1e-6))
+        refuse(file, fmt::format("its grid is {:g} x {:g}, larger than the box of {:g} x {:g}", across, up,
+                                 map.lx, map.ly));
+    settle_sigmas(out);
+    out.mirrored = is_mirrored(map);
+    if (out.mirrored)
+        take_one_half(map);
+    if (independent_spacing)
+        map.independent = std::min(1.0, spacing(map.x) * spacing(map.y) / std::pow(*independent_spacing, 2));
+    return out;
+}
+
+} // namespace rodwake::stages

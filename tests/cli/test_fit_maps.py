@@ -1,0 +1,149 @@
+"""rodwake fit on displacement maps: a made-up medium comes back, with errors by their cause; wrong input is said."""
+
+import numpy as np
+import rodwake
+from fits import FitTest, columns
+
+BOX, SPEED, LENGTH, WIDTH, SIGMA = (72.0, 66.0), 1.7, 11.25, 2.0, 0.004
+TRUE = {"amplitude": 0.8, "force": 2.0, "p_xx": -3.0, "p_yy": 9.0, "c11": 3.1, "c22": 4.4, "c12": 1.3, "c66": 1.0, "zeta": 0.05, "rho": 0.03,
+        "eta_s": 0.15}
+FIXED = ", ".join(f"{name} = {TRUE[name]}" for name in ("force", "c11", "c22", "c12", "c66", "zeta", "rho", "eta_s"))
+KEYS = f"""schema = 1
+[fit]
+parameters = ["amplitude", "p_xx", "p_yy", "offset"]
+fixed = {{ {FIXED} }}
+rod_length = {LENGTH}
+source_width = {WIDTH}
+"""
+MAPS = """[[fit.maps]]
+files = ["run0.csv", "run1.csv", "run2.csv"]
+box = [72.0, 66.0]
+speed = 1.7
+"""
+MASKS = "[[fit.masks]]\nstrip = 8.0\nradius = 10.0\n[[fit.masks]]\nstrip = 6.0\nradius = 8.0\n"
+
+
+def places(count, side):
+    return side * (np.arange(count) / count - 0.5)
+
+
+def field(x, y, amplitude, force, p_xx, p_yy, c11, c22, c12, c66, zeta, rho, eta_s):
+    """The equation mode by mode, all four quadrants, by complex exponentials: [component][y][x]."""
+    modes = [2 * np.pi * np.arange(-60, 61) / side for side in BOX]
+    qx, qy = modes[0][:, None], modes[1][None, :]
+    square, v = qx**2 + qy**2, SPEED
+    motion = -1j * zeta * v * qx - rho * v**2 * qx**2 - 1j * eta_s * v * qx * square
+    xx, yy, xy = c11 * qx**2 + c66 * qy**2 + motion, c66 * qx**2 + c22 * qy**2 + motion, (c12 + c66) * qx * qy
+    smooth = np.exp(-square * WIDTH**2 / 2)
+    sx = smooth * (amplitude * force * np.sinc(qx * LENGTH / 2 / np.pi) - 1j * p_xx * qx)
+    sy = smooth * (-1j * p_yy * qy)
+    determinant = xx * yy - xy**2
+    determinant[60, 60] = np.inf  # the zero mode
+    found = []
+    for mode in ((yy * sx - xy * sy) / determinant, (xx * sy - xy * sx) / determinant):
+        found.append((np.exp(1j * np.outer(y, modes[1])) @ mode.T @ np.exp(1j * np.outer(modes[0], x))).real / (BOX[0] * BOX[1]))
+    return np.array(found)
+
+
+class MapTest(FitTest):
+    def make_run(self, name, seed, sigma=SIGMA, **changed):
+        x, y = places(30, BOX[0]), places(28, BOX[1])
+        U = field(x, y, **(TRUE | changed))
+        U += np.random.default_rng(seed).normal(scale=sigma, size=U.shape)
+        U[0] += 0.01
+        U[0][np.abs(y) < 5] += 0.3  # a ridge that the theory knows nothing of
+        rows = [f"{x[k]!r},{y[j]!r},{U[0, j, k]!r},{U[1, j, k]!r},{sigma!r},{sigma!r}" for j in range(y.size) for k in range(x.size)]
+        self.write(name, "x,y,Ux,Uy,sigma_x,sigma_y\n" + "\n".join(rows).replace("np.float64(", "").replace(")", "") + "\n")
+
+    def make_runs(self):
+        for index in range(3):
+            self.make_run(f"run{index}.csv", index)
+
+    def assert_refused(self, text, *found):
+        self.write("wrong.toml", text)
+        done = self.expect(2, "check", "wrong.toml")
+        for part in found:
+            self.assertIn(part, done.stderr)
+
+
+class RecoveryTest(MapTest):
+    def test_maps_give_back_amplitude_and_dipoles_with_errors_by_cause(self):
+        self.make_runs()
+        text = KEYS + "fixed_errors = { c66 = 0.05, force = 0.1 }\n" + MAPS + MASKS
+        found, done = self.fit(text)
+        errors = found["systematics"]["errors"]
+        for name in ("amplitude", "p_xx", "p_yy"):
+            one = errors[name]
+            self.assertAlmostEqual(one["value"], found["parameters"][name]["value"])
+            self.assertLess(abs(one["value"] - TRUE[name]), 3 * np.hypot(one["curvature"], one["masks"]))
+            self.assertAlmostEqual(one["total"], np.sqrt(one["jackknife"]**2 + one["held"]**2 + one["masks"]**2))
+        # amplitude times force is what the maps fix: a force 5 % larger makes the amplitude 5 % smaller, 1/0.95 - 1/1.05 over 2
+        held = {one["name"]: one["change"]["amplitude"] for one in found["systematics"]["held"]}
+        self.assertAlmostEqual(held["force"] / errors["amplitude"]["value"], -(1 / 0.95 - 1 / 1.05) / 2, places=6)
+        self.assertGreater(abs(held["c66"]), 0.01)
+        self.assertAlmostEqual(errors["amplitude"]["held"], np.hypot(held["force"], held["c66"]))
+        self.assertLess(abs(found["chi2"] - found["dof"]), 4 * np.sqrt(2 * found["dof"]))
+        self.assertRegex(done.stderr, r"fit: amplitude = 0\.\d+ \+- \S+ with what held constants, masks and runs add")
+
+    def test_files_and_figure_show_the_data_the_model_and_the_mask(self):
+        self.make_runs()
+        found, _ = self.fit(KEYS + MAPS + MASKS)
+        table = columns(self.folder / "out/fit_map_0.csv")
+        self.assertEqual(len(table["x"]), 30 * 28)
+        used = table["used"] > 0
+        self.assertEqual(used.sum(), found["maps"][0]["used"])
+        self.assertTrue((np.abs(table["y"][used]) >= 8 - 1e-9).all() and (np.hypot(table["x"], table["y"])[used] >= 10 - 1e-9).all())
+        chi2 = sum((((table[f"U{c}"] - table[f"model_U{c}"]) / table[f"sigma_{c}"])[used]**2).sum() for c in "xy")
+        self.assertAlmostEqual(chi2 / found["maps"][0]["chi2"], 1.0)
+        self.assertEqual(len(found["systematics"]["masks"]), 2)
+        self.assertEqual(len(found["systematics"]["runs"]), 3)
+        self.assertIn("Errors beyond the fit's own", (self.folder / "out/fit.txt").read_text())
+
+    def test_without_a_mask_the_ridge_is_noticed(self):
+        self.make_run("run0.csv", 0)
+        found, done = self.fit(KEYS + MAPS.replace(', "run1.csv", "run2.csv"', ""))
+        self.assertGreater(found["chi2"], 10 * found["dof"])
+        self.assertIsNone(found["systematics"])
+        self.assertIn("poor chi2", done.stderr)
+
+    def test_bins_that_share_data_count_less(self):
+        self.make_run("run0.csv", 0)
+        one = MAPS.replace(', "run1.csv", "run2.csv"', "") + MASKS
+        alone, _ = self.fit(KEYS + one)
+        shared, _ = self.fit(KEYS + "independent_spacing = 6.0\n" + one, out="shared")
+        area = (BOX[0] / 30) * (BOX[1] / 28)
+        ratio = shared["parameters"]["p_yy"]["stderr"] / alone["parameters"]["p_yy"]["stderr"]
+        self.assertAlmostEqual(ratio, 6 / np.sqrt(area), places=5)
+        self.assertAlmostEqual(shared["dof"] / alone["dof"], area / 36, places=2)
+
+
+class RefusalTest(MapTest):
+    def test_scenes_that_cannot_be_fitted_are_refused(self):
+        self.make_runs()
+        self.assert_refused(KEYS.replace("c66 = 1.0, ", "") + MAPS, "maps need c66")
+        self.assert_refused(KEYS, "belongs to [[fit.maps]]", "[[fit.maps]] or [[fit.trajectories]]")
+        self.assert_refused(KEYS + "fixed_errors = { p_yy = 1.0 }\n" + MAPS, "p_yy is not in fit.fixed")
+        self.assert_refused(KEYS + "fixed_errors = { c66 = 0.0 }\n" + MAPS, "must be above 0")
+        self.assert_refused(KEYS + MAPS + "[[fit.masks]]\nsector = [2.0, 1.0]\n", "from a lower to a higher angle")
+        self.assert_refused(KEYS + MAPS + "[[fit.masks]]\nstrip = 50.0\n", "the mask leaves no bin")
+        self.assert_refused(KEYS.replace("rho = 0.03", "rho = 3.0") + MAPS, "faster than its waves")
+        self.assert_refused(KEYS + MAPS.replace("box = [72.0, 66.0]\n", ""), "fit.maps.box")
+        self.assert_refused(KEYS + MAPS.replace("speed = 1.7\n", ""), "fit.maps.speed")
+        self.assert_refused(KEYS + MAPS.replace("72.0", "40.0"), "larger than the box")
+
+    def test_tables_that_are_no_map_are_refused(self):
+        one = MAPS.replace(', "run1.csv", "run2.csv"', "")
+        self.write("run0.csv", "x,y,Ux,Uy\n0,0,1,1\n1,0,1,1\n0,1,1,1\n0,1,2,1\n")
+        self.assert_refused(KEYS + one, "run0.csv:5", "twice")
+        self.write("run0.csv", "x,y,Ux,Uy\n0,0,1,1\n1,0,1,1\n3,0,1,1\n0,1,2,1\n")
+        self.assert_refused(KEYS + one, "not evenly spaced")
+
+    def test_a_constant_that_cannot_be_moved_by_its_error_is_said(self):
+        self.make_runs()
+        self.write("fit.toml", KEYS + "fixed_errors = { c66 = 1.5 }\n" + MAPS + MASKS)
+        done = self.expect(1, "fit", "fit.toml", "-o", "out")
+        self.assertIn("fit.fixed_errors.c66 = 1.5", done.stderr)
+
+
+if __name__ == "__main__":
+    rodwake.main()
