@@ -220,6 +220,8 @@ bool Walk::may_go_on(const Node& node) {
         return true;
     integrate::Status& status = solution_.status;
     const bool many = solution_.statistics.steps >= options_.ode.max_steps;
+    status.step = node.length;
+    status.order = 2; // weak
     status.flag = many ? "TOO_MUCH_WORK" : "STEP_TOO_SHORT";
     status.cause = many ? "the steps allowed were used up" : "headings turn too fast for any step";
     status.advice = many ? "raise max_steps, or noise.time_step" : "set rods_run.contact_distance";

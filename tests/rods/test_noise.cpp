@@ -218,3 +218,32 @@ TEST_CASE("noisy runs refuse what cannot be and fail with a reason") {
     CHECK(simulate(problem, stopped, {0.1, 0.0, 0.01, 1}, 0).solution.status.termination ==
           integrate::Termination::interrupted);
 }
+
+TEST_CASE("two rods in each other's wake: weak order 2", "[.long]") {
+    const RodProblem problem = wakes(4.0, 2.0);
+    constexpr std::uint32_t runs = 4000;
+    std::vector<double> bias(5), squares(5);
+    for (std::uint32_t run = 0; run < runs; ++run) {
+        const auto at = [&](int level) { // steps of 4/2^level: 1 to 1/16, beside 1/64
+            const auto y =
+                simulate(problem, options, {1.0, 0.05, std::ldexp(4.0, -level), 1}, run).solution.final_state;
+            return y[0] + y[3]; // how far they got along x
+        };
+        const double fine = at(8);
+        for (int level = 2; level <= 6; ++level) {
+            const double error = at(level) - fine;
+            bias[static_cast<std::size_t>(level - 2)] += error / runs;
+            squares[static_cast<std::size_t>(level - 2)] += error * error / runs;
+        }
+    }
+    double slope = 0.0, variance = 0.0;
+    for (std::size_t k = 0; k < 5; ++k) {
+        const double weight = (static_cast<double>(k) - 2.0) / 10.0;
+        slope -= weight * std::log2(std::abs(bias[k]));
+        variance += weight * weight * squares[k] / runs / (bias[k] * bias[k]);
+        UNSCOPED_INFO("step " << std::ldexp(4.0, -static_cast<int>(k) - 2) << ": mean " << bias[k] << " +- "
+                              << std::sqrt(squares[k] / runs) << ", rms " << std::sqrt(squares[k]));
+    }
+    UNSCOPED_INFO("slope " << slope << " +- " << std::sqrt(variance) / std::log(2.0));
+    CHECK(std::abs(slope - 2.0) < 0.1 + 3.0 * std::sqrt(variance) / std::log(2.0));
+}
