@@ -31,6 +31,7 @@ KNOWN = {
     "final_separation": Quantity("", "final separation", "length", False),
     "final_angle": Quantity("", "final angle between the headings", "rad", True),
     "non_reciprocity": Quantity("", "turning asymmetry", "", True, largest=1.0),
+    "capture_probability": Quantity("", "capture probability", "", False),
     "steps": Quantity("", "steps", "", False),
     "rhs_evaluations": Quantity("", "evaluations of the right-hand side", "", False),
     "retries": Quantity("", "retries", "", False),

@@ -146,15 +146,33 @@ void add_scan_lines(const Plan& plan, Lines& lines) {
                                            design.boundary_tolerance)});
 }
 
+void add_noise_lines(const Plan& plan, Lines& lines) {
+    for (const RodsPlan& one : plan.rods) {
+        if (!one.noise)
+            continue;
+        const rods::Noise& noise = one.noise->noise;
+        lines.push_back(
+            {true, fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {} runs, steps of at most {:.3g} "
+                               "({}), strong order 1.5",
+                               one.of.suffix(), noise.rotational, noise.translational, one.noise->runs,
+                               noise.time_step,
+                               one.of.scene.noise->time_step
+                                   ? "noise.time_step"
+                                   : "0.05 of the shortest of 1, 1/D_r and the wakes' turning time")});
+        if (noise.translational == 0.0)
+            lines.push_back({false, "diffusion of places: noise.translational_diffusion is 0"});
+    }
+}
+
 /// What the scene names and this version leaves out.
 void add_unused_lines(const scene::Scene& scene, Lines& lines) {
     if (scene.medium && scene.medium->table && scene.medium->field == scene::FieldBackend::exact)
         lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
     if (scene.medium && scene.medium->measured && scene.medium->field != scene::FieldBackend::measured)
         lines.push_back({false, "medium.measured: only used with field = \"measured\""});
-    if (scene.noise)
-        lines.push_back({false, "noise: rotational_diffusion is 0"});
-    else if (scene.rods_run)
+    if (scene.noise && !noisy(scene))
+        lines.push_back({false, "noise: rotational_diffusion and translational_diffusion are 0"});
+    else if (scene.rods_run && !scene.noise)
         lines.push_back({false, "noise: no [noise] table"});
 }
 
@@ -167,6 +185,7 @@ std::vector<PlanLine> describe(const Plan& plan) {
     add_choice_lines(plan, lines);
     add_rod_lines(plan, lines);
     add_crowd_lines(plan, lines);
+    add_noise_lines(plan, lines);
     add_order_line(plan.scene, lines);
     add_scan_lines(plan, lines);
     add_unused_lines(plan.scene, lines);

@@ -75,9 +75,12 @@ std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
     for (Case& one : cases_of(scene)) {
         FieldChoice field = field_choice(one.scene);
         one.scene = with_field(std::move(one.scene), field);
-        RodsPlan plan{std::move(one), {}, {}, std::move(field)};
+        RodsPlan plan{std::move(one), {}, {}, std::move(field), {}};
         plan.problem = rod_problem(plan.of.scene);
         plan.options = rod_options(*plan.of.scene.rods_run, plan.problem);
+        plan.noise = noise_plan(plan.of.scene, plan.problem);
+        if (plan.noise)
+            plan.options.criteria = rods::noisy_criteria;
         plans.push_back(std::move(plan));
     }
     return plans;
@@ -101,7 +104,8 @@ Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInp
 void apply_seed(scene::Scene& scene, std::uint64_t seed) {
     constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<long>::max());
     const bool measured = scene.medium && scene.medium->measured;
-    if ((scene.granular || scene.fit || scene.scan || scene.rods_random || measured) && seed > largest)
+    if ((scene.granular || scene.fit || scene.scan || scene.rods_random || scene.noise || measured) &&
+        seed > largest)
         throw InputError(fmt::format("--seed {}: must be from 0 to {}", seed, largest));
     if (scene.granular)
         scene.granular->seed = static_cast<long>(seed);
@@ -109,6 +113,8 @@ void apply_seed(scene::Scene& scene, std::uint64_t seed) {
         scene.rods_random->seed = static_cast<long>(seed);
         scene.rods = random_rods(*scene.rods_random);
     }
+    if (scene.noise)
+        scene.noise->seed = static_cast<long>(seed);
     if (scene.fit)
         scene.fit->search.seed = seed;
     if (scene.scan)

@@ -1,7 +1,5 @@
 #include "rodwake/assembly/rods.hpp"
 
-#include "rodwake/rods/simulate.hpp"
-
 namespace rodwake::assembly {
 
 rods::Couplings couplings_of(const scene::Scene& scene) {
@@ -41,6 +39,20 @@ rods::RodOptions rod_options(const scene::RodsRun& run, const rods::RodProblem& 
     options.ode.atol = run.atol;
     options.ode.max_steps = run.max_steps;
     return options;
+}
+
+std::optional<NoisePlan> noise_plan(const scene::Scene& scene, const rods::RodProblem& problem) {
+    if (!noisy(scene))
+        return std::nullopt;
+    const scene::Noise& keys = *scene.noise;
+    NoisePlan plan;
+    plan.noise.rotational = keys.rotational_diffusion;
+    plan.noise.translational = keys.translational_diffusion;
+    plan.noise.time_step =
+        keys.time_step ? *keys.time_step : rods::suitable_time_step(problem, keys.rotational_diffusion);
+    plan.noise.seed = static_cast<std::uint64_t>(keys.seed);
+    plan.runs = static_cast<std::uint32_t>(keys.runs);
+    return plan;
 }
 
 OutputUnits output_units(const scene::Scene& scene) {

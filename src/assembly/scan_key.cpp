@@ -1,6 +1,6 @@
 // What a scan depends on: the part of the scene that its points are made from.
 
-#include "rodwake/assembly/rods.hpp"
+#include "rodwake/assembly/scan_problem.hpp"
 #include "rodwake/core/encounter.hpp"
 #include "rodwake/scene/write.hpp"
 #include "scan_parts.hpp"
@@ -70,6 +70,9 @@ scan::Columns columns_of_rods(const scene::Scene& scene) {
     for (const char* name :
          {"non_reciprocity", "final_separation", "final_angle", "steps", "rhs_evaluations"})
         columns.observables.emplace_back(name);
+    if (scene.noise)
+        for (const char* name : captures)
+            columns.observables.emplace_back(name);
     return columns;
 }
 

@@ -28,4 +28,13 @@ double Proportion::high(double tail) const {
     return Binomial::find_upper_bound_on_p(static_cast<double>(of), static_cast<double>(count), tail);
 }
 
+std::pair<double, double> Proportion::wilson(double z) const {
+    if (of == 0)
+        return {0.0, 1.0};
+    const double n = static_cast<double>(of), p = value(), share = z * z / n;
+    const double middle = (p + 0.5 * share) / (1.0 + share);
+    const double half = z * std::sqrt(p * (1.0 - p) / n + 0.25 * share / n) / (1.0 + share);
+    return {count == 0 ? 0.0 : middle - half, count == of ? 1.0 : middle + half};
+}
+
 } // namespace rodwake::scan

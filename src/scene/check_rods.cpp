@@ -60,6 +60,26 @@ void memory(const Scene& scene, const Report& report) {
                    most / rods::state_size(run.form, 1)));
 }
 
+/// Noise has a method of its own.
+void noise(const Scene& scene, const Report& report) {
+    const RodsRun& run = *scene.rods_run;
+    if (run.method)
+        report(
+            "rods_run.method",
+            "rods_run.method: rods with [noise] are integrated by a method of their own (strong order 1.5, "
+            "noise.time_step); bdf, adams and erk take no noise: set method to \"auto\" or leave it out");
+    if (run.form != rods::Form::angle)
+        report("rods_run.form",
+               fmt::format("rods_run.form = \"{}\": rods with [noise] take form \"angle\" only",
+                           rods::to_string(run.form)));
+    if (scene.medium && scene.medium->field == FieldBackend::measured && scene.medium->measured->samples > 0)
+        report(
+            "medium.measured.samples",
+            fmt::format("medium.measured.samples = {}: an ensemble is drawn from the errors of the field or "
+                        "from [noise], not both: set samples to 0",
+                        scene.medium->measured->samples));
+}
+
 void order_of_rods(const Scene& scene, const Report& report) {
     const RodsOrder& order = *scene.rods_order;
     const bool bed = order_of_bed(scene);
@@ -110,6 +130,8 @@ void check_rods(const Scene& scene, const Report& report) {
         random_start(scene, report);
     sums(scene, report);
     memory(scene, report);
+    if (noisy(scene) || (scene.noise && scene.scan)) // whose points may have noise
+        noise(scene, report);
 }
 
 } // namespace rodwake::scene

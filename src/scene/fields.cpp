@@ -77,7 +77,8 @@ void fields(Visitor& v, Scene& scene) {
     v.use_units(units);
     v.table(key("medium").doc("The elastic continuum."), scene.medium);
     v.table(key("coupling").doc("How a rod turns in the strain of the others."), scene.coupling);
-    v.table(key("noise").doc("Random turning of the rods."), scene.noise);
+    v.table(key("noise").doc("White noise on the rods: an ensemble of runs in which they diffuse."),
+            scene.noise);
     v.table(
         key("rods_random")
             .doc("Rods at random in a square round the origin, in place of [[rods]]. They depend on these "

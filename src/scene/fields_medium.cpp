@@ -242,14 +242,35 @@ void fields(Visitor& v, Coupling& coupling) {
 }
 
 void fields(Visitor& v, Noise& noise) {
+    constexpr double most = 1e6;
     v(key("rotational_diffusion")
-          .symbol("D")
+          .symbol("D_r")
           .unit(rate)
-          .within(0.0, 0.0)
-          .because("noise is not available in this version")
-          .doc("diffusion coefficient of the headings, rad^2 per time")
-          .example("0.0"),
+          .within(0.0, most)
+          .doc("theta' += sqrt(2 D_r) white noise: diffusion coefficient of the headings, rad^2 per time")
+          .example("0.01"),
       noise.rotational_diffusion);
+    v(key("translational_diffusion")
+          .symbol("D_t")
+          .unit(diffusion)
+          .within(0.0, most)
+          .doc("the same of x and of y: each rod spreads by 2 D_t t along each axis")
+          .example("0.001"),
+      noise.translational_diffusion);
+    v(key("runs")
+          .within(1, 10'000'000)
+          .doc("runs of the ensemble, each with noise of its own; rods.csv and outcome.json are of the first")
+          .example("1000"),
+      noise.runs);
+    v(key("time_step")
+          .unit(time)
+          .above(0.0)
+          .absent("0.05 of the shortest of f/(mu v0), 1/D_r and the time in which a heading relaxes in the "
+                  "wakes of the start; check prints it")
+          .doc("longest step; steps are halved where rods come near or turn fast, all on one Brownian path")
+          .example("0.02"),
+      noise.time_step);
+    v(key("seed").within(0, largest_seed).doc("of the noise").example("1"), noise.seed);
 }
 
 } // namespace rodwake::scene

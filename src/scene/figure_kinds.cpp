@@ -19,6 +19,8 @@ constexpr FigureNeed gammas{"gammas = [[gamma1, gamma2], ...]",
 constexpr FigureNeed cuts{"[[field.cuts]]",
                           [](const Scene& s, const Figure&) { return s.field && !s.field->cuts.empty(); }};
 constexpr FigureNeed rods{"[[rods]]", [](const Scene& s, const Figure&) { return !s.rods.empty(); }};
+constexpr FigureNeed noise{"[noise] with rotational_diffusion or translational_diffusion above 0",
+                           [](const Scene& s, const Figure&) { return noisy(s); }};
 constexpr FigureNeed rods_order{"[rods_order]",
                                 [](const Scene& s, const Figure&) { return s.rods_order.has_value(); }};
 constexpr FigureNeed bed_itself{"[granular]",
@@ -161,6 +163,12 @@ const std::vector<FigureKind>& figure_kinds() {
          {}},
         {"trajectories", "paths of the rods of the theory", theory, {rods}, {"result.h5"}, {"x", "y"}},
         {"rods_movie", "film of the rods of the theory", theory, {rods}, {"result.h5"}, {"fps", "x", "y"}},
+        {"noise",
+         "spread, headings and contacts of rods that diffuse, beside a rod that no other turns",
+         theory,
+         {rods, noise},
+         {"noise.json", "ensemble.csv"},
+         {}},
         {"rods_order",
          "order parameters and clusters of rods in time",
          rod_order,

@@ -17,8 +17,8 @@ namespace {
 constexpr std::string_view usual_box = "78 a"; // "fit" alone: the paper's
 
 std::string expected_number(Dimension dimension) {
-    static constexpr const char* examples[] = {"",        "0.4 mm", "5 s",         "2.8 mm/s",
-                                               "0.5 1/s", "30 deg", "2700 kg/m^3", "9.81 m/s^2"};
+    static constexpr const char* examples[] = {"",       "0.4 mm",      "5 s",        "2.8 mm/s",   "0.5 1/s",
+                                               "30 deg", "2700 kg/m^3", "9.81 m/s^2", "0.01 mm^2/s"};
     if (dimension == Dimension::none)
         return "expected a number";
     return fmt::format("expected {} (a number, or a string such as \"{}\")", name_of(dimension),

@@ -53,6 +53,10 @@ constexpr std::array words{
     UnitWord{"g/cm^3", Dimension::density, 1e3},
     UnitWord{"m/s^2", Dimension::acceleration},
     UnitWord{"mm/s^2", Dimension::acceleration, 1.0, 1e3},
+    UnitWord{"m^2/s", Dimension::diffusion},
+    UnitWord{"mm^2/s", Dimension::diffusion, 1.0, 1e6},
+    UnitWord{"um^2/s", Dimension::diffusion, 1.0, 1e12},
+    UnitWord{"f v0/mu", Dimension::diffusion, 1.0, 1.0, Kind::reduced},
 };
 
 bool usable(const UnitWord& unit, const Units& units) {
@@ -86,6 +90,8 @@ double si_to_reduced(double value, Dimension dimension, const Scales& scales) {
         return value / scales.v0;
     case Dimension::rate:
         return value * (scales.f_over_mu / scales.v0);
+    case Dimension::diffusion:
+        return value / (scales.f_over_mu * scales.v0);
     case Dimension::none:
     case Dimension::angle:
     case Dimension::density:
@@ -105,6 +111,8 @@ double reduced_to_si(double value, Dimension dimension, const Scales& scales) {
         return value * scales.v0;
     case Dimension::rate:
         return value / (scales.f_over_mu / scales.v0);
+    case Dimension::diffusion:
+        return value * (scales.f_over_mu * scales.v0);
     case Dimension::none:
     case Dimension::angle:
     case Dimension::density:
@@ -130,19 +138,20 @@ Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}
 } // namespace
 
 std::string name_of(Dimension dimension) {
-    static constexpr const char* names[] = {"a number", "a length", "a time",    "a speed",
-                                            "a rate",   "an angle", "a density", "an acceleration"};
+    static constexpr const char* names[] = {"a number",  "a length",        "a time",
+                                            "a speed",   "a rate",          "an angle",
+                                            "a density", "an acceleration", "a diffusion coefficient"};
     return names[static_cast<std::size_t>(dimension)];
 }
 
 std::string reduced_unit(Dimension dimension) {
-    static constexpr const char* names[] = {"",        "f/mu", "f/(mu v0)", "v0",
-                                            "mu v0/f", "rad",  "kg/m^3",    "m/s^2"};
+    static constexpr const char* names[] = {"",    "f/mu",   "f/(mu v0)", "v0",     "mu v0/f",
+                                            "rad", "kg/m^3", "m/s^2",     "f v0/mu"};
     return names[static_cast<std::size_t>(dimension)];
 }
 
 std::string si_unit(Dimension dimension) {
-    static constexpr const char* names[] = {"", "m", "s", "m/s", "1/s", "rad", "kg/m^3", "m/s^2"};
+    static constexpr const char* names[] = {"", "m", "s", "m/s", "1/s", "rad", "kg/m^3", "m/s^2", "m^2/s"};
     return names[static_cast<std::size_t>(dimension)];
 }
 

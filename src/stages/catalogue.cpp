@@ -38,11 +38,14 @@ constexpr ColumnInfo clusters_columns[] = {
 
 constexpr ColumnInfo ensemble_columns[] = {
     {"sample", "1", "number of the draw, from 0"},
+    {"run", "1", "number of the run with noise, from 0"},
     {"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided; empty: the solver failed"},
     {"time", "{time}", "of contact, else the end of the run"},
     {"final_separation", "{length}", "of the closest pair then; empty: one rod"},
     {"min_separation", "{length}", "smallest separation of any pair at any time"},
-    {"turn0", "rad", "of rod 0 from start to end"}};
+    {"turn0", "rad", "of rod 0 from start to end"},
+    {"first", "1", "rod of the pair in contact or pursuit, else of the closest"},
+    {"second", "1", "the other rod of that pair"}};
 
 constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
                                       {"y", "{length}", "place along the cut"},
@@ -194,7 +197,15 @@ constexpr FileKind plain_kinds[] = {
      "means of rods_order.csv from rods_order.from on, with standard errors"},
     {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did"},
     {"ensemble.csv", Stage::rods, result,
-     "a row a draw of the measured field's errors: how the rods end in it", ensemble_columns},
+     "a row a run with noise, or a draw of the measured field's errors: how the rods end in it",
+     ensemble_columns},
+    {"noise.json", Stage::rods, result,
+     "ensemble of runs with noise: probability of capture (contact or pursuit) with the ends of its interval "
+     "of "
+     "95 %, endings, first contact; by time, of each rod: mean-square displacement and heading correlation "
+     "with "
+     "standard errors"},
+    {"noise_progress.json", Stage::rods, progress, "runs with noise that are done, to go on from"},
     {"checkpoint.json", Stage::rods, progress, "state to go on from"},
 };
 

@@ -21,8 +21,10 @@ using rods::RodProblem;
 constexpr double of_its_pace = 0.6 * cost_budget, of_a_run = 0.2 * cost_budget,
                  of_a_rate = 0.03 * cost_budget;
 
-/// Further runs of a case, in draws of a measured field.
+/// Further runs of a case, with noise or in draws of a measured field.
 long samples_of(const scene::Scene& scene) {
+    if (noisy(scene))
+        return scene.noise->runs; // the first is done twice
     const bool measured = scene.medium && scene.medium->field == scene::FieldBackend::measured;
     return measured ? scene.medium->measured->samples : 0;
 }
@@ -62,7 +64,13 @@ struct Pace {
     std::string failure;
 };
 
-Pace pace_of(const RodProblem& problem, const rods::RodOptions& given) {
+rods::RodResult one_run(const RodProblem& problem, const rods::RodOptions& options,
+                        const std::optional<assembly::NoisePlan>& noise) {
+    return noise ? rods::simulate(problem, options, noise->noise, 0) : rods::simulate(problem, options);
+}
+
+Pace pace_of(const RodProblem& problem, const rods::RodOptions& given,
+             const std::optional<assembly::NoisePlan>& noise) {
     using Clock = std::chrono::steady_clock; // asked at each step: CPU time is dearer, and asked only then
     rods::RodOptions options = given;
     Pace pace;
@@ -70,13 +78,13 @@ Pace pace_of(const RodProblem& problem, const rods::RodOptions& given) {
     options.ode.on_step = [&](const integrate::Step& step) { pace.reached = step.time; };
     const Stopwatch watch;
     options.ode.stop_requested = [&] { return Clock::now() > last && watch.seconds() > of_its_pace; };
-    const integrate::Solution solution = rods::simulate(problem, options).solution;
+    const integrate::Solution solution = one_run(problem, options, noise).solution;
     pace.seconds = watch.seconds();
     pace.whole = solution.status.termination != integrate::Termination::interrupted;
     if (!solution.status.ok())
         pace.failure = solution.status.message();
     else if (pace.whole)
-        pace.seconds = seconds_of([&] { rods::simulate(problem, given); }, of_a_run);
+        pace.seconds = seconds_of([&] { one_run(problem, given, noise); }, of_a_run);
     const double scale = pace.whole || !(pace.reached > 0.0) ? 1.0 : problem.t_end / pace.reached;
     pace.seconds *= scale;
     pace.steps = scale * static_cast<double>(solution.statistics.steps);
@@ -164,7 +172,7 @@ private:
 
     /// A run of its own, for a setting that changes its steps.
     void add_run(std::string setting, const RodProblem& problem, const rods::RodOptions& options) {
-        const Pace other = pace_of(problem, options);
+        const Pace other = pace_of(problem, options, plan_.noise);
         if (other.failure.empty() && (other.whole || other.reached > 0.0))
             rows_.push_back({std::move(setting),
                              duration_text(other.seconds) + " the run",
@@ -177,7 +185,7 @@ private:
         rods::RodOptions looser = plan_.options;
         looser.ode.rtol = std::min(100.0 * rtol, 1e-3);
         looser.ode.atol *= looser.ode.rtol / rtol;
-        if (looser.ode.rtol > rtol)
+        if (looser.ode.rtol > rtol && !plan_.noise) // whose steps have no tolerance
             add_run(fmt::format("rods_run.rtol = {:g} instead of {:g}", looser.ode.rtol, rtol), problem_,
                     looser);
         if (const std::size_t times = problem_.output_times.size(); times > 2) { // the start and the end
@@ -268,7 +276,7 @@ std::string rods_cost(const assembly::Plan& plan, const std::filesystem::path& f
     if (full > 0.1 * cost_budget) // a step is some ten of them
         return made.text + fmt::format("  rods: a right-hand side takes {}, so each step some {}\n",
                                        duration_text(full), duration_text(10.0 * full));
-    const Pace pace = pace_of(made.problem, first.options);
+    const Pace pace = pace_of(made.problem, first.options, first.noise);
     if (!pace.failure.empty())
         return made.text + fmt::format("  rods: the solver gives up ({})\n", pace.failure);
     if (!pace.whole && !(pace.reached > 0.0))

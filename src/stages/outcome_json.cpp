@@ -26,15 +26,20 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly
     const integrate::OdeOptions& ode = plan.options.ode;
     const integrate::Statistics& n = result.solution.statistics;
     nlohmann::ordered_json solver;
-    solver["method"] = integrate::to_string(ode.method);
+    solver["method"] = plan.noise ? "noise, strong order 1.5" : integrate::to_string(ode.method);
     solver["form"] = to_string(plan.options.form);
     solver["field"] = assembly::to_string(plan.field.backend);
     if (plan.field.tolerance > 0.0)
         solver["field_tolerance"] = plan.field.tolerance;
     if (!plan.field.why.empty())
         solver["field_chosen"] = plan.field.why;
-    solver["rtol"] = ode.rtol;
-    solver["atol"] = ode.atol;
+    if (plan.noise) {
+        solver["run"] = 0; // of noise.runs
+        solver["time_step"] = plan.noise->noise.time_step;
+    } else {
+        solver["rtol"] = ode.rtol;
+        solver["atol"] = ode.atol;
+    }
     solver["status"] = status_name(result.solution.status.termination);
     solver["steps"] = n.steps;
     solver["rhs_evaluations"] = n.rhs_evaluations;

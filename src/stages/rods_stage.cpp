@@ -1,3 +1,4 @@
+#include "noise_runs.hpp"
 #include "progress.hpp"
 #include "rods_checkpoint.hpp"
 #include "rods_ensemble.hpp"
@@ -8,6 +9,8 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include <algorithm>
 
 namespace rodwake::stages {
 
@@ -23,6 +26,7 @@ struct Work {
     rods::RodResult result;
     std::shared_ptr<const elastic::MeasuredDisplacement> measured; ///< with field = "measured"
     std::vector<rods::RodResult> samples; ///< in fields drawn from the measured one and its errors
+    std::optional<rods::NoiseSums> noisy; ///< all runs with noise, of which `result` is the first
 
     const assembly::Case& of() const { return plan->of; }
     std::string checkpoint_file() const { return of().folder + "checkpoint.json"; }
@@ -49,6 +53,10 @@ void resume(const Session& session, Work& one) {
 void solve(const Session& session, Work& one, bool show_progress) {
     Progress progress(session.context, "rods", one.plan->problem.t_end, "t");
     one.options.ode.stop_requested = [&] { return session.context.stopped(); };
+    if (one.plan->noise) { // soon done again
+        one.result = rods::simulate(one.problem, one.options, one.plan->noise->noise, 0);
+        return;
+    }
     if (show_progress)
         one.options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
     one.options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) {
@@ -138,6 +146,11 @@ void store(Session& session, const Work& one, std::int64_t order) {
                                          one.samples.empty()
                                              ? nlohmann::ordered_json()
                                              : ensemble_json(one.samples, one.problem.box, session.units)));
+    if (one.noisy) {
+        session.directory.write(one.of().folder + "noise.json",
+                                noise_json(*one.noisy, *one.plan->noise, one.problem, session.units));
+        session.directory.write(one.of().folder + "ensemble.csv", noise_csv(*one.noisy, rods, session.units));
+    }
     if (one.samples.empty())
         return;
     store_ensemble(session.results, group + "/ensemble", one.samples, one.problem.output_times,
@@ -161,7 +174,7 @@ StageEnd report(const Session& session, const Work& one) {
 
 /// Threads that the cases leave over add up the wakes of each.
 Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t threads) {
-    Work one{&plan, plan.problem, plan.options, {}, nullptr, {}};
+    Work one{&plan, plan.problem, plan.options, {}, nullptr, {}, {}};
     one.problem.sums.threads = threads;
     const rods::RodProblem& problem = plan.problem;
     if (!(problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box)))
@@ -171,6 +184,27 @@ Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t thr
     if (plan.of.scene.medium->field == scene::FieldBackend::measured)
         one.measured = fields.measured(plan.of.scene);
     return one;
+}
+
+/// One case after the other, each over all threads.
+StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
+    StageEnd end = StageEnd::finished;
+    for (Work& one : cases) {
+        if (!one.plan->noise)
+            continue;
+        rods::NoiseSums sums;
+        if (!run_noise(session, *one.plan, one.problem, one.field_key(), sums))
+            return StageEnd::interrupted;
+        const auto failed = std::ranges::count_if(sums.ends, &rods::NoisyEnd::failed);
+        if (failed > 0) {
+            session.log->error("noise{}: {} of {} runs failed, the first: {}", one.of().suffix(), failed,
+                               sums.ends.size(), sums.failure);
+            const bool all = failed == std::ssize(sums.ends);
+            end = all || end == StageEnd::failed ? StageEnd::failed : StageEnd::incomplete;
+        }
+        one.noisy = std::move(sums);
+    }
+    return end;
 }
 
 /// One case after the other, each over all threads; false: stopped on the way.
@@ -206,7 +240,7 @@ StageEnd run_rods_stage(Session& session) {
     }
     parallel_for(cases.size(), session.context.thread_count(),
                  [&](std::size_t i) { solve(session, cases[i], i == 0); });
-    StageEnd end = solve_samples(session, cases) ? StageEnd::finished : StageEnd::interrupted;
+    StageEnd end = solve_samples(session, cases) ? solve_noise(session, cases) : StageEnd::interrupted;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         store(session, cases[i], static_cast<std::int64_t>(i));
         const StageEnd one = report(session, cases[i]);

@@ -20,9 +20,11 @@ class CheckTest(ProgramTest):
 
     def test_noise(self):
         self.assertIn("noise: no [noise] table", self.not_modelled(PAIR))
-        self.assertIn("noise: rotational_diffusion is 0", self.not_modelled(PAIR + "[noise]\nrotational_diffusion = 0.0\n"))
-        self.write("noisy.toml", PAIR + "[noise]\nrotational_diffusion = 0.01\n")
-        self.refuse(2, r"rotational_diffusion = 0\.01: .*not available in this version", "check", "noisy.toml")
+        self.assertIn("noise: rotational_diffusion and translational_diffusion are 0", self.not_modelled(PAIR + "[noise]\nrotational_diffusion = 0.0\n"))
+        self.write("noisy.toml", PAIR + "[noise]\nrotational_diffusion = 0.01\nruns = 7\n")
+        told = self.expect(0, "check", "noisy.toml").stdout
+        self.assertRegex(told, r"noise: D_r = 0\.01, D_t = 0, 7 runs, steps of at most 0\.0\d+ \(0\.05 of the shortest")
+        self.assertIn("diffusion of places: noise.translational_diffusion is 0", told)
 
     def test_output_times_from_zero_and_without_an_end(self):
         scene = PAIR.replace("t_end = 60.0\noutput_interval = 10.0", "output_times = [0, 5, 10]")

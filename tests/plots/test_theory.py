@@ -147,6 +147,52 @@ class PlotsTest(PlotCase):
 
 
 
+NOISE = """
+[[figures]]
+name = "noise"
+kind = "noise"
+"""
+
+
+class NoiseTest(PlotCase):
+    """Rods that diffuse."""
+
+    build = PlotsTest.build
+
+    def write_noise(self, folder, **changed):
+        folder.mkdir(parents=True, exist_ok=True)
+        both = lambda value: [value, value]
+        means = {"runs": 4, "capture_probability": 0.5, "capture_low": 0.15, "capture_high": 0.85, "endings": {"contact": 2, "failed": 0},
+                 "first_contact_time": {"mean": 1.5, "error": 0.1, "runs": 2}, "rotational_diffusion": 0.1, "translational_diffusion": 0.01, "speed": 1.0,
+                 "times": [0.0, 1.0, 2.0], "runs_at_time": [4.0, 4.0, 0.0], "mean_square_displacement": [both(0.0), both(1.0), both(None)],
+                 "mean_square_displacement_error": [both(0.0), both(0.1), both(None)], "heading_correlation": [both(1.0), both(0.9), both(None)],
+                 "heading_correlation_error": [both(0.0), both(0.01), both(None)]} | changed
+        (folder / "noise.json").write_text(json.dumps(means))
+        (folder / "ensemble.csv").write_text("run,outcome,time,min_separation,first,second\n0,0,1.4,0.1,0,1\n1,0,1.6,0.1,0,1\n2,2,2,1,0,1\n3,,0.1,1,0,1\n")
+
+    def test_a_scene_and_its_variants(self):
+        self.build(figures=NOISE, variants=2)
+        self.write_noise(self.folder)
+        self.write_noise(self.folder / "variants/variant1", capture_probability=0.25)
+        self.assert_drawn("noise")
+        self.assertIn("0.5 (0.15 to 0.85) of 4 runs", (self.folder / "report.html").read_text())
+
+    def test_a_single_rod_and_no_noise_of_headings(self):
+        self.build(figures=NOISE)
+        self.write_noise(self.folder, capture_probability=None, capture_low=None, capture_high=None, rotational_diffusion=0.0)
+        self.assert_drawn("noise")
+
+    def test_noise_that_was_not_written_is_named(self):
+        self.build(figures=NOISE)
+        self.assert_fails("noise.json", "no such file", "[noise]")
+
+    def test_drawn_by_default(self):
+        self.build(figures="")
+        self.write_noise(self.folder)
+        with run_dir.RunDir(self.folder) as run:
+            self.assertIn("noise", [one.name for one in draw.figures_of(run)])
+
+
 CROWD = """
 [[figures]]
 name = "film"

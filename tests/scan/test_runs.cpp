@@ -210,6 +210,15 @@ TEST_CASE("Intervals of proportions are those of Clopper and Pearson") {
     CHECK(Proportion{10, 10}.low(0.025) == Approx(std::pow(0.025, 0.1)));
     CHECK(Proportion{10, 10}.high(0.025) == 1.0);
     CHECK(Proportion{5, 10}.low(0.025) == Approx(0.1871).margin(5e-5));
+    // Wilson's interval is where (p - count/of)^2 = z^2 p (1 - p)/of.
+    const auto [low, high] = Proportion{3, 10}.wilson(1.96);
+    for (const double p : {low, high})
+        CHECK((p - 0.3) * (p - 0.3) == Approx(1.96 * 1.96 * p * (1.0 - p) / 10.0));
+    CHECK(low < 0.3);
+    CHECK(high > 0.3);
+    CHECK(Proportion{0, 10}.wilson(1.96).first == 0.0);
+    CHECK(Proportion{10, 10}.wilson(1.96).second == 1.0);
+    CHECK(Proportion{0, 0}.wilson(1.96) == std::pair{0.0, 1.0});
     CHECK(Proportion{5, 10}.high(0.025) == Approx(0.8129).margin(5e-5));
     CHECK(Proportion{0, 0}.low(0.025) == 0.0);
     CHECK(Proportion{0, 0}.high(0.025) == 1.0);

@@ -186,8 +186,30 @@ TEST_CASE("a tolerance of the table and no noise are accepted, dotted or as tabl
     says(two_rods(medium + "table.tolerance = 0.2\n"), "x.toml:12:19: medium.table.tolerance = 0.2: must be");
     says(two_rods(medium + "table.tolerence = 1e-8\n"), "did you mean \"tolerance\"?");
     CHECK(parse(two_rods("[noise]\nrotational_diffusion = 0.0\n")).noise->rotational_diffusion == 0.0);
-    says(two_rods("[noise]\nrotational_diffusion = 0.01\n"),
-         "noise.rotational_diffusion = 0.01: must be 0: noise is not available in this version");
+    CHECK(parse(two_rods("[noise]\nrotational_diffusion = 0.01\nruns = 5\n")).noise->runs == 5);
+    says(two_rods("[noise]\nrotational_diffusion = -0.01\n"),
+         "noise.rotational_diffusion = -0.01: must be >= 0 and <= 1000000");
+    says(two_rods("[noise]\ntranslational_diffusion = -1.0\n"),
+         "noise.translational_diffusion = -1.0: must be >= 0 and <= 1000000");
+    says(two_rods("[noise]\nruns = 0\n"), "noise.runs = 0: must be >= 1 and <= 1e+07");
+    says(two_rods("[noise]\ntime_step = 0.0\n"), "noise.time_step = 0.0: must be > 0");
+}
+
+TEST_CASE("noise has a method of its own") {
+    const auto noisy_rods = [](const std::string& run, const std::string& more = "") {
+        return "schema = 1\n[[rods]]\nposition = [0, 1]\n[[rods]]\nposition = [0, -1]\n[rods_run]\nt_end = "
+               "4\n" +
+               run + "[noise]\nrotational_diffusion = 0.01\n" + more;
+    };
+    CHECK(noisy(parse(noisy_rods("method = \"auto\"\n"))));
+    CHECK_FALSE(noisy(parse(two_rods("[noise]\nrotational_diffusion = 0.0\n"))));
+    says(noisy_rods("method = \"bdf\"\n"),
+         "x.toml:8:10: rods_run.method: rods with [noise] are integrated by a method of");
+    says(noisy_rods("form = \"director\"\n"),
+         "rods_run.form = \"director\": rods with [noise] take form \"angle\" only");
+    says(noisy_rods("", "[medium]\neta = 1\nxi = 1\nfield = \"measured\"\n[medium.measured]\nfile = "
+                        "\"m.h5\"\n[scales]\nf_over_mu = 1\nv0 = 1\n"),
+         "an ensemble is drawn from the errors of the field or from [noise], not both");
 }
 
 TEST_CASE("places that an override gives have no line") {

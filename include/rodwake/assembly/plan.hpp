@@ -40,6 +40,7 @@ struct RodsPlan {
     rods::RodProblem problem;
     rods::RodOptions options;
     FieldChoice field;
+    std::optional<NoisePlan> noise; ///< absent: none
 };
 
 struct Plan {

@@ -2,9 +2,11 @@
 // From [[rods]], [medium], [coupling] and [rods_run] to a problem of the rods part. No physics: names and
 // units only.
 
-#include "rodwake/rods/simulate.hpp"
+#include "rodwake/rods/noise.hpp"
 #include "rodwake/scene/scene.hpp"
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 namespace rodwake::assembly {
@@ -13,6 +15,14 @@ rods::Couplings couplings_of(const scene::Scene& scene);
 rods::RodProblem rod_problem(const scene::Scene& scene);
 /// Method "auto" is settled here, by rods::suitable_method.
 rods::RodOptions rod_options(const scene::RodsRun& run, const rods::RodProblem& problem);
+
+/// An ensemble of noisy runs.
+struct NoisePlan {
+    rods::Noise noise;
+    std::uint32_t runs = 1;
+};
+/// None for rods that do not diffuse. A time step that the scene leaves open is settled here.
+std::optional<NoisePlan> noise_plan(const scene::Scene& scene, const rods::RodProblem& problem);
 
 /// What one reduced unit is worth in the results, and its name: reduced scenes report reduced numbers, SI
 /// scenes SI.

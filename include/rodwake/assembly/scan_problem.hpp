@@ -9,6 +9,11 @@
 
 namespace rodwake::assembly {
 
+/// The last columns of a scan of rods with [noise]: share of the runs in contact or pursuit, and the ends of
+/// its interval.
+inline constexpr const char* captures[] = {"capture_probability", "capture_probability_low",
+                                           "capture_probability_high"};
+
 /// A thread has its own. The plan must outlive it.
 class PointProblem {
 public:
@@ -18,6 +23,8 @@ public:
     const rods::RodProblem& at(const scan::Point& point);
     /// The settings of the run at the point of the last call.
     const scene::RodsRun& run() const { return *scene_->rods_run; }
+    /// Its noise; none if its rods do not diffuse.
+    std::optional<NoisePlan> noise() const { return noise_plan(*scene_, problem_); }
 
 private:
     /// Where the value of a key goes, if it needs nothing else of the scene; null: it does.

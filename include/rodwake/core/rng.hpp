@@ -28,7 +28,7 @@ private:
     std::uint64_t index_ = 0;
 };
 
-/// One Philox4x32-10 block, for known-answer tests.
+/// One Philox4x32-10 block: for who names its counters itself. Those with counter[1] = 0 are RandomStream's.
 std::array<std::uint32_t, 4> philox_block(std::array<std::uint32_t, 4> counter,
                                           std::array<std::uint32_t, 2> key);
 

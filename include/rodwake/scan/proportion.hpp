@@ -2,6 +2,7 @@
 // A proportion that was counted, with its interval of confidence.
 
 #include <cstdint>
+#include <utility>
 
 namespace rodwake::scan {
 
@@ -14,6 +15,9 @@ struct Proportion {
     /// with a probability of at most `tail` each. 0 and 1 if nothing was tried.
     double low(double tail) const;
     double high(double tail) const;
+    /// Ends of Wilson's score interval (1927), for a quantile z of the standard normal: where the true
+    /// proportion is p, the one counted is about z sqrt(p (1 - p)/of) away. 0 and 1 if nothing was tried.
+    std::pair<double, double> wilson(double z) const;
 };
 
 } // namespace rodwake::scan

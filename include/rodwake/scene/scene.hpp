@@ -80,9 +80,13 @@ struct Coupling {
     bool operator==(const Coupling&) const = default;
 };
 
-/// [noise]: in this version only its absence can be asked for.
+/// [noise]: white noise on the rods; with both coefficients 0 there is none.
 struct Noise {
-    double rotational_diffusion = 0.0; ///< rad^2 mu v0/f
+    double rotational_diffusion = 0.0;    ///< rad^2 mu v0/f
+    double translational_diffusion = 0.0; ///< f v0/mu
+    long runs = 1;
+    std::optional<double> time_step; ///< longest step, f/(mu v0); absent: rods::suitable_time_step
+    long seed = 1;
 
     bool operator==(const Noise&) const = default;
 };
@@ -218,6 +222,12 @@ struct Scene {
 
     bool operator==(const Scene&) const = default;
 };
+
+/// Whether the rods diffuse.
+inline bool noisy(const Scene& scene) {
+    return scene.noise &&
+           (scene.noise->rotational_diffusion > 0.0 || scene.noise->translational_diffusion > 0.0);
+}
 
 /// Whether [rods_order] looks at the motile rods of the bed, in SI; else at those of [rods_run].
 inline bool order_of_bed(const Scene& scene) { return scene.rods_order && !scene.rods_run && scene.granular; }

@@ -48,6 +48,9 @@ constexpr ColumnInfo others[] = {
     {"pursuit", "1", "share of the runs"},
     {"escape", "1", "share of the runs"},
     {"undecided", "1", "share of the runs"},
+    {"capture_probability", "1", "share of the runs with noise in contact or pursuit"},
+    {"capture_probability_low", "1", "lower end of its 95 % interval (Wilson); itself without noise"},
+    {"capture_probability_high", "1", "upper end of its 95 % interval (Wilson); itself without noise"},
     {"<k>_low", "1", "lower end of the 95 % interval of the share (Clopper and Pearson)"},
     {"<k>_high", "1", "upper end of the 95 % interval of the share (Clopper and Pearson)"}};
 

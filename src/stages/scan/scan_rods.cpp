@@ -3,6 +3,7 @@
 #include "rodwake/assembly/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/pair_batch.hpp"
+#include "scan_noise.hpp"
 #include "scan_values.hpp"
 
 #include <fmt/format.h>
@@ -106,6 +107,8 @@ private:
         const rods::RodProblem& problem = problem_.at(result.point);
         if (starts_in_contact(problem, result))
             return;
+        if (plan_.base.noise)
+            return with_noise(problem, result, start);
         const rods::RodOptions options = assembly::rod_options(problem_.run(), problem);
         const auto pair = rods::to_pair_problem(problem);
         if (!pair || !suits_batch(problem_.run(), options, plan_.time_limit))
@@ -169,6 +172,23 @@ private:
         result.set_cause(causes);
     }
 
+    /// A point without noise among others has one run, and no interval.
+    void with_noise(const rods::RodProblem& problem, scan::Result& result, Clock::time_point start) {
+        rods::RodOptions options = assembly::rod_options(problem_.run(), problem);
+        const std::optional<assembly::NoisePlan> noise = problem_.noise();
+        if (!noise)
+            return climb(problem, options, result, start);
+        options.ode.stop_requested = stop_condition(start);
+        if (!evaluate_noisy(plan_, problem, options, *noise, units_, result))
+            interrupted(result, start);
+    }
+
+    void interrupted(scan::Result& result, Clock::time_point start) const {
+        const bool late = seconds_since(start) > plan_.time_limit.value_or(HUGE_VAL);
+        result.status = late ? scan::Status::time_limit : scan::Status::stopped;
+        result.set_cause(fmt::format("more than {:g} s", plan_.time_limit.value_or(0.0)));
+    }
+
     std::function<bool()> stop_condition(Clock::time_point start) const {
         const double limit = plan_.time_limit.value_or(HUGE_VAL);
         if (limit == HUGE_VAL && !stop_)
@@ -184,10 +204,9 @@ private:
         const rods::RodResult run = rods::simulate(problem, options);
         const integrate::Status& status = run.solution.status;
         if (status.termination == Termination::interrupted) {
-            const bool late = seconds_since(start) > plan_.time_limit.value_or(HUGE_VAL);
-            result.status = late ? scan::Status::time_limit : scan::Status::stopped;
-            result.set_cause(fmt::format("more than {:g} s", plan_.time_limit.value_or(0.0)));
+            interrupted(result, start);
         } else if (status.ok()) {
+            store_certain_capture(plan_, run.outcome.ending, result);
             store(end_of(problem, run, leader.ahead()), plan_, units_, result);
         } else {
             result.status = scan::Status::failed;
@@ -197,8 +216,10 @@ private:
 
     bool starts_in_contact(const rods::RodProblem& problem, scan::Result& result) const {
         const auto end = end_at_start(problem);
-        if (end)
+        if (end) {
+            store_certain_capture(plan_, end->ending, result);
             store(*end, plan_, units_, result);
+        }
         return end.has_value();
     }
 
@@ -228,6 +249,8 @@ rods::RodResult trajectory_of(const assembly::ScanPlan& plan, const scan::Result
     for (std::size_t i = 0; i + 1 < times; ++i)
         problem.output_times.push_back(end * static_cast<double>(i) / static_cast<double>(times - 1));
     rods::RodOptions options = assembly::rod_options(*scene.rods_run, problem);
+    if (const auto noise = assembly::noise_plan(scene, problem))
+        return rods::simulate(problem, options, noise->noise, 0);
     for (int rung = 0; rung < result.retries; ++rung) // as the attempt that succeeded
         next_rung(options, rung);
     return rods::simulate(problem, options);

@@ -1,0 +1,44 @@
+#pragma once
+// Many noisy runs of one problem: how they end, and how rods turn and spread in them.
+
+#include "rodwake/rods/noise.hpp"
+
+#include <functional>
+
+namespace rodwake::rods {
+
+/// One run of the ensemble.
+struct NoisyEnd {
+    bool failed = false; ///< the rest is that of the time it reached
+    Ending ending = Ending::undecided;
+    double time = 0.0; ///< of contact, else the time reached
+    double min_separation = 0.0;
+    std::size_t first = 0, second = 0; ///< the pair it is about
+};
+
+/// Sums over the runs so far, in the order of their numbers; a plain value that can be saved and taken up
+/// again. Sums at a time are those of the runs that got there: of runs that stop at a contact fewer and
+/// fewer.
+struct NoiseSums {
+    std::vector<NoisyEnd> ends;  ///< of each run
+    std::string failure;         ///< why the first that failed did
+    std::vector<double> reached; ///< by time: runs that did
+    /// By time T and rod N at T * rods + N, of |r(t) - r(0)|^2 and of cos(theta(t) - theta(0)): sums and sums
+    /// of squares.
+    std::vector<double> square, square_squares, cosine, cosine_squares;
+};
+
+/// The times of these sums: those at which runs are stored.
+std::vector<double> stored_times(const RodProblem& problem);
+
+NoiseSums no_runs(const RodProblem& problem);
+void add(NoiseSums& sums, const RodProblem& problem, const RodResult& run);
+
+/// Adds runs until there are `runs`, on `threads` threads; the bits do not depend on their number. `added` is
+/// called after every few runs. False if options.ode.stop_requested told it to stop: the sums are then those
+/// of the runs done so far, and the same call goes on with them.
+bool run_ensemble(const RodProblem& problem, const RodOptions& options, const Noise& noise,
+                  std::uint32_t runs, std::size_t threads, NoiseSums& sums,
+                  const std::function<void(const NoiseSums&)>& added = nullptr);
+
+} // namespace rodwake::rods

@@ -1,0 +1,323 @@
+#include "rodwake/rods/noise.hpp"
+
+#include "bridge_contact.hpp"
+#include "interaction.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/integrate/additive_noise.hpp"
+#include "run_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace rodwake::rods {
+
+namespace {
+
+using integrate::PathIncrement;
+using integrate::State;
+using integrate::Termination;
+
+constexpr int deepest = 30;                              ///< halvings of a span
+constexpr std::size_t most_spans = std::size_t{1} << 24; ///< what a counter has room for
+constexpr double resolution = 1e-4;      ///< steps in which smooth contacts are located, f/(mu v0)
+constexpr double most_relaxation = 0.25; ///< of a heading in a step: step times rate
+constexpr double approach_share =
+    0.25;                          ///< of encounter_step, in which rods close a third of their separation
+constexpr double jump_share = 0.1; ///< of the separation: by how much it diffuses in a step
+
+void validate(const Noise& noise) {
+    if (!(noise.rotational >= 0.0 && noise.translational >= 0.0 && std::isfinite(noise.rotational) &&
+          std::isfinite(noise.translational)))
+        throw InputError(fmt::format("diffusion coefficients {} and {}: must be >= 0 and finite",
+                                     noise.rotational, noise.translational));
+    if (!(noise.time_step > 0.0))
+        throw InputError(fmt::format("time step {} of noisy runs: must be > 0", noise.time_step));
+}
+
+/// The fastest rate at which a heading can relax in these wakes: 2 |kappa| times the size of the traceless
+/// strain, and the size of the polar drive.
+double relaxation_rate(const elastic::FieldValues& f, const Couplings& c) {
+    double rate = 0.0;
+    if (c.apolar())
+        rate += 2.0 * std::abs(c.kappa) * std::hypot(f.strain.xy, 0.5 * (f.strain.xx - f.strain.yy));
+    if (c.polar())
+        rate += std::hypot(c.gamma1 * f.laplacian.x + c.gamma2 * f.gradient_of_trace.x,
+                           c.gamma1 * f.laplacian.y + c.gamma2 * f.gradient_of_trace.y);
+    return rate;
+}
+
+/// Contact of rods whose separations are smooth: at the end of a step, or on the cubic within it.
+std::optional<Approach> smooth_contact(const integrate::Step& step, double distance, Box box) {
+    const Separation at_end = closest_pair(step.state, box);
+    if (at_end.distance <= distance)
+        return Approach{fall_time(step, at_end.first, at_end.second, distance), at_end};
+    return closest_approach(step, box, distance);
+}
+
+/// One run on its way.
+class Walk {
+public:
+    Walk(const RodProblem& problem, const RodOptions& options, const Noise& noise, std::uint32_t run)
+        : problem_(problem), options_(options), noise_(noise), model_(model_of(problem)),
+          y_(to_state(problem.rods)), before_(y_), rates_(y_.size()), sums_(problem.rods.size()),
+          step_(
+              [this](State y, std::span<double> ydot) {
+                  ++solution_.statistics.rhs_evaluations;
+                  model_.rhs(y, ydot);
+              },
+              y_.size()),
+          place_{noise.seed, run, 0, 0}, pairs_(problem.rods.size() > 1),
+          record_(start_record(y_, (1.0 - options.criteria.steady_fraction) * problem.t_end, problem.box)) {}
+
+    RodResult run();
+
+private:
+    /// A node of the halving of a span.
+    struct Node {
+        std::uint32_t number;
+        int depth;
+        double start, length;
+    };
+    using Path = std::vector<PathIncrement>;
+
+    void cross_spans();
+    void begin_span(std::uint32_t index, double start, double end);
+    /// These go on to the end of a node; false: the run is over.
+    bool advance(const Node& node);
+    bool halve(const Node& node);
+    /// Nothing if the step must be halved.
+    std::optional<bool> take(const Node& node);
+    std::optional<bool> end_step(const integrate::Step& step, bool halvable);
+
+    bool may_go_on(const Node& node);
+    bool stop(double time, Termination how);
+    bool stop_in(const integrate::Step& step, double share, const Separation& contact);
+    void add(const integrate::Step& step);
+    double step_limit();
+    double strength(std::size_t component) const {
+        return std::sqrt(2.0 * (component % 3 == 2 ? noise_.rotational : noise_.translational));
+    }
+    integrate::Normals normals(std::uint32_t node, std::size_t component);
+
+    const RodProblem& problem_;
+    const RodOptions& options_;
+    const Noise& noise_;
+    RodModel model_;
+    std::vector<double> y_, before_, rates_; ///< rates of y_
+    std::vector<elastic::FieldValues> sums_;
+    integrate::AdditiveNoiseStep step_;
+    NoisePlace place_;
+    bool pairs_, rates_known_ = false;
+    std::vector<Path> path_, later_; ///< by depth: of the node, and of the half that waits
+    SeparationRecord record_;
+    integrate::Solution solution_;
+};
+
+integrate::Normals Walk::normals(std::uint32_t node, std::size_t component) {
+    constexpr NoisePlace::Use uses[] = {NoisePlace::Use::x, NoisePlace::Use::y, NoisePlace::Use::heading};
+    place_.node = node;
+    return integrate::normals_of(place_.bits(uses[component % 3], component / 3));
+}
+
+/// Longest step from here; see noise.hpp. Works out the rates on the way.
+double Walk::step_limit() {
+    if (!rates_known_)
+        ++solution_.statistics.rhs_evaluations;
+    if (!rates_known_ && model_.interacting())
+        model_.wakes(y_, sums_);
+    double fastest = 0.0;
+    for (std::size_t a = 0; a < model_.rods(); ++a) {
+        const Direction n = direction(y_, a);
+        const bool turns = model_.interacting();
+        rates_[3 * a] = n.cosine;
+        rates_[3 * a + 1] = n.sine;
+        rates_[3 * a + 2] = turns ? turning_rate(sums_[a], problem_.couplings, {n.cosine, n.sine}) : 0.0;
+        if (turns)
+            fastest = std::max(fastest, relaxation_rate(sums_[a], problem_.couplings));
+    }
+    rates_known_ = true;
+    double limit = std::min(noise_.time_step, most_relaxation / fastest);
+    if (!pairs_ || !(model_.interacting() || problem_.contact_distance))
+        return limit;
+    limit = std::min(limit, approach_share * encounter_step(y_, problem_.box));
+    if (noise_.translational > 0.0) {
+        const double r = jump_share * closest_pair(y_, problem_.box).distance;
+        limit = std::min(limit, r * r / (4.0 * noise_.translational));
+    }
+    return limit;
+}
+
+bool Walk::stop(double time, Termination how) {
+    solution_.final_time = solution_.status.reached = time;
+    solution_.status.termination = how;
+    return false;
+}
+
+/// Two rods are in contact inside a step: the state there is taken between the step's ends, and the pair put
+/// at its distance along its line.
+bool Walk::stop_in(const integrate::Step& step, double share, const Separation& contact) {
+    for (std::size_t i = 0; i < y_.size(); ++i)
+        y_[i] = before_[i] + share * (y_[i] - before_[i]);
+    const Offset d = offset(y_, contact.first, contact.second, problem_.box);
+    const double r = std::hypot(d.x, d.y), move = r > 0.0 ? 0.5 * (contact.distance / r - 1.0) : 0.0;
+    y_[3 * contact.first] += move * d.x;
+    y_[3 * contact.first + 1] += move * d.y;
+    y_[3 * contact.second] -= move * d.x;
+    y_[3 * contact.second + 1] -= move * d.y;
+    const double time = step.time_before + share * (step.time - step.time_before);
+    add({step.time_before, time, before_, y_});
+    return stop(time, Termination::stopped_at_event);
+}
+
+void Walk::add(const integrate::Step& step) {
+    add_step(
+        record_, step, [this](State y, std::span<double> ydot) { model_.rhs(y, ydot); }, problem_.box);
+    if (options_.ode.on_step)
+        options_.ode.on_step(step);
+}
+
+std::optional<bool> Walk::end_step(const integrate::Step& step, bool halvable) {
+    const Box& box = problem_.box;
+    if (pairs_ && problem_.contact_distance) {
+        const double d = *problem_.contact_distance, h = step.time - step.time_before;
+        if (noise_.translational > 0.0) {
+            if (const auto met = bridge_contact(step, d, 4.0 * noise_.translational, box, place_))
+                return stop_in(step, met->share, {met->first, met->second, d});
+        } else if (const auto met = smooth_contact(step, d, box)) {
+            if (halvable && h > resolution)
+                return std::nullopt;
+            return stop_in(step, (met->time - step.time_before) / h, {met->pair.first, met->pair.second, d});
+        }
+    }
+    add(step);
+    return true;
+}
+
+std::optional<bool> Walk::take(const Node& node) {
+    before_ = y_;
+    const auto depth = static_cast<std::size_t>(node.depth);
+    step_.take(y_, rates_, node.length, path_[depth]);
+    if (!std::ranges::all_of(y_, [](double value) { return std::isfinite(value); }))
+        throw InputError("the state is not finite");
+    place_.node = node.number;
+    const auto on = end_step({node.start, node.start + node.length, before_, y_}, node.depth < deepest);
+    if (!on) {
+        y_ = before_;
+        return on;
+    }
+    rates_known_ = false;
+    ++solution_.statistics.steps;
+    return on;
+}
+
+bool Walk::may_go_on(const Node& node) {
+    if (options_.ode.stop_requested && options_.ode.stop_requested())
+        return stop(node.start, Termination::interrupted);
+    if (solution_.statistics.steps < options_.ode.max_steps && node.depth < deepest)
+        return true;
+    integrate::Status& status = solution_.status;
+    const bool many = solution_.statistics.steps >= options_.ode.max_steps;
+    status.step = node.length;
+    status.order = 2; // weak
+    status.flag = many ? "TOO_MUCH_WORK" : "STEP_TOO_SHORT";
+    status.cause = many ? "the steps allowed were used up" : "headings turn too fast for any step";
+    status.advice = many ? "raise max_steps, or noise.time_step" : "set rods_run.contact_distance";
+    return stop(node.start, Termination::failed);
+}
+
+bool Walk::halve(const Node& node) {
+    const auto depth = static_cast<std::size_t>(node.depth), below = depth + 1;
+    if (path_.size() <= below) {
+        path_.resize(below + 1, Path(y_.size()));
+        later_.resize(below + 1, Path(y_.size()));
+    }
+    for (std::size_t i = 0; i < y_.size(); ++i)
+        if (const double s = strength(i); s > 0.0)
+            std::tie(path_[below][i], later_[below][i]) =
+                integrate::halves(path_[depth][i], node.length, s, normals(node.number, i));
+    const double half = 0.5 * node.length;
+    if (!advance({2 * node.number, node.depth + 1, node.start, half}))
+        return false;
+    path_[below].swap(later_[below]);
+    return advance({2 * node.number + 1, node.depth + 1, node.start + half, half});
+}
+
+bool Walk::advance(const Node& node) {
+    if (!may_go_on(node))
+        return false;
+    if (node.length > step_limit())
+        return halve(node);
+    const std::optional<bool> on = take(node);
+    return on ? *on : halve(node);
+}
+
+void Walk::begin_span(std::uint32_t index, double start, double end) {
+    place_.span = index;
+    path_.resize(std::max<std::size_t>(path_.size(), 1), Path(y_.size()));
+    later_.resize(path_.size(), Path(y_.size()));
+    for (std::size_t i = 0; i < y_.size(); ++i)
+        if (const double s = strength(i); s > 0.0)
+            path_[0][i] = integrate::draw_increment(end - start, s, normals(0, i));
+}
+
+void Walk::cross_spans() {
+    double start = 0.0;
+    std::uint32_t index = 0;
+    for (const double end : output_times(problem_)) {
+        if (end > start) {
+            begin_span(index++, start, end);
+            if (!advance({1, 0, start, end - start}))
+                return;
+        }
+        solution_.times.push_back(end);
+        solution_.states.push_back(y_);
+        start = end;
+    }
+    stop(start, Termination::reached_end);
+}
+
+RodResult Walk::run() {
+    solution_.status.wanted = problem_.t_end;
+    try {
+        cross_spans();
+    } catch (const InputError& error) {
+        solution_.status.flag = "RHSFUNC_FAIL";
+        solution_.status.cause = error.what();
+        y_ = before_;
+        stop(solution_.times.empty() ? 0.0 : solution_.times.back(), Termination::failed);
+    }
+    solution_.final_state = y_;
+    explain_collision(solution_, problem_.box);
+    RodResult result;
+    result.solution = std::move(solution_);
+    result.outcome = conclude(problem_, model_, result.solution, record_, options_.criteria);
+    return result;
+}
+
+} // namespace
+
+double suitable_time_step(const RodProblem& problem, double rotational) {
+    double fastest = std::max(1.0, rotational);
+    const RodModel model = model_of(problem);
+    if (model.interacting()) {
+        std::vector<elastic::FieldValues> sums(model.rods());
+        model.wakes(to_state(problem.rods), sums);
+        for (const elastic::FieldValues& sum : sums)
+            fastest = std::max(fastest, relaxation_rate(sum, problem.couplings));
+    }
+    return 0.05 / fastest;
+}
+
+RodResult simulate(const RodProblem& problem, const RodOptions& options, const Noise& noise,
+                   std::uint32_t run) {
+    validate(problem);
+    validate(noise);
+    if (problem.output_times.size() >= most_spans)
+        throw InputError(fmt::format("noisy runs take fewer than {} output times", most_spans));
+    return Walk(problem, options, noise, run).run();
+}
+
+} // namespace rodwake::rods

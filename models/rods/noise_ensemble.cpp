@@ -1,0 +1,64 @@
+#include "rodwake/rods/noise_ensemble.hpp"
+
+#include "rodwake/core/parallel.hpp"
+#include "run_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::rods {
+
+std::vector<double> stored_times(const RodProblem& problem) { return output_times(problem); }
+
+NoiseSums no_runs(const RodProblem& problem) {
+    const std::size_t times = output_times(problem).size(), size = times * problem.rods.size();
+    const std::vector<double> none(size);
+    return {{}, {}, std::vector<double>(times), none, none, none, none};
+}
+
+void add(NoiseSums& sums, const RodProblem& problem, const RodResult& run) {
+    const RodOutcome& outcome = run.outcome;
+    const bool failed = !run.solution.status.ok();
+    if (failed && sums.failure.empty())
+        sums.failure = run.solution.status.message();
+    sums.ends.push_back({failed, outcome.ending, outcome.time, outcome.min_separation, outcome.pair.first,
+                         outcome.pair.second});
+    const std::size_t rods = problem.rods.size();
+    for (std::size_t t = 0; t < run.solution.states.size(); ++t) {
+        sums.reached[t] += 1.0;
+        for (std::size_t a = 0; a < rods; ++a) {
+            const Pose now = pose(run.solution.states[t], a), start = problem.rods[a];
+            const double dx = now.x - start.x, dy = now.y - start.y, square = dx * dx + dy * dy;
+            const double cosine = std::cos(now.heading - start.heading);
+            sums.square[t * rods + a] += square;
+            sums.square_squares[t * rods + a] += square * square;
+            sums.cosine[t * rods + a] += cosine;
+            sums.cosine_squares[t * rods + a] += cosine * cosine;
+        }
+    }
+}
+
+bool run_ensemble(const RodProblem& problem, const RodOptions& options, const Noise& noise,
+                  std::uint32_t runs, std::size_t threads, NoiseSums& sums,
+                  const std::function<void(const NoiseSums&)>& added) {
+    RodOptions each = options;
+    each.ode.on_step = nullptr;
+    constexpr std::size_t few = 8; // for each thread
+    while (sums.ends.size() < runs) {
+        const std::size_t done = sums.ends.size(), batch = std::min<std::size_t>(few * threads, runs - done);
+        std::vector<RodResult> results(batch);
+        parallel_for(batch, threads, [&](std::size_t i) {
+            results[i] = simulate(problem, each, noise, static_cast<std::uint32_t>(done + i));
+        });
+        for (const RodResult& result : results) {
+            if (result.solution.status.termination == integrate::Termination::interrupted)
+                return false;
+            add(sums, problem, result);
+        }
+        if (added)
+            added(sums);
+    }
+    return true;
+}
+
+} // namespace rodwake::rods

@@ -1,0 +1,102 @@
+#include "run_parts.hpp"
+
+#include "outcome_text.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::rods {
+
+using integrate::State;
+
+void validate(const RodProblem& problem) {
+    if (problem.rods.empty())
+        throw InputError("no rods: give at least one");
+    if (!(problem.t_end > 0.0 && std::isfinite(problem.t_end)))
+        throw InputError(fmt::format("t_end = {}: must be > 0 and finite", problem.t_end));
+    if (problem.box && !(*problem.box > 0.0 && std::isfinite(*problem.box)))
+        throw InputError(
+            fmt::format("box = {}: the side of the periodic box must be > 0 and finite", *problem.box));
+    if (problem.rods.size() < 2)
+        return;
+    const Separation pair = closest_pair(to_state(problem.rods), problem.box);
+    if (!(pair.distance > 0.0))
+        throw InputError(
+            fmt::format("rods[{}] and rods[{}] are in the same place: their fields are singular there",
+                        pair.first, pair.second));
+    if (problem.contact_distance && !(*problem.contact_distance < pair.distance))
+        throw InputError(
+            fmt::format("contact_distance = {}: must be below the smallest starting separation, {} "
+                        "between rods[{}] and rods[{}]",
+                        *problem.contact_distance, pair.distance, pair.first, pair.second));
+}
+
+std::vector<double> output_times(const RodProblem& problem) {
+    std::vector<double> times = problem.output_times;
+    if (times.empty() || times.back() < problem.t_end)
+        times.push_back(problem.t_end);
+    return times;
+}
+
+namespace {
+
+/// Ending of all pairs together; sets the pair it is about.
+void classify(RodOutcome& outcome, const RodModel& model, State y, const SeparationRecord& record,
+              const EndingCriteria& criteria, Box box) {
+    std::vector<double> ydot(y.size());
+    model.rhs(y, ydot);
+    bool all_escape = true;
+    for (std::size_t a = 0; a < model.rods(); ++a)
+        for (std::size_t b = a + 1; b < model.rods(); ++b) {
+            const Ending ending =
+                classify_pair(y, ydot, a, b, record.late[a * model.rods() + b], criteria, box);
+            all_escape = all_escape && ending == Ending::escape;
+            if (ending == Ending::pursuit && model.interacting() && outcome.ending != Ending::pursuit) {
+                outcome.ending = Ending::pursuit;
+                const Offset d = offset(y, a, b, box);
+                outcome.pair = {a, b, std::hypot(d.x, d.y)};
+            }
+        }
+    if (all_escape)
+        outcome.ending = Ending::escape;
+}
+
+} // namespace
+
+RodOutcome conclude(const RodProblem& problem, const RodModel& model, const integrate::Solution& solution,
+                    SeparationRecord& record, const EndingCriteria& criteria) {
+    const State y = solution.final_state;
+    RodOutcome outcome;
+    outcome.time = solution.final_time;
+    for (std::size_t a = 0; a < model.rods(); ++a)
+        outcome.turn.push_back(y[3 * a + 2] - problem.rods[a].heading);
+    const bool contact = solution.status.termination == integrate::Termination::stopped_at_event;
+    if (model.rods() > 1) {
+        outcome.pair = contact ? closest_pair(y, problem.box) : record.smallest;
+    }
+    outcome.min_separation = contact ? outcome.pair.distance : record.smallest.distance;
+    outcome.min_separation_time = contact ? outcome.time : record.smallest_time;
+    if (contact)
+        outcome.ending = Ending::contact;
+    else if (solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
+        classify(outcome, model, y, record, criteria, problem.box);
+    describe(outcome, model.rods(), solution.status);
+    return outcome;
+}
+
+void explain_collision(integrate::Solution& solution, Box box) {
+    constexpr double near = 0.05; // f/mu
+    if (solution.status.ok() || solution.final_state.size() < 6)
+        return;
+    const Separation pair = closest_pair(solution.final_state, box);
+    if (pair.distance > near)
+        return;
+    solution.status.cause =
+        fmt::format("rods[{}] and rods[{}] are {:.3g} apart, and their fields are singular at contact",
+                    pair.first, pair.second, pair.distance);
+    solution.status.advice = "set rods_run.contact_distance, so that the run stops when two rods meet";
+}
+
+} // namespace rodwake::rods

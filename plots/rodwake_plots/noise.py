@@ -1,0 +1,142 @@
+"""Rods that diffuse: how far they get, how long they keep their headings, and how many have met, of the scene and of each variant."""
+
+import json
+from typing import NamedTuple
+
+import numpy as np
+
+from . import canvas, csv_columns, style, words
+from .errors import PlotError
+from .spec import Spec
+
+MEANS, RUNS = "noise.json", "ensemble.csv"
+CONTACT = 0  # in ensemble.csv
+POINTS = 24  # with error bars, of the times that are stored
+
+
+class Case(NamedTuple):
+    label: str
+    means: dict
+    ends: dict
+
+    def by_rod(self, key):
+        """A quantity and its standard error, each [time][rod], unknown as nan."""
+        return tuple(np.array(self.means[name], dtype=float) for name in (key, f"{key}_error"))
+
+    def by_time(self, key):
+        """Means over the rods; their errors as if all rods were one."""
+        value, error = self.by_rod(key)
+        return value.mean(axis=1), error.max(axis=1)
+
+
+def cases(run):
+    found = []
+    for one in run.result.runs():
+        folder = run.path if one.name == "scene" else run.path / "variants" / one.name
+        if (folder / MEANS).is_file():
+            means = read_means(folder / MEANS)
+            label = one.label if one.attrs.get("label") else rf"$D_r = {words.math_number(means['rotational_diffusion'])}$"
+            found.append(Case(label, means, csv_columns.read_with_gaps(folder / RUNS)))
+    if not found:
+        raise PlotError(f"{run.path / MEANS}: no such file: [noise] in the scene and a finished run of its rods write it")
+    return found
+
+
+def read_means(path):
+    try:
+        return json.loads(path.read_text())
+    except ValueError as error:
+        raise PlotError(f"{path}: not JSON: {error}") from error
+
+
+def draw(run, spec):
+    drawn, units = cases(run), run.result.units
+    paired = any(case.means["capture_probability"] is not None for case in drawn)
+    figure = canvas.figure(style.WIDE if paired else 0.75 * style.WIDE, 2.7)
+    panels = figure.subplots(1, 3 if paired else 2)
+    end = max(case.means["times"][-1] for case in drawn)
+    time = units.time("t", end)
+    for k, case in enumerate(drawn):
+        colour = style.ROD_COLOURS[k % len(style.ROD_COLOURS)]
+        spread(panels[0], case, time, units, colour)
+        headings(panels[1], case, time, colour)
+        if paired:
+            met(panels[2], case, time, colour)
+    length = units.length(r"\langle|\mathbf{r}(t)-\mathbf{r}(0)|^2\rangle^{1/2}", np.sqrt(top(drawn)))
+    panels[0].set(xlabel=time.label, ylabel=length.label, xscale="log", yscale="log")
+    panels[1].set(xlabel=time.label, ylabel=r"$\langle\cos(\theta(t)-\theta(0))\rangle$", xlim=(0, end * time.factor))
+    if paired:
+        panels[2].set(xlabel=time.label, ylabel="share of the runs in contact", xlim=(0, 1.04 * end * time.factor), ylim=(0, 1))
+    if len(drawn) > 1:
+        panels[0].legend(loc="lower right", frameon=False, fontsize=8, handlelength=1.2)
+    for k, axes in enumerate(panels):
+        canvas.letter(axes, k)
+    figure.suptitle(style.safe(spec.title), fontsize=10.5)
+    return figure
+
+
+def top(drawn):
+    return max(np.nanmax(case.by_time("mean_square_displacement")[0]) for case in drawn)
+
+
+def shown(times):
+    """Indices of the times that get an error bar, the start not among them."""
+    return np.unique(np.linspace(1, len(times) - 1, min(POINTS, len(times) - 1)).astype(int)) if len(times) > 1 else np.array([], dtype=int)
+
+
+def spread(axes, case, time, units, colour):
+    t = np.array(case.means["times"])
+    square, error = case.by_time("mean_square_displacement")
+    factor = units.length("r", np.sqrt(np.nanmax(square))).factor
+    at = shown(t)
+    root = np.sqrt(square[at])
+    axes.errorbar(t[at] * time.factor, root * factor, 0.5 * error[at] / root * factor, fmt="o", markersize=2.5, linewidth=0.8, color=colour,
+                  label=case.label)
+    axes.plot(t[1:] * time.factor, np.sqrt(free_square(case.means, t[1:])) * factor, color=colour, linewidth=0.9)
+
+
+def headings(axes, case, time, colour):
+    t = np.array(case.means["times"])
+    value, error = case.by_time("heading_correlation")
+    at = shown(t)
+    axes.errorbar(t[at] * time.factor, value[at], error[at], fmt="o", markersize=2.5, linewidth=0.8, color=colour)
+    axes.plot(t * time.factor, np.exp(-case.means["rotational_diffusion"] * t), color=colour, linewidth=0.9)
+
+
+def met(axes, case, time, colour):
+    """Runs in contact by a time, and at the end the probability of capture with its interval of 95 %."""
+    means = case.means
+    if means["capture_probability"] is None:
+        return
+    ends = np.array(case.ends["outcome"], dtype=float)
+    done = int(np.isfinite(ends).sum())
+    at = np.sort(np.array(case.ends["time"])[ends == CONTACT]) * time.factor
+    end = means["times"][-1] * time.factor
+    share = np.arange(at.size + 1) / max(done, 1)
+    axes.step(np.concatenate([[0.0], at, [end]]), np.append(share, share[-1]), where="post", color=colour)
+    p, low, high = (means[key] for key in ("capture_probability", "capture_low", "capture_high"))
+    axes.errorbar([end], [p], [[p - low], [high - p]], fmt="s", markersize=3.5, capsize=2, color=colour, clip_on=False)
+
+
+def free_square(means, t):
+    """Mean-square displacement of a rod that no other turns."""
+    D, v = means["rotational_diffusion"], means["speed"]
+    walked = v * v * 2 / D**2 * (D * t + np.expm1(-D * t)) if D > 0 else v * v * t * t
+    return walked + 4 * means["translational_diffusion"] * t
+
+
+def caption(run, _):
+    drawn = cases(run)
+    told = "; ".join(f"{style.safe(case.label)}: {capture(case.means)}" for case in drawn if case.means["capture_probability"] is not None)
+    return ("Root of the mean-square displacement and correlation of the headings, means over runs and rods; lines: a rod that no other turns. "
+            + (f"Right: runs in contact by a time; squares: probability of capture (contact or pursuit) with its interval of 95 %. {told}." if told else ""))
+
+
+def capture(means):
+    p, low, high = (words.number(means[key], 3) for key in ("capture_probability", "capture_low", "capture_high"))
+    return f"{p} ({low} to {high}) of {means['runs']} runs"
+
+
+def defaults(run):
+    there = (run.path / MEANS).is_file()
+    return [Spec("noise", "noise")] if there and run.result.has("/rods") else []

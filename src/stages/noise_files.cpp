@@ -1,0 +1,138 @@
+// What an ensemble of rods that diffuse leaves: noise.json and ensemble.csv.
+
+#include "noise_runs.hpp"
+#include "rodwake/core/estimate.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace rodwake::stages {
+
+namespace {
+
+using assembly::OutputUnits;
+using nlohmann::ordered_json;
+using rods::NoiseSums;
+using rods::NoisyEnd;
+
+constexpr std::array endings = {Ending::contact, Ending::pursuit, Ending::escape, Ending::undecided};
+
+ordered_json known(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
+
+/// By time, of each rod: means of sums over the runs that reached that time, and their standard errors.
+struct Rows {
+    ordered_json means = ordered_json::array(), errors = ordered_json::array();
+};
+
+Rows rows_of(const std::vector<double>& reached, const std::vector<double>& sums,
+             const std::vector<double>& squares, double unit) {
+    Rows rows;
+    const std::size_t rods = sums.size() / reached.size();
+    for (std::size_t t = 0; t < reached.size(); ++t) {
+        ordered_json mean = ordered_json::array(), error = ordered_json::array();
+        for (std::size_t k = t * rods; k < (t + 1) * rods; ++k) {
+            const double n = reached[t], value = sums[k] / n; // of no run NaN
+            const double spread = std::max(0.0, squares[k] / n - value * value);
+            mean.push_back(known(unit * value));
+            error.push_back(known(n > 1.0 ? unit * std::sqrt(spread / (n - 1.0)) : std::nan("")));
+        }
+        rows.means.push_back(std::move(mean));
+        rows.errors.push_back(std::move(error));
+    }
+    return rows;
+}
+
+ordered_json endings_json(const NoiseSums& sums) {
+    ordered_json json;
+    for (const Ending ending : endings)
+        json[to_string(ending)] = std::ranges::count_if(
+            sums.ends, [&](const NoisyEnd& end) { return !end.failed && end.ending == ending; });
+    json["failed"] = std::ranges::count_if(sums.ends, &NoisyEnd::failed);
+    return json;
+}
+
+ordered_json contact_json(const NoiseSums& sums, const OutputUnits& units) {
+    std::vector<double> times;
+    for (const NoisyEnd& end : sums.ends)
+        if (!end.failed && end.ending == Ending::contact)
+            times.push_back(end.time * units.time);
+    const Estimate mean = mean_of(times);
+    return {{"mean", times.empty() ? ordered_json() : ordered_json(mean.value)},
+            {"error", known(mean.error)},
+            {"runs", times.size()}};
+}
+
+void add_capture(ordered_json& json, const NoiseSums& sums, std::size_t rods) {
+    const scan::Proportion of = captured(sums, rods);
+    const auto [low, high] = of.wilson(capture_quantile);
+    const bool any = of.of > 0; // a single rod captures none
+    json["capture_probability"] = any ? ordered_json(of.value()) : ordered_json();
+    json["capture_low"] = any ? ordered_json(low) : ordered_json();
+    json["capture_high"] = any ? ordered_json(high) : ordered_json();
+    json["capture_confidence"] = 0.95;
+}
+
+} // namespace
+
+scan::Proportion captured(const NoiseSums& sums, std::size_t rods) {
+    scan::Proportion of;
+    for (const NoisyEnd& end : sums.ends)
+        if (!end.failed && rods > 1) {
+            ++of.of;
+            of.count += end.ending == Ending::contact || end.ending == Ending::pursuit ? 1 : 0;
+        }
+    return of;
+}
+
+std::string noise_json(const NoiseSums& sums, const assembly::NoisePlan& plan,
+                       const rods::RodProblem& problem, const OutputUnits& units) {
+    ordered_json json = {{"runs", sums.ends.size()}};
+    add_capture(json, sums, problem.rods.size());
+    json["endings"] = endings_json(sums);
+    json["first_contact_time"] = contact_json(sums, units);
+    if (!sums.failure.empty())
+        json["failure"] = sums.failure;
+    json["rotational_diffusion"] = plan.noise.rotational / units.time;
+    json["translational_diffusion"] = plan.noise.translational * units.length * units.length / units.time;
+    json["speed"] = units.length / units.time; // v0
+    json["time_step"] = plan.noise.time_step * units.time;
+    json["seed"] = plan.noise.seed;
+    json["times"] = ordered_json::array();
+    for (const double time : rods::stored_times(problem))
+        json["times"].push_back(time * units.time);
+    json["runs_at_time"] = sums.reached;
+    const double area = units.length * units.length;
+    Rows square = rows_of(sums.reached, sums.square, sums.square_squares, area);
+    Rows cosine = rows_of(sums.reached, sums.cosine, sums.cosine_squares, 1.0);
+    json["mean_square_displacement"] = std::move(square.means);
+    json["mean_square_displacement_error"] = std::move(square.errors);
+    json["heading_correlation"] = std::move(cosine.means);
+    json["heading_correlation_error"] = std::move(cosine.errors);
+    json["units"] = {{"length", units.length_name}, {"time", units.time_name}};
+    return json.dump(1) + "\n";
+}
+
+std::string noise_csv(const NoiseSums& sums, std::size_t rods, const OutputUnits& units) {
+    const std::vector<std::string> names = {"run", "outcome", "time", "min_separation", "first", "second"};
+    std::vector<std::vector<double>> columns(names.size());
+    const auto of_pair = [&](double value) { return rods > 1 ? value : std::nan(""); };
+    for (std::size_t i = 0; i < sums.ends.size(); ++i) {
+        const NoisyEnd& end = sums.ends[i];
+        const auto ending = std::ranges::find(endings, end.ending) - endings.begin();
+        const double row[] = {static_cast<double>(i),
+                              end.failed ? std::nan("") : static_cast<double>(ending),
+                              end.time * units.time,
+                              of_pair(end.min_separation * units.length),
+                              of_pair(static_cast<double>(end.first)),
+                              of_pair(static_cast<double>(end.second))};
+        for (std::size_t c = 0; c < columns.size(); ++c)
+            columns[c].push_back(row[c]);
+    }
+    return store::to_csv(names, columns);
+}
+
+} // namespace rodwake::stages
