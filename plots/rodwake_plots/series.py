@@ -29,6 +29,12 @@ QUANTITIES = {
                                 "Who turns: 1 the rear rod alone, −1 the front rod alone, 0 both alike", True),
     "force": Quantity(r"$F$", "N", "Force of the rod on the beads", True),
     "speed": Quantity("speed", r"\mathrm{mm/s}", "Speed of the rod", True),
+    "c_T": Quantity(r"$c_T$", r"a/\mathrm{s}", "Speed of transverse sound <i>c</i><sub>T</sub>", False),
+    "C11": Quantity(r"$C_{11}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>11</sub>", False, 1e3),
+    "C22": Quantity(r"$C_{22}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>22</sub>", False, 1e3),
+    "C66": Quantity(r"$C_{66}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>66</sub>", False, 1e3),
+    "drag_rate": Quantity(r"$\zeta/nm$", r"\mathrm{s}^{-1}", "Drag rate of the bed on the plates", False),
+    "screening_length": Quantity(r"$\xi$", "a", "Screening length <i>ξ</i>", False),
 }
 AXES = {"phi_b": r"$\phi_b$", "d0": r"$d_0$ ($a$)", "imposed_speed": r"$v$ ($\mathrm{mm/s}$)"}
 WORDS = {"phi_b": "<i>φ<sub>b</sub></i>", "d0": "the starting separation <i>d</i><sub>0</sub>", "imposed_speed": "the imposed speed <i>v</i>"}

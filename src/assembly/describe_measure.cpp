@@ -11,8 +11,12 @@ namespace {
 
 std::string times_text(const scene::Scene& scene, const MeasurePlan& plan) {
     const double duration = scene.granular->duration - plan.sums.from();
-    return fmt::format("{:.0f} frames {:g} s apart from t = {:g} s on, in blocks of {:g} s",
-                       std::floor(duration / plan.interval) + 1.0, plan.interval, plan.sums.from(),
+    const std::string travel = plan.sums.from_travel() > 0.0
+                                   ? fmt::format(" and once rod {} has come {:.4g} a", scene.measure->rod,
+                                                 plan.sums.from_travel() / scene.granular->bead_radius)
+                                   : "";
+    return fmt::format("{:.0f} frames {:g} s apart from t = {:g} s on{}, in blocks of {:g} s",
+                       std::floor(duration / plan.interval) + 1.0, plan.interval, plan.sums.from(), travel,
                        scene.measure->block);
 }
 

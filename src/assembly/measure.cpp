@@ -23,7 +23,8 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
     key.granular.emplace();
     key.measure = m;
     key.measure->trajectory.clear();
-    key.measure->interval = plan.interval;
+    key.measure->interval = plan.interval * static_cast<double>(plan.stride);
+    key.measure->phonon_interval = m.phonons ? std::optional(plan.interval) : std::nullopt; // as it was taken
     for (const MeasureKind& kind : measure_kinds())
         if (kind.reset_late_keys)
             kind.reset_late_keys(*key.measure);
@@ -31,6 +32,31 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
     const std::string second = layout.box.square() ? "" : fmt::format(" x {:.17g}", layout.box.y);
     return fmt::format("{}box {:.17g}{}, beads {}, rods {}\n", scene::to_plain_toml(key), layout.box.x,
                        second, layout.beads, layout.rods);
+}
+
+/// Steps between the frames of currents: the largest part of `steps` that takes at most 5 ms, or what the
+/// scene says.
+std::int64_t steps_between_currents(const Scene& scene, std::int64_t steps) {
+    constexpr double longest = 5e-3; // s: a twentieth of the fastest mode's period in a box of 78 a
+    const double step = scene::time_step(*scene.granular);
+    if (const auto& wanted = scene.measure->phonon_interval) {
+        const std::int64_t fine = granular::whole_steps(*wanted, step, 1);
+        if (steps % fine != 0)
+            throw InputError(fmt::format("measure.phonon_interval = {:g} s: in time steps of {:g} s the "
+                                         "interval of {} steps is no whole multiple of its {} steps",
+                                         *wanted, step, steps, fine));
+        return fine;
+    }
+    std::int64_t parts = 1;
+    while (parts < steps &&
+           (steps % parts != 0 || static_cast<double>(steps / parts) * step > longest * 1.000001))
+        ++parts;
+    return steps / parts;
+}
+
+measure::Measures no_sums(const Scene& scene, const granular::GranularProblem& problem) {
+    const Measure& m = *scene.measure;
+    return {layout_of(problem), m.from, {static_cast<std::size_t>(m.rod), m.from_travel.value_or(0.0)}};
 }
 
 } // namespace
@@ -55,8 +81,10 @@ std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granula
     if (!scene.measure || !scene.granular || std::ranges::none_of(measure_kinds(), needs_frames))
         return std::nullopt;
     try { // says now what cannot be measured
-        MeasurePlan plan{measure::Measures(layout_of(problem), scene.measure->from), 0.0, 1, {}};
-        plan.every = steps_between_frames(scene);
+        MeasurePlan plan{no_sums(scene, problem), 0.0, 1, 1, {}};
+        const std::int64_t steps = steps_between_frames(scene);
+        plan.every = scene.measure->phonons ? steps_between_currents(scene, steps) : steps;
+        plan.stride = static_cast<std::size_t>(steps / plan.every);
         plan.interval = static_cast<double>(plan.every) * problem.time_step;
         for (const MeasureKind& kind : measure_kinds())
             if (needs_frames(kind))

@@ -8,10 +8,12 @@
 
 namespace rodwake::assembly {
 
-/// The options of a measure, made from the table and the bead radius, as sums that start.
+/// The options of a measure, made from the table and the bead radius, as sums that start; fed every `every`
+/// times measure.interval.
 template<class Sums, class Options>
 void include_sums(MeasurePlan& plan, const char* name, const Options& options, std::size_t every = 1) {
-    plan.sums.include(name, measure::Accumulator(Sums(plan.sums.layout(), options)), every);
+    plan.sums.include(name, measure::Accumulator(Sums(plan.sums.layout(), options)),
+                      every * plan.stride);
 }
 
 Value count_value(std::size_t count);

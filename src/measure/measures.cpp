@@ -1,10 +1,22 @@
 #include "rodwake/measure/measures.hpp"
 
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace rodwake::measure {
 
-Measures::Measures(const Layout& layout, double from) : layout_(layout), from_(from) { validate(layout); }
+Measures::Measures(const Layout& layout, double from, const FromTravel& travel)
+    : layout_(layout), from_(from), travel_(travel) {
+    validate(layout);
+    if (travel.distance > 0.0 && travel.rod >= layout.rods)
+        throw InputError(
+            fmt::format("measure: from_travel is a distance of rod {}, and there are {} rods (from 0)",
+                        travel.rod, layout.rods));
+}
 
 void Measures::include(std::string name, Accumulator sums, std::size_t every) {
     parts_.push_back({std::move(name), every, std::move(sums)});
@@ -12,7 +24,8 @@ void Measures::include(std::string name, Accumulator sums, std::size_t every) {
 
 void Measures::add(const Frame& frame) {
     check_frame(layout_, frame);
-    if (frame.time < from_)
+    const bool travelled = has_travelled(frame);
+    if (frame.time < from_ || !travelled)
         return;
     for (Part& part : parts_)
         if (frames_ % part.every == 0)
@@ -20,9 +33,25 @@ void Measures::add(const Frame& frame) {
     ++frames_;
 }
 
+bool Measures::has_travelled(const Frame& frame) {
+    if (travel_.distance == 0.0)
+        return true;
+    const RodPlace& rod = frame.rods[travel_.rod];
+    if (!seen_) {
+        first_x_ = rod.x;
+        first_y_ = rod.y;
+    }
+    seen_ = true;
+    travelled_ = travelled_ || std::hypot(rod.x - first_x_, rod.y - first_y_) >= travel_.distance;
+    return travelled_;
+}
+
 std::vector<double> Measures::save() const {
     StateWriter out;
     out.put(frames_);
+    if (travel_.distance > 0.0)
+        for (const double value : {seen_ ? 1.0 : 0.0, travelled_ ? 1.0 : 0.0, first_x_, first_y_})
+            out.put(value);
     for (const Part& part : parts_)
         part.sums.save(out);
     return out.take();
@@ -31,6 +60,12 @@ std::vector<double> Measures::save() const {
 void Measures::load(std::span<const double> values, const std::string& what) {
     StateReader in(values, what);
     frames_ = in.count();
+    if (travel_.distance > 0.0) {
+        seen_ = in.count() > 0;
+        travelled_ = in.count() > 0;
+        first_x_ = in.get();
+        first_y_ = in.get();
+    }
     for (Part& part : parts_)
         part.sums.load(in);
     in.finish();

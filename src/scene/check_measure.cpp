@@ -19,6 +19,8 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
     want_rod(m.flow, "flow");
     want_rod(m.force, "force");
     want_rod(m.displacement.has_value(), "displacement");
+    want_rod(m.mechanics, "mechanics");
+    want_rod(m.from_travel.has_value(), "from_travel");
     if (m.pairs && count != 2)
         report("measure.pairs", fmt::format("pairs needs two [[granular.rods]]; there are {}", count));
     if (count > 0 && m.rod >= count)
@@ -70,6 +72,31 @@ void times(const Measure& m, const Granular& bed, const Report& report) {
                fmt::format("s_high = {:g} must be above s_low = {:g}", *m.s_high, *m.s_low));
 }
 
+void currents(const Measure& m, const Granular& bed, const Report& report) {
+    if (!m.phonons)
+        return;
+    const double interval = m.interval.value_or(bed.output.frames.value_or(bed.duration / 100.0));
+    if (m.phonon_interval) {
+        const double ratio = interval / *m.phonon_interval;
+        if (ratio < 0.999 || std::abs(ratio - std::round(ratio)) > 1e-6 * ratio)
+            report("measure.phonon_interval",
+                   fmt::format("phonon_interval = {:g} s: the interval of {:g} s is no whole multiple of it",
+                               *m.phonon_interval, interval));
+        if (*m.phonon_interval < time_step(bed))
+            report("measure.phonon_interval",
+                   fmt::format("phonon_interval = {:g} s is shorter than granular.time_step = {:g} s",
+                               *m.phonon_interval, time_step(bed)));
+    }
+    if (m.phonon_lag && 2.0 * *m.phonon_lag > m.block)
+        report("measure.phonon_lag", fmt::format("phonon_lag = {:g} s is longer than half of block = {:g} s",
+                                                 *m.phonon_lag, m.block));
+    if (m.trajectory.empty() && bed.duration - m.from < 2.0 * m.block)
+        report("measure.phonons",
+               fmt::format("phonons need at least 2 blocks for their errors: {:g} s are measured and block = "
+                           "{:g} s; shorten measure.block or run longer",
+                           bed.duration - m.from, m.block));
+}
+
 void lengths(const Measure& m, const Granular& bed, const Report& report) {
     const auto want_below = [&](const std::optional<double>& value, const char* key, double most,
                                 const char* why) {
@@ -95,6 +122,7 @@ void check_measure(const Scene& scene, const Report& report) {
         return;
     rods(*scene.measure, *scene.granular, report);
     times(*scene.measure, *scene.granular, report);
+    currents(*scene.measure, *scene.granular, report);
     lengths(*scene.measure, *scene.granular, report);
 }
 

@@ -41,6 +41,17 @@ void what_fields(Visitor& v, Measure& m) {
           .doc("mean force of the rod on the beads along its heading, from the momentum it hands over")
           .example("true"),
       m.force);
+    v(key("phonons")
+          .doc(
+              "correlations of the longitudinal and transverse currents of the beads: sound speeds, damping, "
+              "mode temperatures and elastic constants")
+          .example("true"),
+      m.phonons);
+    v(key("mechanics")
+          .doc("drift of the bed under the push of its rods, drag rate, Peclet number and screening length; "
+               "needs [[granular.rods]]")
+          .example("true"),
+      m.mechanics);
 }
 
 void when_fields(Visitor& v, Measure& m) {
@@ -53,6 +64,13 @@ void when_fields(Visitor& v, Measure& m) {
       m.interval);
     v(key("from").unit(time).within(0.0, 1e7).doc("earlier frames are not measured").example("\"2 s\""),
       m.from);
+    v(key("from_travel")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("from on")
+          .doc("frames before rod has come this far from where it started are not measured either")
+          .example("\"20 a\""),
+      m.from_travel);
     v(key("block")
           .unit(time)
           .above(0.0, 1e7)
@@ -173,6 +191,35 @@ void displacement_fields(Visitor& v, Measure& m) {
       m.contact_distance);
 }
 
+void phonon_fields(Visitor& v, Measure& m) {
+    v(key("phonon_interval")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("the largest part of interval up to 5 ms")
+          .doc("between the frames of which currents are taken; interval is a whole multiple of it")
+          .example("\"4 ms\""),
+      m.phonon_interval);
+    v(key("phonon_lag")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("1 s, or half of block if that is shorter")
+          .doc("longest lag of the current correlations; at most half of block")
+          .example("\"0.5 s\""),
+      m.phonon_lag);
+    v(key("phonon_waves")
+          .within(1, 16)
+          .doc("modes q = 2 pi (m, n)/L with m^2 + n^2 up to the square of this")
+          .example("6"),
+      m.phonon_waves);
+    v(key("shear_speed")
+          .unit(speed)
+          .above(0.0, 1e6)
+          .absent("that of phonons, if they are measured too")
+          .doc("mechanics: speed of transverse sound in the bed, for the screening length")
+          .example("\"120 a/s\""),
+      m.shear_speed);
+}
+
 } // namespace
 
 void fields(Visitor& v, Measure& measure) {
@@ -181,6 +228,7 @@ void fields(Visitor& v, Measure& measure) {
     order_fields(v, measure);
     flow_fields(v, measure);
     displacement_fields(v, measure);
+    phonon_fields(v, measure);
 }
 
 } // namespace rodwake::scene

@@ -49,6 +49,11 @@ constexpr FigureNeed pairs{"measure.pairs = true",
                            [](const Scene& s, const Figure&) { return is_measured(s, &Measure::pairs); }};
 constexpr FigureNeed force{"measure.force = true",
                            [](const Scene& s, const Figure&) { return is_measured(s, &Measure::force); }};
+constexpr FigureNeed phonons{"measure.phonons = true",
+                             [](const Scene& s, const Figure&) { return is_measured(s, &Measure::phonons); }};
+constexpr FigureNeed mechanics{"measure.mechanics = true", [](const Scene& s, const Figure&) {
+                                   return is_measured(s, &Measure::mechanics);
+                               }};
 constexpr FigureNeed displacement{"measure.displacement", [](const Scene& s, const Figure&) {
                                       return s.measure && s.measure->displacement;
                                   }};
@@ -112,6 +117,12 @@ const std::vector<FigureKind>& figure_kinds() {
          {bed_itself, microrheology},
          {"stiffness.csv"},
          {}},
+        {"phonons",
+         "frequency, damping and temperature of the modes against q, by direction",
+         measure,
+         {bed_itself, phonons},
+         {"phonons.csv"},
+         {}},
         {"flow",
          "velocity of the beads in the rod's frame",
          measure,
@@ -154,7 +165,13 @@ const std::vector<FigureKind>& figure_kinds() {
           {"delta_y", pairs},
           {"non_reciprocity", pairs},
           {"force", force},
-          {"speed", force}}},
+          {"speed", force},
+          {"c_T", phonons},
+          {"C11", phonons},
+          {"C22", phonons},
+          {"C66", phonons},
+          {"drag_rate", mechanics},
+          {"screening_length", mechanics}}},
         {"theory_beside_bed",
          "U along lines, of the bed and of the theory side by side",
          measure,

@@ -56,16 +56,16 @@ void check_beads(const std::filesystem::path& file, const store::TrajectoryInfo&
 }
 
 /// Every how many stored frames are measured.
-std::size_t stride_of(const std::filesystem::path& file, const store::TrajectoryInfo& info, double interval) {
+std::size_t stride_of(const std::filesystem::path& file, const store::TrajectoryInfo& info,
+                      const assembly::MeasurePlan& plan) {
     if (info.frames() < 2)
         return 1;
     const double stored = (info.time.back() - info.time.front()) / static_cast<double>(info.frames() - 1);
-    const double ratio = interval / stored;
+    const double ratio = plan.interval / stored;
     if (ratio < 0.999 || std::abs(ratio - std::round(ratio)) > 1e-4 * ratio)
-        throw InputError(
-            fmt::format("{}: frames are {:g} s apart; measure.interval = {:g} s is no whole multiple "
-                        "of that",
-                        file.string(), stored, interval));
+        throw InputError(fmt::format(
+            "{}: frames are {:g} s apart; measure.{} = {:g} s is no whole multiple of that", file.string(),
+            stored, plan.stride > 1 ? "phonon_interval" : "interval", plan.interval));
     return static_cast<std::size_t>(std::round(ratio));
 }
 
@@ -132,7 +132,7 @@ void check_trajectory(const std::filesystem::path& file, const assembly::Measure
     const store::H5mdReader reader(file);
     check_bed(file, reader.info(), plan.sums.layout());
     check_beads(file, reader.info(), plan.sums.layout());
-    stride_of(file, reader.info(), plan.interval);
+    stride_of(file, reader.info(), plan);
 }
 
 std::optional<measure::Measures> measure_trajectory(const std::filesystem::path& file,
@@ -143,7 +143,7 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
     check_beads(file, info, plan.sums.layout());
     measure::Measures measures = plan.sums;
     bool stopped = false;
-    for_each_frame(file, plan.sums.layout(), stride_of(file, info, plan.interval),
+    for_each_frame(file, plan.sums.layout(), stride_of(file, info, plan),
                    [&](const measure::Frame& frame, double part) {
                        measures.add(frame);
                        stopped = !on_progress(part);

@@ -115,7 +115,7 @@ std::optional<CaseResults> measure_case(const assembly::BedPlan& bed, const RunC
             return std::nullopt;
         sums = std::move(*found);
     }
-    const assembly::MeasuredCase data{one.scene, sums, tables_of(runs)};
+    assembly::MeasuredCase data{one.scene, sums, tables_of(runs)};
     const auto lacks_tables = [&](const assembly::MeasureKind& kind) {
         return kind.wanted(m) && !kind.include && data.tables.empty();
     };
@@ -123,8 +123,10 @@ std::optional<CaseResults> measure_case(const assembly::BedPlan& bed, const RunC
         log->warn("measure: made from a run's own tables, and so left out with measure.trajectory: {}",
                   lacking);
     for (const assembly::MeasureKind& kind : assembly::measure_kinds())
-        if (kind.wanted(m) && !lacks_tables(kind))
+        if (kind.wanted(m) && !lacks_tables(kind)) {
+            data.earlier = results.reports;
             report(kind, data, results);
+        }
     return results;
 }
 

@@ -98,12 +98,34 @@ TEST_CASE("The measures that stored states know keep their order") {
 }
 
 TEST_CASE("Keys that matter only when runs are put together leave the sums as they are") {
-    for (const char* keys : {"", "pairs = true\ncontact_distance = \"9 a\"\n", "force = true\n",
-                             "profile_offset = \"5 a\"\nreference = \"far\"\nmirror = true\n",
-                             "s_low = 0.1\ns_high = 0.4\n", "trajectory = \"other.h5md\"\n"})
+    for (const char* keys :
+         {"", "pairs = true\ncontact_distance = \"9 a\"\n", "force = true\n",
+          "profile_offset = \"5 a\"\nreference = \"far\"\nmirror = true\n", "s_low = 0.1\ns_high = 0.4\n",
+          "trajectory = \"other.h5md\"\n", "shear_speed = \"120 a/s\"\n", "phonon_interval = \"5 ms\"\n"})
         CHECK(key_text(std::string("order = true\n") + keys) == key_text("order = true\n"));
     CHECK(key_text("order = true\norder_cutoff = \"2.9 a\"\n") != key_text("order = true\n"));
     CHECK(key_text("order = true\nflow = true\n") != key_text("order = true\n"));
+    CHECK(key_text("order = true\nfrom_travel = \"2 a\"\n") != key_text("order = true\n"));
+}
+
+TEST_CASE("Currents have frames of their own, the other measures go by measure.interval") {
+    const std::string base = "phonons = true\norder = true\norder_interval = 0.1\nmicrorheology = true\n"
+                             "interval = 0.02\nblock = 0.25\n";
+    const auto plan_of = [](const std::string& keys) {
+        const scene::Scene scene = bed(keys);
+        return assembly::measure_plan(scene, assembly::granular_problem(scene)).value();
+    };
+    const assembly::MeasurePlan plan = plan_of(base);
+    CHECK(plan.interval == Approx(0.005));
+    CHECK(plan.stride == 4);
+    CHECK(plan.sums.stride("phonons") == 1);
+    CHECK(plan.sums.stride("microrheology") == 4);
+    CHECK(plan.sums.stride("order") == 20);
+    CHECK(plan_of(base + "phonon_interval = 0.004\n").stride == 5);
+    CHECK(key_text(base + "phonon_interval = 0.005\n") == key_text(base));
+    CHECK(key_text(base + "phonon_interval = 0.004\n") != key_text(base));
+    CHECK_THROWS_WITH(plan_of(base + "phonon_interval = 0.0028571428571\n"), // a seventh, 28.57 steps
+                      Catch::Matchers::Contains("no whole multiple of its 29 steps"));
 }
 
 TEST_CASE("A measure without frames does not ask for new ones") {
@@ -171,4 +193,49 @@ TEST_CASE("A pair is followed from t = 0 on") {
     CHECK(table.heads[3].name == "last_change");
     CHECK(table.columns[3][0] == Approx(4.0));
     CHECK(value_of<std::int64_t>(report.values, "not_there") == 2); // 8 a of 15 a
+}
+
+TEST_CASE(
+    "The drag of the bed is that of the push of both rods; the speed of sound is a key or that of phonons") {
+    const scene::Scene scene = bed("mechanics = true\nrod = 1\nblock = 0.5\nshear_speed = \"100 a/s\"\n");
+    const double a = scene.granular->bead_radius, drift = 0.5 * a, gamma = 8.0, advance = 10.0 * a;
+    const granular::GranularProblem problem = assembly::granular_problem(scene);
+    const measure::Layout layout = assembly::layout_of(problem);
+    const double push = gamma * static_cast<double>(layout.beads) * layout.bead_mass * drift / 2.0;
+    std::vector<Column> tracks(5); // both rods do the same, along x; held before t = 0
+    for (int i = -3; i <= 100; ++i) {
+        const double t = 0.01 * i, since = std::max(0.0, t);
+        const double row[] = {t, advance * since, 0.0, 0.0, push * since};
+        for (std::size_t k = 0; k < 5; ++k)
+            tracks[k].push_back(row[k]);
+    }
+    std::vector<measure::Measures> sums = {assembly::measure_plan(scene, problem).value().sums};
+    measure::Frame frame;
+    for (auto* column : {&frame.x, &frame.y, &frame.unwrapped_x, &frame.unwrapped_y, &frame.vx, &frame.vy})
+        column->assign(layout.beads, 5.0 * a);
+    frame.rods.resize(2);
+    for (int i = 0; i <= 10; ++i) {
+        frame.time = 0.1 * i;
+        frame.unwrapped_x.assign(layout.beads, 5.0 * a + drift * frame.time);
+        sums[0].add(frame);
+    }
+    const auto report = kind_of("mechanics").report({scene, sums, made_up({0.0}, tracks)});
+    CHECK(value_of<Estimate>(report.values, "drag_rate").value == Approx(gamma));
+    CHECK(value_of<Estimate>(report.values, "speed").value == Approx(9.5));
+    CHECK(value_of<Estimate>(report.values, "screening_length").value == Approx(1e4 / (gamma * 9.5)));
+    CHECK(value_of<std::string>(report.values, "verdict").find("exceeds the box of 30 a") !=
+          std::string::npos);
+    CHECK_FALSE(value_of<bool>(report.values, "steady")); // 10 a
+    CHECK(report.line.find("too short for a steady wake") != std::string::npos);
+
+    const scene::Scene without = bed("mechanics = true\nblock = 0.5\n");
+    const auto drag_alone = kind_of("mechanics").report({without, sums, made_up({0.0}, tracks)});
+    CHECK(value_of<Estimate>(drag_alone.values, "screening_length").count == 0);
+    std::vector<std::pair<std::string, assembly::MeasureReport>> earlier(1);
+    earlier[0].first = "phonons";
+    earlier[0].second.values = {{"c_T", Estimate{100.0, 1.0, 8}}};
+    const auto with_phonons = kind_of("mechanics").report({without, sums, made_up({0.0}, tracks), earlier});
+    CHECK(value_of<Estimate>(with_phonons.values, "screening_length").value == Approx(1e4 / (gamma * 9.5)));
+    CHECK_THROWS_WITH(kind_of("mechanics").report({without, sums, {}}),
+                      Catch::Matchers::Contains("tracks.csv"));
 }

@@ -71,6 +71,31 @@ TEST_CASE("a copy starts anew and a saved state goes on where it was", "[measure
     CHECK_THROWS_AS(second.load(numbers, "test"), RunError);
 }
 
+TEST_CASE("a distance of a rod from its first place is waited for, and remembered", "[measures]") {
+    const double a = layout.bead_radius;
+    Layout with_rod = layout;
+    with_rod.rods = 1;
+    const auto fresh = [&] {
+        Measures measures(with_rod, 1.5, {0, 2.0 * a});
+        measures.include("every", Accumulator(Times{}));
+        return measures;
+    };
+    Measures whole = fresh(), parts = fresh();
+    for (const double time : {0.0, 1.0, 2.0, 3.0, 4.0}) {
+        Frame frame = frame_at(time);
+        const double way = std::min(time, 4.0 - 0.5 * time); // 0, 1, 2, 2.5, 2 a: stays once it was there
+        frame.rods = {{(70.0 + way) * a, 3.0 * a, 0.0}};
+        whole.add(frame);
+        parts.add(frame);
+        Measures next = fresh();
+        next.load(parts.save(), "test");
+        parts = next;
+    }
+    CHECK(whole.find("every")->as<Times>().seen == std::vector<double>{2.0, 3.0, 4.0});
+    CHECK(parts.save() == whole.save());
+    CHECK_THROWS_AS(Measures(layout, 0.0, {0, a}), InputError); // there is no rod
+}
+
 TEST_CASE("the sums of all runs are taken out by name", "[measures]") {
     std::vector<Measures> runs = {two_measures(), two_measures()};
     runs[1].add(frame_at(2.0));

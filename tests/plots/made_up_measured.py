@@ -12,6 +12,8 @@ PHASES = (("exponential", "liquid"), ("algebraic", "hexatic"), ("long-range", "c
 BOX = 78.0  # a, of the fields
 PATTERN = json.loads(Path(__file__).with_name("data").joinpath("measure.json").read_text(encoding="utf-8"))
 SMALL = dict(columns=14, rows=16)
+SOUND = {"Lx": 244.0, "Ly": 209.0, "Ld": 215.0, "Tx": 118.0, "Ty": 118.0, "Td": 134.0}  # a/s
+DRAG, VISCOSITY = 11.0, (540.0, 130.0)  # 1/s; a^2/s, longitudinal and transverse
 
 
 def estimate(value, error=0.05, samples=12):
@@ -38,6 +40,10 @@ def results(phi):
         "pairs": {"half_box_change": estimate(-3.1, 0.6, 50), "not_there": 2, "non_reciprocity": estimate(0.4, 0.1, 50),
                   "turn_rear": estimate(0.3, 0.05), "turn_front": estimate(0.1, 0.04), "contact": 12, "pursuit": 5, "escape": 30, "undecided": 3},
         "force": {"force": estimate(2.1e-6, 4e-8), "thrust": estimate(2.2e-6, 5e-8), "speed": estimate(1.2e-3, 1e-5)},
+        "phonons": {**{f"c_{name}": estimate(speed, 1.5) for name, speed in SOUND.items()}, "c_T": estimate(118.0, 1.2),
+                    "drag_rate": estimate(DRAG, 0.6), "viscosity_L": estimate(VISCOSITY[0], 20.0), "viscosity_T": estimate(VISCOSITY[1], 9.0),
+                    "temperature": estimate(5.4e-5, 1e-6), "coldest": 0.22, "eta": estimate(2.1, 0.1)},
+        "mechanics": {"drift": estimate(0.11, 0.01), "drag_rate": estimate(DRAG, 0.4), "screening_length": estimate(490.0, 30.0)},
     })
 
 
@@ -75,6 +81,22 @@ def write_motion(folder, phi, random):
     write_csv(folder / "msd.csv", {"lag": lag, "msd": msd, "sigma": 0.03 * msd * np.sqrt(lag), "origins": 800 / lag})
     s = np.geomspace(0.1, 2, 12)
     write_csv(folder / "stiffness.csv", {"s": s, "value": stiffness(phi) + 0.3 * s, "sigma": 0.02 + 0 * s})
+
+
+def write_modes(folder, random):
+    modes = [(m, n, branch) for m in range(5) for n in range(5) if 0 < m * m + n * n <= 16 for branch in (0, 1)]
+    m, n, branch = np.array(modes).T
+    q = 2 * np.pi / BOX * np.hypot(m, n)
+    direction = np.where(n == 0, "x", np.where(m == 0, "y", "d"))
+    speed = np.array([SOUND["LT"[b] + d] for b, d in zip(branch, direction)])
+    omega, gamma = speed * q, DRAG + np.take(VISCOSITY, branch) * q ** 2
+    T = 5.4e-5 * np.minimum(1, 0.2 + np.where(branch == 0, 4, 1.3) * q)
+    noise = random.standard_normal((2, q.size))
+    write_csv(folder / "phonons.csv", {
+        "m": m, "n": n, "branch": branch, "q": q, "direction": np.degrees(np.arctan2(n, m)), "polarisation": 0 * q,
+        "omega": omega * (1 + 0.01 * noise[0]), "omega_error": 0.01 * omega, "gamma": gamma * (1 + 0.05 * noise[1]), "gamma_error": 0.05 * gamma,
+        "temperature": T, "temperature_error": 0.03 * T, "displacement": T / omega ** 2, "displacement_error": 0.04 * T / omega ** 2,
+        "omega_static": omega, "omega_static_error": 0.02 * omega, "share": 0.95 + 0 * q})
 
 
 def wake(x, y):
@@ -139,6 +161,7 @@ def write_part(folder, phi=0.8, runs=1, seed=1, figures="", rods=2, pairs=True):
     (folder / "measure.json").write_text(json.dumps(results(phi)))
     write_order(folder, phi, random)
     write_motion(folder, phi, random)
+    write_modes(folder, random)
     if rods:
         write_fields(folder, phi, random)
         write_profiles(folder, random)
@@ -155,9 +178,11 @@ def write_series(path, phis, speeds=None, distances=None):
         d0 = "" if distances is None else distances[index]
         force = ("", "") if speeds is None else ((1.5 + 0.3 * speed + 0.04 * (-1) ** index) * 1e-6, 4e-8)
         rows.append(["scene" if index == 0 else f"v{index}", phi, d0, speed, psi6(phi), 0.005, 0.2, "" if index == 0 else 0.02,
-                     phase_of(phi), stiffness(phi), 0.02, 40 * (0.75 - phi), 0.7, 50, 0.3, 0.1, *force, speed, "" if speeds is None else 0.01])
+                     phase_of(phi), stiffness(phi), 0.02, 40 * (0.75 - phi), 0.7, 50, 0.3, 0.1, *force, speed, "" if speeds is None else 0.01,
+                     118.0, 1.2, 0.011, 2e-4, 0.0085, 2e-4, 0.0026, 1e-4, DRAG, 0.4, 490.0, 30.0])
     names = ("name,phi_b,d0,imposed_speed,psi6,psi6_error,exponent,exponent_error,class,stiffness,stiffness_error,delta_y,"
-             "delta_y_error,runs,non_reciprocity,non_reciprocity_error,force,force_error,speed,speed_error")
+             "delta_y_error,runs,non_reciprocity,non_reciprocity_error,force,force_error,speed,speed_error,"
+             "c_T,c_T_error,C11,C11_error,C22,C22_error,C66,C66_error,drag_rate,drag_rate_error,screening_length,screening_length_error")
     lines = [",".join(map(str, row)) for row in rows]
     path.write_text("\n".join(["# bead radii, s, N", names, *lines]) + "\n")
 

@@ -14,7 +14,7 @@ from plot_case import PlotCase
 from rodwake_plots import displacement_map, dragged, draw, measure_sections, measured, pair_tracks, profile, run_dir, series, words
 
 GRANULAR = ("snapshot", "rod_tracks", "side_view", "granular_table")
-ORDER = ("pair_correlation", "bond_order", "msd")
+ORDER = ("pair_correlation", "bond_order", "msd", "phonons")
 SEEN_FROM_A_ROD = ("flow", "dragged", "displacement_map", "profile_Ux_x", "profile_Ux_y", "profile_Uy_x", "profile_Uy_y",
                    "profile_Ux_x_scaled")
 SERIES = ("series_psi6", "series_exponent", "series_stiffness", "series_delta_y", "series_non_reciprocity")
@@ -138,6 +138,23 @@ class OneRunTest(MeasureCase):
         self.assertIn(words.with_error(found.value, found.error), caption)
         self.spoil("stiffness.csv", "s,value,sigma\n0,1,1\n")
         self.assert_fails('figure "fig"', "stiffness.csv", "no value at any s > 0")
+
+    def test_phonons(self):
+        """A point for each mode and branch, lines of the sound speeds, gamma and T(q) over that of single beads."""
+        drawn, caption = self.draw("phonons")
+        part = measured.Part("", "", self.folder)
+        q, omega, T = part.table("phonons.csv", "q", "omega", "temperature")
+        frequency, damping, temperature = drawn.axes
+        for axes, values in ((frequency, omega), (temperature, T / part.estimate("phonons", "temperature").value)):
+            points = np.concatenate([line.get_xydata() for line in axes.lines if line.get_marker() in ("o", "s")])
+            np.testing.assert_allclose(points[np.lexsort(points.T)], (both := np.column_stack([q, values]))[np.lexsort(both.T)], rtol=4 * EPS)
+        slopes = {round(line.get_ydata()[1] / line.get_xdata()[1], 6) for line in frequency.lines if line.get_marker() == "None"}
+        self.assertEqual(slopes, {round(part.estimate("phonons", f"c_{name}").value, 6) for name in ("Lx", "Ly", "Ld", "Tx", "Ty", "Td")})
+        self.assertEqual({line.get_ydata()[0] for line in damping.lines if line.get_marker() == "None"},
+                         {part.estimate("phonons", "drag_rate").value})
+        self.assertIn("drag rate = 11.00 ± 0.60 1/s", caption)
+        self.spoil("phonons.csv", "m,n,branch,q,omega,omega_error,gamma,gamma_error,temperature,temperature_error\n1,0,0,0.1,,,,,1,\n")
+        self.assert_fails('figure "fig"', "phonons.csv", "no mode of known frequency")
 
     def test_bins_without_beads_are_blank(self):
         self.ask(figure("displacement_map"))

@@ -58,10 +58,24 @@ TEST_CASE("times and lengths of [measure] fit the run") {
     CHECK(error_text(measured("interval = 0.1\norder_interval = 0.5\n")) == "");
 }
 
+TEST_CASE("currents are taken in parts of the interval, and blocks hold their lags") {
+    const std::string base = "phonons = true\ninterval = 0.1\nblock = 0.25\n";
+    CHECK(error_text(measured(base)) == "");
+    CHECK(error_text(measured(base + "phonon_interval = 0.02\nphonon_lag = 0.125\n")) == "");
+    says(measured(base + "phonon_interval = 0.03\n"), "the interval of 0.1 s is no whole multiple of it");
+    says(measured(base + "phonon_interval = 1e-6\n"), "shorter than granular.time_step");
+    says(measured(base + "phonon_lag = 0.2\n"), "longer than half of block = 0.25 s");
+    says(measured("phonons = true\nblock = 0.9\n"), "at least 2 blocks");
+    CHECK(error_text(measured("phonon_interval = 0.03\ninterval = 0.1\n")) == ""); // of no use here
+    says(measured("mechanics = true\n", ""), "mechanics needs [[granular.rods]]");
+    says(measured("from_travel = 1e-3\n", ""), "from_travel needs [[granular.rods]]");
+}
+
 TEST_CASE("figures need what they show") {
     says(drawn("", "kind = \"bond_order\"\n"), "a figure of kind bond_order needs measure.order = true");
     says(drawn("", "kind = \"msd\"\n"), "needs measure.microrheology = true");
     says(drawn("", "kind = \"flow\"\n"), "needs measure.flow = true");
+    says(drawn("", "kind = \"phonons\"\n"), "needs measure.phonons = true");
     says(drawn("", "kind = \"profile\"\n"), "needs measure.displacement");
     says(drawn("", "kind = \"pair_tracks\"\n"), "needs measure.pairs = true");
     says(drawn("order = true\n", "kind = \"series\"\n"), "needs [[variants]]");

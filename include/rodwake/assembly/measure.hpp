@@ -15,7 +15,10 @@ struct MeasurePlan {
     measure::Measures sums; ///< of no frames yet: what each run starts with
     double interval = 0.0;  ///< between measured frames, s
     std::int64_t every = 1; ///< the same in steps
-    std::string key_text;   ///< of what the sums depend on; sums of another text are of no use
+    /// Measures go by measure.interval, which is so many of them: more than 1 where currents need them
+    /// closer.
+    std::size_t stride = 1;
+    std::string key_text; ///< of what the sums depend on; sums of another text are of no use
 };
 
 /// What every frame of a bed has.
@@ -24,7 +27,7 @@ measure::Layout layout_of(const granular::GranularProblem& problem);
 /// Nothing without [measure], or if no frame is needed for what it names. Throws InputError.
 std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem);
 
-/// Steps from one measured frame to the next.
+/// Steps of measure.interval.
 std::int64_t steps_between_frames(const scene::Scene& scene);
 
 } // namespace rodwake::assembly

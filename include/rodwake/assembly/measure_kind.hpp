@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rodwake::assembly {
@@ -28,6 +29,8 @@ struct MeasuredCase {
     const scene::Scene& scene;
     std::span<measure::Measures> sums; ///< over the runs' frames; a measure may take its own out
     std::vector<RunTables> tables;     ///< of the runs; none of a trajectory from elsewhere
+    /// Name and report of the measures before this one in the list.
+    std::span<const std::pair<std::string, MeasureReport>> earlier = {};
 
     double bead_radius() const { return scene.granular->bead_radius; } ///< m
 };

@@ -56,10 +56,17 @@ private:
     const Calls* calls_;
 };
 
+/// Frames are passed over until this rod is so far from its place in the first frame.
+struct FromTravel {
+    std::size_t rod = 0;
+    double distance = 0.0; ///< m; 0: none is passed over
+};
+
 class Measures {
 public:
-    /// Frames before the time `from` (s) are passed over. Throws InputError for a layout that is none.
-    Measures(const Layout& layout, double from);
+    /// Frames before the time `from` (s) are passed over, and those that FromTravel names. Throws InputError
+    /// for a layout that is none, or a rod that is not there.
+    Measures(const Layout& layout, double from, const FromTravel& travel = {});
 
     /// To be measured in every `every`-th frame, counted from the first that is measured. States are written
     /// in the order of these calls.
@@ -72,6 +79,7 @@ public:
     /// Frames that were measured.
     std::size_t frames() const { return frames_; }
     double from() const { return from_; }
+    double from_travel() const { return travel_.distance; }
     const Layout& layout() const { return layout_; }
 
     std::vector<double> save() const;
@@ -90,8 +98,13 @@ private:
         Accumulator sums;
     };
 
+    bool has_travelled(const Frame& frame);
+
     Layout layout_;
     double from_;
+    FromTravel travel_;
+    bool seen_ = false, travelled_ = false; ///< with a distance: any frame; one from that distance on
+    double first_x_ = 0.0, first_y_ = 0.0;  ///< of the rod, m
     std::size_t frames_ = 0;
     std::vector<Part> parts_;
 };

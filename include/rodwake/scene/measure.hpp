@@ -11,11 +11,13 @@ namespace rodwake::scene {
 
 struct Measure {
     bool order = false, microrheology = false, flow = false, pairs = false, force = false;
+    bool phonons = false, mechanics = false;
     std::optional<measure::DisplacementMethod> displacement;
     std::optional<double> interval; ///< between the frames that are measured, s; absent: of the stored frames
     double from = 0.0;              ///< earlier frames are not measured, s
-    double block = 5.0;             ///< s; one independent value for the errors
-    long rod = 0;                   ///< whose frame
+    std::optional<double> from_travel;    ///< nor those before the rod has come this far, m
+    double block = 5.0;                   ///< s; one independent value for the errors
+    long rod = 0;                         ///< whose frame
     std::optional<double> order_interval; ///< s; absent: at least 0.5 s
     measure::Neighbours order_neighbours = measure::Neighbours::cutoff;
     std::optional<double> order_cutoff;  ///< m; absent: first minimum of g(r)
@@ -30,6 +32,10 @@ struct Measure {
     bool mirror = false;
     std::optional<double> profile_offset;   ///< y of the profile of U_y along x, m; absent: 4 a
     std::optional<double> contact_distance; ///< of a pair, m; absent: half a rod's length
+    std::optional<double> phonon_interval;  ///< between the frames of currents, s; absent: at most 5 ms
+    std::optional<double> phonon_lag;       ///< longest, s; absent: 1 s, at most half of block
+    long phonon_waves = 4;                  ///< along a side of the box, at most
+    std::optional<double> shear_speed;      ///< c_T, m/s; absent: from phonons if they are measured
     std::string trajectory; ///< file to measure in place of the run's own; empty: the run's own
 
     bool operator==(const Measure&) const = default;

@@ -70,7 +70,7 @@ std::size_t stride(const Measure& m, double interval) {
 
 void include(const Scene& scene, MeasurePlan& plan) {
     include_sums<OrderAccumulator>(plan, "order", options_of(*scene.measure, scene.granular->bead_radius),
-                                   stride(*scene.measure, plan.interval));
+                                   stride(*scene.measure, plan.interval * static_cast<double>(plan.stride)));
 }
 
 std::string describe(const Scene& scene) {

@@ -1,0 +1,268 @@
+#include "oscillator_fit.hpp"
+#include "phonon_constants.hpp"
+#include "phonon_sums.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/measure/phonons.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::measure {
+
+namespace {
+
+using Row = std::vector<double>;
+using Runs = std::span<const PhononAccumulator>;
+constexpr std::size_t fewest_blocks = 2;
+
+void check(Runs runs) {
+    if (runs.empty())
+        throw InputError("measure: phonons: no runs");
+    for (const PhononAccumulator& run : runs) {
+        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
+            throw InputError("measure: phonons: the runs were measured with different options or beds");
+        if (run.lags() != runs[0].lags() ||
+            std::abs(run.interval() - runs[0].interval()) > 1e-6 * runs[0].interval())
+            throw InputError(fmt::format("measure: phonons: frames are {:g} s apart in one run and {:g} s in "
+                                         "another: must be the same",
+                                         runs[0].interval(), run.interval()));
+    }
+}
+
+/// Numbers of one branch, in this order in a row.
+enum BranchNumber : std::size_t { omega, gamma, temperature, displacement, omega_static, amplitude };
+constexpr std::size_t branch_numbers = 6;
+using BranchRow = std::array<double, branch_numbers>;
+
+/// What all data gave: start and window of the fits of the parts.
+struct Guide {
+    Oscillator oscillator;
+    std::size_t lags = 0;
+};
+
+Guide guide_of(const Row& correlation, double step) {
+    const OscillatorFit rough = fit_oscillator(correlation, step);
+    if (!std::isfinite(rough.amplitude))
+        return {rough.oscillator, 0};
+    return {rough.oscillator, fitted_lags(rough.oscillator, step, correlation.size())};
+}
+
+BranchRow branch_row(const Row& correlation, double step, const Guide& guide, double square, double beads) {
+    const OscillatorFit fit =
+        fit_oscillator(std::span(correlation).first(guide.lags), step, &guide.oscillator);
+    const double T = correlation[0];
+    return {fit.oscillator.omega, fit.oscillator.gamma, T, square, std::sqrt(T / (beads * square)),
+            fit.amplitude};
+}
+
+/// The analysis of sums over blocks, the same for all blocks and for all but one.
+class Analysis {
+public:
+    Analysis(const PhononAccumulator& run, const PhononSums& all)
+        : layout_(run.layout()), step_(run.interval()), modes_(run.modes().size()),
+          beads_(static_cast<double>(run.layout().beads)), classes_(mirror_modes(run.modes())) {
+        for (const MirrorModes& one : classes_) {
+            const CurrentCorrelations c = branches(all, one);
+            guides_.push_back({guide_of(c.LL, step_), guide_of(c.TT, step_)});
+        }
+    }
+
+    const std::vector<MirrorModes>& classes() const { return classes_; }
+    double density() const { return beads_ * layout_.bead_mass / (layout_.box * layout_.box); }
+    double qx(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.m / layout_.box; }
+    double qy(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.n / layout_.box; }
+
+    double angle(const PhononSums& sums, const MirrorModes& one) const {
+        return one.m == 0 || one.n == 0 ? 0.0 : polarisation_of(correlations_of(sums, one, modes_, beads_));
+    }
+    CurrentCorrelations branches(const PhononSums& sums, const MirrorModes& one) const {
+        return turned(correlations_of(sums, one, modes_, beads_), angle(sums, one));
+    }
+
+    /// [class][L, T][BranchNumber]
+    Row branch_rows(const PhononSums& sums) const {
+        Row row;
+        for (std::size_t i = 0; i < classes_.size(); ++i) {
+            const CurrentCorrelations c = branches(sums, classes_[i]);
+            for (const std::size_t branch : {0, 1}) {
+                const BranchRow numbers = branch_row(branch == 0 ? c.LL : c.TT, step_, guides_[i][branch],
+                                                     square(sums, classes_[i], branch), beads_);
+                row.insert(row.end(), numbers.begin(), numbers.end());
+            }
+        }
+        return row;
+    }
+
+    /// As the members of ElasticNumbers, with the errors of the branches as weights.
+    ElasticNumbers constants(const Row& rows, const Row& errors) const {
+        std::vector<ModeNumbers> modes;
+        for (std::size_t i = 0; i < classes_.size(); ++i) {
+            const double *L = &rows[2 * i * branch_numbers], *T = L + branch_numbers;
+            const double *eL = &errors[2 * i * branch_numbers], *eT = eL + branch_numbers;
+            const auto weight = [](double error) { return 1.0 / (error * error); };
+            modes.push_back({classes_[i].m, classes_[i].n, qx(classes_[i]), qy(classes_[i]), L[omega],
+                             T[omega], L[gamma], T[gamma], weight(eL[omega]), weight(eT[omega]),
+                             weight(eL[gamma]), weight(eT[gamma])});
+        }
+        return elastic_numbers(modes, density());
+    }
+
+private:
+    double square(const PhononSums& sums, const MirrorModes& one, std::size_t branch) const {
+        double sum = 0.0;
+        for (const auto& [k, sign] : one.members)
+            sum += sums.squares[branch * modes_ + k];
+        return sum / (sums.displacements * static_cast<double>(one.members.size()) * beads_ * beads_);
+    }
+
+    Layout layout_;
+    double step_;
+    std::size_t modes_;
+    double beads_;
+    std::vector<MirrorModes> classes_;
+    std::vector<std::array<Guide, 2>> guides_;
+};
+
+/// Jackknife error of each number of rows that each leave one block out.
+Row errors_of(const std::vector<Row>& without) {
+    const double n = static_cast<double>(without.size());
+    Row errors;
+    for (std::size_t i = 0; i < without[0].size(); ++i) {
+        double mean = 0.0, scatter = 0.0;
+        for (const Row& row : without)
+            mean += row[i] / n;
+        for (const Row& row : without)
+            scatter += (row[i] - mean) * (row[i] - mean);
+        errors.push_back(std::sqrt(scatter * (n - 1.0) / n));
+    }
+    return errors;
+}
+
+struct Named {
+    double ElasticNumbers::*number;
+    Estimate PhononResult::*estimate;
+};
+constexpr Named constants[] = {{&ElasticNumbers::c_Lx, &PhononResult::c_Lx},
+                               {&ElasticNumbers::c_Ly, &PhononResult::c_Ly},
+                               {&ElasticNumbers::c_Ld, &PhononResult::c_Ld},
+                               {&ElasticNumbers::c_Tx, &PhononResult::c_Tx},
+                               {&ElasticNumbers::c_Ty, &PhononResult::c_Ty},
+                               {&ElasticNumbers::c_Td, &PhononResult::c_Td},
+                               {&ElasticNumbers::C11, &PhononResult::C11},
+                               {&ElasticNumbers::C22, &PhononResult::C22},
+                               {&ElasticNumbers::C12, &PhononResult::C12},
+                               {&ElasticNumbers::C66, &PhononResult::C66},
+                               {&ElasticNumbers::bulk, &PhononResult::bulk},
+                               {&ElasticNumbers::mu, &PhononResult::mu},
+                               {&ElasticNumbers::eta, &PhononResult::eta},
+                               {&ElasticNumbers::spread_L, &PhononResult::spread_L},
+                               {&ElasticNumbers::spread_T, &PhononResult::spread_T},
+                               {&ElasticNumbers::drag, &PhononResult::drag},
+                               {&ElasticNumbers::viscosity_L, &PhononResult::viscosity_L},
+                               {&ElasticNumbers::viscosity_T, &PhononResult::viscosity_T}};
+
+Row row_of(const ElasticNumbers& e) {
+    Row row;
+    for (const Named& one : constants)
+        row.push_back(e.*one.number);
+    return row;
+}
+
+PhononBranch branch_of(const double* value, const double* error, std::size_t blocks, bool kept_places) {
+    const auto estimate = [&](BranchNumber i, bool there = true) {
+        return there && std::isfinite(value[i]) ? Estimate{value[i], error[i], blocks} : Estimate{};
+    };
+    PhononBranch b;
+    b.omega = estimate(omega);
+    b.gamma = estimate(gamma);
+    b.temperature = estimate(temperature);
+    b.displacement = estimate(displacement, kept_places);
+    b.omega_static = estimate(omega_static, kept_places);
+    b.share = value[amplitude] / value[temperature];
+    return b;
+}
+
+void set_curves(PhononBranch& b, const Row& correlation, double step) {
+    for (const double c : correlation)
+        b.correlation.push_back(c / correlation[0]);
+    b.fitted = oscillator_correlation({b.omega.value, b.gamma.value}, step, correlation.size());
+    for (double& f : b.fitted)
+        f *= b.share;
+}
+
+void set_modes(PhononResult& result, const Analysis& analysis, const PhononSums& all, const Row& rows,
+               const Row& errors) {
+    for (std::size_t i = 0; i < analysis.classes().size(); ++i) {
+        const MirrorModes& one = analysis.classes()[i];
+        PhononMode mode{one.m, one.n, analysis.qx(one), analysis.qy(one), analysis.angle(all, one), {}, {}};
+        const std::size_t at = 2 * i * branch_numbers;
+        const CurrentCorrelations c = analysis.branches(all, one);
+        mode.longitudinal = branch_of(&rows[at], &errors[at], result.blocks, result.kept_places);
+        mode.transverse = branch_of(&rows[at + branch_numbers], &errors[at + branch_numbers], result.blocks,
+                                    result.kept_places);
+        set_curves(mode.longitudinal, c.LL, result.step);
+        set_curves(mode.transverse, c.TT, result.step);
+        result.modes.push_back(std::move(mode));
+    }
+}
+
+/// Of the last block of each run: how far beads are from where they were in the first frame.
+void set_travel(PhononResult& result, Runs runs) {
+    double squares = 0.0;
+    for (const PhononAccumulator& run : runs) {
+        const auto last = std::ranges::find_if(run.blocks().rbegin(), run.blocks().rend(),
+                                               [](const auto& b) { return b.displacements > 0.0; });
+        if (last != run.blocks().rend())
+            squares = std::max(squares, last->travel / last->displacements);
+    }
+    const Layout& layout = runs[0].layout();
+    const double area = layout.box * layout.box / static_cast<double>(layout.beads);
+    result.travel = std::sqrt(squares);
+    result.kept_places = result.travel < 0.5 * std::sqrt(2.0 / std::sqrt(3.0) * area);
+}
+
+double temperature_of(const PhononSums& sums) { return sums.block.temperature / sums.block.frames; }
+
+} // namespace
+
+PhononResult reduce(Runs runs) {
+    check(runs);
+    const std::vector<PhononSums> blocks = phonon_blocks(runs);
+    if (blocks.size() < fewest_blocks)
+        throw InputError(fmt::format("measure: phonons: {} blocks of time: errors need at least {}; shorten "
+                                     "measure.block or run longer",
+                                     blocks.size(), fewest_blocks));
+    const PhononSums all = pooled(blocks, blocks.size());
+    const Analysis analysis(runs[0], all);
+    std::vector<Row> rows, numbers;
+    std::vector<Row> temperatures;
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        const PhononSums rest = pooled(blocks, b);
+        rows.push_back(analysis.branch_rows(rest));
+        temperatures.push_back({temperature_of(rest)});
+    }
+    const Row row = analysis.branch_rows(all), errors = errors_of(rows);
+    for (const Row& rest : rows)
+        numbers.push_back(row_of(analysis.constants(rest, errors)));
+    const Row number = row_of(analysis.constants(row, errors)), number_errors = errors_of(numbers);
+    PhononResult result;
+    result.step = runs[0].interval();
+    result.density = analysis.density();
+    result.blocks = blocks.size();
+    result.temperature = {temperature_of(all), errors_of(temperatures)[0], blocks.size()};
+    for (const PhononAccumulator& run : runs)
+        result.frames += run.frames();
+    set_travel(result, runs);
+    set_modes(result, analysis, all, row, errors);
+    for (std::size_t i = 0; i < number.size(); ++i)
+        if (std::isfinite(number[i]))
+            result.*constants[i].estimate = {number[i], number_errors[i], blocks.size()};
+    return result;
+}
+
+} // namespace rodwake::measure
