@@ -174,8 +174,8 @@ MechanicsResult reduce(std::span<const MechanicsAccumulator> runs, std::span<con
     }
     const Layout& layout = runs[0].layout();
     set_rates(result, shares, static_cast<double>(layout.beads) * layout.bead_mass);
-    set_screening(result, shear_speed, layout.box);
-    const double half = 0.5 * layout.box;
+    set_screening(result, shear_speed, layout.box.shorter());
+    const double half = 0.5 * layout.box.shorter();
     result.wanted = result.screening.count > 0 ? std::min(half, result.screening.value) : half;
     result.steady = result.before >= result.wanted && result.along >= result.wanted;
     return result;

@@ -70,7 +70,7 @@ void powers(double theta, std::span<std::complex<double>> out) {
 Row fourier(const Layout& layout, std::span<const Mode> modes, std::size_t shells, const Row& x, const Row& y,
             const Row& u, const Row& w) {
     const std::size_t count = modes.size();
-    const double per_x = 2.0 * std::numbers::pi / layout.box, per_y = 2.0 * std::numbers::pi / layout.box;
+    const double per_x = 2.0 * std::numbers::pi / layout.box.x, per_y = 2.0 * std::numbers::pi / layout.box.y;
     std::vector<std::complex<double>> along_x(shells + 1), along_y(shells + 1);
     Row sums(4 * count, 0.0);
     for (std::size_t i = 0; i < x.size(); ++i) {

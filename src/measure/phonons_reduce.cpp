@@ -73,9 +73,9 @@ public:
     }
 
     const std::vector<MirrorModes>& classes() const { return classes_; }
-    double density() const { return beads_ * layout_.bead_mass / (layout_.box * layout_.box); }
-    double qx(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.m / layout_.box; }
-    double qy(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.n / layout_.box; }
+    double density() const { return beads_ * layout_.bead_mass / layout_.box.area(); }
+    double qx(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.m / layout_.box.x; }
+    double qy(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.n / layout_.box.y; }
 
     double angle(const PhononSums& sums, const MirrorModes& one) const {
         return one.m == 0 || one.n == 0 ? 0.0 : polarisation_of(correlations_of(sums, one, modes_, beads_));
@@ -221,7 +221,7 @@ void set_travel(PhononResult& result, Runs runs) {
             squares = std::max(squares, last->travel / last->displacements);
     }
     const Layout& layout = runs[0].layout();
-    const double area = layout.box * layout.box / static_cast<double>(layout.beads);
+    const double area = layout.box.area() / static_cast<double>(layout.beads);
     result.travel = std::sqrt(squares);
     result.kept_places = result.travel < 0.5 * std::sqrt(2.0 / std::sqrt(3.0) * area);
 }

@@ -9,7 +9,7 @@
 //                                         direction, D_b how far the bed came; in a steady state
 //   xi        = mu/(zeta v) = c_T^2/(gamma v)     screening length (physics.md, section 1), v the rod's speed
 //                                         relative to the bed, c_T^2 = mu/(n m)
-//   Peclet    = L/xi = gamma v L/c_T^2    drag over elasticity on the scale of the box of side L
+//   Peclet    = L/xi = gamma v L/c_T^2    drag over elasticity on the scale of the box (L: shorter side)
 //
 // Only the push of a rod along its heading counts; across it none is expected. Valid once the bed drifts
 // steadily, some 1/gamma after the start, and for drifts above what the plates' noise gives the bed: the

@@ -24,8 +24,8 @@ constexpr ValueInfo values[] = {
     {"speed", "Speed through the bed", "a/s", "of the rod along its heading, the drift taken off"},
     {"shear_speed", "Transverse sound $c_T$", "a/s", "used for the screening length"},
     {"screening_length", "Screening length $\\xi$", "a", "$c_T^2/(\\gamma v)$"},
-    {"box", "Side of the box", "a", "the screening length is to be seen beside it"},
-    {"peclet", "Peclet number", "", "side of the box over $\\xi$"},
+    {"box", "Shorter side of the box", "a", "the screening length is to be seen beside it"},
+    {"peclet", "Peclet number", "", "shorter side of the box over $\\xi$"},
     {"verdict", "Wake in this box", "", "what the box can hold of it", 1.0, true},
     {"travelled_before", "Way before measuring", "a", "of the rod; the least of the runs"},
     {"travelled", "Way while measured", "a", "of the rod; the least of the runs"},
@@ -146,10 +146,10 @@ MeasureReport report(const MeasuredCase& data) {
     if (data.tables.empty())
         throw InputError("measure: mechanics needs tracks.csv of the granular run: it cannot be had of "
                          "measure.trajectory alone");
-    const double a = data.bead_radius(), box = data.scene.granular->box;
+    const auto runs = measure::take<MechanicsAccumulator>(data.sums, "mechanics");
+    const double a = data.bead_radius(), box = runs.front().layout().box.shorter();
     const Estimate shear_speed = shear_speed_of(data);
-    const MechanicsResult r = measure::reduce(measure::take<MechanicsAccumulator>(data.sums, "mechanics"),
-                                              pushes_of(data), shear_speed);
+    const MechanicsResult r = measure::reduce(runs, pushes_of(data), shear_speed);
     return {.values = values_of(r, shear_speed, box, a),
             .series = {{"drag_rate", r.drag_rate}, {"screening_length", r.screening.scaled(1.0 / a)}},
             .line = line_of(r, box, a)};
