@@ -179,7 +179,7 @@ TEST_CASE("fields around a rod turn with the bed and its box", "[rectangle]") {
     CHECK(*std::ranges::max_element(f.vx) > a);
     const DisplacementField u = reduce(std::span(&moved_one, 1)), w = reduce(std::span(&moved_other, 1));
     REQUIRE(u.grid == w.grid);
-    CHECK(u.count == w.count);
+    CHECK(furthest(u.count, w.count) < 1e-9 * *std::ranges::max_element(u.count));
     CHECK(furthest(u.Ux, w.Ux) < 1e-9 * a);
     CHECK(furthest(u.Uy, w.Uy) < 1e-9 * a);
     CHECK(*std::ranges::max_element(u.Ux) > 0.1 * a);

@@ -80,12 +80,17 @@ TEST_CASE("what a rod sees comes back to where it is", "[rod_grid]") {
 TEST_CASE("layouts and frames that do not fit are refused", "[frame]") {
     const Layout good = synthetic::layout(3, 1);
     CHECK_NOTHROW(validate(good));
-    for (double Layout::*value : {&Layout::box, &Layout::bead_radius, &Layout::bead_mass})
-        for (const double bad : {0.0, -1.0, none, inf}) {
+    for (const double bad : {0.0, -1.0, none, inf}) {
+        const auto refused = [&](auto change) {
             Layout layout = good;
-            layout.*value = bad;
+            change(layout);
             CHECK_THROWS_AS(validate(layout), InputError);
-        }
+        };
+        refused([&](Layout& layout) { layout.box.x = bad; });
+        refused([&](Layout& layout) { layout.box.y = bad; });
+        refused([&](Layout& layout) { layout.bead_radius = bad; });
+        refused([&](Layout& layout) { layout.bead_mass = bad; });
+    }
     Layout small = good;
     small.box = 7.9 * small.bead_radius;
     CHECK_THROWS_AS(validate(small), InputError);
@@ -102,7 +107,7 @@ TEST_CASE("layouts and frames that do not fit are refused", "[frame]") {
         (bad.*row)[1] = none;
         CHECK_THROWS_AS(check_frame(good, bad), RunError);
     }
-    for (const double out : {-1e-18, good.box}) {
+    for (const double out : {-1e-18, good.box.y}) {
         Frame bad = frame;
         bad.y[2] = out;
         CHECK_THROWS_AS(check_frame(good, bad), RunError);
