@@ -57,7 +57,7 @@ order = true
 displacement = "phase"
 [fit]
 parameters = ["f_over_mu", "eta", "alpha"]
-fixed = { kappa = 0.75 }
+fixed = { kappa = 0.75, force = 1.0, c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = 1.0 }
 box = "78 a"
 likelihood = ["eta"]
 [[fit.profiles]]
@@ -72,6 +72,10 @@ sigma_position = 0.1
 sigma_heading = 0.05
 contact_distance = 0.1
 contact_time = 40.6
+[[fit.maps]]
+files = ["measure.h5"]
+[[fit.masks]]
+strip = "8 a"
 [[fit.compare]]
 name = "paper"
 values = { f_over_mu = 2.2 }

@@ -135,7 +135,7 @@ TEST_CASE("all errors of a fit are listed at once") {
 }
 
 TEST_CASE("data and parameters belong together") {
-    says(fitted("", ""), "[fit] has no data: give [[fit.profiles]] or [[fit.trajectories]]");
+    says(fitted("", ""), "[fit] has no data: give [[fit.profiles]], [[fit.maps]] or [[fit.trajectories]]");
     says(fitted("", ux + "role = \"predict\"\n"), "every one of [[fit.profiles]] has role = \"predict\"");
     says(fitted("", ux, "\"f_over_mu\", \"eta\""), "the field needs xi or alpha");
     says(fitted("", ux, "\"f_over_mu\", \"xi\""), "the field needs eta");

@@ -224,7 +224,11 @@ TEST_CASE("the example of every key is legal") {
         if (info.name == "restart_from")
             overrides.push_back("granular.start=restart");
         if (info.table == "fit")
-            overrides.insert(overrides.begin(), {"fit.trajectories=[]", "fit.fixed={}"});
+            overrides.insert(overrides.begin(),
+                             {"fit.trajectories=[]",
+                              "fit.fixed={ force = 1.0, c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = 1.0 }"});
+        if (full_name(info) == "fit.fixed")
+            overrides.insert(overrides.begin(), {"fit.maps=[]", "fit.masks=[]"});
         if (info.name == "profiles" || info.name == "residuals")
             overrides.push_back("figures.0.kind=fit");
         if (info.name == "parameter")
