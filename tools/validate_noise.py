@@ -22,7 +22,7 @@ import numpy as np
 from scipy import special
 
 SOURCE = Path(__file__).resolve().parent.parent
-RATES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0)
+RATES = (1e-4, 1e-3, 1e-2, 1e-1, 1.0)
 
 
 class Lab:
@@ -42,7 +42,7 @@ def free(lab, runs):
     """The largest distance from theory in standard errors."""
     D, Dt = 0.5, 0.05
     told = lab.noise("free", f"""[noise]\nrotational_diffusion = {D}\ntranslational_diffusion = {Dt}\nruns = {runs}
-[[rods]]\nposition = [0, 0]\n[rods_run]\noutput_times = [0.1, 1, 4, 20]\n""")
+[[rods]]\nposition = [0, 0]\n[rods_run]\noutput_times = [0.1, 1, 4]\n""")
     worst = 0.0
     for k, t in enumerate(told["times"][1:], 1):
         theory = {"mean_square_displacement": 2 / D**2 * (D * t + np.expm1(-D * t)) + 4 * Dt * t, "heading_correlation": np.exp(-D * t)}
@@ -67,7 +67,7 @@ def touched(a, r, D, t):
 def passage(lab, runs):
     Dt, worst = 0.2, 0.0
     for a, t in ((0.5, 0.6), (0.1, 2.0)):
-        for step in (0.1, 0.01):
+        for step in (0.1, 0.002):
             told = lab.noise("passage", f"""[noise]\ntranslational_diffusion = {Dt}\nruns = {runs}\ntime_step = {step}
 [[rods]]\nposition = [0, 0]\n[[rods]]\nposition = [0, 1]\n[rods_run]\nt_end = {t}\noutput_times = [{t}]\ncontact_distance = {a}\n""")
             found, theory = told["endings"]["contact"] / runs, touched(a, 1.0, 2 * Dt, t)
@@ -85,7 +85,7 @@ def capture_map(lab, runs):
             for D in RATES:
                 told = lab.noise("map", f"""[medium]\neta = 1\nalpha = {alpha}\n[coupling]\nkappa = {kappa}
 [noise]\nrotational_diffusion = {D}\nruns = {runs}\n[[rods]]\nposition = [0, 2.5]\n[[rods]]\nposition = [0, -2.5]
-[rods_run]\nt_end = 60\noutput_interval = 10\ncontact_distance = 0.1\n""")
+[rods_run]\nt_end = 30\noutput_times = [30]\ncontact_distance = 0.1\n""")
                 rows.append([alpha, kappa, D, *(told[f"capture_{key}"] for key in ("probability", "low", "high")), told["endings"]["pursuit"],
                              told["endings"]["failed"], told["first_contact_time"]["mean"], told["first_contact_time"]["error"]])
                 print("map: alpha {} kappa {} D_r {:g}: {:.3f} ({:.3f} to {:.3f}), pursuits {}, failed {}".format(*rows[-1][:8]), flush=True)
@@ -130,7 +130,7 @@ def main():
         if "map" in only:
             capture_map(lab, options.map_runs)
     print(f"largest distance from theory: {worst:.1f} standard errors")
-    return worst > 3.0
+    return int(worst > 3.0)
 
 
 if __name__ == "__main__":
