@@ -1,0 +1,91 @@
+#include "rodwake/rods/conclude.hpp"
+
+#include "outcome_text.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::rods {
+
+namespace {
+
+using integrate::State;
+
+/// Ending of all pairs together; sets the pair it is about.
+void classify(RodOutcome& outcome, bool interacting, const StateRates& rates, State y,
+              const SeparationRecord& record, const EndingCriteria& criteria, Box box) {
+    const std::size_t rods = y.size() / 3;
+    std::vector<double> ydot(y.size());
+    rates(y, ydot);
+    bool all_escape = true;
+    for (std::size_t a = 0; a < rods; ++a)
+        for (std::size_t b = a + 1; b < rods; ++b) {
+            const Ending ending = classify_pair(y, ydot, a, b, record.late[a * rods + b], criteria, box);
+            all_escape = all_escape && ending == Ending::escape;
+            if (ending == Ending::pursuit && interacting && outcome.ending != Ending::pursuit) {
+                outcome.ending = Ending::pursuit;
+                const Offset d = offset(y, a, b, box);
+                outcome.pair = {a, b, std::hypot(d.x, d.y)};
+            }
+        }
+    if (all_escape)
+        outcome.ending = Ending::escape;
+}
+
+} // namespace
+
+void validate(const RodProblem& problem) {
+    if (problem.rods.empty())
+        throw InputError("no rods: give at least one");
+    if (!(problem.t_end > 0.0 && std::isfinite(problem.t_end)))
+        throw InputError(fmt::format("t_end = {}: must be > 0 and finite", problem.t_end));
+    if (problem.box && !(*problem.box > 0.0 && std::isfinite(*problem.box)))
+        throw InputError(
+            fmt::format("box = {}: the side of the periodic box must be > 0 and finite", *problem.box));
+    if (problem.rods.size() < 2)
+        return;
+    const Separation pair = closest_pair(to_state(problem.rods), problem.box);
+    if (!(pair.distance > 0.0))
+        throw InputError(
+            fmt::format("rods[{}] and rods[{}] are in the same place: their fields are singular there",
+                        pair.first, pair.second));
+    if (problem.contact_distance && !(*problem.contact_distance < pair.distance))
+        throw InputError(
+            fmt::format("contact_distance = {}: must be below the smallest starting separation, {} "
+                        "between rods[{}] and rods[{}]",
+                        *problem.contact_distance, pair.distance, pair.first, pair.second));
+}
+
+std::vector<double> output_times(const RodProblem& problem) {
+    std::vector<double> times = problem.output_times;
+    if (times.empty() || times.back() < problem.t_end)
+        times.push_back(problem.t_end);
+    return times;
+}
+
+RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
+                    const integrate::Solution& solution, const SeparationRecord& record,
+                    const EndingCriteria& criteria) {
+    const State y = solution.final_state;
+    const std::size_t rods = problem.rods.size();
+    RodOutcome outcome;
+    outcome.time = solution.final_time;
+    for (std::size_t a = 0; a < rods; ++a)
+        outcome.turn.push_back(y[3 * a + 2] - problem.rods[a].heading);
+    const bool contact = solution.status.termination == integrate::Termination::stopped_at_event;
+    if (rods > 1) {
+        outcome.pair = contact ? closest_pair(y, problem.box) : record.smallest;
+    }
+    outcome.min_separation = contact ? outcome.pair.distance : record.smallest.distance;
+    outcome.min_separation_time = contact ? outcome.time : record.smallest_time;
+    if (contact)
+        outcome.ending = Ending::contact;
+    else if (solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
+        classify(outcome, interacting, rates, y, record, criteria, problem.box);
+    describe(outcome, rods, solution.status);
+    return outcome;
+}
+
+} // namespace rodwake::rods
