@@ -50,6 +50,7 @@ RodCheckpoint beginning(const RodProblem& problem, ExponentialStep& method, cons
     RodCheckpoint from;
     from.state = start.poses;
     from.state.push_back(first_step);
+    from.statistics.rhs_evaluations = 1;
     from.state.insert(from.state.end(), start.fields.begin(), start.fields.end());
     from.record =
         rods::start_record(start.poses, (1.0 - criteria.steady_fraction) * problem.t_end, problem.box);
@@ -77,9 +78,9 @@ std::optional<double> contact_time(const DoubleStep& step, double distance, rods
     return std::nullopt;
 }
 
-/// An eighth of what is asked for: steps are many, and their errors add up. atol as rods::simulate caps it.
+/// A part of what is asked for: steps are many, and their errors add up. atol as rods::simulate caps it.
 Tolerance tolerance(const integrate::OdeOptions& ode) {
-    constexpr double share = 0.125, smallest = 1e-13;
+    constexpr double share = 1.0 / 64.0, smallest = 1e-13;
     return {std::max(share * ode.rtol, smallest), share * std::min(ode.atol, 0.1 * ode.rtol)};
 }
 

@@ -54,7 +54,6 @@ StepControl::StepControl(ExponentialStep& method, Tolerance tolerance, Coupled s
       middle_rates_(rates_.size()), field_error_(state_.fields.size()), rate_error_(rates_.size()),
       time_(time), step_(step) {
     method_.rates(state_.poses, state_.fields, rates_);
-    ++evaluations_;
 }
 
 void StepControl::attempt(double step) {

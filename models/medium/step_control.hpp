@@ -40,8 +40,8 @@ public:
     const Coupled& state() const { return state_; }
     const std::vector<double>& rates() const { return rates_; }
     double time() const { return time_; }
-    double next_step() const { return step_; } ///< that is tried next
-    long evaluations() const { return evaluations_; }
+    double next_step() const { return step_; }        ///< that is tried next
+    long evaluations() const { return evaluations_; } ///< but for those of the start
 
 private:
     void attempt(double step);
