@@ -4,7 +4,7 @@
 #include "interaction.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/integrate/additive_noise.hpp"
-#include "run_parts.hpp"
+#include "rodwake/rods/conclude.hpp"
 
 #include <fmt/format.h>
 
@@ -293,7 +293,9 @@ RodResult Walk::run() {
     explain_collision(solution_, problem_.box);
     RodResult result;
     result.solution = std::move(solution_);
-    result.outcome = conclude(problem_, model_, result.solution, record_, options_.criteria);
+    const StateRates rates = [this](State y, std::span<double> ydot) { model_.rhs(y, ydot); };
+    result.outcome =
+        conclude(problem_, model_.interacting(), rates, result.solution, record_, options_.criteria);
     return result;
 }
 

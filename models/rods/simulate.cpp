@@ -2,7 +2,7 @@
 
 #include "pose_track.hpp"
 #include "rodwake/core/error.hpp"
-#include "run_parts.hpp"
+#include "rodwake/rods/conclude.hpp"
 
 #include <fmt/format.h>
 
@@ -197,7 +197,7 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     prepend(result.solution, from, times);
     explain_collision(result.solution, problem.box);
     refuse_passing(result.solution, record, problem, solver.atol);
-    result.outcome = conclude(problem, model, result.solution, record, options.criteria);
+    result.outcome = conclude(problem, model.interacting(), rates, result.solution, record, options.criteria);
     return result;
 }
 

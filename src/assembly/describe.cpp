@@ -15,15 +15,27 @@ void add_measured_line(const scene::Scene& scene, const scene::MeasuredMedium& m
                                                   : "errors of that field: measured.samples is 0"});
 }
 
+void add_dynamic_lines(const medium::DynamicMedium& m, Lines& lines) {
+    lines.push_back(
+        {true,
+         fmt::format("medium with memory: {0} x {0} modes, force width {1:g}, {2}", m.modes, m.force_width,
+                     m.start == medium::Start::steady ? "from steady fields" : "from rest")});
+    lines.push_back({m.self_field, m.self_field
+                                       ? "each rod in its own field too"
+                                       : "each rod in its own field: medium.dynamic.self_field is false"});
+}
+
 void add_medium_lines(const scene::Scene& scene, Lines& lines) {
     if (!scene.medium)
         return;
     const scene::Medium& m = *scene.medium;
     lines.push_back({true, m.fitted ? std::string("medium: eta and xi from the fit")
                                     : fmt::format("medium: eta = {:g}, xi = {:g}", m.eta, m.xi)});
-    lines.push_back({m.periodic.has_value(),
-                     m.periodic ? fmt::format("periodic box of {:g} for rods and field", *m.periodic)
-                                : "periodic images of rods: no medium.periodic, infinite plane"});
+    lines.push_back(
+        {m.box().has_value(), m.box() ? fmt::format("periodic box of {:g} for rods and field", *m.box())
+                                      : "periodic images of rods: no medium.periodic, infinite plane"});
+    if (m.is_dynamic())
+        add_dynamic_lines(m.memory(), lines);
     if (m.field == scene::FieldBackend::measured)
         add_measured_line(scene, *m.measured, lines);
     if (m.field == scene::FieldBackend::table)
@@ -48,7 +60,9 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
     }
     const rods::RodProblem& problem = plan.rods.front().problem;
     const rods::Couplings& c = problem.couplings;
-    const bool interacting = problem.medium && c.any() && problem.rods.size() > 1;
+    const bool own =
+        plan.scene.medium && plan.scene.medium->is_dynamic() && plan.scene.medium->memory().self_field;
+    const bool interacting = problem.medium && c.any() && (problem.rods.size() > 1 || own);
     lines.push_back({true, fmt::format("{} rods to t = {:g}, {} variants", problem.rods.size(), problem.t_end,
                                        plan.rods.size() - 1)});
     if (const rods::Form form = plan.rods.front().options.form; form != rods::Form::angle)
@@ -170,6 +184,8 @@ void add_unused_lines(const scene::Scene& scene, Lines& lines) {
         lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
     if (scene.medium && scene.medium->measured && scene.medium->field != scene::FieldBackend::measured)
         lines.push_back({false, "medium.measured: only used with field = \"measured\""});
+    if (scene.medium && scene.medium->dynamic && !scene.medium->is_dynamic())
+        lines.push_back({false, "medium.dynamic: only used with field = \"dynamic\""});
     if (scene.noise && !noisy(scene))
         lines.push_back({false, "noise: rotational_diffusion and translational_diffusion are 0"});
     else if (scene.rods_run && !scene.noise)

@@ -104,6 +104,8 @@ const char* to_string(FieldBackend backend) {
         return "table";
     case FieldBackend::measured:
         return "measured";
+    case FieldBackend::dynamic:
+        return "dynamic";
     case FieldBackend::automatic:
         break;
     }

@@ -15,7 +15,7 @@ rods::RodProblem rod_problem(const scene::Scene& scene) {
     rods::RodProblem problem;
     if (scene.medium) {
         problem.medium = elastic::Medium{scene.medium->eta, scene.medium->xi};
-        problem.box = scene.medium->periodic;
+        problem.box = scene.medium->box();
     }
     problem.couplings = couplings_of(scene);
     for (const scene::Rod& rod : scene.rods)

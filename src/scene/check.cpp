@@ -4,6 +4,7 @@
 #include "check_fit.hpp"
 #include "check_granular.hpp"
 #include "check_measure.hpp"
+#include "check_medium.hpp"
 #include "check_rods.hpp"
 #include "check_scan.hpp"
 
@@ -72,10 +73,10 @@ public:
             separations();
         if (scene_.field)
             field(*scene_.field);
-        measured_medium();
         const auto report = [this](const std::string& path, const std::string& message) {
             add(path, message);
         };
+        check_medium(scene_, report);
         check_figures(scene_, report);
         check_rods(scene_, report);
         check_granular(scene_, report);
@@ -136,23 +137,6 @@ private:
                 fmt::format(
                     "rods_run.contact_distance is {} f/mu, but rods[{}] and rods[{}] start only {} apart",
                     *scene_.rods_run->contact_distance, i, j, smallest));
-    }
-
-    void measured_medium() {
-        if (!scene_.medium || scene_.medium->field != FieldBackend::measured)
-            return;
-        if (!scene_.medium->measured)
-            add("medium.field",
-                "medium.field = \"measured\" needs [medium.measured] with file, the measure.h5 of "
-                "rodwake measure");
-        if (!scene_.scales)
-            add("medium.field",
-                "medium.field = \"measured\" needs [scales] with f_over_mu: what f/mu is in the "
-                "bed that was measured");
-        if (scene_.medium->fitted)
-            add("medium.field",
-                "medium.field = \"measured\" needs eta and xi of its own for theory beyond the "
-                "measured edge: medium.fitted = true takes them from [fit]");
     }
 
     void field(const Field& field) {

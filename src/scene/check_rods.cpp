@@ -12,13 +12,13 @@ using Report = std::function<void(const std::string&, const std::string&)>;
 
 void random_start(const Scene& scene, const Report& report) {
     const RandomRods& random = *scene.rods_random;
-    if (scene.medium && scene.medium->periodic && random.extent > *scene.medium->periodic)
+    if (scene.medium && scene.medium->box() && random.extent > *scene.medium->box())
         report(
             "rods_random.extent",
             fmt::format(
                 "rods_random.extent is {} f/mu, more than the periodic box of {}: rods would start on top of "
                 "each other's images",
-                random.extent, *scene.medium->periodic));
+                random.extent, *scene.medium->box()));
     const auto& contact = scene.rods_run->contact_distance;
     if (contact && *contact >= random.min_separation)
         report("rods_run.contact_distance",
@@ -32,7 +32,7 @@ void sums(const Scene& scene, const Report& report) {
     const RodsRun& run = *scene.rods_run;
     const bool exact = !scene.medium || scene.medium->field == FieldBackend::exact ||
                        scene.medium->field == FieldBackend::automatic; // which then chooses it
-    const bool offered = exact && !(scene.medium && scene.medium->periodic);
+    const bool offered = exact && !(scene.medium && scene.medium->box());
     const auto want_plane = [&](bool asked, const char* key) {
         if (asked && !offered)
             report(
@@ -94,7 +94,7 @@ void order_of_rods(const Scene& scene, const Report& report) {
         report("rods_order.block", fmt::format("rods_order.block = {} {} is longer than what counts, {}",
                                                *order.block, time, counts));
     const std::optional<double> box = bed            ? std::optional(scene.granular->box.shorter())
-                                      : scene.medium ? scene.medium->periodic
+                                      : scene.medium ? scene.medium->box()
                                                      : std::nullopt;
     if (box && order.link > 0.5 * *box)
         report("rods_order.link", fmt::format("rods_order.link = {} {}: at most half the periodic box of {}",

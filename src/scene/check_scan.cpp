@@ -132,7 +132,7 @@ void check_rods(const Scene& scene, const Report& report) {
         scene.medium->field != FieldBackend::automatic)
         report("medium.field",
                "[scan] takes medium.field = \"exact\": its pairs are integrated many at once, "
-               "which is faster than a table and not made for a measured field");
+               "which is faster than a table and not made for a measured or a dynamic field");
 }
 
 void check_beds(const Scene& scene, const Report& report) {

@@ -37,11 +37,11 @@ public:
         const std::string fallback = value.empty() ? std::string(key.absent_text) : quoted(value);
         const std::string legal = key.is_file_name ? "letters, digits, _ - ., at most 64" : "one line";
         add(key, "string", key.is_required ? "required" : fallback,
-            key.choices.empty() ? legal : names(key, key.choices));
+            key.choices.empty() ? legal : comma_list(key.choices));
     }
     void operator()(const Key& key, const Choice& value) override {
         const auto all = value.names();
-        add(key, "string", quoted(value.name(value.current)), names(key, all));
+        add(key, "string", quoted(value.name(value.current)), comma_list(all));
         current().keys.back().choices.assign(all.begin(), all.end());
     }
     void operator()(const Key& key, BoxSize&) override { add(key, number_type(key), "required", key.range); }
@@ -68,7 +68,7 @@ public:
         for (const auto& item : value)
             fallback += (fallback.empty() ? "" : ", ") + quoted(item);
         add(key, key.count_text("names"), key.is_required ? "required" : "[" + fallback + "]",
-            names(key, key.choices));
+            comma_list(key.choices));
     }
     void operator()(const Key& key, std::vector<long>&) override {
         add(key, key.count_text("integers"), std::string(key.absent_text), key.range);
@@ -129,11 +129,6 @@ private:
                    : name_of(key.dimension).substr(name_of(key.dimension).find(' ') + 1);
     }
 
-    static std::string names(const Key& key, Names choices) {
-        const std::string later = key.planned.empty() ? "" : "; not yet: " + comma_list(key.planned);
-        return comma_list(choices) + later;
-    }
-
     /// What a plain number is in: in reduced scenes and in SI scenes.
     std::pair<std::string, std::string> units_of(Dimension dimension) const {
         const std::string reduced = reduced_unit(dimension), si = si_unit(dimension);
@@ -166,7 +161,6 @@ private:
         info.unit_si = si;
         info.is_required = key.is_required;
         info.choices.assign(key.choices.begin(), key.choices.end());
-        info.planned.assign(key.planned.begin(), key.planned.end());
         current().keys.push_back(std::move(info));
     }
 
@@ -179,7 +173,7 @@ private:
     }
 
     void add_entries(const Key& key, const std::string& type) {
-        add(key, type, key.is_required ? "required" : std::string(key.absent_text), names(key, key.choices));
+        add(key, type, key.is_required ? "required" : std::string(key.absent_text), comma_list(key.choices));
     }
 
     std::vector<TableInfo> tables_;

@@ -11,6 +11,7 @@ inline constexpr double largest_seed = 9223372036854775807.0; // 2^63 - 1, the l
 void fields(Visitor& v, Scales& scales);
 void fields(Visitor& v, FieldTable& table);
 void fields(Visitor& v, MeasuredMedium& measured);
+void fields(Visitor& v, medium::DynamicMedium& dynamic);
 void fields(Visitor& v, Medium& medium);
 void fields(Visitor& v, Coupling& coupling);
 void fields(Visitor& v, Noise& noise);

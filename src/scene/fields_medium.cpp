@@ -161,6 +161,40 @@ void fields(Visitor& v, MeasuredMedium& measured) {
     v(key("seed").within(0, largest_seed).doc("of these draws").example("1"), measured.seed);
 }
 
+void fields(Visitor& v, medium::DynamicMedium& dynamic) {
+    using medium::Start;
+    v(key("box")
+          .unit(length)
+          .above(0.0)
+          .doc("side of the periodic square, at least 4 force_width")
+          .example("40.0"),
+      dynamic.box);
+    v(key("force_width")
+          .symbol("w")
+          .unit(length)
+          .above(0.0)
+          .doc("width of the force exp(-r^2/(2 w^2))/(2 pi w^2) with which a rod pushes the medium; at least "
+               "box/modes, "
+               "and at most what rods start apart")
+          .example("0.5"),
+      dynamic.force_width);
+    v(key("modes")
+          .within(4.0, 2048.0)
+          .doc("wave vectors along a side, |m|, |n| < modes/2; the zero mode is left out")
+          .example("96"),
+      dynamic.modes);
+    v(key("self_field")
+          .doc("each rod in the field of all, its own too; false: in that of the others, each of which has a "
+               "field of "
+               "its own: at most 64 rods")
+          .example("false"),
+      dynamic.self_field);
+    v(key("start")
+          .doc("steady: the fields of rods that have always walked straight; rest: undeformed")
+          .example("\"steady\""),
+      choice(dynamic.start, {{"steady", Start::steady}, {"rest", Start::rest}}));
+}
+
 void fields(Visitor& v, Medium& medium) {
     EtaForms given{medium.eta, {}, {}, {}, {}};
     std::optional<double> xi = medium.xi, alpha;
@@ -182,15 +216,16 @@ void fields(Visitor& v, Medium& medium) {
           .example("1.0"),
       alpha);
     v(key("field")
-          .one_of({"exact", "table", "measured", "auto"})
-          .not_yet({"dynamic"})
           .doc("how the field is evaluated; a table of it is made once, to table.tolerance, and kept in the "
                "user's cache folder; measured: the displacement field of measured.file, with theory where it "
-               "has none; auto: for rods exact or a table, whichever the scene lets expect to take less time")
+               "has none; dynamic: rods in a medium that remembers, integrated with them, in the box of "
+               "[medium.dynamic]; "
+               "auto: for rods exact or a table, whichever the scene lets expect to take less time")
           .example("\"exact\""),
       choice(medium.field, {{"exact", FieldBackend::exact},
                             {"table", FieldBackend::table},
                             {"measured", FieldBackend::measured},
+                            {"dynamic", FieldBackend::dynamic},
                             {"auto", FieldBackend::automatic}}));
     v(key("periodic")
           .unit(length)
@@ -210,6 +245,10 @@ void fields(Visitor& v, Medium& medium) {
                 "asked of a table, without it rtol."),
             medium.table);
     v.table(key("measured").doc("The field of rods in a bed, with field = \"measured\"."), medium.measured);
+    v.table(key("dynamic").doc(
+                "The medium that remembers, with field = \"dynamic\": alpha d_t u = lap u + eta grad "
+                "div u + the rods' forces, in a periodic square."),
+            medium.dynamic);
     if (fitted)
         return v.derive([&] { medium.fitted = !refuse_given(v, given, xi, alpha); });
     v.one_form(eta_forms, [&](int form) { resolve_eta(v, given, form, medium); });

@@ -39,7 +39,6 @@ struct Key {
     bool is_unit = false; ///< says what the numbers of the scene mean
     std::size_t min_items = 0, max_items = 0; ///< for lists
     Names choices;                            ///< for strings; empty: any
-    Names planned;                            ///< choices that are not available in this version
 
     Key& required() { return is_required = true, *this; }
     Key& above(double low, double high = 1e12) { return range = {low, high, true}, *this; }
@@ -52,9 +51,6 @@ struct Key {
     Key& one_of(Names names) { return choices = names, *this; }
     Key& one_of(std::initializer_list<std::string_view> names) {
         return one_of(Names{names.begin(), names.size()});
-    }
-    Key& not_yet(std::initializer_list<std::string_view> names) {
-        return planned = {names.begin(), names.size()}, *this;
     }
     Key& written_if(bool belongs) { return is_written = belongs, *this; }
     Key& says_units(bool is = true) { return is_unit = is, *this; }

@@ -66,7 +66,7 @@ private:
     template<class T, class Read>
     void entries(const Key& key, std::map<std::string, T>& value, const std::string& of, Read read);
     const std::string* text(const Key& key, const Node& node, const std::string& path);
-    bool is_choice(const Key& key, Names names, const Node& node, const std::string& path);
+    bool is_choice(Names names, const Node& node, const std::string& path);
     const Node::List* list_of(const Key& key, const Node& node, const std::string& path, std::string_view of);
     void missing_scales(const Node& node, const std::string& path, const std::string& what);
     void report_forms(std::span<const std::string_view> given, Forms forms);

@@ -73,7 +73,7 @@ void Reader::operator()(const Key& key, std::map<std::string, Tie>& value) {
                 }
                 const auto* name = text(key, (*list)[0], path + "[0]");
                 const auto factor = quantity(key, (*list)[1], path + "[1]");
-                if (!name || !is_choice(key, key.choices, (*list)[0], path + "[0]") || !factor)
+                if (!name || !is_choice(key.choices, (*list)[0], path + "[0]") || !factor)
                     return std::nullopt;
                 return Tie{*name, *factor};
             });

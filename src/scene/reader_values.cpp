@@ -82,7 +82,7 @@ void Reader::operator()(const Key& key, std::string& value) {
         return;
     const std::string path = path_of(key.name);
     const auto* found = text(key, entry->value, path);
-    if (found && (key.choices.empty() || is_choice(key, key.choices, entry->value, path)))
+    if (found && (key.choices.empty() || is_choice(key.choices, entry->value, path)))
         value = *found;
 }
 
@@ -93,7 +93,7 @@ void Reader::operator()(const Key& key, const Choice& value) {
     const std::string path = path_of(key.name);
     const auto* found = text(key, entry->value, path);
     const auto names = value.names();
-    if (found && is_choice(key, names, entry->value, path))
+    if (found && is_choice(names, entry->value, path))
         value.set(static_cast<std::size_t>(std::ranges::find(names, *found) - names.begin()));
 }
 
@@ -185,7 +185,7 @@ void Reader::operator()(const Key& key, std::vector<std::string>& value) {
         const Node& node = (*list)[i];
         const std::string item_path = fmt::format("{}[{}]", path, i);
         const auto* name = text(key, node, item_path);
-        if (!name || (!key.choices.empty() && !is_choice(key, key.choices, node, item_path)))
+        if (!name || (!key.choices.empty() && !is_choice(key.choices, node, item_path)))
             continue;
         if (contains(value, *name))
             wrong(node, item_path, "stands in the list already");
@@ -280,16 +280,11 @@ const std::string* Reader::text(const Key& key, const Node& node, const std::str
     return nullptr;
 }
 
-bool Reader::is_choice(const Key& key, Names names, const Node& node, const std::string& path) {
+bool Reader::is_choice(Names names, const Node& node, const std::string& path) {
     const std::string& found = *node.as<std::string>();
     if (contains(names, found))
         return true;
-    if (contains(key.planned, found))
-        problems_.add(node.place, path,
-                      fmt::format("{} = {} is not available in this version; available: {}", path,
-                                  describe_value(node), comma_list(names)));
-    else
-        wrong(node, path, one_of_text(names, found));
+    wrong(node, path, one_of_text(names, found));
     return false;
 }
 

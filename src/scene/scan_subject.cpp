@@ -32,10 +32,10 @@ bool can_vary(std::string_view key, ScanSubject subject) {
     // what is stored and how many runs there are is not what a run depends on
     constexpr std::array<std::string_view, 3> not_of_beds{"granular.runs", "granular.output.",
                                                           "granular.restart_from"};
-    constexpr std::array<std::string_view, 13> not_of_rods{
+    constexpr std::array<std::string_view, 14> not_of_rods{
         "scan.", "figures.", "variants.", "field.", "granular.", "measure.", "fit.", "title", "schema",
         // a scan takes the exact field, and its table has no order of rods
-        "medium.field", "medium.table.", "medium.measured.", "rods_order."};
+        "medium.field", "medium.table.", "medium.measured.", "medium.dynamic.", "rods_order."};
     return subject == ScanSubject::beds ? key.starts_with(bed_table) && !is_of(key, not_of_beds)
                                         : !is_of(key, not_of_rods);
 }

@@ -104,7 +104,7 @@ private:
     std::optional<long> integer(const Key& key, const Progress& p, const Value& value);
     const std::string* text(const Key& key, const Progress& p, const Value& value);
     bool is_finite(const Progress& p, const Value& value);
-    bool is_choice(const Key& key, Names names, const Progress& p, const std::string& found);
+    bool is_choice(Names names, const Progress& p, const std::string& found);
     template<class T>
     T* entry(const Progress& p, std::vector<T>& list);
     bool is_parameter(const Key& key, const Progress& p, const std::string& name);

@@ -69,12 +69,10 @@ const std::string* Setter::text(const Key& key, const Progress& p, const Value& 
     return nullptr;
 }
 
-bool Setter::is_choice(const Key& key, Names names, const Progress& p, const std::string& found) {
+bool Setter::is_choice(Names names, const Progress& p, const std::string& found) {
     if (contains(names, found))
         return true;
-    wrong(p, found,
-          contains(key.planned, found) ? "is not available in this version; available: " + comma_list(names)
-                                       : one_of_text(names, found));
+    wrong(p, found, one_of_text(names, found));
     return false;
 }
 
@@ -151,7 +149,7 @@ void Setter::operator()(const Key& key, std::string& value) {
     here(key, [&](Progress& p) {
         const Value* given = take(key, p, false);
         const std::string* found = given ? text(key, p, *given) : nullptr;
-        if (found && (key.choices.empty() || is_choice(key, key.choices, p, *found)))
+        if (found && (key.choices.empty() || is_choice(key.choices, p, *found)))
             value = *found;
     });
 }
@@ -163,7 +161,7 @@ void Setter::operator()(const Key& key, const Choice& value) {
         if (!found)
             return;
         const auto names = value.names();
-        if (is_choice(key, names, p, *found))
+        if (is_choice(names, p, *found))
             value.set(static_cast<std::size_t>(std::ranges::find(names, *found) - names.begin()));
     });
 }

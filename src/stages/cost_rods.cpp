@@ -2,12 +2,14 @@
 
 #include "cost_parts.hpp"
 #include "rodwake/core/stopwatch.hpp"
+#include "rodwake/medium/simulate.hpp"
 #include "wake_fields.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <vector>
 
 namespace rodwake::stages {
@@ -64,13 +66,15 @@ struct Pace {
     std::string failure;
 };
 
-rods::RodResult one_run(const RodProblem& problem, const rods::RodOptions& options,
-                        const std::optional<assembly::NoisePlan>& noise) {
-    return noise ? rods::simulate(problem, options, noise->noise, 0) : rods::simulate(problem, options);
+using Simulate = std::function<rods::RodResult(const RodProblem&, const rods::RodOptions&)>;
+
+Simulate simulation(const std::optional<assembly::NoisePlan>& noise) {
+    return [noise](const RodProblem& problem, const rods::RodOptions& options) {
+        return noise ? rods::simulate(problem, options, noise->noise, 0) : rods::simulate(problem, options);
+    };
 }
 
-Pace pace_of(const RodProblem& problem, const rods::RodOptions& given,
-             const std::optional<assembly::NoisePlan>& noise) {
+Pace pace_of(const RodProblem& problem, const rods::RodOptions& given, const Simulate& simulate) {
     using Clock = std::chrono::steady_clock; // asked at each step: CPU time is dearer, and asked only then
     rods::RodOptions options = given;
     Pace pace;
@@ -78,13 +82,13 @@ Pace pace_of(const RodProblem& problem, const rods::RodOptions& given,
     options.ode.on_step = [&](const integrate::Step& step) { pace.reached = step.time; };
     const Stopwatch watch;
     options.ode.stop_requested = [&] { return Clock::now() > last && watch.seconds() > of_its_pace; };
-    const integrate::Solution solution = one_run(problem, options, noise).solution;
+    const integrate::Solution solution = simulate(problem, options).solution;
     pace.seconds = watch.seconds();
     pace.whole = solution.status.termination != integrate::Termination::interrupted;
     if (!solution.status.ok())
         pace.failure = solution.status.message();
     else if (pace.whole)
-        pace.seconds = seconds_of([&] { one_run(problem, given, noise); }, of_a_run);
+        pace.seconds = seconds_of([&] { simulate(problem, given); }, of_a_run);
     const double scale = pace.whole || !(pace.reached > 0.0) ? 1.0 : problem.t_end / pace.reached;
     pace.seconds *= scale;
     pace.steps = scale * static_cast<double>(solution.statistics.steps);
@@ -172,7 +176,7 @@ private:
 
     /// A run of its own, for a setting that changes its steps.
     void add_run(std::string setting, const RodProblem& problem, const rods::RodOptions& options) {
-        const Pace other = pace_of(problem, options, plan_.noise);
+        const Pace other = pace_of(problem, options, simulation(plan_.noise));
         if (other.failure.empty() && (other.whole || other.reached > 0.0))
             rows_.push_back({std::move(setting),
                              duration_text(other.seconds) + " the run",
@@ -232,6 +236,31 @@ private:
     std::vector<CostRow> rows_;
 };
 
+std::string run_text(const Pace& pace, double full, double runs, double t_end) {
+    std::string text = fmt::format("  rods: about {}", duration_text(pace.seconds));
+    if (runs > 1.0)
+        text += fmt::format(" each, {} for {:g} runs", duration_text(runs * pace.seconds), runs);
+    text += fmt::format(": {:.0f} steps, {:.0f} right-hand sides of {}", pace.steps, pace.rates,
+                        duration_text(full));
+    return text + (pace.whole
+                       ? "\n"
+                       : fmt::format(", at the pace of the first {:.3g} of {:g}\n", pace.reached, t_end));
+}
+
+/// Rods and medium together: of their steps no part can be left out by itself.
+std::string dynamic_cost(const RodsPlan& plan, double runs) {
+    const scene::Medium& medium = *plan.of.scene.medium;
+    const Pace pace =
+        pace_of(plan.problem, plan.options, [&](const RodProblem& problem, const rods::RodOptions& options) {
+            return medium::simulate({problem, medium.memory()}, options);
+        });
+    if (!pace.failure.empty())
+        return fmt::format("  rods: the solver gives up ({})\n", pace.failure);
+    if (!pace.whole && !(pace.reached > 0.0))
+        return fmt::format("  rods: a step takes more than {}\n", duration_text(pace.seconds));
+    return run_text(pace, pace.seconds / std::max(pace.rates, 1.0), runs, plan.problem.t_end);
+}
+
 /// The problem in the field of the scene, and in words what that field cost to make.
 struct Made {
     RodProblem problem;
@@ -255,28 +284,19 @@ Made with_field(const RodsPlan& plan, const std::filesystem::path& folder, const
     return made;
 }
 
-std::string run_text(const Pace& pace, double full, double runs, double t_end) {
-    std::string text = fmt::format("  rods: about {}", duration_text(pace.seconds));
-    if (runs > 1.0)
-        text += fmt::format(" each, {} for {:g} runs", duration_text(runs * pace.seconds), runs);
-    text += fmt::format(": {:.0f} steps, {:.0f} right-hand sides of {}", pace.steps, pace.rates,
-                        duration_text(full));
-    return text + (pace.whole
-                       ? "\n"
-                       : fmt::format(", at the pace of the first {:.3g} of {:g}\n", pace.reached, t_end));
-}
-
 } // namespace
 
 std::string rods_cost(const assembly::Plan& plan, const std::filesystem::path& folder,
                       const RunContext& context) {
     const RodsPlan& first = plan.rods.front();
+    if (first.of.scene.medium && first.of.scene.medium->is_dynamic())
+        return dynamic_cost(first, static_cast<double>(plan.rods.size()));
     const Made made = with_field(first, folder, context);
     const double full = rates_time(made.problem);
     if (full > 0.1 * cost_budget) // a step is some ten of them
         return made.text + fmt::format("  rods: a right-hand side takes {}, so each step some {}\n",
                                        duration_text(full), duration_text(10.0 * full));
-    const Pace pace = pace_of(made.problem, first.options, first.noise);
+    const Pace pace = pace_of(made.problem, first.options, simulation(first.noise));
     if (!pace.failure.empty())
         return made.text + fmt::format("  rods: the solver gives up ({})\n", pace.failure);
     if (!pace.whole && !(pace.reached > 0.0))

@@ -26,7 +26,10 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly
     const integrate::OdeOptions& ode = plan.options.ode;
     const integrate::Statistics& n = result.solution.statistics;
     nlohmann::ordered_json solver;
-    solver["method"] = plan.noise ? "noise, strong order 1.5" : integrate::to_string(ode.method);
+    const bool dynamic = plan.field.backend == scene::FieldBackend::dynamic;
+    solver["method"] = plan.noise ? "noise, strong order 1.5"
+                       : dynamic  ? "etdrk4"
+                                  : integrate::to_string(ode.method);
     solver["form"] = to_string(plan.options.form);
     solver["field"] = assembly::to_string(plan.field.backend);
     if (plan.field.tolerance > 0.0)

@@ -1,6 +1,7 @@
 #include "rods_checkpoint.hpp"
 
 #include "rodwake/core/build_info.hpp"
+#include "rodwake/medium/simulate.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/stages/run_folder.hpp"
 
@@ -67,7 +68,9 @@ integrate::Statistics statistics_of(const json& n) {
 
 bool well_formed(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene) {
     const std::size_t rods = scene.rods.size(), size = 3 * rods;
-    bool good = checkpoint.state.size() == rods::state_size(scene.rods_run->form, rods) &&
+    const bool dynamic = scene.medium && scene.medium->is_dynamic();
+    bool good = checkpoint.state.size() == (dynamic ? medium::state_size(scene.medium->memory(), rods)
+                                                    : rods::state_size(scene.rods_run->form, rods)) &&
                 checkpoint.headings.size() == rods &&
                 checkpoint.outputs.size() <= scene.rods_run->output_times.size() + 1;
     for (const auto& output : checkpoint.outputs)

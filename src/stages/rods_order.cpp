@@ -81,8 +81,8 @@ OrderKeys::OrderKeys(const scene::Scene& scene) : units(assembly::order_units(sc
     block = order.block.value_or((end - order.from) / 10.0) * units.time;
     if (bed)
         box = assembly::bed_size(*scene.granular).box;
-    else if (scene.medium && scene.medium->periodic)
-        box = *scene.medium->periodic * units.length;
+    else if (scene.medium && scene.medium->box())
+        box = *scene.medium->box() * units.length;
 }
 
 void write_rods_order(const Session& session, const assembly::Case& of, const OrderKeys& keys,

@@ -3,6 +3,7 @@
 #include "rods_checkpoint.hpp"
 #include "rods_ensemble.hpp"
 #include "rodwake/core/parallel.hpp"
+#include "rodwake/medium/simulate.hpp"
 #include "rodwake/store/csv.hpp"
 #include "stage_list.hpp"
 #include "wake_fields.hpp"
@@ -64,7 +65,10 @@ void solve(const Session& session, Work& one, bool show_progress) {
                                 checkpoint_json(checkpoint, one.of().scene, one.field_key()));
     };
     resume(session, one);
-    one.result = rods::simulate(one.problem, one.options);
+    const auto& medium = one.of().scene.medium;
+    one.result = medium && medium->is_dynamic()
+                     ? medium::simulate({one.problem, medium->memory()}, one.options)
+                     : rods::simulate(one.problem, one.options);
     const integrate::Status& status = one.result.solution.status;
     if (status.ok() &&
         status.termination != integrate::Termination::interrupted) // a higher limit may follow a failure
@@ -179,7 +183,7 @@ Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t thr
     const rods::RodProblem& problem = plan.problem;
     if (!(problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box)))
         return one;
-    if (plan.of.scene.medium->field != scene::FieldBackend::exact)
+    if (plan.of.scene.medium->field != scene::FieldBackend::exact && !plan.of.scene.medium->is_dynamic())
         one.problem.field = fields.of(plan.of.scene);
     if (plan.of.scene.medium->field == scene::FieldBackend::measured)
         one.measured = fields.measured(plan.of.scene);

@@ -69,8 +69,8 @@ void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const O
     results.attribute("/", "time_unit", bed_only ? "s" : units.time_name);
     if (scene.medium && !scene.medium->fitted)
         write_medium(results, {scene.medium->eta, scene.medium->xi}, units);
-    if (scene.medium && scene.medium->periodic)
-        results.attribute("/medium", "periodic", *scene.medium->periodic * units.length);
+    if (scene.medium && scene.medium->box())
+        results.attribute("/medium", "periodic", *scene.medium->box() * units.length);
     if (scene.coupling) {
         const rods::Couplings c = assembly::couplings_of(scene);
         results.attribute("/coupling", "kappa", c.kappa);

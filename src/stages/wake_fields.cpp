@@ -16,8 +16,9 @@ void tell(const Logger& log, const char* component, const elastic::SmoothingRepo
 std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& scene) {
     const scene::Medium& medium = *scene.medium;
     const elastic::Medium constants{medium.eta, medium.xi};
-    if (medium.field == scene::FieldBackend::exact || medium.field == scene::FieldBackend::automatic)
-        return elastic::exact_field(constants, medium.periodic);
+    if (medium.field == scene::FieldBackend::exact || medium.field == scene::FieldBackend::automatic ||
+        medium.is_dynamic()) // of maps; rods in a dynamic medium have no wake field
+        return elastic::exact_field(constants, medium.box());
     if (medium.field == scene::FieldBackend::measured)
         return measured(scene)->field(medium.periodic);
     const double tolerance = medium.table.value_or(scene::FieldTable{}).tolerance;

@@ -86,8 +86,6 @@ void add_choices(const KeyInfo& info, std::vector<Refused>& all) {
     add("", any);
     if (first.size() > 2) // else nothing is near
         add(first + "q", any + " (did you mean " + quoted(first) + "?)");
-    for (const auto& name : info.planned)
-        add(name, "is not available in this version; available: " + joined(info.choices));
     if (is_list)
         all.push_back({list_of(2, quoted(first)), "stands in the list already", "[1]", first.size() + 5});
 }

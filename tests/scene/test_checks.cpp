@@ -120,6 +120,35 @@ TEST_CASE("a measured field needs its file, the unit of length and theory beyond
     CHECK(parse(two_rods("[medium]\neta = 1\nxi = 1\n" + file)).medium->measured->samples == 32);
 }
 
+TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other box or method") {
+    const auto scene = [](const std::string& dynamic, const std::string& run = "",
+                          const std::string& medium = "") {
+        return two_rods(run + "[medium]\neta = 1\nxi = 1\nfield = \"dynamic\"\n" + medium +
+                        "[medium.dynamic]\n" + dynamic);
+    };
+    CHECK(error_text(two_rods("[medium]\neta = 1\nxi = 1\nfield = \"dynamic\"\n")) == "");
+    const auto medium =
+        *parse(scene("box = 20\nforce_width = 0.25\nmodes = 100\nself_field = true\nstart = \"rest\"\n"))
+             .medium;
+    CHECK(medium.dynamic ==
+          rodwake::medium::DynamicMedium{20.0, 0.25, 100, true, rodwake::medium::Start::rest});
+    CHECK(medium.box() == 20.0);
+    says(scene("force_width = 0.3\n"),
+         "[medium.dynamic]: force_width = 0.3 is below the grid spacing box/modes = 0.4167");
+    says(scene("box = 1.9\n"), "[medium.dynamic]: box = 1.9 is less than 4 force_width = 2");
+    says(scene("force_width = 1.5\n"), "rods[0] and rods[1] start 1 apart, closer than force_width = 1.5");
+    says(scene("box = 5.0\n", "", "periodic = 5.0\n"),
+         "medium.periodic is given beside medium.field = \"dynamic\"");
+    says(scene("", "method = \"bdf\"\n"),
+         "rods_run.method = \"bdf\": with medium.field = \"dynamic\" rods and medium");
+    says(scene("", "form = \"director\"\n"),
+         "rods_run.form = \"director\": medium.field = \"dynamic\" takes \"angle\"");
+    says(scene("", "turning_tolerance = 1e-4\n"),
+         "rods_run.turning_tolerance needs the exact field on the plane");
+    says(scene("modes = 3\n"), "medium.dynamic.modes = 3: must be >= 4 and <= 2048");
+    says(scene("start = \"still\"\n"), "medium.dynamic.start = \"still\": must be one of steady, rest");
+}
+
 TEST_CASE("field grids and cuts") {
     const std::string medium = "schema = 1\n[medium]\neta = 1\nxi = 1\n";
     says(medium + "[field]\nx = [0, 1]\n", "field.x and field.y come together");

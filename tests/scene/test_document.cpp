@@ -64,11 +64,26 @@ TEST_CASE("the reference names every key once and every table") {
         CHECK_FALSE(info.legal.empty());
     }
     CHECK(names.size() == rodwake::scene::scene_keys().size());
-    for (const std::string table :
-         {"[scales]", "[medium]", "[medium.table]", "[medium.measured]", "[coupling]", "[noise]", "[[rods]]",
-          "[rods_run]", "[field]", "[[field.cuts]]", "[granular]", "[fit]", "[[fit.profiles]]",
-          "[granular.plates]", "[granular.contacts.rod_rod]", "[granular.output]", "[[granular.rods]]",
-          "[[figures]]", "[[variants]]"})
+    for (const std::string table : {"[scales]",
+                                    "[medium]",
+                                    "[medium.table]",
+                                    "[medium.measured]",
+                                    "[medium.dynamic]",
+                                    "[coupling]",
+                                    "[noise]",
+                                    "[[rods]]",
+                                    "[rods_run]",
+                                    "[field]",
+                                    "[[field.cuts]]",
+                                    "[granular]",
+                                    "[fit]",
+                                    "[[fit.profiles]]",
+                                    "[granular.plates]",
+                                    "[granular.contacts.rod_rod]",
+                                    "[granular.output]",
+                                    "[[granular.rods]]",
+                                    "[[figures]]",
+                                    "[[variants]]"})
         CHECK(text.find("## `" + table + "`") != std::string::npos);
 }
 

@@ -108,8 +108,7 @@ TEST_CASE("the legal text of every key tells its choices") {
         if (info.choices.empty())
             continue;
         const auto list = [](const auto& names) { return fmt::format("{}", fmt::join(names, ", ")); };
-        CHECK(info.legal ==
-              list(info.choices) + (info.planned.empty() ? "" : "; not yet: " + list(info.planned)));
+        CHECK(info.legal == list(info.choices));
     }
 }
 
@@ -152,18 +151,13 @@ TEST_CASE("a description that is not the reader's is found out, for every key") 
             CHECK(wrong_in([&](KeyInfo& i) { i.low = middle; }));
             CHECK(wrong_in([&](KeyInfo& i) { i.high = middle; }));
         }
-        if (!info.choices.empty()) {
+        if (!info.choices.empty())
             CHECK(wrong_in([](KeyInfo& i) { i.choices.push_back("planted"); }));
-            CHECK(wrong_in([](KeyInfo& i) { i.planned.push_back("planted"); }) !=
-                  info.type.starts_with("table"));
-        }
     }
 }
 
 TEST_CASE("a refusal needs the key, the place and the whole text") {
     const KeyInfo eta = key_named("medium.eta"), field = key_named("medium.field");
-    const std::string planned =
-        fmt::format("is not available in this version; available: {}", fmt::join(field.choices, ", "));
     const std::string legal = "must be > -1 and <= 1e+12";
     CHECK(is_refused(eta, {"-1", legal}));
     CHECK_FALSE(is_refused(eta, {"1", legal}));
@@ -172,8 +166,6 @@ TEST_CASE("a refusal needs the key, the place and the whole text") {
     CHECK_FALSE(is_refused(key_named("medium.mu"), {"-1", legal}));
     CHECK_FALSE(is_refused(eta, {"-1", "must be > -1"}));
     CHECK_FALSE(is_refused(eta, {"-1", "must be > -1 and <= 1"}));
-    CHECK(is_refused(field, {"\"dynamic\"", planned}));
-    CHECK_FALSE(is_refused(field, {"\"exact\"", planned}));
     CHECK_FALSE(says("must be one of x, y", "must be one of x"));
 }
 

@@ -124,7 +124,7 @@ const std::vector<std::string> bases{
         "[measure]\nmicrorheology = true\norder = true\n[[figures]]\nname = \"s\"\nkind = \"series\"\n"
         "quantity = \"psi6\"\n[[variants]]\nname = \"v\"\nset = { \"granular.runs\" = 2 }\n"),
     two_rods("[medium]\nfitted = true\n[medium.table]\ntolerance = 1e-6\n[medium.measured]\nfile = "
-             "\"m.h5\"\n[noise]\nrotational_diffusion = 0.0\ntime_step = 0.1\n"
+             "\"m.h5\"\n[medium.dynamic]\nbox = 30.0\n[noise]\nrotational_diffusion = 0.0\ntime_step = 0.1\n"
              "[fit]\nparameters = [\"f_over_mu\", \"eta\", \"xi\", \"x0\"]\nloss = \"huber\"\nstarts = 3\n"
              "likelihood = [\"eta\"]\n[[fit.profiles]]\nfile = \"u.csv\"\nrange = [1.0, 9.0]\n"
              "[[figures]]\nname = \"f\"\nkind = \"fit\"\nprofiles = [0]\n"),

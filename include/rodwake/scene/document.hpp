@@ -21,7 +21,6 @@ struct KeyInfo {
     std::string unit_reduced{}, unit_si{}; ///< of a plain number, by the scene's `units`
     bool is_required = false;
     std::vector<std::string> choices{};  ///< names that are legal; empty: not among names
-    std::vector<std::string> planned{};  ///< names that are legal in later versions
     std::optional<double> low{}, high{}; ///< of numbers, in the unit of `legal`
     bool is_low_legal = true;
 };

@@ -9,6 +9,7 @@
 
 #include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/integrate/method.hpp"
+#include "rodwake/medium/dynamic_medium.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/scene/fit.hpp"
 #include "rodwake/scene/granular.hpp"
@@ -34,7 +35,7 @@ struct Scales {
     bool operator==(const Scales&) const = default;
 };
 
-enum class FieldBackend { exact, table, measured, automatic };
+enum class FieldBackend { exact, table, measured, dynamic, automatic };
 enum class PolarBasis { laplacian, divergence };
 
 /// [medium.table]: for backends that interpolate the field. The exact one has no use for it.
@@ -66,8 +67,14 @@ struct Medium {
     FieldBackend field = FieldBackend::exact; ///< automatic: assembly/field_choice.hpp
     std::optional<FieldTable> table;
     std::optional<MeasuredMedium> measured;
-    std::optional<double> periodic; ///< side of the periodic box, f/mu; absent: infinite plane
+    std::optional<medium::DynamicMedium> dynamic; ///< absent: its defaults; only with field = dynamic
+    std::optional<double> periodic; ///< side of the periodic box, f/mu; absent: infinite plane. See box()
     bool fitted = false;            ///< eta and xi come from [fit]; those here mean nothing until then
+
+    bool is_dynamic() const { return field == FieldBackend::dynamic; }
+    medium::DynamicMedium memory() const { return dynamic.value_or(medium::DynamicMedium{}); }
+    /// Side of the periodic box, whichever key gives it; none: infinite plane.
+    std::optional<double> box() const { return is_dynamic() ? std::optional(memory().box) : periodic; }
 
     bool operator==(const Medium&) const = default;
 };

@@ -95,6 +95,10 @@ void require_rods(const scene::Scene& scene) {
         throw InputError(scene.path +
                          ": medium.fitted = true takes eta and xi from [fit]: give eta and xi in "
                          "[medium]");
+    if (scene.medium && scene.medium->is_dynamic())
+        throw InputError(scene.path +
+                         ": rods in a dynamic medium are integrated in one way, to rods_run.rtol: there is "
+                         "nothing to choose");
     if (scene.scan && scan_subject(scene) == scene::ScanSubject::beds)
         throw InputError(scene.path +
                          ": the scan is one of beds, whose cost and error rodwake tradeoff does not "

@@ -1,4 +1,4 @@
-#include "run_parts.hpp"
+#include "rodwake/rods/conclude.hpp"
 
 #include "outcome_text.hpp"
 #include "rodwake/core/error.hpp"
@@ -9,7 +9,32 @@
 
 namespace rodwake::rods {
 
+namespace {
+
 using integrate::State;
+
+/// Ending of all pairs together; sets the pair it is about.
+void classify(RodOutcome& outcome, bool interacting, const StateRates& rates, State y,
+              const SeparationRecord& record, const EndingCriteria& criteria, Box box) {
+    const std::size_t rods = y.size() / 3;
+    std::vector<double> ydot(y.size());
+    rates(y, ydot);
+    bool all_escape = true;
+    for (std::size_t a = 0; a < rods; ++a)
+        for (std::size_t b = a + 1; b < rods; ++b) {
+            const Ending ending = classify_pair(y, ydot, a, b, record.late[a * rods + b], criteria, box);
+            all_escape = all_escape && ending == Ending::escape;
+            if (ending == Ending::pursuit && interacting && outcome.ending != Ending::pursuit) {
+                outcome.ending = Ending::pursuit;
+                const Offset d = offset(y, a, b, box);
+                outcome.pair = {a, b, std::hypot(d.x, d.y)};
+            }
+        }
+    if (all_escape)
+        outcome.ending = Ending::escape;
+}
+
+} // namespace
 
 void validate(const RodProblem& problem) {
     if (problem.rods.empty())
@@ -40,40 +65,17 @@ std::vector<double> output_times(const RodProblem& problem) {
     return times;
 }
 
-namespace {
-
-/// Ending of all pairs together; sets the pair it is about.
-void classify(RodOutcome& outcome, const RodModel& model, State y, const SeparationRecord& record,
-              const EndingCriteria& criteria, Box box) {
-    std::vector<double> ydot(y.size());
-    model.rhs(y, ydot);
-    bool all_escape = true;
-    for (std::size_t a = 0; a < model.rods(); ++a)
-        for (std::size_t b = a + 1; b < model.rods(); ++b) {
-            const Ending ending =
-                classify_pair(y, ydot, a, b, record.late[a * model.rods() + b], criteria, box);
-            all_escape = all_escape && ending == Ending::escape;
-            if (ending == Ending::pursuit && model.interacting() && outcome.ending != Ending::pursuit) {
-                outcome.ending = Ending::pursuit;
-                const Offset d = offset(y, a, b, box);
-                outcome.pair = {a, b, std::hypot(d.x, d.y)};
-            }
-        }
-    if (all_escape)
-        outcome.ending = Ending::escape;
-}
-
-} // namespace
-
-RodOutcome conclude(const RodProblem& problem, const RodModel& model, const integrate::Solution& solution,
-                    SeparationRecord& record, const EndingCriteria& criteria) {
+RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
+                    const integrate::Solution& solution, const SeparationRecord& record,
+                    const EndingCriteria& criteria) {
     const State y = solution.final_state;
+    const std::size_t rods = problem.rods.size();
     RodOutcome outcome;
     outcome.time = solution.final_time;
-    for (std::size_t a = 0; a < model.rods(); ++a)
+    for (std::size_t a = 0; a < rods; ++a)
         outcome.turn.push_back(y[3 * a + 2] - problem.rods[a].heading);
     const bool contact = solution.status.termination == integrate::Termination::stopped_at_event;
-    if (model.rods() > 1) {
+    if (rods > 1) {
         outcome.pair = contact ? closest_pair(y, problem.box) : record.smallest;
     }
     outcome.min_separation = contact ? outcome.pair.distance : record.smallest.distance;
@@ -81,8 +83,8 @@ RodOutcome conclude(const RodProblem& problem, const RodModel& model, const inte
     if (contact)
         outcome.ending = Ending::contact;
     else if (solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
-        classify(outcome, model, y, record, criteria, problem.box);
-    describe(outcome, model.rods(), solution.status);
+        classify(outcome, interacting, rates, y, record, criteria, problem.box);
+    describe(outcome, rods, solution.status);
     return outcome;
 }
 

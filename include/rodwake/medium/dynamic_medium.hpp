@@ -1,0 +1,49 @@
+#pragma once
+// The medium with its memory: no wake is assumed steady (paper Eq. ueq, docs/physics.md).
+//
+//   alpha d_t u = lap u + eta grad div u + sum_b n_b g_w(r - R_b),   g_w = exp(-r^2/(2 w^2))/(2 pi w^2)
+//
+// Reduced units: lengths f/mu, times f/(mu v0), u in f/mu, alpha = (f/mu)/xi. On a periodic square of side
+// `box`, with the wave vectors q = (2 pi/box) (m, n), |m|, |n| < modes/2; the zero mode, which only drifts,
+// is left out. A rod pushes the medium along its heading, as in elastic/field.hpp, where the same rod walking
+// straight for ever has the field U of alpha = 1/xi: its wake there is this medium's for w -> 0, modes ->
+// inf.
+//
+// Against that point force the error of a field is w^2 lap U/2 + O(w^4) away from the rod, as smoothing goes,
+// and exp(-(pi modes w/box)^2/2) from the modes left out (docs/validation.md).
+
+#include "rodwake/elastic/medium.hpp"
+
+#include <cstddef>
+
+namespace rodwake::medium {
+
+/// What the medium holds at t = 0.
+enum class Start {
+    steady, ///< the fields of rods that have always walked straight along their first headings
+    rest    ///< nothing: undeformed
+};
+
+struct DynamicMedium {
+    double box = 40.0;        ///< side, f/mu
+    double force_width = 0.5; ///< w, f/mu: at least a grid spacing, box/modes, at most box/4
+    std::size_t modes = 96;   ///< 4 to 2048
+    bool self_field = false;  ///< each rod in its own field too; false: in those of the others alone
+    Start start = Start::steady;
+
+    bool operator==(const DynamicMedium&) const = default;
+};
+
+/// Without self_field each rod needs a field of its own: at most so many.
+inline constexpr std::size_t most_fields = 64;
+/// What amplitudes and weights of all rods may take; beyond, fewer modes or rods.
+inline constexpr double most_bytes = 2e9;
+
+/// Bytes that `rods` rods take in this medium while they are integrated.
+double bytes_needed(const DynamicMedium& medium, std::size_t rods);
+
+/// Throws InputError for what is outside the domain above, for an illegal elastic medium, and for more rods
+/// than can be held.
+void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::size_t rods);
+
+} // namespace rodwake::medium

@@ -1,0 +1,63 @@
+#pragma once
+// Displacement fields as amplitudes of the modes of a periodic medium (dynamic_medium.hpp).
+//
+//   u(r) = sum_q u_q e^(i q.r),   u_q = l_q q/|q| + t_q z x q/|q|
+//   d_t l_q = -((1 + eta) q^2/alpha) l_q + f_q n.q/|q|,   d_t t_q = -(q^2/alpha) t_q + f_q n.(z x q)/|q|
+//   f_q = e^(-w^2 q^2/2) e^(-i q.R)/(alpha box^2)
+//
+// for a rod at R with heading n. u is real, so half of the wave vectors are kept: rows m = 0 ... half,
+// columns n = -half ... half, half = ceil(modes/2) - 1. In row 0 only n > 0 counts; the rest of it is 0.
+//
+// A field is 4 size() numbers: l_re, l_im, t_re, t_im, each of all modes, row by row. A sum over the modes at
+// a point is exact but for rounding: its error is below 1e-14 of the largest value. Everything is
+// thread-safe.
+
+#include "rodwake/elastic/field.hpp"
+#include "rodwake/medium/dynamic_medium.hpp"
+#include "rodwake/rods/model.hpp"
+
+#include <span>
+#include <vector>
+
+namespace rodwake::medium {
+
+class ModalField {
+public:
+    /// Throws InputError as validate does.
+    ModalField(const elastic::Medium& elastic, const DynamicMedium& medium);
+
+    std::size_t rows() const { return qx_.size(); }
+    std::size_t columns() const { return qy_.size(); }
+    std::size_t size() const { return rows() * columns(); }
+    std::span<const double> qx() const { return qx_; } ///< of each row, mu/f
+    std::span<const double> qy() const { return qy_; } ///< of each column
+
+    // Of each mode, row by row.
+    std::span<const double> unit_x() const { return unit_x_; } ///< q/|q|
+    std::span<const double> unit_y() const { return unit_y_; }
+    std::span<const double> decay_longitudinal() const { return decay_l_; } ///< (1 + eta) q^2/alpha, mu v0/f
+    std::span<const double> decay_transverse() const { return decay_t_; }   ///< q^2/alpha
+    std::span<const double> force() const {
+        return force_;
+    } ///< e^(-w^2 q^2/2)/(alpha box^2), 0 of the zero mode
+
+    /// Adds the field of a rod that has always walked straight:
+    /// l_q = f_q n.q/|q| / ((1 + eta) q^2/alpha - i q.n), t_q alike.
+    void add_steady(const rods::Pose& rod, std::span<double> field) const;
+
+    /// Displacement, strain and polar vectors as asked for (units of elastic/field.hpp), lab frame, of a
+    /// field, or of its difference to another. No dipole, no gradients: InputError.
+    elastic::FieldValues at(double x, double y, elastic::FieldRequest request, std::span<const double> field,
+                            std::span<const double> minus = {}) const;
+
+private:
+    std::vector<double> qx_, qy_, unit_x_, unit_y_, decay_l_, decay_t_, force_;
+};
+
+/// e^(i q c) of each q.
+struct Phases {
+    std::vector<double> re, im;
+};
+Phases phases(std::span<const double> q, double c);
+
+} // namespace rodwake::medium

@@ -1,0 +1,44 @@
+#pragma once
+// Rods in a medium that remembers (dynamic_medium.hpp): rods and modes integrated together.
+//
+//   R_a' = n_a,   theta_a' = z.[n_a x (kappa eps.n_a + gamma1 lap u + gamma2 grad div u)]  at R_a,
+//
+// u the field of the other rods, with self_field that of all. Reduced units, signs and couplings as in
+// rods/model.hpp; places are unwrapped, u is periodic. Where rods/model.hpp turns each wake to its rod's
+// heading at once, here it follows as the medium relaxes: that is the closure this part tests.
+//
+// Error: each step's errors are held to rtol and atol (docs/validation.md has what comes of it at the end). A
+// Gaussian force leaves no singularity where rods meet, so that without a contact distance they pass through
+// each other.
+//
+// Cost: a step takes 12 evaluations of modes^2/2 modes for each rod (bench/medium_bench.cpp).
+
+#include "rodwake/medium/dynamic_medium.hpp"
+#include "rodwake/rods/simulate.hpp"
+
+#include <cstddef>
+#include <span>
+
+namespace rodwake::medium {
+
+/// `rods.medium` gives eta and xi; `rods.box`, if given, is medium.box; no field and no options of sums.
+struct MediumProblem {
+    rods::RodProblem rods;
+    DynamicMedium medium;
+};
+
+/// Runs to t_end or to contact, as rods::simulate, whose options, checkpoints and results these are. The
+/// method is that of this part (ode.method does not count), the form angle. A checkpoint comes every few
+/// seconds and when a run is interrupted; its state: poses, the next step, the amplitudes of the fields.
+/// Deterministic, with the same bits for any rods.sums.threads. Throws InputError for what validate or
+/// rods::simulate would not take, and for rods closer than force_width.
+rods::RodResult simulate(const MediumProblem& problem, const rods::RodOptions& options);
+
+/// Throws InputError if two rods are closer than force_width, through the box's sides too: there the field is
+/// that of the Gaussian, not of a rod.
+void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods);
+
+/// Numbers in a checkpoint's state.
+std::size_t state_size(const DynamicMedium& medium, std::size_t rods);
+
+} // namespace rodwake::medium

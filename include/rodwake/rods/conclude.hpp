@@ -1,0 +1,27 @@
+#pragma once
+// What every way of integrating rods begins and ends with: a problem that can be posed, and the outcome of
+// its solution. For integrators of other models than rods/model.hpp.
+
+#include "rodwake/rods/simulate.hpp"
+
+#include <vector>
+
+namespace rodwake::rods {
+
+/// Throws InputError for an ill-posed problem, as simulate does.
+void validate(const RodProblem& problem);
+
+/// Those of the problem, and t_end.
+std::vector<double> output_times(const RodProblem& problem);
+
+/// The outcome of a solution by poses. `rates`: of the final state; `interacting`: rods that do not cannot
+/// pursue each other.
+RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
+                    const integrate::Solution& solution, const SeparationRecord& record,
+                    const EndingCriteria& criteria);
+
+/// A solve that fails with two rods nearly in one place failed because their fields are singular there: the
+/// status then says so.
+void explain_collision(integrate::Solution& solution, Box box);
+
+} // namespace rodwake::rods

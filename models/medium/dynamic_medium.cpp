@@ -1,0 +1,61 @@
+#include "rodwake/medium/dynamic_medium.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::medium {
+
+namespace {
+
+constexpr std::size_t fewest_modes = 4, most_modes = 2048;
+
+void check_lengths(const DynamicMedium& m) {
+    if (!(m.box > 0.0 && std::isfinite(m.box)))
+        throw InputError(
+            fmt::format("box = {}: the side of the periodic medium must be > 0 and finite", m.box));
+    if (m.modes < fewest_modes || m.modes > most_modes)
+        throw InputError(fmt::format("modes = {}: must be {} to {}", m.modes, fewest_modes, most_modes));
+    if (!(m.force_width > 0.0 && std::isfinite(m.force_width)))
+        throw InputError(fmt::format("force_width = {}: must be > 0 and finite", m.force_width));
+    const double spacing = m.box / static_cast<double>(m.modes);
+    if (m.force_width < spacing)
+        throw InputError(
+            fmt::format("force_width = {} is below the grid spacing box/modes = {:.4g}: take modes = "
+                        "{:.0f} or more, or a wider force",
+                        m.force_width, spacing, std::ceil(m.box / m.force_width)));
+    if (m.box < 4.0 * m.force_width)
+        throw InputError(
+            fmt::format("box = {} is less than 4 force_width = {}: the force would overlap its own "
+                        "images",
+                        m.box, 4.0 * m.force_width));
+}
+
+} // namespace
+
+double bytes_needed(const DynamicMedium& medium, std::size_t rods) {
+    const double modes = 0.5 * static_cast<double>(medium.modes) * static_cast<double>(medium.modes);
+    // amplitudes: four numbers a mode in each of eight states of the fields; weights: ten complex numbers a
+    // rod
+    const double fields = medium.self_field ? 1.0 : static_cast<double>(rods);
+    return 8.0 * modes * (32.0 * fields + 20.0 * static_cast<double>(rods));
+}
+
+void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::size_t rods) {
+    elastic::validate(elastic);
+    check_lengths(medium);
+    if (!medium.self_field && rods > most_fields)
+        throw InputError(
+            fmt::format("self_field = false keeps a field for each rod, of at most {} rods, not {}: take "
+                        "fewer rods or self_field = true, which has one field for all",
+                        most_fields, rods));
+    if (bytes_needed(medium, rods) > most_bytes)
+        throw InputError(
+            fmt::format("modes = {} and {} rods would take {:.3g} GB: at most {:.3g}; take fewer modes or "
+                        "rods",
+                        medium.modes, rods, 1e-9 * bytes_needed(medium, rods), 1e-9 * most_bytes));
+}
+
+} // namespace rodwake::medium

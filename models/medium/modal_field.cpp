@@ -1,0 +1,179 @@
+#include "rodwake/medium/modal_field.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::medium {
+
+namespace {
+
+/// Sums over the rows of p u, q_x p u, q_x^2 p u (p = e^(i q_x x)), column by column, for each component of
+/// u.
+struct ColumnSums {
+    struct Component {
+        std::vector<double> re, im;
+    };
+    std::array<std::array<Component, 2>, 3> power;
+
+    ColumnSums(std::size_t columns, std::size_t powers) {
+        for (std::size_t k = 0; k < powers; ++k)
+            for (Component& c : power[k])
+                c = {std::vector<double>(columns), std::vector<double>(columns)};
+    }
+};
+
+/// Cartesian components of one row of a field.
+struct Row {
+    std::array<ColumnSums::Component, 2> u;
+
+    explicit Row(std::size_t columns) {
+        for (ColumnSums::Component& c : u)
+            c = {std::vector<double>(columns), std::vector<double>(columns)};
+    }
+    void clear() {
+        for (ColumnSums::Component& c : u) {
+            std::ranges::fill(c.re, 0.0);
+            std::ranges::fill(c.im, 0.0);
+        }
+    }
+};
+
+void load_row(const ModalField& modes, std::size_t row, std::span<const double> field, double sign,
+              Row& out) {
+    const std::size_t n = modes.columns(), size = modes.size(), first = row * n;
+    const double *ux = &modes.unit_x()[first], *uy = &modes.unit_y()[first];
+    for (std::size_t part = 0; part < 2; ++part) { // real, imaginary
+        const double *l = &field[part * size + first], *t = &field[(2 + part) * size + first];
+        double* x = (part == 0 ? out.u[0].re : out.u[0].im).data();
+        double* y = (part == 0 ? out.u[1].re : out.u[1].im).data();
+        for (std::size_t i = 0; i < n; ++i) {
+            x[i] += sign * (ux[i] * l[i] - uy[i] * t[i]);
+            y[i] += sign * (uy[i] * l[i] + ux[i] * t[i]);
+        }
+    }
+}
+
+void add_row(const Row& row, double re, double im, std::array<ColumnSums::Component, 2>& sums) {
+    for (std::size_t c = 0; c < 2; ++c) {
+        const double *ur = row.u[c].re.data(), *ui = row.u[c].im.data();
+        double *sr = sums[c].re.data(), *si = sums[c].im.data();
+        for (std::size_t i = 0; i < row.u[c].re.size(); ++i) {
+            sr[i] += re * ur[i] - im * ui[i];
+            si[i] += re * ui[i] + im * ur[i];
+        }
+    }
+}
+
+/// sum over columns of q_y^j p_y s for j = 0, 1, 2.
+struct Moments {
+    std::array<double, 3> re{}, im{};
+};
+
+Moments moments(const ColumnSums::Component& s, std::span<const double> qy, const Phases& p) {
+    Moments sum;
+    for (std::size_t i = 0; i < s.re.size(); ++i) {
+        const double re = p.re[i] * s.re[i] - p.im[i] * s.im[i], im = p.re[i] * s.im[i] + p.im[i] * s.re[i];
+        double weight = 1.0;
+        for (std::size_t j = 0; j < 3; ++j, weight *= qy[i]) {
+            sum.re[j] += weight * re;
+            sum.im[j] += weight * im;
+        }
+    }
+    return sum;
+}
+
+} // namespace
+
+Phases phases(std::span<const double> q, double c) {
+    Phases p{std::vector<double>(q.size()), std::vector<double>(q.size())};
+    for (std::size_t i = 0; i < q.size(); ++i) {
+        p.re[i] = std::cos(q[i] * c);
+        p.im[i] = std::sin(q[i] * c);
+    }
+    return p;
+}
+
+ModalField::ModalField(const elastic::Medium& elastic, const DynamicMedium& medium) {
+    validate(elastic, medium, 1);
+    const std::size_t half = (medium.modes + 1) / 2 - 1;
+    const double unit = 2.0 * std::numbers::pi / medium.box, alpha = 1.0 / elastic.xi;
+    for (std::size_t m = 0; m <= half; ++m)
+        qx_.push_back(unit * static_cast<double>(m));
+    for (std::size_t n = 0; n <= 2 * half; ++n)
+        qy_.push_back(unit * (static_cast<double>(n) - static_cast<double>(half)));
+    for (const double x : qx_)
+        for (const double y : qy_) {
+            const double q2 = x * x + y * y, q = std::sqrt(q2);
+            const bool kept = x > 0.0 || y > 0.0;
+            unit_x_.push_back(kept ? x / q : 1.0);
+            unit_y_.push_back(kept ? y / q : 0.0);
+            decay_l_.push_back((1.0 + elastic.eta) * q2 / alpha);
+            decay_t_.push_back(q2 / alpha);
+            force_.push_back(kept ? std::exp(-0.5 * medium.force_width * medium.force_width * q2) /
+                                        (alpha * medium.box * medium.box)
+                                  : 0.0);
+        }
+}
+
+void ModalField::add_steady(const rods::Pose& rod, std::span<double> field) const {
+    const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
+    const Phases px = phases(qx_, -rod.x), py = phases(qy_, -rod.y);
+    const auto add = [&](std::size_t i, std::size_t block, double along, double decay, double qn, double re,
+                         double im) {
+        const double scale = force_[i] * along / (decay * decay + qn * qn); // of 1/(decay - i qn)
+        field[block * size() + i] += scale * (re * decay - im * qn);
+        field[(block + 1) * size() + i] += scale * (re * qn + im * decay);
+    };
+    for (std::size_t row = 0, i = 0; row < rows(); ++row)
+        for (std::size_t column = 0; column < columns(); ++column, ++i) {
+            if (force_[i] == 0.0)
+                continue;
+            const double re = px.re[row] * py.re[column] - px.im[row] * py.im[column];
+            const double im = px.re[row] * py.im[column] + px.im[row] * py.re[column];
+            const double qn = qx_[row] * nx + qy_[column] * ny;
+            add(i, 0, nx * unit_x_[i] + ny * unit_y_[i], decay_l_[i], qn, re, im);
+            add(i, 2, ny * unit_x_[i] - nx * unit_y_[i], decay_t_[i], qn, re, im);
+        }
+}
+
+elastic::FieldValues ModalField::at(double x, double y, elastic::FieldRequest request,
+                                    std::span<const double> field, std::span<const double> minus) const {
+    if (request.dipole || request.gradients)
+        throw InputError(
+            "a dynamic medium gives displacement, strain and polar vectors: no dipole, no gradients");
+    const std::size_t powers = request.polar ? 3 : request.strain ? 2 : 1;
+    const Phases px = phases(qx_, x), py = phases(qy_, y);
+    ColumnSums sums(columns(), powers);
+    Row u(columns());
+    for (std::size_t row = 0; row < rows(); ++row) {
+        u.clear();
+        load_row(*this, row, field, 1.0, u);
+        if (!minus.empty())
+            load_row(*this, row, minus, -1.0, u);
+        double weight = 1.0;
+        for (std::size_t k = 0; k < powers; ++k, weight *= qx_[row])
+            add_row(u, weight * px.re[row], weight * px.im[row], sums.power[k]);
+    }
+    std::array<std::array<Moments, 2>, 3> s;
+    for (std::size_t k = 0; k < powers; ++k)
+        for (std::size_t c = 0; c < 2; ++c)
+            s[k][c] = moments(sums.power[k][c], qy_, py);
+    // twice the real part, as the other half of the modes is the conjugate; s[k][c].re[j]: d_x^k d_y^j of u_c
+    elastic::FieldValues values = elastic::unrequested();
+    if (request.displacement)
+        values.displacement = {2.0 * s[0][0].re[0], 2.0 * s[0][1].re[0]};
+    if (request.strain)
+        values.strain = {-2.0 * s[1][0].im[0], -(s[0][0].im[1] + s[1][1].im[0]), -2.0 * s[0][1].im[1]};
+    if (request.polar) {
+        values.laplacian = {-2.0 * (s[2][0].re[0] + s[0][0].re[2]), -2.0 * (s[2][1].re[0] + s[0][1].re[2])};
+        values.gradient_of_trace = {-2.0 * (s[2][0].re[0] + s[1][1].re[1]),
+                                    -2.0 * (s[1][0].re[1] + s[0][1].re[2])};
+    }
+    return values;
+}
+
+} // namespace rodwake::medium

@@ -1,0 +1,287 @@
+#include "rodwake/medium/simulate.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/medium/modal_field.hpp"
+#include "rodwake/rods/conclude.hpp"
+#include "step_control.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace rodwake::medium {
+
+namespace {
+
+using integrate::State;
+using rods::RodCheckpoint;
+using rods::RodOptions;
+using rods::RodProblem;
+
+/// The problem as rods see it: in the medium's box.
+RodProblem in_box(const MediumProblem& problem) {
+    RodProblem rods = problem.rods;
+    if (rods.box && *rods.box != problem.medium.box)
+        throw InputError(fmt::format("the rods' box of {} is not that of the dynamic medium, {}", *rods.box,
+                                     problem.medium.box));
+    rods.box = problem.medium.box;
+    return rods;
+}
+
+void check(const RodProblem& rods, const DynamicMedium& medium, const RodOptions& options) {
+    rods::validate(rods);
+    if (!rods.medium)
+        throw InputError("rods in a dynamic medium need its eta and xi");
+    validate(*rods.medium, medium, rods.rods.size());
+    if (options.form != rods::Form::angle)
+        throw InputError("rods in a dynamic medium are integrated in form \"angle\"");
+    if (rods.field || rods.sums.turning_tolerance != 0.0 || rods.sums.accuracy != elastic::Accuracy::full)
+        throw InputError("a dynamic medium takes no other field, no turning_tolerance and no lower accuracy");
+    if (!(options.ode.rtol >= 1e-13 && options.ode.rtol <= 0.1 && options.ode.atol > 0.0))
+        throw InputError(fmt::format("rtol = {}, atol = {}: rtol must be 1e-13 to 0.1, atol > 0",
+                                     options.ode.rtol, options.ode.atol));
+    validate_start(medium, rods.rods);
+}
+
+RodCheckpoint beginning(const RodProblem& problem, ExponentialStep& method, const EndingCriteria& criteria) {
+    constexpr double first_step = 0.05; // f/(mu v0); too long a step is rejected
+    const Coupled start = method.start(rods::to_state(problem.rods));
+    RodCheckpoint from;
+    from.state = start.poses;
+    from.state.push_back(first_step);
+    from.statistics.rhs_evaluations = 1;
+    from.state.insert(from.state.end(), start.fields.begin(), start.fields.end());
+    from.record =
+        rods::start_record(start.poses, (1.0 - criteria.steady_fraction) * problem.t_end, problem.box);
+    return from;
+}
+
+/// First time in a step at which two rods are as close as `distance`: the later end of a bracket of rounding.
+std::optional<double> contact_time(const DoubleStep& step, double distance, rods::Box box) {
+    const auto near = [&](State y) { return rods::closest_pair(y, box).distance <= distance; };
+    const double times[] = {step.time, step.time + step.half, step.end()};
+    for (std::size_t k = 0; k < 2; ++k) {
+        const integrate::Step half{times[k], times[k + 1], step.poses[k], step.poses[k + 1]};
+        double before = half.time_before, after = half.time;
+        if (!near(half.state)) {
+            const auto approach = rods::closest_approach(half, box, distance);
+            if (!approach || !near(step.at(approach->time)))
+                continue;
+            after = approach->time;
+        }
+        for (double middle = 0.5 * (before + after); before < middle && middle < after;
+             middle = 0.5 * (before + after))
+            (near(step.at(middle)) ? after : before) = middle;
+        return after;
+    }
+    return std::nullopt;
+}
+
+/// A part of what is asked for: steps are many, and their errors add up. atol as rods::simulate caps it.
+Tolerance tolerance(const integrate::OdeOptions& ode) {
+    constexpr double share = 1.0 / 64.0, smallest = 1e-13;
+    return {std::max(share * ode.rtol, smallest), share * std::min(ode.atol, 0.1 * ode.rtol)};
+}
+
+/// A checkpoint every few seconds; a step costs as much as modes times rods.
+long segment_steps(const DynamicMedium& medium, std::size_t rods) {
+    const auto modes = static_cast<double>(medium.modes);
+    return static_cast<long>(std::clamp(8e6 / (modes * modes * static_cast<double>(rods)), 20.0, 2000.0));
+}
+
+/// One run on its way.
+class Run {
+public:
+    Run(const RodProblem& problem, const DynamicMedium& medium, const RodOptions& options)
+        : problem_(problem), options_(options), width_(medium.force_width),
+          times_(rods::output_times(problem)),
+          method_(*problem.medium, medium, problem.couplings, problem.rods.size(), problem.sums.threads),
+          from_(options.resume_from ? *options.resume_from : beginning(problem, method_, options.criteria)),
+          record_(from_.record), outputs_(from_.outputs),
+          control_(method_, tolerance(options.ode), coupled(from_.state), from_.time,
+                   from_.state[3 * problem.rods.size()]),
+          segment_(std::min(options.ode.segment_steps, segment_steps(medium, problem.rods.size()))) {}
+
+    rods::RodResult finish() {
+        add_outputs(control_.time(), control_.state().poses);
+        while (control_.time() < problem_.t_end && !ended_)
+            step();
+        conclude_solution();
+        rods::RodResult result;
+        result.outcome = rods::conclude(
+            problem_, problem_.couplings.any(),
+            [&](State, std::span<double> ydot) { std::ranges::copy(final_rates_, ydot.begin()); }, solution_,
+            record_, options_.criteria);
+        result.solution = std::move(solution_);
+        return result;
+    }
+
+private:
+    Coupled coupled(const std::vector<double>& state) const {
+        const auto poses = static_cast<std::ptrdiff_t>(3 * problem_.rods.size());
+        return {{state.begin(), state.begin() + poses}, {state.begin() + poses + 1, state.end()}};
+    }
+
+    /// No longer than rods take to pass each other, or the width of a force, which the field resolves.
+    double longest() const {
+        const double limit =
+            problem_.rods.size() < 2
+                ? std::numeric_limits<double>::infinity()
+                : std::max(rods::encounter_step(control_.state().poses, problem_.box), width_);
+        return options_.ode.max_step > 0.0 ? std::min(limit, options_.ode.max_step) : limit;
+    }
+
+    void step() {
+        if (options_.ode.stop_requested && options_.ode.stop_requested()) {
+            if (options_.on_checkpoint) // the method has no history: any step will do
+                options_.on_checkpoint(checkpoint());
+            return end(integrate::Termination::interrupted);
+        }
+        if (statistics().steps >= options_.ode.max_steps)
+            return fail("TOO_MANY_STEPS", fmt::format("{} steps were not enough", options_.ode.max_steps),
+                        "raise rods_run.max_steps or rods_run.rtol");
+        if (!control_.advance(longest(), problem_.t_end, failures_))
+            return fail("STEP_TOO_SMALL", "no step keeps the tolerance",
+                        "raise rods_run.rtol or medium.dynamic.force_width");
+        ++steps_;
+        const DoubleStep& last = control_.last();
+        const auto contact = problem_.contact_distance && problem_.rods.size() > 1
+                                 ? contact_time(last, *problem_.contact_distance, problem_.box)
+                                 : std::nullopt;
+        add_step(contact.value_or(control_.time()));
+        if (contact)
+            return meet(*contact);
+        if (options_.on_checkpoint && steps_ % segment_ == 0 && control_.time() < problem_.t_end)
+            options_.on_checkpoint(checkpoint());
+    }
+
+    /// Outputs and separations up to `until`, at most the end of the last step.
+    void add_step(double until) {
+        const DoubleStep& last = control_.last();
+        while (outputs_.size() < times_.size() && times_[outputs_.size()] <= until)
+            outputs_.push_back(times_[outputs_.size()] == control_.time() ? control_.state().poses
+                                                                          : last.at(times_[outputs_.size()]));
+        const double middle = last.time + last.half;
+        if (until <= middle)
+            return add_part(last.time, last.poses[0], until, until < middle ? last.at(until) : last.poses[1]);
+        add_part(last.time, last.poses[0], middle, last.poses[1]);
+        add_part(middle, last.poses[1], until, until < control_.time() ? last.at(until) : last.poses[2]);
+    }
+
+    void add_part(double before, State state_before, double after, State state) {
+        const integrate::Step part{before, after, state_before, state};
+        const auto rates = [&](State y,
+                               std::span<double> ydot) { // of the step, at the three times that are asked for
+            const double when = y.data() == state.data()          ? after
+                                : y.data() == state_before.data() ? before
+                                                                  : record_.late_from;
+            std::ranges::copy(control_.last().rates_at(when), ydot.begin());
+        };
+        rods::add_step(record_, part, rates, problem_.box);
+        if (options_.ode.on_step)
+            options_.ode.on_step(part);
+    }
+
+    void add_outputs(double until, const std::vector<double>& poses) {
+        while (outputs_.size() < times_.size() && times_[outputs_.size()] <= until)
+            outputs_.push_back(poses);
+    }
+
+    void meet(double time) {
+        solution_.final_time = time;
+        solution_.final_state = control_.last().at(time);
+        solution_.hits.push_back({0, time, solution_.final_state});
+        end(integrate::Termination::stopped_at_event);
+    }
+
+    void end(integrate::Termination how) {
+        solution_.status.termination = how;
+        ended_ = true;
+    }
+
+    void fail(std::string flag, std::string cause, std::string advice) {
+        integrate::Status& status = solution_.status;
+        status.flag = std::move(flag);
+        status.cause = std::move(cause);
+        status.advice = std::move(advice);
+        end(integrate::Termination::failed);
+    }
+
+    integrate::Statistics statistics() const {
+        integrate::Statistics all = from_.statistics;
+        all.steps += steps_;
+        all.rhs_evaluations += control_.evaluations();
+        all.error_test_failures += failures_;
+        return all;
+    }
+
+    RodCheckpoint checkpoint() const {
+        RodCheckpoint now;
+        now.time = control_.time();
+        now.state = control_.state().poses;
+        now.state.push_back(control_.next_step());
+        now.state.insert(now.state.end(), control_.state().fields.begin(), control_.state().fields.end());
+        for (std::size_t rod = 0; rod < problem_.rods.size(); ++rod)
+            now.headings.push_back(control_.state().poses[3 * rod + 2]);
+        now.outputs = outputs_;
+        now.record = record_;
+        now.statistics = statistics();
+        return now;
+    }
+
+    void conclude_solution() {
+        if (solution_.final_state.empty()) {
+            solution_.final_time = control_.time();
+            solution_.final_state = control_.state().poses;
+        }
+        final_rates_ = control_.rates();
+        solution_.times.assign(times_.begin(), times_.begin() + static_cast<std::ptrdiff_t>(outputs_.size()));
+        solution_.states = outputs_;
+        solution_.statistics = statistics();
+        solution_.status.reached = solution_.final_time;
+        solution_.status.wanted = problem_.t_end;
+        solution_.status.step = control_.next_step();
+        solution_.status.order = 4;
+    }
+
+    const RodProblem& problem_;
+    const RodOptions& options_;
+    double width_;
+    std::vector<double> times_;
+    ExponentialStep method_;
+    RodCheckpoint from_;
+    rods::SeparationRecord record_;
+    std::vector<std::vector<double>> outputs_;
+    StepControl control_;
+    long segment_, steps_ = 0, failures_ = 0;
+    bool ended_ = false;
+    integrate::Solution solution_;
+    std::vector<double> final_rates_;
+};
+
+} // namespace
+
+void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods) {
+    if (rods.size() < 2)
+        return;
+    const rods::Separation pair = rods::closest_pair(rods::to_state(rods), medium.box);
+    if (pair.distance < medium.force_width)
+        throw InputError(
+            fmt::format("rods[{}] and rods[{}] start {:.4g} apart, closer than force_width = {}: start them "
+                        "farther apart or take a narrower force",
+                        pair.first, pair.second, pair.distance, medium.force_width));
+}
+
+std::size_t state_size(const DynamicMedium& medium, std::size_t rods) {
+    const std::size_t half = (medium.modes + 1) / 2 - 1, size = (half + 1) * (2 * half + 1);
+    return 3 * rods + 1 + 4 * size * (medium.self_field ? 1 : rods);
+}
+
+rods::RodResult simulate(const MediumProblem& problem, const rods::RodOptions& options) {
+    const RodProblem rods = in_box(problem);
+    check(rods, problem.medium, options);
+    return Run(rods, problem.medium, options).finish();
+}
+
+} // namespace rodwake::medium

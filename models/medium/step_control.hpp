@@ -1,0 +1,60 @@
+#pragma once
+// Step after step of rods and medium, each as long as the tolerance lets it be.
+//
+// A step is taken twice, whole and in two halves. The difference over 15 is the error of the halves, which is
+// taken off (local error of order 6 in the step). Two things are held to the tolerance: the poses, and the
+// turning rates that the error of the fields makes in a unit of time, f/(mu v0), as fields last.
+
+#include "exponential_step.hpp"
+
+#include <array>
+
+namespace rodwake::medium {
+
+struct Tolerance {
+    double rtol = 1e-8, atol = 1e-10; ///< of coordinate y: rtol min(|y|, 1) + atol
+};
+
+/// Poses during a step: before it, in its middle, after it.
+struct DoubleStep {
+    double time = 0.0, half = 0.0; ///< where it begins, half its length
+    std::array<std::vector<double>, 3> poses, rates;
+
+    double end() const { return time + 2.0 * half; }
+    /// The polynomial of degree 5 through places and rates.
+    std::vector<double> at(double when) const;
+    /// Its derivative.
+    std::vector<double> rates_at(double when) const;
+};
+
+class StepControl {
+public:
+    /// `rates`: of the rods in `state`, as ExponentialStep::rates gives them.
+    StepControl(ExponentialStep& method, Tolerance tolerance, Coupled state, double time, double step);
+
+    /// One step to `limit` at the latest, `longest` at most; false if none short enough keeps the tolerance.
+    /// `failures` grows by the steps that did not.
+    bool advance(double longest, double limit, long& failures);
+
+    const DoubleStep& last() const { return last_; }
+    const Coupled& state() const { return state_; }
+    const std::vector<double>& rates() const { return rates_; }
+    double time() const { return time_; }
+    double next_step() const { return step_; }        ///< that is tried next
+    long evaluations() const { return evaluations_; } ///< but for those of the start
+
+private:
+    void attempt(double step);
+    double error();
+    void accept(double step, double limit);
+
+    ExponentialStep& method_;
+    Tolerance tolerance_;
+    Coupled state_, whole_, middle_, end_;
+    std::vector<double> rates_, middle_rates_, field_error_, rate_error_;
+    double time_, step_;
+    DoubleStep last_;
+    long evaluations_ = 0;
+};
+
+} // namespace rodwake::medium

@@ -1,0 +1,127 @@
+// Runs: against another integrator, to contact, resumed, over threads.
+
+#include "reference_run.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+namespace rodwake::medium {
+
+namespace {
+
+MediumProblem pair(bool self_field, Start start) {
+    MediumProblem p;
+    p.rods.medium = elastic::Medium{1.0, 1.0};
+    p.rods.couplings = {3.0, 1.0, -0.5};
+    p.rods.rods = {{0.0, 1.5, -0.1}, {0.3, -1.5, 0.2}};
+    p.rods.t_end = 4.0;
+    p.medium = {.box = 8.0, .force_width = 0.6, .modes = 16, .self_field = self_field, .start = start};
+    return p;
+}
+
+rods::RodOptions tolerance(double rtol) {
+    rods::RodOptions options;
+    options.ode.rtol = rtol;
+    options.ode.atol = 0.01 * rtol;
+    return options;
+}
+
+/// Side by side; they meet.
+MediumProblem meeting() {
+    MediumProblem p = pair(false, Start::steady);
+    p.rods.couplings = {30.0, 0.0, 0.0};
+    p.rods.rods = {{0.0, 1.5, 0.0}, {0.0, -1.5, 0.0}};
+    p.rods.t_end = 20.0;
+    p.rods.output_times = {0.0, 1.0, 2.5};
+    p.rods.contact_distance = 0.5;
+    return p;
+}
+
+} // namespace
+
+TEST_CASE("a turning pair is that of another integrator to 1e-7") {
+    for (const bool remembers : {false, true}) {
+        const MediumProblem problem = pair(remembers, remembers ? Start::rest : Start::steady);
+        const std::vector<double> reference =
+            tests::reference_run(problem, 1000); // to 2e-10, by halving its step
+        const rods::RodResult result = simulate(problem, tolerance(1e-8));
+        CAPTURE(remembers);
+        REQUIRE(std::abs(reference[2] + 0.1) > 0.05); // it turns
+        CHECK(tests::distance(result.solution.final_state, reference) < 1e-7);
+        CHECK(tests::distance(simulate(problem, tolerance(1e-11)).solution.final_state, reference) < 1e-9);
+    }
+}
+
+TEST_CASE("states inside a step are as good as those at its ends") {
+    MediumProblem problem = pair(false, Start::steady);
+    for (int i = 1; i < 200; ++i)
+        problem.rods.output_times.push_back(0.02 * i);
+    const rods::RodResult rough = simulate(problem, tolerance(1e-7)),
+                          fine = simulate(problem, tolerance(1e-11));
+    REQUIRE(rough.solution.statistics.steps < 80);
+    for (std::size_t i = 0; i < rough.solution.states.size(); ++i)
+        CHECK(tests::distance(rough.solution.states[i], fine.solution.states[i]) < 1e-6);
+}
+
+TEST_CASE("a run stops at contact, at the contact distance") {
+    const rods::RodResult result = simulate(meeting(), tolerance(1e-8)),
+                          fine = simulate(meeting(), tolerance(1e-11));
+    CHECK(result.outcome.ending == Ending::contact);
+    CHECK(result.outcome.min_separation == Approx(0.5).epsilon(1e-12));
+    CHECK(result.outcome.time == Approx(fine.outcome.time).epsilon(1e-7));
+    CHECK(result.outcome.time < 20.0);
+    CHECK(result.solution.times == std::vector<double>{0.0, 1.0, 2.5});
+    CHECK(result.solution.final_time == result.outcome.time);
+    // mirror images of each other
+    const std::vector<double>& y = result.solution.final_state;
+    CHECK(y[0] == Approx(y[3]).epsilon(1e-10));
+    CHECK(y[1] == Approx(-y[4]).epsilon(1e-10));
+}
+
+TEST_CASE("a run that is taken up again goes on to the bit, on any number of threads") {
+    MediumProblem problem = meeting();
+    rods::RodOptions options = tolerance(1e-8);
+    options.ode.segment_steps = 10;
+    const rods::RodResult whole = simulate(problem, options);
+    std::optional<rods::RodCheckpoint> kept;
+    options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) { kept = checkpoint; };
+    options.ode.stop_requested = [&] { return kept.has_value(); };
+    const rods::RodResult part = simulate(problem, options);
+    REQUIRE(kept.has_value());
+    CHECK(part.solution.status.termination == integrate::Termination::interrupted);
+    CHECK(kept->state.size() == state_size(problem.medium, 2));
+    options.resume_from = kept;
+    options.on_checkpoint = nullptr;
+    options.ode.stop_requested = nullptr;
+    problem.rods.sums.threads = 2;
+    const rods::RodResult rest = simulate(problem, options);
+    CHECK(rest.solution.final_time == whole.solution.final_time);
+    CHECK(rest.solution.final_state == whole.solution.final_state);
+    CHECK(rest.solution.states == whole.solution.states);
+    CHECK(rest.solution.statistics.steps == whole.solution.statistics.steps);
+    CHECK(rest.outcome.min_separation == whole.outcome.min_separation);
+}
+
+TEST_CASE("a single rod turns in its own memory alone") {
+    MediumProblem problem = pair(false, Start::rest);
+    problem.rods.rods.resize(1);
+    CHECK(simulate(problem, tolerance(1e-8)).outcome.turn[0] == 0.0);
+    problem.medium.self_field = true;
+    const std::vector<double> reference = tests::reference_run(problem, 800);
+    const rods::RodResult result = simulate(problem, tolerance(1e-8));
+    CHECK(std::abs(result.outcome.turn[0]) > 1e-6); // the box's images, askew to the heading
+    CHECK(tests::distance(result.solution.final_state, reference) < 1e-7);
+}
+
+TEST_CASE("a run that may take no more steps says so") {
+    rods::RodOptions options = tolerance(1e-8);
+    options.ode.max_steps = 3;
+    const rods::RodResult result = simulate(meeting(), options);
+    CHECK(result.solution.status.termination == integrate::Termination::failed);
+    CHECK(result.solution.status.flag == "TOO_MANY_STEPS");
+    CHECK(result.outcome.ending == Ending::undecided);
+}
+
+} // namespace rodwake::medium
