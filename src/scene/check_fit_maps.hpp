@@ -8,6 +8,7 @@
 namespace rodwake::scene {
 
 /// Calls `report` with a key's path and what is wrong there.
-void check_fit_maps(const Fit& fit, const std::function<void(const std::string&, const std::string&)>& report);
+void check_fit_maps(const Fit& fit,
+                    const std::function<void(const std::string&, const std::string&)>& report);
 
 } // namespace rodwake::scene

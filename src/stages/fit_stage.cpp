@@ -83,6 +83,10 @@ void log_results(const assembly::FitPlan& plan, const FitResults& results, const
     log->info("fit: chi2 = {:.4g} for {} degrees of freedom; {} of {} starts ended there; {} ({})", r.chi2,
               r.dof, r.same_optimum, results.fit.starts.size(), to_string(results.fit.termination),
               results.fit.reason);
+    for (std::size_t k = 0; k < results.systematics.total.size(); ++k)
+        if (const fitting::Estimate& e = results.report.estimates[k]; e.free)
+            log->info("fit: {} = {:.6g} +- {:.2g} with what held constants, masks and runs add", e.name,
+                      e.value, results.systematics.total[k]);
     for (const std::string& remark : r.diagnostics)
         log->warn("fit: {}", remark);
 }
@@ -109,16 +113,11 @@ bool add_likelihoods(const assembly::FitPlan& plan, const fitting::Method& metho
 }
 
 /// False if a signal stopped it.
-bool add_systematics(const assembly::FitPlan& plan, const fitting::Method& method, FitResults& results,
-                     const Logger& log) {
+bool add_systematics(const assembly::FitPlan& plan, const fitting::Method& method, FitResults& results) {
     auto found = fit_systematics(plan, method, results.fit, results.report);
     if (!found)
         return false;
     results.systematics = std::move(*found);
-    for (std::size_t k = 0; k < results.systematics.total.size(); ++k)
-        if (const fitting::Estimate& e = results.report.estimates[k]; e.free)
-            log->info("fit: {} = {:.6g} +- {:.2g} with what held constants, masks and runs add", e.name,
-                      e.value, results.systematics.total[k]);
     return true;
 }
 
@@ -178,7 +177,7 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const assembly::FitPlan&
     }
     FitResults results = fit_results(plan, std::move(fit));
     stopped = stopped || !add_likelihoods(plan, method, results, context, log) ||
-              !add_systematics(plan, method, results, log);
+              !add_systematics(plan, method, results);
     write_fit(folder, plan, results, {context.command});
     log_results(plan, results, log);
     if (!stopped)
