@@ -12,8 +12,7 @@ namespace rodwake::assembly {
 /// times measure.interval.
 template<class Sums, class Options>
 void include_sums(MeasurePlan& plan, const char* name, const Options& options, std::size_t every = 1) {
-    plan.sums.include(name, measure::Accumulator(Sums(plan.sums.layout(), options)),
-                      every * plan.stride);
+    plan.sums.include(name, measure::Accumulator(Sums(plan.sums.layout(), options)), every * plan.stride);
 }
 
 Value count_value(std::size_t count);

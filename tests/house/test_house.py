@@ -31,7 +31,8 @@ ONLY_IN = {
     "integrate": re.compile(r"^(sundials|cvodes|cvode|arkode|idas|ida|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)\b"),
     "store": re.compile(r"^(hdf5|H5|hdf5_hl)"),
     "scene": re.compile(r"^toml\+\+"),
-    "fitting": re.compile(r"^(nlopt|unsupported/Eigen)"),
+    "fitting": re.compile(r"^nlopt"),
+    "fitting|measure": re.compile(r"^unsupported/Eigen"),  # Levenberg and Marquardt's search
     "cli": re.compile(r"^(CLI/|spdlog/sinks/stdout)"),  # the terminal
     "stages|cli": re.compile(r"^spdlog/"),
     "core": re.compile(r"^Random123/"),

@@ -82,7 +82,7 @@ TEST_CASE("mechanics: errors are those of the drift") {
         mean_error += r.drag_rate.error / gamma_true / sets;
     }
     CHECK(mean_error == Approx(0.032).epsilon(0.1)); // 0.01 a x sqrt(240) of 4.8 a
-    CHECK(within > 0.56 * sets); // 66 % of Student's t with 11 degrees, +- 3 x 3.3 %
+    CHECK(within > 0.56 * sets);                     // 66 % of Student's t with 11 degrees, +- 3 x 3.3 %
     CHECK(within < 0.76 * sets);
 }
 

@@ -140,21 +140,15 @@ class OneRunTest(MeasureCase):
         self.assert_fails('figure "fig"', "stiffness.csv", "no value at any s > 0")
 
     def test_phonons(self):
-        """A point for each mode and branch, lines of the sound speeds, gamma and T(q) over that of single beads."""
         drawn, caption = self.draw("phonons")
         part = measured.Part("", "", self.folder)
-        q, omega, T = part.table("phonons.csv", "q", "omega", "temperature")
-        frequency, damping, temperature = drawn.axes
-        for axes, values in ((frequency, omega), (temperature, T / part.estimate("phonons", "temperature").value)):
-            points = np.concatenate([line.get_xydata() for line in axes.lines if line.get_marker() in ("o", "s")])
-            np.testing.assert_allclose(points[np.lexsort(points.T)], (both := np.column_stack([q, values]))[np.lexsort(both.T)], rtol=4 * EPS)
-        slopes = {round(line.get_ydata()[1] / line.get_xdata()[1], 6) for line in frequency.lines if line.get_marker() == "None"}
+        points = np.concatenate([line.get_xydata() for line in drawn.axes[0].lines if line.get_marker() in ("o", "s")])
+        np.testing.assert_array_equal(np.sort(points, axis=0), np.sort(np.column_stack(part.table("phonons.csv", "q", "omega")), axis=0))
+        slopes = {round(line.get_ydata()[1] / line.get_xdata()[1], 6) for line in drawn.axes[0].lines if line.get_marker() == "None"}
         self.assertEqual(slopes, {round(part.estimate("phonons", f"c_{name}").value, 6) for name in ("Lx", "Ly", "Ld", "Tx", "Ty", "Td")})
-        self.assertEqual({line.get_ydata()[0] for line in damping.lines if line.get_marker() == "None"},
-                         {part.estimate("phonons", "drag_rate").value})
+        drag = part.estimate("phonons", "drag_rate").value
+        self.assertEqual({line.get_ydata()[0] for line in drawn.axes[1].lines if line.get_marker() == "None"}, {drag})
         self.assertIn("drag rate = 11.00 ± 0.60 1/s", caption)
-        self.spoil("phonons.csv", "m,n,branch,q,omega,omega_error,gamma,gamma_error,temperature,temperature_error\n1,0,0,0.1,,,,,1,\n")
-        self.assert_fails('figure "fig"', "phonons.csv", "no mode of known frequency")
 
     def test_bins_without_beads_are_blank(self):
         self.ask(figure("displacement_map"))
