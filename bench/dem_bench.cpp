@@ -100,7 +100,7 @@ void fly(benchmark::State& state, std::int64_t target) {
 /// Pairs nearer in the plane than the sum of radii + skin, and room for the answer.
 struct Near {
     Bodies bodies = shaken_bodies();
-    double box = bed(0).box;
+    rodwake::PeriodicBox box = bed(0).box;
     PairList list;
     std::vector<std::uint32_t> found;
 

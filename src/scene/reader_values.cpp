@@ -111,7 +111,7 @@ void Reader::operator()(const Key& key, BoxSize& value) {
     const std::string path = path_of(key.name);
     const Node& node = entry->value;
     const auto* word = node.as<std::string>();
-    if (node.as<Node::List>()) {
+    if (const auto* list = node.as<Node::List>(); list && !list->empty()) {
         Key sides = key;
         sides.items(2, 2);
         if (const auto found = numbers(sides, node, path))

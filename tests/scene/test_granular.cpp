@@ -62,7 +62,7 @@ imposed_speed = "1 mm/s"
 )");
     const Granular& g = *scene.granular;
     CHECK(g.phi_b == 0.80);
-    CHECK(g.box == 78.0 * 0.4e-3);
+    CHECK(g.box == BoxSize{78.0 * 0.4e-3, 78.0 * 0.4e-3});
     CHECK(g.time_step == 2e-5);
     CHECK(g.equilibrate == 0.5);
     CHECK(g.duration == 10.0);
@@ -82,7 +82,7 @@ TEST_CASE("what is absent from a bed has the default of the contract") {
     const Granular g = granular(rod);
     Granular expected;
     expected.phi_b = 0.7;
-    expected.box = 30.0 * 0.4e-3;
+    expected.box = {30.0 * 0.4e-3, 30.0 * 0.4e-3};
     expected.duration = 1.0;
     expected.rods.emplace_back().position = {10.0 * 0.4e-3, 0.004};
     CHECK(g == expected);
@@ -109,12 +109,12 @@ TEST_CASE("granular numbers are SI in every scene and need no scales") {
     const Scene both = parse("units = \"si\"\n" + bed() + scales +
                              "[[rods]]\nposition = [0.002, 0]\n[rods_run]\nt_end = 1\n");
     CHECK(both.rods[0].position[0] == 2.0);
-    CHECK(both.granular->box == 30.0 * 0.4e-3);
+    CHECK(both.granular->box.x == 30.0 * 0.4e-3);
     check_round_trip(both);
 }
 
 TEST_CASE("in a bed, a is its own bead radius") {
-    CHECK(granular("bead_radius = \"0.5 mm\"\n").box == 30.0 * 0.5e-3);
+    CHECK(granular("bead_radius = \"0.5 mm\"\n").box.x == 30.0 * 0.5e-3);
     says(bed("bead_radius = \"2 a\"\n"), "unknown unit \"a\"");
     const std::string scales = "[scales]\nf_over_mu = 0.001\nv0 = 0.002\nbead_radius = 0.0005\n";
     says(bed(scales), "granular.bead_radius is 0.0004 m and scales.bead_radius 0.0005 m");

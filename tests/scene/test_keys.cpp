@@ -55,6 +55,9 @@ std::string scene_for_example(const KeyInfo& info) {
     const std::string range = "from = 0.1\nto = 100.0\n", one = "key = \"coupling.kappa\"\n";
     if (full_name(info) == "medium.fitted") // which gives eta and xi
         return replaced(complete, "eta = 1.0\nalpha = 0.5\n", "");
+    if (info.table == "granular.body_force")
+        return complete +
+               "\n[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n";
     if (info.table == "medium.measured" && info.name != "file") // without which there is no such table
         return complete + "\n[medium.measured]\nfile = \"measure.h5\"\n";
     if (full_name(info) == "scan.axes[].keys" || full_name(info) == "scan.axes[].factor")
