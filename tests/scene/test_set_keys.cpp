@@ -138,7 +138,9 @@ const std::vector<std::string> bases{
     replaced(scanned.substr(0, scanned.find("[[scan.axes]]")), "design = \"adaptive\"",
              "design = \"list\"\nfile = \"p.csv\""),
     replaced(scanned, "kind = \"cut\"", "kind = \"phase_diagram\"\nslices = [1.0, 2.0]"),
-    replaced(scanned, "kind = \"cut\"", "kind = \"scan_curve\"")};
+    replaced(scanned, "kind = \"cut\"", "kind = \"scan_curve\""),
+    bed("[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n"
+        "position = [0.001, 0.002]\n")};
 
 /// What numbers mean is settled when the scene is read; a single modulus says nothing.
 const std::vector<std::string> never{"units",     "scales.bead_radius", "scales.f_over_mu",
