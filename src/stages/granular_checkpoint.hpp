@@ -22,11 +22,11 @@ struct GranularCheckpoint {
     granular::Tallies tallies;
     granular::RecordSums sums{};
     std::vector<granular::RodProgress> progress;
-    std::vector<granular::RodThrust> thrust; ///< empty in files of before 0.2: such runs are not taken up
     LogLengths logs;
     std::string measure_keys{}; ///< MeasurePlan::key_text; empty: nothing is measured on the way
     std::vector<double> measures{};
     RunCost cost{};
+    std::vector<granular::RodThrust> thrust{}; ///< empty in files of before 0.2: such runs are not taken up
 };
 
 /// Puts the checkpoint in place as the newest of two generations. Throws RunError.

@@ -222,6 +222,7 @@ private:
             c.measures = measures_->save();
         }
         c.cost = cost();
+        c.thrust = record_.thrust();
         write_checkpoint(checkpoint_file_, c);
         saved_ = Clock::now();
         meter_.mark(&RunCost::output);

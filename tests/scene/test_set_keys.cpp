@@ -142,7 +142,9 @@ const std::vector<std::string> bases{
     "schema = 1\n[fit]\nparameters = [\"force\", \"p_yy\"]\n"
     "fixed = { c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = 1.0 }\nfixed_errors = { c66 = 0.1 }\n"
     "rod_length = 4.0\n[[fit.maps]]\nfiles = [\"m.h5\"]\nspeed = 2.0\nbox = [78.0, 77.0]\nname = \"m\"\n"
-    "[[fit.masks]]\nstrip = 8.0\nradius = 10.0\nsector = [0.1, 1.0]\n"};
+    "[[fit.masks]]\nstrip = 8.0\nradius = 10.0\nsector = [0.1, 1.0]\n",
+    bed("[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n"
+        "position = [0.001, 0.002]\n")};
 
 /// What numbers mean is settled when the scene is read; a single modulus says nothing.
 const std::vector<std::string> never{"units",     "scales.bead_radius", "scales.f_over_mu",
