@@ -82,7 +82,8 @@ struct ModeBed {
             for (std::size_t j = 0; j < side; ++j) {
                 const double X = (0.2 + static_cast<double>(i)) / side,
                              Y = (0.3 + static_cast<double>(j)) / side;
-                std::array<double, 2> u = {X * layout.box.x + drift * time, Y * layout.box.y}, v = {drift, 0.0};
+                std::array<double, 2> u = {X * layout.box.x + drift * time, Y * layout.box.y},
+                                      v = {drift, 0.0};
                 for (std::size_t k = 0; k < known.size(); ++k) {
                     const double phase = 2.0 * std::numbers::pi * (known[k].m * X + known[k].n * Y);
                     const std::size_t along = (known[k].m == 1) == known[k].longitudinal ? 0 : 1;
