@@ -113,7 +113,7 @@ TEST_CASE("two rods in each other's wake: strong order 1.5 on one Brownian path"
     double slope = 0.0;
     for (int k = 0; k < 5; ++k)
         slope -= (k - 2) * 0.5 * std::log2(squares[static_cast<std::size_t>(k)]) / 10.0;
-    // 1.46 over 400 runs; the scatter of an rms of 40 moves it by less than 0.1
+    // 1.46 over 100 runs; the scatter of an rms of 40 moves it by less than 0.1
     CHECK(slope == Approx(1.5).margin(0.2));
 }
 

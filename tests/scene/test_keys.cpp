@@ -55,6 +55,8 @@ std::string scene_for_example(const KeyInfo& info) {
     const std::string range = "from = 0.1\nto = 100.0\n", one = "key = \"coupling.kappa\"\n";
     if (full_name(info) == "medium.fitted") // which gives eta and xi
         return replaced(complete, "eta = 1.0\nalpha = 0.5\n", "");
+    if (full_name(info) == "granular.output.every_bead") // figures of the bed need all beads
+        return complete.substr(0, complete.find("[[figures]]"));
     if (info.table == "granular.body_force")
         return complete +
                "\n[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n";
