@@ -222,9 +222,14 @@ bool Walk::may_go_on(const Node& node) {
     const bool many = solution_.statistics.steps >= options_.ode.max_steps;
     status.step = node.length;
     status.order = 2; // weak
+    const bool asked = noise_.time_step < node.length;
     status.flag = many ? "TOO_MUCH_WORK" : "STEP_TOO_SHORT";
-    status.cause = many ? "the steps allowed were used up" : "headings turn too fast for any step";
-    status.advice = many ? "raise max_steps, or noise.time_step" : "set rods_run.contact_distance";
+    status.cause = many    ? "the steps allowed were used up"
+                   : asked ? "noise.time_step is below 2^-30 of the time between two outputs"
+                           : "headings turn too fast for any step";
+    status.advice = many    ? "raise max_steps, or noise.time_step"
+                    : asked ? "choose a longer noise.time_step, or more output times"
+                            : "set rods_run.contact_distance";
     return stop(node.start, Termination::failed);
 }
 

@@ -114,5 +114,5 @@ def moved(part):
 def defaults(run):
     """Frames are not kept of every measured run."""
     marked = [part for part in measured.parts(run) if part.has(FILE)]
-    there = marked and all(part.has(SUMMARY) and part.granular.has(TRAJECTORY) for part in marked)
+    there = marked and all(part.has(SUMMARY) and part.granular.has(TRAJECTORY) and part.granular.stores_all_beads(TRAJECTORY) for part in marked)
     return [Spec("dragged", "dragged")] if there else []

@@ -75,6 +75,14 @@ class GranularRun:
         """That of the first run that has one."""
         return Trajectory((self.holders(name) or self.members)[0] / name)
 
+    def stores_all_beads(self, name):
+        """Whether frames hold every bead (granular.output.every_bead = 1). A file that cannot be read counts: drawing it says why."""
+        try:
+            with self.trajectory(name) as trajectory:
+                return np.count_nonzero(trajectory.species == 0) >= self.summary.get("beads", 0)
+        except PlotError:
+            return True
+
     def which(self, name):
         """Tells, for a caption, whose trajectory is drawn."""
         return "" if self.single else f"Run {int_of(self.holders(name)[0].name)} of {len(self.members)}. "

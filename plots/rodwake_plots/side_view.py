@@ -163,4 +163,4 @@ def caption(run, spec):
 
 
 def defaults(run):
-    return [Spec("side_view", "side_view")] if run.granular.has(LAST_PERIOD) else []
+    return [Spec("side_view", "side_view")] if run.granular.has(LAST_PERIOD) and run.granular.stores_all_beads(LAST_PERIOD) else []

@@ -92,4 +92,4 @@ def colours_told(run, spec, cutoff):
 
 
 def defaults(run):
-    return [Spec("snapshot", "snapshot")] if run.granular.has(TRAJECTORY) else []
+    return [Spec("snapshot", "snapshot")] if run.granular.has(TRAJECTORY) and run.granular.stores_all_beads(TRAJECTORY) else []

@@ -173,9 +173,12 @@ void add_noise_lines(const Plan& plan, Lines& lines) {
                                one.of.scene.noise->time_step
                                    ? "noise.time_step"
                                    : "0.05 of the shortest of 1, 1/D_r and the wakes' turning time")});
-        if (noise.translational == 0.0)
-            lines.push_back({false, "diffusion of places: noise.translational_diffusion is 0"});
     }
+    const auto diffuses = [](const RodsPlan& one) {
+        return one.noise && one.noise->noise.translational > 0.0;
+    };
+    if (noisy(plan.scene) && std::ranges::none_of(plan.rods, diffuses))
+        lines.push_back({false, "diffusion of places: noise.translational_diffusion is 0"});
 }
 
 /// What the scene names and this version leaves out.
@@ -188,6 +191,8 @@ void add_unused_lines(const scene::Scene& scene, Lines& lines) {
         lines.push_back({false, "medium.dynamic: only used with field = \"dynamic\""});
     if (scene.noise && !noisy(scene))
         lines.push_back({false, "noise: rotational_diffusion and translational_diffusion are 0"});
+    else if (scene.noise && !scene.rods_run)
+        lines.push_back({false, "noise: no [rods_run]"});
     else if (scene.rods_run && !scene.noise)
         lines.push_back({false, "noise: no [noise] table"});
 }

@@ -176,6 +176,21 @@ fitting::MapMask map_mask(const scene::FitMask& keys) {
     return mask;
 }
 
+namespace {
+
+/// Each mask is used by a fit of its own after the main one: too late to find that it leaves nothing.
+void require_bins(const FitPlan& plan) {
+    for (std::size_t i = 0; i < plan.keys.masks.size(); ++i)
+        for (const FitMapData& map : plan.maps)
+            if (fitting::used_bins(map.data, map_mask(plan.keys.masks[i])).empty())
+                throw InputError(
+                    fmt::format("fit.masks.{} leaves no bin of {}: make strip or radius smaller, "
+                                "or sector wider",
+                                i, map.file.string()));
+}
+
+} // namespace
+
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     FitPlan plan;
     plan.keys = keys;
@@ -186,6 +201,7 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     for (auto& map : inputs.maps)
         plan.maps.push_back(std::move(map.value()));
     plan.map_model = {keys.rod_length, keys.source_width};
+    require_bins(plan);
     if (!keys.masks.empty())
         plan.mask = map_mask(keys.masks.front());
     plan.wake = {keys.box, keys.heading, keys.core};

@@ -71,8 +71,9 @@ std::size_t bead_count(const scene::Granular& bed, const PeriodicBox& box) {
 BedSize fitted_size(const scene::Granular& bed) {
     const double size = bed.box.x * bed.box.x, covered = shadows_of(bed);
     const auto beads = static_cast<double>(bead_count(bed, PeriodicBox(bed.box.x)));
-    if (!(covered < size) || !(beads >= 1.0))
-        throw InputError("box = \"fit\" needs beads beside the rods: give a larger size, \"fit 155 a\"");
+    if (!(2.0 * covered < size) || !(beads >= 1.0))
+        throw InputError(
+            "box = \"fit\" needs more room for beads than for rods: give a larger size, \"fit 155 a\"");
     const double sites = beads * size / (size - covered);
     if (bed.beads) {
         const auto least = static_cast<long>(std::ceil(sites * (1.0 - 1e-9)));
@@ -84,8 +85,8 @@ BedSize fitted_size(const scene::Granular& bed) {
     const double bead = std::numbers::pi * bed.bead_radius * bed.bead_radius,
                  counted = bed.count_rod_area ? covered : 0.0,
                  lattice = static_cast<double>(shape.sites()) * bead, sum = counted + lattice,
-                 area =
-                     (sum + std::sqrt(sum * sum - 4.0 * *bed.phi_b * lattice * covered)) / (2.0 * *bed.phi_b);
+                 area = (sum + std::sqrt(std::max(sum * sum - 4.0 * *bed.phi_b * lattice * covered, 0.0))) /
+                        (2.0 * *bed.phi_b);
     const auto fit = with_area(shape, area);
     return {fit.box, static_cast<std::size_t>((*bed.phi_b * area - counted) / bead + 1e-6), fit};
 }

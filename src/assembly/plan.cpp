@@ -79,7 +79,7 @@ std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
         plan.problem = rod_problem(plan.of.scene);
         plan.options = rod_options(*plan.of.scene.rods_run, plan.problem);
         plan.noise = noise_plan(plan.of.scene, plan.problem);
-        if (plan.noise)
+        if (plan.of.scene.noise) // one without noise among others is judged alike
             plan.options.criteria = rods::noisy_criteria;
         plans.push_back(std::move(plan));
     }

@@ -20,6 +20,10 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
     want_rod(m.force, "force");
     want_rod(m.displacement.has_value(), "displacement");
     want_rod(m.mechanics, "mechanics");
+    if (m.mechanics && bed.body_force)
+        report("measure.mechanics",
+               "mechanics takes the rods' push for all of the force on the bed: leave out "
+               "[granular.body_force], or mechanics");
     want_rod(m.from_travel.has_value(), "from_travel");
     if (m.pairs && count != 2)
         report("measure.pairs", fmt::format("pairs needs two [[granular.rods]]; there are {}", count));
@@ -90,6 +94,15 @@ void currents(const Measure& m, const Granular& bed, const Report& report) {
     if (m.phonon_lag && 2.0 * *m.phonon_lag > m.block)
         report("measure.phonon_lag", fmt::format("phonon_lag = {:g} s is longer than half of block = {:g} s",
                                                  *m.phonon_lag, m.block));
+    constexpr double usual = 5e-3, least = 10.0; // s; intervals in a lag that a fit can use
+    const double fine = m.phonon_interval.value_or(std::min(usual, interval)),
+                 lag = m.phonon_lag.value_or(std::min(1.0, 0.5 * m.block));
+    if (lag < least * fine)
+        report(
+            "measure.phonon_lag",
+            fmt::format("the longest lag of the currents, {:g} s, is below {:g} of their intervals of {:g} "
+                        "s; choose a longer phonon_lag and block, or a shorter phonon_interval",
+                        lag, least, fine));
     if (m.trajectory.empty() && bed.duration - m.from < 2.0 * m.block)
         report("measure.phonons",
                fmt::format("phonons need at least 2 blocks for their errors: {:g} s are measured and block = "

@@ -37,8 +37,8 @@ void sums(const Scene& scene, const Report& report) {
         if (asked && !offered)
             report(
                 std::string("rods_run.") + key,
-                fmt::format("rods_run.{} needs the exact field on the plane: leave it out, or medium.field = "
-                            "\"table\" and medium.periodic",
+                fmt::format("rods_run.{} needs the exact field on the plane: leave it out, or medium.field "
+                            "(\"table\", \"dynamic\") and medium.periodic",
                             key));
     };
     want_plane(run.turning_tolerance > 0.0, "turning_tolerance");
@@ -72,7 +72,8 @@ void noise(const Scene& scene, const Report& report) {
         report("rods_run.form",
                fmt::format("rods_run.form = \"{}\": rods with [noise] take form \"angle\" only",
                            rods::to_string(run.form)));
-    if (scene.medium && scene.medium->field == FieldBackend::measured && scene.medium->measured->samples > 0)
+    if (scene.medium && scene.medium->field == FieldBackend::measured && scene.medium->measured &&
+        scene.medium->measured->samples > 0)
         report(
             "medium.measured.samples",
             fmt::format("medium.measured.samples = {}: an ensemble is drawn from the errors of the field or "

@@ -5,6 +5,7 @@
 #include "variants.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
@@ -120,6 +121,9 @@ void Reader::operator()(const Key& key, BoxSize& value) {
         const Node size{node.place, word->size() > 3 ? word->substr(4) : std::string(usual_box)};
         if (const auto side = quantity(key, size, path))
             value = {*side, *side, true};
+    } else if (list || (word && !word->empty() && std::isalpha(static_cast<unsigned char>(word->front())))) {
+        wrong_type(node, path,
+                   "expected a length (\"78 a\"), two ([\"78 a\", \"77 a\"]), \"fit\" or \"fit 155 a\"");
     } else if (const auto side = quantity(key, node, path)) {
         value = {*side, *side};
     }

@@ -149,7 +149,7 @@ bool is_mirrored(const fitting::Map& map) {
 
 void take_one_half(fitting::Map& map) {
     for (std::size_t bin = 0; bin < map.bins(); ++bin)
-        map.known[bin] = map.known[bin] && map.place_y(bin) >= 0.0;
+        map.known[bin] = map.known[bin] && map.place_y(bin) > 0.0; // at y = 0 mirroring makes U_y zero
 }
 
 } // namespace

@@ -49,7 +49,8 @@ struct FitSystematics {
     std::vector<Held> held;
     std::vector<Choice> masks; ///< the first is that of the fit
     std::vector<LeftOut> runs; ///< of the jackknife
-    /// Empty: not asked for. `total`: the jackknife's error, else the curvature's, with the other two.
+    /// Empty: not asked for. `total`: the larger of the jackknife's error and the curvature's, with the other
+    /// two.
     std::vector<double> held_error, mask_spread, jackknife, total;
 };
 

@@ -39,7 +39,7 @@ void log_data(const assembly::FitPlan& plan, const Logger& log) {
         if (m.left_out > 0)
             log->warn("fit: {}: {} bins without a sigma are left out", m.file.string(), m.left_out);
         if (m.mirrored)
-            log->info("fit: {}: both sides of the rod are the same numbers; those at y >= 0 count",
+            log->info("fit: {}: both sides of the rod are the same numbers; those at y > 0 count",
                       m.file.string());
     }
     for (const assembly::FitTrackData& t : plan.tracks) {
@@ -112,12 +112,19 @@ bool add_likelihoods(const assembly::FitPlan& plan, const fitting::Method& metho
     return true;
 }
 
-/// False if a signal stopped it.
-bool add_systematics(const assembly::FitPlan& plan, const fitting::Method& method, FitResults& results) {
-    auto found = fit_systematics(plan, method, results.fit, results.report);
-    if (!found)
-        return false;
-    results.systematics = std::move(*found);
+/// False if a signal stopped it. Refits that fail do not take the fit with them.
+bool add_systematics(const assembly::FitPlan& plan, const fitting::Method& method, FitResults& results,
+                     const Logger& log) {
+    try {
+        auto found = fit_systematics(plan, method, results.fit, results.report);
+        if (!found)
+            return false;
+        results.systematics = std::move(*found);
+    } catch (const std::runtime_error& error) { // of a refit: the scene was checked before
+        if (method.stop_requested && method.stop_requested())
+            return false;
+        log->warn("fit: no errors by their cause (held constants, masks, runs): {}", error.what());
+    }
     return true;
 }
 
@@ -149,9 +156,10 @@ std::string fit_key(const scene::Scene& scene, const assembly::FitPlan& plan) {
         key += fmt::format("{}\n{}\n{}\n", fmt::join(p.data.place, " "), fmt::join(p.data.value, " "),
                            fmt::join(p.data.sigma, " "));
     for (const assembly::FitMapData& m : plan.maps)
-        key += fmt::format("{} {} {}\n{}\n{}\n{}\n{}\n", m.data.lx, m.data.ly, m.data.speed,
-                           fmt::join(m.data.Ux, " "), fmt::join(m.data.Uy, " "),
-                           fmt::join(m.data.sigma_x, " "), fmt::join(m.data.sigma_y, " "));
+        key += fmt::format("{} {} {}\n{}\n{}\n{}\n{}\n{}\n{}\n", m.data.lx, m.data.ly, m.data.speed,
+                           fmt::join(m.data.x, " "), fmt::join(m.data.y, " "), fmt::join(m.data.Ux, " "),
+                           fmt::join(m.data.Uy, " "), fmt::join(m.data.sigma_x, " "),
+                           fmt::join(m.data.sigma_y, " "));
     for (const assembly::FitTrackData& t : plan.tracks)
         for (std::size_t i = 0; i < t.data.times.size(); ++i)
             key += fmt::format("{} {}\n", t.data.times[i], fmt::join(t.data.states[i], " "));
@@ -177,7 +185,7 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const assembly::FitPlan&
     }
     FitResults results = fit_results(plan, std::move(fit));
     stopped = stopped || !add_likelihoods(plan, method, results, context, log) ||
-              !add_systematics(plan, method, results);
+              !add_systematics(plan, method, results, log);
     write_fit(folder, plan, results, {context.command});
     log_results(plan, results, log);
     if (!stopped)

@@ -40,19 +40,28 @@ FitSystematics::Held held_constant(const FitPlan& plan, const fitting::Method& m
     }
 }
 
+void require_fit(const fitting::Fit& fit, const std::string& how) {
+    if (fit.termination == fitting::Termination::failed || !std::isfinite(fit.chi2))
+        throw RunError(fmt::format("no fit {}: {}", how, fit.reason));
+}
+
 FitSystematics::Choice choice(const FitPlan& plan, const fitting::Method& method,
                               std::span<const double> best, const fitting::MapMask& mask) {
     FitPlan other = plan;
     other.mask = mask;
     const fitting::Problem problem = assembly::fit_problem(other);
-    return {mask, problem.residuals, fitting::report(problem, fitting::refit(problem, method, best))};
+    const fitting::Fit fit = fitting::refit(problem, method, best);
+    require_fit(fit, fmt::format("with the mask |y| >= {:g}, r >= {:g}", mask.strip, mask.radius));
+    return {mask, problem.residuals, fitting::report(problem, fit)};
 }
 
 FitSystematics::LeftOut without(const FitPlan& plan, const fitting::Method& method,
                                 std::span<const double> best, std::size_t map) {
     FitPlan other = plan;
     other.maps.erase(other.maps.begin() + static_cast<std::ptrdiff_t>(map));
-    return {map, fitting::refit(assembly::fit_problem(other), method, best).values};
+    fitting::Fit fit = fitting::refit(assembly::fit_problem(other), method, best);
+    require_fit(fit, "without " + plan.maps[map].file.string());
+    return {map, std::move(fit.values)};
 }
 
 /// Two maps or more in every table.
@@ -92,7 +101,7 @@ void set_totals(const fitting::Report& report, FitSystematics& s) {
     for (std::size_t k = 0; k < report.estimates.size(); ++k) {
         const fitting::Estimate& e = report.estimates[k];
         const double curvature = has_error(report, e) ? e.standard_error : 0.0,
-                     random = s.jackknife.empty() ? curvature : s.jackknife[k];
+                     random = std::max(curvature, part(s.jackknife, k)); // few runs: by chance too small
         s.total.push_back(std::hypot(random, part(s.held_error, k), part(s.mask_spread, k)));
     }
 }
@@ -143,8 +152,7 @@ std::string to_text(const FitPlan& plan, const FitResults& results) {
                                 number(s.held_error, k), number(s.mask_spread, k), number(s.jackknife, k),
                                 number(s.total, k));
     }
-    text +=
-        "  total: jackknife if there is one, else curvature; with held constants and masks in quadrature\n";
+    text += "  total: the larger of curvature and jackknife, with held constants and masks in quadrature\n";
     for (const auto& one : s.masks)
         text += fmt::format(
             "  mask |y| >= {:g}, r >= {:g}, {:.0f} to {:.0f} deg: chi2 = {:.4g} for {} degrees of "

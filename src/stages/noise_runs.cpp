@@ -3,6 +3,7 @@
 #include "progress.hpp"
 #include "rodwake/core/build_info.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <chrono>
@@ -19,7 +20,9 @@ using rods::NoiseSums;
 /// What must be the same for the runs so far to count.
 std::string key_of(const scene::Scene& scene, const std::string& field) {
     const BuildInfo build = build_info();
-    return build.version + " " + build.git + "\n" + stage_key(scene, assembly::Stage::rods) + "\n" + field;
+    // max_steps is no part of the stage's key, but of what makes a run fail
+    return build.version + " " + build.git + "\n" + stage_key(scene, assembly::Stage::rods) + "\n" + field +
+           fmt::format("\nmax_steps {}", scene.rods_run->max_steps);
 }
 
 /// JSON has no infinity; null stands for it.

@@ -203,8 +203,7 @@ StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
         if (failed > 0) {
             session.log->error("noise{}: {} of {} runs failed, the first: {}", one.of().suffix(), failed,
                                sums.ends.size(), sums.failure);
-            const bool all = failed == std::ssize(sums.ends);
-            end = all || end == StageEnd::failed ? StageEnd::failed : StageEnd::incomplete;
+            end = StageEnd::failed; // the folder stays open for another try
         }
         one.noisy = std::move(sums);
     }

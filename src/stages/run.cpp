@@ -117,7 +117,7 @@ Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const fs::path&
         inputs.fit = read_fit_inputs(scene, folder,
                                      has(Stage::granular) || has(Stage::measure) ? OwnFiles::left_out
                                                                                  : OwnFiles::required);
-    if (has(Stage::tradeoff) && noisy(scene))
+    if (has(Stage::tradeoff) && (noisy(scene) || (scene.noise && scene.scan)))
         throw InputError("tradeoff compares methods that take no noise: leave [noise] out (-s noise=)");
     if (has(Stage::tradeoff))
         settings_of(scene); // refuses what it does not know

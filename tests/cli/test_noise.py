@@ -107,7 +107,7 @@ class NoiseTest(ProgramTest):
         self.assertEqual(*((self.folder / name / "rods.csv").read_bytes() for name in ("quiet", "zero")))
 
     def test_stopped_and_taken_up(self):
-        self.write("pair.toml", PAIR.format(runs=300))
+        self.write("pair.toml", PAIR.format(runs=2000))
         self.expect(0, "rods", "pair.toml", "-o", "whole", "--quiet")
         progress = self.folder / "out/noise_progress.json"
         with self.started("rods", "pair.toml", "-o", "out", "-j", "1", "--quiet") as process:
@@ -115,7 +115,7 @@ class NoiseTest(ProgramTest):
             self.assertIsNone(process.poll(), "the run ended before it could be stopped")
             self.stop(process, signal.SIGTERM, 10.0)
         done = len(json.loads(progress.read_text())["sums"]["ends"])
-        self.assertTrue(0 < done < 300, done)
+        self.assertTrue(0 < done < 2000, done)
         self.assertEqual(self.status("out"), "interrupted")
         self.assertFalse((self.folder / "out/noise.json").exists())
         again = self.expect(0, "rods", "pair.toml", "-o", "out")

@@ -1,10 +1,9 @@
 #pragma once
 // How rods drag the whole bed along, and how far their wakes reach.
 //
-//   M dV/dt   = F - gamma M V             M = n m L^2, mass of the beads; V, velocity of their centre of
-//   mass;
-//                                         F, force of the rods on them; gamma = zeta/(n m), drag rate of the
-//                                         plates, 1/s
+//   M dV/dt   = F - gamma M V             M = n m Lx Ly, mass of the beads; V, velocity of their centre of
+//                                         mass; F, force of the rods on them; gamma = zeta/(n m), drag rate
+//                                         of the plates, 1/s
 //   gamma     = sum_b |P_b| / (M sum_b D_b.e_b)   over blocks of time: P_b momentum handed over, e_b its
 //                                         direction, D_b how far the bed came; in a steady state
 //   xi        = mu/(zeta v) = c_T^2/(gamma v)     screening length (physics.md, section 1), v the rod's speed

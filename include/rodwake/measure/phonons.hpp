@@ -92,10 +92,12 @@ private:
 
 /// A branch of the modes (m, n) and (m, -n).
 struct PhononBranch {
-    Estimate omega, gamma;                   ///< 1/s
-    Estimate temperature;                    ///< m^2/s^2
-    Estimate displacement;                   ///< <|u|^2>, m^2; count 0 where beads left their places
-    Estimate omega_static;                   ///< 1/s; the same
+    Estimate omega, gamma; ///< 1/s
+    Estimate temperature;  ///< m^2/s^2
+    Estimate displacement; ///< <|u|^2>, m^2; count 0 where beads left their places
+    /// 1/s; the same. Of u along and across q, whatever `polarisation` is: with m n != 0 it mixes the
+    /// branches by sin^2(polarisation).
+    Estimate omega_static;
     double share = 0.0;                      ///< of C(0) that is the oscillator's
     std::vector<double> correlation, fitted; ///< [lag] C(t)/C(0)
 };

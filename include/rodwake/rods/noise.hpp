@@ -40,8 +40,12 @@ struct Noise {
 /// rate at which a heading can relax in the wakes of the start.
 double suitable_time_step(const RodProblem& problem, double rotational);
 
-/// Ends of noisy runs: headings wander as those of a bed's rods do.
-inline constexpr EndingCriteria noisy_criteria = noisy_track;
+/// Ends of noisy runs, and of those without noise among them: headings wander as those of a bed's rods do.
+inline constexpr EndingCriteria noisy_criteria = [] {
+    EndingCriteria criteria = noisy_track;
+    criteria.nearer_than_at_start = true;
+    return criteria;
+}();
 
 /// Run `run` of the ensemble, of the form angle; of the options only criteria, max_steps, stop_requested and
 /// on_step count. The separations of the record are those at step ends and on cubics between them. Throws as

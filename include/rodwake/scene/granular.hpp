@@ -57,7 +57,8 @@ struct GranularRod {
 /// granular.box, m.
 struct BoxSize {
     double x = 0.0, y = 0.0;
-    /// The rectangle that an unstrained lattice fills (granular/fitted_box.hpp): of about this size, x = y.
+    /// The rectangle that an unstrained lattice fills (lattice_box in granular/start.hpp): of about this
+    /// size, x = y.
     bool fit = false;
 
     double shorter() const { return x < y ? x : y; }
@@ -68,7 +69,7 @@ struct BoxSize {
 struct Granular {
     std::optional<double> phi_b; ///< N pi a^2/(L_x L_y); either this or beads
     std::optional<long> beads;
-    /// Rods take the place of beads: N pi a^2 = phi_b L^2 - shadows of the rods.
+    /// Rods take the place of beads: N pi a^2 = phi_b L_x L_y - shadows of the rods.
     bool count_rod_area = true;
     double bead_radius = 0.4e-3;  ///< a, m
     double bead_density = 2700.0; ///< kg/m^3

@@ -106,9 +106,10 @@ std::string shortness(const MechanicsResult& r, double a) {
 }
 
 std::string verdict_of(const MechanicsResult& r, double box, double a) {
+    if (r.drag_rate.count == 0)
+        return "not known: the bed does not drift along the rods' push";
     if (r.screening.count == 0)
-        return "not known: it takes a drift and a speed of transverse sound (measure.phonons or "
-               "measure.shear_speed)";
+        return "not known: it takes a speed of transverse sound (measure.phonons or measure.shear_speed)";
     if (r.screening.value > box)
         return fmt::format(
             "screening length {:.4g} a exceeds the box of {:.4g} a: the far wake is that of an "

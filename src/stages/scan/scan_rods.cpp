@@ -176,8 +176,10 @@ private:
     void with_noise(const rods::RodProblem& problem, scan::Result& result, Clock::time_point start) {
         rods::RodOptions options = assembly::rod_options(problem_.run(), problem);
         const std::optional<assembly::NoisePlan> noise = problem_.noise();
-        if (!noise)
+        if (!noise) {
+            options.criteria = rods::noisy_criteria; // as its neighbours are judged
             return climb(problem, options, result, start);
+        }
         options.ode.stop_requested = stop_condition(start);
         if (!evaluate_noisy(plan_, problem, options, *noise, units_, result))
             interrupted(result, start);
