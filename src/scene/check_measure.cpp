@@ -94,7 +94,7 @@ void currents(const Measure& m, const Granular& bed, const Report& report) {
     if (m.phonon_lag && 2.0 * *m.phonon_lag > m.block)
         report("measure.phonon_lag", fmt::format("phonon_lag = {:g} s is longer than half of block = {:g} s",
                                                  *m.phonon_lag, m.block));
-    constexpr double usual = 5e-3, least = 10.0; // s; intervals in a lag that a fit can use
+    constexpr double usual = 5e-3, least = 6.0; // s; intervals in a lag that a fit can use
     const double fine = m.phonon_interval.value_or(std::min(usual, interval)),
                  lag = m.phonon_lag.value_or(std::min(1.0, 0.5 * m.block));
     if (lag < least * fine)

@@ -239,6 +239,10 @@ TEST_CASE("noise has a method of its own") {
     says(noisy_rods("", "[medium]\neta = 1\nxi = 1\nfield = \"measured\"\n[medium.measured]\nfile = "
                         "\"m.h5\"\n[scales]\nf_over_mu = 1\nv0 = 1\n"),
          "an ensemble is drawn from the errors of the field or from [noise], not both");
+    says(noisy_rods("", "[medium]\neta = 1\nxi = 1\nfield = \"measured\"\n"),
+         "needs [medium.measured] with file");
+    says(noisy_rods("", "[medium]\neta = 1\nxi = 1\nfield = \"dynamic\"\n"),
+         "[noise] beside medium.field = \"dynamic\"");
 }
 
 TEST_CASE("places that an override gives have no line") {

@@ -62,6 +62,7 @@ TEST_CASE("currents are taken in parts of the interval, and blocks hold their la
     const std::string base = "phonons = true\ninterval = 0.1\nblock = 0.25\n";
     CHECK(error_text(measured(base)) == "");
     CHECK(error_text(measured(base + "phonon_interval = 0.02\nphonon_lag = 0.125\n")) == "");
+    says(measured(base + "phonon_interval = 0.02\nphonon_lag = 0.1\n"), "is below 6 of their intervals");
     says(measured(base + "phonon_interval = 0.03\n"), "the interval of 0.1 s is no whole multiple of it");
     says(measured(base + "phonon_interval = 1e-6\n"), "shorter than granular.time_step");
     says(measured(base + "phonon_lag = 0.2\n"), "longer than half of block = 0.25 s");
