@@ -13,13 +13,8 @@ namespace {
 
 using integrate::State;
 
-double distance(State y, std::size_t a, std::size_t b, Box box) {
-    const Offset d = offset(y, a, b, box);
-    return std::hypot(d.x, d.y);
-}
-
 /// Ending of all pairs together; sets the pair it is about.
-void classify(RodOutcome& outcome, bool interacting, const StateRates& rates, State start, State y,
+void classify(RodOutcome& outcome, bool interacting, const StateRates& rates, State y,
               const SeparationRecord& record, const EndingCriteria& criteria, Box box) {
     const std::size_t rods = y.size() / 3;
     std::vector<double> ydot(y.size());
@@ -29,11 +24,10 @@ void classify(RodOutcome& outcome, bool interacting, const StateRates& rates, St
         for (std::size_t b = a + 1; b < rods; ++b) {
             const Ending ending = classify_pair(y, ydot, a, b, record.late[a * rods + b], criteria, box);
             all_escape = all_escape && ending == Ending::escape;
-            const double apart = distance(y, a, b, box);
-            const bool counts = !criteria.nearer_than_at_start || apart < distance(start, a, b, box);
-            if (ending == Ending::pursuit && counts && interacting && outcome.ending != Ending::pursuit) {
+            if (ending == Ending::pursuit && interacting && outcome.ending != Ending::pursuit) {
                 outcome.ending = Ending::pursuit;
-                outcome.pair = {a, b, apart};
+                const Offset d = offset(y, a, b, box);
+                outcome.pair = {a, b, std::hypot(d.x, d.y)};
             }
         }
     if (all_escape)
@@ -89,7 +83,7 @@ RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRate
     if (contact)
         outcome.ending = Ending::contact;
     else if (solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
-        classify(outcome, interacting, rates, to_state(problem.rods), y, record, criteria, problem.box);
+        classify(outcome, interacting, rates, y, record, criteria, problem.box);
     describe(outcome, rods, solution.status);
     return outcome;
 }

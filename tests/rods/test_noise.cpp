@@ -156,19 +156,6 @@ TEST_CASE("contacts of rods that only turn at random are those of shorter steps 
     CHECK(contacts > 0);
 }
 
-TEST_CASE("rods far apart that walk the same way by chance do not pursue each other") {
-    RodProblem problem = wakes(100.0, 1e-3);
-    problem.rods = {{0.0, 0.0, 0.2}, {100.0, 0.0, 0.0}}; // which takes them apart by 0.8
-    problem.t_end = 30.0;
-    const auto ending = [&](const EndingCriteria& criteria) {
-        RodOptions judged = options;
-        judged.criteria = criteria;
-        return simulate(problem, judged, {1e-9, 0.0, 0.05, 1}, 0).outcome.ending;
-    };
-    CHECK(ending(noisy_track) == Ending::pursuit); // by the wide limits alone
-    CHECK(ending(noisy_criteria) != Ending::pursuit);
-}
-
 TEST_CASE("a run depends on seed and number alone, and rods are independent") {
     RodProblem problem = side_by_side(2.0);
     const Noise noise{0.3, 0.0, 0.05, 7};

@@ -42,9 +42,6 @@ struct EndingCriteria {
     double steady_separation = 0.05; ///< relative range of r
     double steady_fraction = 0.2;    ///< of the run, its last part
     double residual_turn = 0.05;     ///< rad, while the separation doubles
-    /// A pursuit ends with the pair nearer than it began: for limits so wide that rods which walk the same
-    /// way by chance would pass for pursuers.
-    bool nearer_than_at_start = false;
 
     bool operator==(const EndingCriteria&) const = default;
 };

@@ -41,11 +41,7 @@ struct Noise {
 double suitable_time_step(const RodProblem& problem, double rotational);
 
 /// Ends of noisy runs, and of those without noise among them: headings wander as those of a bed's rods do.
-inline constexpr EndingCriteria noisy_criteria = [] {
-    EndingCriteria criteria = noisy_track;
-    criteria.nearer_than_at_start = true;
-    return criteria;
-}();
+inline constexpr EndingCriteria noisy_criteria = noisy_track;
 
 /// Run `run` of the ensemble, of the form angle; of the options only criteria, max_steps, stop_requested and
 /// on_step count. The separations of the record are those at step ends and on cubics between them. Throws as
