@@ -79,7 +79,7 @@ class GranularRun:
         """Whether frames hold every bead (granular.output.every_bead = 1). A file that cannot be read counts: drawing it says why."""
         try:
             with self.trajectory(name) as trajectory:
-                return np.count_nonzero(trajectory.species == 0) >= self.summary.get("beads", 0)
+                return trajectory.holds_all_beads()
         except PlotError:
             return True
 

@@ -69,6 +69,12 @@ class Trajectory:
             raise PlotError(f"{self.path}: position, species and radius are of {shape[1:]}, {count} and "
                             f"{self.radius.size} particles; expected [particle][3] and one number each")
 
+    def holds_all_beads(self):
+        """Beads are numbered from 0 on; files of others need not number them."""
+        number = self.file.get(f"{GROUP}/id/value")
+        beads = self.species == 0
+        return number is None or not beads.any() or int(np.asarray(number[0])[beads].max()) + 1 == np.count_nonzero(beads)
+
     def parameter(self, name):
         return hdf5.parameter(self.file, name)
 

@@ -68,7 +68,7 @@ fitting::Map of_measure(const fs::path& file) {
 /// The different values, increasing.
 Column places_of(Column values) {
     std::ranges::sort(values);
-    values.erase(std::ranges::unique(values).begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
     return values;
 }
 
