@@ -116,6 +116,7 @@ bool medium_is_fixed(const std::vector<Parameter>& parameters) {
 
 std::vector<double> starts_of(const std::vector<Parameter>& parameters) {
     std::vector<double> out;
+    out.reserve(parameters.size());
     for (const Parameter& p : parameters)
         out.push_back(p.start);
     return out;
@@ -156,11 +157,13 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
     if (all->empty())
         throw InputError("there are no maps to fit");
     std::vector<bool> wanted;
+    wanted.reserve(parameters.size());
     for (const Parameter& p : parameters)
         wanted.push_back(!p.fixed);
     problem.parameters = std::move(parameters);
     problem.sigma_known = sigmas_known(maps);
     problem.independent = values / static_cast<double>(problem.residuals);
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                            Eigen::MatrixXd* jacobian) {
         for (const Fitted& f : *all)

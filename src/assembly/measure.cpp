@@ -47,9 +47,11 @@ std::int64_t steps_between_currents(const Scene& scene, std::int64_t steps) {
                                          *wanted, step, steps, fine));
         return fine;
     }
+    const auto too_long = [&](std::int64_t fine) {
+        return static_cast<double>(fine) * step > longest * (1.0 + 1e-6);
+    };
     std::int64_t parts = 1;
-    while (parts < steps &&
-           (steps % parts != 0 || static_cast<double>(steps / parts) * step > longest * 1.000001))
+    while (parts < steps && (steps % parts != 0 || too_long(steps / parts)))
         ++parts;
     return steps / parts;
 }
