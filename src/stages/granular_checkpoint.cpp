@@ -64,6 +64,7 @@ Block state_block(const granular::State& state) {
 
 void put_vectors(ByteWriter& out, const std::vector<Eigen::Vector3d>& vectors) {
     std::vector<std::array<double, 3>> numbers;
+    numbers.reserve(vectors.size());
     for (const Eigen::Vector3d& v : vectors)
         numbers.push_back({v.x(), v.y(), v.z()});
     out.put_array(numbers);
