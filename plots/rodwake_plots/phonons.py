@@ -14,7 +14,7 @@ BRANCHES = (("L", "o", "longitudinal", "viscosity_L"), ("T", "s", "transverse", 
 
 def draw(run, spec):
     parts = measured.holders(run, FILE)
-    figure = canvas.figure(style.WIDE + 1.0, 2.9 * len(parts))
+    figure = canvas.figure(style.WIDE + 1.0, min(2.9 * len(parts), 10.8))
     rows = figure.subplots(len(parts), 3, squeeze=False)
     for part, row in zip(parts, rows):
         draw_part(part, row)
