@@ -17,8 +17,7 @@ GRANULAR = ("snapshot", "rod_tracks", "side_view", "granular_table")
 ORDER = ("pair_correlation", "bond_order", "msd", "phonons")
 SEEN_FROM_A_ROD = ("flow", "dragged", "displacement_map", "profile_Ux_x", "profile_Ux_y", "profile_Uy_x", "profile_Uy_y",
                    "profile_Ux_x_scaled")
-SERIES = ("series_psi6", "series_exponent", "series_stiffness", "series_delta_y", "series_non_reciprocity", "series_c_T", "series_C11",
-          "series_C22", "series_C66", "series_drag_rate", "series_screening_length")
+SERIES = tuple("series_" + name for name in "psi6 exponent stiffness delta_y non_reciprocity c_T C11 C22 C66 drag_rate screening_length".split())
 EPS = np.finfo(float).eps
 
 
