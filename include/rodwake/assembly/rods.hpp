@@ -30,7 +30,7 @@ std::optional<NoisePlan> noise_plan(const scene::Scene& scene, const rods::RodPr
 /// How many runs are wanted after those there are: `runs`, then half as many again while half the 95 %
 /// interval (Wilson) of the capture probability of the first so many is wider than capture_error, up to
 /// most_runs. A run that failed among them ends it. Depends on the runs' numbers and ends alone: the same
-/// however they were done. Stopping by the interval leaves it a little too narrow (docs/noise.md).
+/// however they were done. What stopping by the interval does to it: docs/noise.md.
 std::uint32_t wanted_runs(const rods::NoiseSums& sums, std::size_t rods, const NoisePlan& plan);
 
 /// Adds runs until there are as many as are wanted. False if options.ode.stop_requested told it to stop: the
