@@ -5,7 +5,7 @@
                              [-j 2] [--keep DIR]
 
 Prints Markdown, a part at a time, and before each the CPU time that it takes at most. --keep DIR keeps runs and takes up what is
-there, so an interrupted command goes on; without it they are removed. --quick: runs of 2 s, to see that everything works; its
+there, so an interrupted command goes on; without it they are removed. --quick: runs of 3 s, to see that everything works; its
 numbers mean nothing. scaling_310 takes hours and runs only when named.
 """
 

@@ -23,7 +23,7 @@ class Lab:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def seconds(self, value):
-        return max(2.0, value / 20) if self.quick else value
+        return max(3.0, value / 20) if self.quick else value
 
     def count(self, runs):
         return min(runs, 2) if self.quick else runs
@@ -105,6 +105,12 @@ def ratio(top, bottom):
     """Of two independent (value, error)."""
     value = top[0] / bottom[0]
     return value, abs(value) * math.hypot(top[1] / top[0], bottom[1] / bottom[0])
+
+
+def product(one, other):
+    """Of two independent (value, error)."""
+    value = one[0] * other[0]
+    return value, abs(value) * math.hypot(one[1] / one[0], other[1] / other[0])
 
 
 def combined(folders, kind, name):

@@ -3,7 +3,7 @@
 import math
 
 from . import sound
-from .lab import A, bed, combined, rod, table, text
+from .lab import A, bed, combined, product, ratio, rod, table, text
 
 SPEEDS = (None, 1.0, -1.0, 4.0)   # mm/s; None walks by itself
 SECONDS, RUNS, WITH_SOUND = 60.0, 8, 1
@@ -71,12 +71,13 @@ def part(lab):
         found, force, through = fit(lab, f"fit_{'free' if speed is None else f'{speed:g}'}", folders(lab, speed), speed, constants, density)
         errors = found["systematics"]["errors"]
         one = errors["amplitude"]
-        rows.append([label, text(force, 1e6), f"{through:.2f}", text((one["value"], one["total"])),
+        amplitude, momentum_drag = (one["value"], one["total"]), combined(folders(lab, speed), "mechanics", "drag_rate")
+        rows.append([label, text(force, 1e6), f"{through:.2f}", text(amplitude), text(product(amplitude, ratio(momentum_drag, constants["zeta"]))),
                      " / ".join(f"{one[part] or math.nan:.3f}" for part in ("jackknife", "held", "masks")),
                      *(text((errors[p]["value"] / 1e4, errors[p]["total"] / 1e4), digits=1) for p in ("p_xx", "p_yy")),
                      f"{found['chi2']:.0f} ({found['dof']})"])
         by_mask.append([label, *(text((m["parameters"]["amplitude"]["value"], m["parameters"]["amplitude"]["stderr"] or math.nan))
                                  for m in found["systematics"]["masks"])])
     table("Monopole over its prediction, no constant fitted", ["rod", "force, uN", "speed through the bed, a/s", "amplitude",
-          "of its error: runs / held / masks", "P_xx/rho, 1e4 a^4/s^2", "P_yy/rho", "chi2 (dof)"], rows)
+          "over drag x drift", "of its error: runs / held / masks", "P_xx/rho, 1e4 a^4/s^2", "P_yy/rho", "chi2 (dof)"], rows)
     table("The same by mask (|y| >= strip, r >= radius; errors of the curvature alone)", ["rod", *(f"{s} a, {r} a" for s, r in MASKS)], by_mask)
