@@ -19,7 +19,7 @@ HEAD = "schema = 1\n[granular]\n"
 
 class Lab:
     def __init__(self, options, folder):
-        self.program, self.threads, self.quick, self.folder = Path(options.program).absolute(), options.j, options.quick, Path(folder).resolve()
+        self.program, self.threads, self.quick, self.folder = str(Path(options.program).absolute()), options.j, options.quick, Path(folder).resolve()
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def seconds(self, value):
@@ -35,34 +35,38 @@ class Lab:
         asked = text + "".join(f"# -s {one}\n" for one in settings) + (f"# --seed {seed}\n" if seed is not None else "")
         same = path.is_file() and path.read_text() == asked
         out = self.folder / name
-        if same and is_finished(out):
+        stages = {"dem": "summary.json"} | ({"measure": "measure.json"} if "[measure]" in text else {})
+        if same and is_finished(out, stages):
             return out
         path.write_text(asked)
-        command = [str(self.program), "run", str(path), "-o", str(out), "-j", str(self.threads), "--quiet", *([] if same else ["--force"]),
-                   *(f"-s{one}" for one in settings), *([] if seed is None else ["--seed", str(seed)])]
         began = time.monotonic()
+        for stage in stages:
+            fresh = [] if same or stage != "dem" else ["--force"]
+            self.call(stage, path, "-o", out, "-j", self.threads, "--quiet", *fresh, *(f"-s{one}" for one in settings),
+                      *([] if seed is None else ["--seed", seed]))
+        print(f"  ({name}: {time.monotonic() - began:.0f} s)", file=sys.stderr, flush=True)
+        return out
+
+    def call(self, *arguments):
+        command = [self.program, *map(str, arguments)]
         done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder, check=False)
         if done.returncode != 0:
             sys.exit(f"{' '.join(command)}: exit code {done.returncode}\n{done.stderr}")
-        print(f"  ({name}: {time.monotonic() - began:.0f} s)", file=sys.stderr, flush=True)
-        return out
 
     def fit(self, name, text):
         """The result of a fit: fit.json."""
         path, out = self.folder / f"{name}.toml", self.folder / name
-        if path.is_file() and path.read_text() == text and is_finished(out):
-            return json.loads((out / "fit.json").read_text())
-        path.write_text(text)
-        done = subprocess.run([str(self.program), "fit", str(path), "-o", str(out), "--quiet", "--force"], capture_output=True, text=True,
-                              cwd=self.folder, check=False)
-        if done.returncode != 0:
-            sys.exit(f"fit of {path}: exit code {done.returncode}\n{done.stderr}")
+        if not (path.is_file() and path.read_text() == text and is_finished(out, {"fit": "fit.json"})):
+            path.write_text(text)
+            self.call("fit", path, "-o", out, "--quiet", "--force")
         return json.loads((out / "fit.json").read_text())
 
 
-def is_finished(folder):
+def is_finished(folder, stages):
+    """Whether the last command in it ended well, and the result of each stage is there."""
     record = folder / "provenance.json"
-    return record.is_file() and json.loads(record.read_text())["status"] == "finished"
+    return (record.is_file() and json.loads(record.read_text())["status"] == "finished"
+            and all((folder / result).is_file() for result in stages.values()))
 
 
 def bed(duration, keys="", measure="", rods="", frames=0.1, runs=1, formats="[]", box="fit", equilibrate=2.0):
