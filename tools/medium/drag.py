@@ -7,9 +7,9 @@ from . import monopole, sound, static
 from .lab import A, bed, combined, estimate, mean, ratio, rod, table, text, told
 
 DRIFTS = (0.5, 2.0, 5.0)    # a/s, about
-SECONDS, RUNS, AFTER = 40.0, 2, 1.0
+SECONDS, RUNS, AFTER = 40.0, 1, 1.0
 ONLY_DRAG = (2.0, 8.0)      # mm/s; the other speeds are those of the maps
-NEAR_SECONDS = 40.0
+NEAR_SECONDS = 20.0
 RINGS = (0, 6, 10, 16, 24, 60)  # a
 
 
@@ -23,7 +23,7 @@ def uniform(lab, drift, seed):
     """(drift, error), a/s, and the acceleration, a/s^2."""
     push = 11.0 * drift
     keys = f'seed = {seed}\n[granular.body_force]\nkind = "uniform"\nacceleration = {push * A:.8g}\n'
-    folder = lab.make(f"uniform_{drift:g}_{seed}", bed(lab.seconds(SECONDS), keys, frames=0.2, formats='["h5md"]'))
+    folder = lab.make(f"uniform_{drift:g}_{seed}", bed(lab.seconds(SECONDS), keys, frames=0.25, formats='["h5md"]'))
     frames = static.Frames(folder)
     late = frames.time >= AFTER
     time, x = frames.time[late], frames.centre[late, 0]
@@ -62,7 +62,7 @@ def part(lab):
 
 def near(lab):
     """Beads around a rod at 4 mm/s, by their distance: how fast they go, how hot they are, what part of all their momentum they have."""
-    scene = bed(lab.seconds(NEAR_SECONDS), rods=rod(4.0), frames=0.05, formats='["h5md"]')
+    scene = bed(lab.seconds(NEAR_SECONDS), rods=rod(4.0), frames=0.1, formats='["h5md"]')
     folder = lab.make("near_4", scene)
     frames = static.Frames(folder)
     with h5py.File(folder / "trajectory.h5md") as file:

@@ -6,8 +6,9 @@ from . import sound
 from .lab import A, bed, combined, product, ratio, rod, table, text
 
 SPEEDS = (None, 1.0, -1.0, 4.0)   # mm/s; None walks by itself
-SECONDS, RUNS, WITH_SOUND = 60.0, 8, 1
+SECONDS, RUNS, WITH_SOUND = 40.0, 6, 1
 MASKS = ((8, 10), (10, 12), (12, 14), (10, 16), (14, 14), (6, 12))  # strip, radius, a; the first is that of the fit
+MONOPOLE = ("amplitude", "p_xx", "p_yy", "offset")
 ROD_LENGTH = 11.25               # a
 
 
@@ -27,10 +28,11 @@ def folders(lab, speed):
     return [run(lab, speed, seed, sound_too=seed <= WITH_SOUND) for seed in range(1, lab.count(RUNS) + 1)]
 
 
-def held(constants, force, density):
+def held(constants, force, density, with_errors=None):
     """Keys of a fit with everything but the amplitude held; the force over mass per area."""
     values = {name: one[0] for name, one in constants.items()} | {"force": force[0] / density / A**3, "rho": 1.0}
     errors = {name: one[1] for name, one in constants.items()} | {"force": force[1] / density / A**3}
+    errors = {name: error for name, error in errors.items() if name in (with_errors or errors)}
     join = ", ".join
     return (f"fixed = {{ {join(f'{k} = {v:.10g}' for k, v in values.items())} }}\n"
             f"fixed_errors = {{ {join(f'{k} = {abs(v):.10g}' for k, v in errors.items())} }}\n")
@@ -40,10 +42,10 @@ def masks(pairs):
     return "".join(f"[[fit.masks]]\nstrip = {strip}\nradius = {radius}\n" for strip, radius in pairs)
 
 
-def scene(files, speed, keys, parameters, start="", pairs=MASKS):
+def scene(files, speed, keys, parameters, start="", pairs=MASKS, width=1.0):
     listed = ", ".join(f'"{file}"' for file in files)
     quoted = ", ".join(f'"{name}"' for name in parameters)
-    return (f"schema = 1\n[fit]\nparameters = [{quoted}]\n{keys}{start}rod_length = {ROD_LENGTH}\nsource_width = 1.0\n"
+    return (f"schema = 1\n[fit]\nparameters = [{quoted}]\n{keys}{start}rod_length = {ROD_LENGTH}\nsource_width = {width}\n"
             f"independent_spacing = 4.2\n[[fit.maps]]\nfiles = [{listed}]\nspeed = {speed:.8g}\n{masks(pairs)}"
             '[[figures]]\nname = "map"\nkind = "fit_map"\n')
 
@@ -55,10 +57,10 @@ def signed(folders_of, speed):
     return (sign * force, error), combined(folders_of, "mechanics", "speed")[0]
 
 
-def fit(lab, name, files_of, speed, constants, density, parameters=("amplitude", "p_xx", "p_yy", "offset")):
+def fit(lab, name, files_of, speed, constants, density, width=1.0):
     force, through = signed(files_of, speed)
     keys = held(constants, force, density)
-    return lab.fit(name, scene([folder / "measure.h5" for folder in files_of], through, keys, parameters)), force, through
+    return lab.fit(name, scene([folder / "measure.h5" for folder in files_of], through, keys, MONOPOLE, width=width)), force, through
 
 
 def part(lab):

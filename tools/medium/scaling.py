@@ -8,7 +8,8 @@ from . import monopole, sound
 from .lab import combined, ratio, table, text
 
 CASES = (("", "2.8"), ("v_5", "5"), ("v_10", "10"), ("v_15", "15"))  # variants of scenes/wake_scaling.toml, a/s
-SEEDS, SECONDS, SOUND_SECONDS = 4, 45.0, 30.0
+SEEDS, SECONDS, SOUND_SECONDS = 3, 30.0, 24.0
+SPACING = 2.0           # a, of the maps, and width of the source
 BESIDE = (10.0, 16.0)   # a: |y| of the strips in which profiles along x are taken
 
 
@@ -18,6 +19,7 @@ def cost(size=155):
 
 def run(lab, size, seed):
     return lab.make(f"scaling_{size}_{seed}", "wake_scaling.toml", f"granular.box=fit {size} a", f"granular.duration={lab.seconds(SECONDS)} s",
+                    f"measure.spacing={SPACING} a",
                     *(["measure.from=0.5 s", "measure.block=0.5 s"] if lab.quick else []), seed=seed)
 
 
@@ -80,13 +82,14 @@ def part(lab, size=155):
         folders = case_folders(lab, size, variant)
         speed = float(label) * 0.4
         force, _ = monopole.signed(folders, speed)
-        found, _, through = monopole.fit(lab, f"fit_{size}_{label}", folders, speed, constants, density)
+        found, _, through = monopole.fit(lab, f"fit_{size}_{label}", folders, speed, constants, density, SPACING)
         amplitude = found["systematics"]["errors"]["amplitude"]
         loose = {name: one for name, one in constants.items() if name != "zeta"}
-        keys = monopole.held(loose, force, density) + 'bounds = { zeta = [0.01, 2000.0] }\nlog = ["zeta"]\n'
+        keys = monopole.held(loose, force, density, ("c66", "force")) + 'bounds = { zeta = [0.01, 2000.0] }\nlog = ["zeta"]\n'
         files = [folder / "measure.h5" for folder in folders]
         free = lab.fit(f"fit_{size}_{label}_zeta", monopole.scene(files, through, keys, ("amplitude", "zeta", "p_xx", "p_yy", "offset"),
-                                                                  f"start = {{ zeta = {constants['zeta'][0]:.6g} }}\n"))
+                                                                  f"start = {{ zeta = {constants['zeta'][0]:.6g} }}\n",
+                                                                  monopole.MASKS[:3], SPACING))
         zeta = free["systematics"]["errors"]["zeta"]
         xi_v = ratio(constants["c66"], (zeta["value"], zeta["total"] or math.nan))
         rows.append([label, f"{through:.2f}", text(force, 1e6), text(combined(folders, "mechanics", "drag_rate")),
