@@ -3,60 +3,42 @@
 import h5py
 import numpy as np
 
-from . import monopole, sound, static
-from .lab import A, bed, combined, estimate, mean, ratio, rod, table, text, told
+from . import monopole, push, sound, static
+from .lab import A, bed, combined, estimate, ratio, rod, table, text, told
 
-DRIFTS = (0.5, 2.0, 5.0)    # a/s, about
-SECONDS, RUNS, AFTER = 40.0, 1, 1.0
 ONLY_DRAG = (2.0, 8.0)      # mm/s; the other speeds are those of the maps
 NEAR_SECONDS = 20.0
 RINGS = (0, 6, 10, 16, 24, 60)  # a
 
 
 def cost():
-    uniform = len(DRIFTS) * RUNS * (SECONDS + 2)
-    rods = len(ONLY_DRAG) * RUNS * (SECONDS + 2) * sound.SOUND_COST
-    return (uniform + rods + NEAR_SECONDS) * 1549
-
-
-def uniform(lab, drift, seed):
-    """(drift, error), a/s, and the acceleration, a/s^2."""
-    push = 11.0 * drift
-    keys = f'seed = {seed}\n[granular.body_force]\nkind = "uniform"\nacceleration = {push * A:.8g}\n'
-    folder = lab.make(f"uniform_{drift:g}_{seed}", bed(lab.seconds(SECONDS), keys, frames=0.25, formats='["h5md"]'))
-    frames = static.Frames(folder)
-    late = frames.time >= AFTER
-    time, x = frames.time[late], frames.centre[late, 0]
-    cuts = np.linspace(0, len(time) - 1, 9).astype(int)
-    return np.diff(x[cuts]) / np.diff(time[cuts]), push
+    rods = len(ONLY_DRAG) * (monopole.HEARD_SECONDS + 2) * sound.SOUND_COST
+    return push.cost() + (rods + NEAR_SECONDS) * 1549
 
 
 def uniform_row(lab, drift):
-    parts = [uniform(lab, drift, seed) for seed in range(1, lab.count(RUNS) + 1)]
-    speed = mean(np.concatenate([one for one, _ in parts]))
-    return [f"uniform push, {parts[0][1]:g} a/s^2", text(speed, digits=3), text(ratio((parts[0][1], 0.0), speed)), "", ""]
-
-
-def rod_folders(lab, speed):
-    if speed in ONLY_DRAG:
-        return [monopole.run(lab, speed, seed, seconds=SECONDS, sound_too=True) for seed in range(1, lab.count(RUNS) + 1)]
-    return monopole.folders(lab, speed)
+    speed, acceleration = push.drift(lab, drift)
+    return [f"uniform push, {acceleration:g} a/s^2", text(speed, digits=3), text(ratio((acceleration, 0.0), speed)), "", ""]
 
 
 def rod_row(lab, speed):
-    folders = rod_folders(lab, speed)
+    heard = [monopole.heard(lab, speed)]
+    folders = heard if speed in ONLY_DRAG else monopole.folders(lab, speed)
     label = "free rod" if speed is None else f"rod at {speed:g} mm/s"
     return [label, text(combined(folders, "mechanics", "drift"), digits=3), text(combined(folders, "mechanics", "drag_rate")),
-            text(combined(folders, "phonons", "drag_rate")), text(combined(folders, "phonons", "c_T"), digits=1)]
+            text(combined(heard, "phonons", "drag_rate")), text(combined(heard, "phonons", "c_T"), digits=1)]
 
 
 def part(lab):
     at_rest = told(sound.run(lab))["phonons"]
     rows = [["bed at rest", "0", "", text(estimate(at_rest["drag_rate"])), text(estimate(at_rest["c_T"]), digits=1)]]
-    rows += [uniform_row(lab, drift) for drift in DRIFTS]
+    rows += [uniform_row(lab, drift) for drift in push.DRIFTS]
     rows += [rod_row(lab, speed) for speed in (*monopole.SPEEDS, *ONLY_DRAG)]
     table("Drag of the plates on the bed", ["case", "drift of the bed, a/s", "drag rate from momentum, 1/s", "from the damping of slow modes, 1/s",
                                              "c_T in that bed, a/s"], rows)
+    table("Inertia of the bed: rolling beads", ["drag rate from uniform pushes, 1/s", "from the damping of slow modes, 1/s", "inertia over mass m*",
+                                                "a sphere that rolls without slip"],
+          [[text(push.drag(lab)), text(estimate(at_rest["drag_rate"])), text(push.inertia(lab), digits=3), "1.4"]])
     near(lab)
 
 

@@ -111,12 +111,6 @@ def ratio(top, bottom):
     return value, abs(value) * math.hypot(top[1] / top[0], bottom[1] / bottom[0])
 
 
-def product(one, other):
-    """Of two independent (value, error)."""
-    value = one[0] * other[0]
-    return value, abs(value) * math.hypot(one[1] / one[0], other[1] / other[0])
-
-
 def combined(folders, kind, name):
     """Mean of runs alike; its error from their scatter, of fewer than four from their own errors."""
     found = [estimate(measured[name]) for measured in (told(folder).get(kind, {}) for folder in folders) if name in measured]

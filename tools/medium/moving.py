@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.optimize import least_squares
 
-from . import sound, static
+from . import push, sound, static
 from .lab import A, bed, table, text
 
 FORCE = 24000.0              # a^3/s^2, force over mass per area: about that of a walking rod
@@ -30,11 +30,11 @@ def answer(frames, q, speed):
     return np.array([turned[b].mean(axis=0) for b in np.array_split(np.arange(len(time)), BLOCKS)]), speed - drift
 
 
-def predicted(constants, zeta, viscosity, q, speed, box):
-    """[C(q) - i zeta v q_x - v^2 q_x^2 - i nu v q_x q^2]^-1 F_q over the area, mass per area 1."""
+def predicted(constants, zeta, viscosity, q, speed, box, inertia=1.25):
+    """[C(q) - i zeta v q_x - m* v^2 q_x^2 - i nu v q_x q^2]^-1 F_q over the area, mass per area 1."""
     c11, c22, c12, c66 = constants
     x, y = q.T
-    motion = -1j * zeta * speed * x - speed**2 * x**2 - 1j * viscosity * speed * x * (x**2 + y**2)
+    motion = -1j * zeta * speed * x - inertia * speed**2 * x**2 - 1j * viscosity * speed * x * (x**2 + y**2)
     xx, yy, xy = c11 * x**2 + c66 * y**2 + motion, c66 * x**2 + c22 * y**2 + motion, (c12 + c66) * x * y
     push = FORCE * np.exp(-(x**2 + y**2) * static.WIDTH**2 / 2) / box.prod()
     return np.stack([yy * push, -xy * push], axis=1) / (xx * yy - xy**2)[:, None]
@@ -60,7 +60,7 @@ def fit(data, constants, q, speed, box):
 
 
 def part(lab):
-    at_rest = sound.constants(sound.run(lab))
+    at_rest, inertia = push.constants(lab, sound.run(lab))
     constants = [at_rest[name][0] for name in ("c11", "c22", "c12", "c66")]
     rows = []
     for speed in SPEEDS:
@@ -75,6 +75,6 @@ def part(lab):
             through.append(against)
         best, errors, chi2, dof = fit(np.concatenate(data), constants, q, np.mean(through), frames.box)
         rows.append([f"{speed:g}", f"{np.mean(through):.2f}", *(text((v, e), digits=d) for v, e, d in zip(best, errors, (3, 1, 0))), f"{chi2:.0f} ({dof})"])
-    rows.append(["by sound", "", "", text(at_rest["zeta"], digits=1), "", ""])
-    table(f"A moving Gaussian force without a rod, f/rho = {FORCE:.0f} a^3/s^2; elastic constants held at those of sound",
+    rows.append(["uniform push", "", "", text(at_rest["zeta"], digits=1), "", ""])
+    table(f"A moving Gaussian force without a rod, f/rho = {FORCE:.0f} a^3/s^2; elastic constants held at m* rho c^2",
           ["speed, a/s", "through the bed, a/s", "amplitude over prediction", "drag rate, 1/s", "viscosity, a^2/s", "chi2 (dof)"], rows)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from . import monopole, sound
+from . import monopole, push, sound
 from .lab import combined, ratio, table, text
 
 CASES = (("", "2.8"), ("v_5", "5"), ("v_10", "10"), ("v_15", "15"))  # variants of scenes/wake_scaling.toml, a/s
@@ -76,16 +76,16 @@ def slope(x, profiles, low=12.0, high=40.0):
 def part(lab, size=155):
     waves = sound.run(lab, f"sound_{size}", seconds=SOUND_SECONDS, runs=1, box=f"fit {size} a", keys="")
     sound.show(f"Sound in an unstrained bed of {size} a at rest", [(f"{size} a", waves)])
-    constants, density = sound.constants(waves), sound.density(waves)
+    (constants, inertia), density = push.constants(lab, waves), sound.density(waves)
     rows, shapes = [], []
     for variant, label in CASES:
         folders = case_folders(lab, size, variant)
         speed = float(label) * 0.4
         force, _ = monopole.signed(folders, speed)
-        found, _, through = monopole.fit(lab, f"fit_{size}_{label}", folders, speed, constants, density, SPACING)
+        found, _, through = monopole.fit(lab, f"fit_{size}_{label}", folders, speed, constants, inertia, density, SPACING)
         amplitude = found["systematics"]["errors"]["amplitude"]
         loose = {name: one for name, one in constants.items() if name != "zeta"}
-        keys = monopole.held(loose, force, density, ("c66", "force")) + 'bounds = { zeta = [0.01, 2000.0] }\nlog = ["zeta"]\n'
+        keys = monopole.held(loose, inertia, force, density, ("c66", "force")) + 'bounds = { zeta = [0.01, 2000.0] }\nlog = ["zeta"]\n'
         files = [folder / "measure.h5" for folder in folders]
         free = lab.fit(f"fit_{size}_{label}_zeta", monopole.scene(files, through, keys, ("amplitude", "zeta", "p_xx", "p_yy", "offset"),
                                                                   f"start = {{ zeta = {constants['zeta'][0]:.6g} }}\n",

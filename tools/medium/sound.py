@@ -33,13 +33,13 @@ def constants(folder):
     return out
 
 
-def show(title, folders):
+def show(title, folders, inertia=1.0):
     rows = []
     for label, folder in folders:
         found = told(folder)["phonons"]
         row = [label]
         for name in ("C11", "C22", "C12", "C66"):
-            row.append(text(estimate(found[name]), 1e3))
+            row.append(text(estimate(found[name]), 1e3 * inertia))
         row += [text(estimate(found["eta"])), text(estimate(found["c_T"]), 1, 1), text(estimate(found["drag_rate"])),
                 text(estimate(found["viscosity_L"]), 1, 0) + ", " + text(estimate(found["viscosity_T"]), 1, 0)]
         rows.append(row)
