@@ -8,23 +8,25 @@ from . import monopole, push, sound
 from .lab import combined, ratio, table, text
 
 CASES = (("", "2.8"), ("v_5", "5"), ("v_10", "10"), ("v_15", "15"))  # variants of scenes/wake_scaling.toml, a/s
-SEEDS, SECONDS, SOUND_SECONDS = 3, 30.0, 24.0
-SPACING = 2.0           # a, of the maps, and width of the source
+SECONDS, SOUND_SECONDS = 30.0, 24.0
+SEEDS = {155: 3, 310: 1}          # runs, by the size of the box
+SPACING = {155: 2.0, 310: 4.0}    # a, of the maps, and width of the source
 BESIDE = (10.0, 16.0)   # a: |y| of the strips in which profiles along x are taken
 
 
 def cost(size=155):
-    return (SEEDS * len(CASES) * (SECONDS + 2) + (SOUND_SECONDS + 6) * sound.SOUND_COST) * 1549 * (size / 78) ** 2
+    waves = (SOUND_SECONDS + 6) * sound.SOUND_COST * (155 / 78) ** 2
+    return (SEEDS[size] * len(CASES) * (SECONDS + 2) * (size / 78) ** 2 + waves) * 1549
 
 
 def run(lab, size, seed):
     return lab.make(f"scaling_{size}_{seed}", "wake_scaling.toml", f"granular.box=fit {size} a", f"granular.duration={lab.seconds(SECONDS)} s",
-                    f"measure.spacing={SPACING} a",
+                    f"measure.spacing={SPACING[size]} a",
                     *(["measure.from=0.5 s", "measure.block=0.5 s"] if lab.quick else []), seed=seed)
 
 
 def case_folders(lab, size, variant):
-    whole = [run(lab, size, seed) for seed in range(1, lab.count(SEEDS) + 1)]
+    whole = [run(lab, size, seed) for seed in range(1, lab.count(SEEDS[size]) + 1)]
     return [folder / "variants" / variant if variant else folder for folder in whole]
 
 
@@ -74,22 +76,22 @@ def slope(x, profiles, low=12.0, high=40.0):
 
 
 def part(lab, size=155):
-    waves = sound.run(lab, f"sound_{size}", seconds=SOUND_SECONDS, runs=1, box=f"fit {size} a", keys="")
-    sound.show(f"Sound in an unstrained bed of {size} a at rest", [(f"{size} a", waves)])
+    waves = sound.run(lab, "sound_155", seconds=SOUND_SECONDS, runs=1, box="fit 155 a")  # the bed of 310 a has the same density
+    sound.show("Sound in an unstrained bed of 155 a at rest", [("155 a", waves)])
     (constants, inertia), density = push.constants(lab, waves), sound.density(waves)
     rows, shapes = [], []
     for variant, label in CASES:
         folders = case_folders(lab, size, variant)
         speed = float(label) * 0.4
         force, _ = monopole.signed(folders, speed)
-        found, _, through = monopole.fit(lab, f"fit_{size}_{label}", folders, speed, constants, inertia, density, SPACING)
+        found, _, through = monopole.fit(lab, f"fit_{size}_{label}", folders, speed, constants, inertia, density, SPACING[size])
         amplitude = found["systematics"]["errors"]["amplitude"]
         loose = {name: one for name, one in constants.items() if name != "zeta"}
         keys = monopole.held(loose, inertia, force, density, ("c66", "force")) + 'bounds = { zeta = [0.01, 2000.0] }\nlog = ["zeta"]\n'
         files = [folder / "measure.h5" for folder in folders]
         free = lab.fit(f"fit_{size}_{label}_zeta", monopole.scene(files, through, keys, ("amplitude", "zeta", "p_xx", "p_yy", "offset"),
                                                                   f"start = {{ zeta = {constants['zeta'][0]:.6g} }}\n",
-                                                                  monopole.MASKS[:3], SPACING))
+                                                                  monopole.MASKS[:3], SPACING[size]))
         zeta = free["systematics"]["errors"]["zeta"]
         xi_v = ratio(constants["c66"], (zeta["value"], zeta["total"] or math.nan))
         rows.append([label, f"{through:.2f}", text(force, 1e6), text(combined(folders, "mechanics", "drag_rate")),
