@@ -61,11 +61,11 @@ class PushTest(unittest.TestCase):
 
 
 class MovingTest(unittest.TestCase):
-    def test_drag_and_viscosity_come_back_with_their_sign(self):
+    def test_amplitude_and_drag_come_back_with_their_sign(self):
         """A force that moves at 10 a/s: a wake fixed to it, seen in frames at which it is elsewhere each time."""
         places, box = crystal()
         start = places - places.mean(axis=0)
-        q = static.modes(box)
+        q = moving.modes(box)
         everywhere = np.concatenate([q, -q])
         wake = moving.predicted(TRUE, 20.0, 150.0, everywhere, 10.0, box)
         time, random, place = 0.0997 * np.arange(300), np.random.default_rng(3), [start]
@@ -76,8 +76,8 @@ class MovingTest(unittest.TestCase):
         frames = types.SimpleNamespace(box=box, time=time, place=np.array(place), centre=np.zeros((300, 2)))
         data, speed = moving.answer(frames, q, 10.0)
         self.assertEqual(speed, 10.0)
-        best, errors, chi2, dof = moving.fit(data, TRUE, q, speed, box)
-        for value, error, true in zip(best, errors, (1.0, 20.0, 150.0)):
+        best, errors, chi2, dof = moving.fit(data, TRUE, 150.0, q, speed, box)
+        for value, error, true in zip(best, errors, (1.0, 20.0)):
             self.assertLess(abs(value - true), 4 * error)  # by chance beyond it once in a thousand, with 8 blocks
             self.assertLess(error, 0.2 * true)
         self.assertLess(chi2, 3 * dof)
