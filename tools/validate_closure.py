@@ -114,30 +114,33 @@ def memory_number(run, alpha):
     return float((rates * alpha * apart[1:until] ** 2 / 4).max())
 
 
-def compared(runs, start, couplings, alpha, **settings):
-    memory = runs.known[case("memory", start, couplings, alpha, **settings)]
+def same_ending(row, how):
+    """Escaped, and undecided at the end, are both: not captured."""
+    one, other = ("apart" if row[way] in ("escape", "undecided") else row[way] for way in (how, "memory"))
+    return one == other
+
+
+def compared(runs, start, couplings, alpha):
+    memory = runs.known[case("memory", start, couplings, alpha)]
     row = {"start": start, "kappa": couplings[0], "gamma1": couplings[1], "gamma2": couplings[2], "alpha": alpha,
            "memory": memory["ending"], "memory_time": memory["time"]}
     for how in CLOSURES:
-        run = runs.known.get(case(how, start, couplings, alpha, **settings))
-        if run is None:
-            continue
+        run = runs.known[case(how, start, couplings, alpha)]
         both = run["ending"] == memory["ending"] == "contact"
         row |= {how: run["ending"], f"{how}_time": run["time"], f"{how}_heading": heading_difference(run, memory),
                 f"{how}_time_error": run["time"] / memory["time"] - 1 if both else float("nan")}
-    row["memory_number"] = memory_number(runs.known[case("steady", start, couplings, alpha, **settings)], alpha)
+    row["memory_number"] = memory_number(runs.known[case("steady", start, couplings, alpha)], alpha)
     for how in ("box", "plane"):
-        run = runs.known.get(case(how, start, couplings, alpha))
-        if run is not None:
-            row |= {how: run["ending"], f"{how}_time": run["time"]}
+        run = runs.known[case(how, start, couplings, alpha)]
+        row |= {how: run["ending"], f"{how}_time": run["time"]}
     return row
 
 
 def cell(row, how):
     """Of a table: how far off contact and headings are, or the two endings."""
-    if row[how] != row["memory"]:
+    if not same_ending(row, how):
         return f"**{row[how]}, not {row['memory']}**"
-    time = f"{100 * row[f'{how}_time_error']:+.1f} %, " if row["memory"] == "contact" else f"{row['memory']}, "
+    time = f"{100 * row[f'{how}_time_error']:+.1f} %, " if row["memory"] == "contact" else ""
     return f"{time}{row[f'{how}_heading']:.2g}"
 
 
@@ -164,15 +167,17 @@ BINS = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, np.inf)
 
 def summary(rows):
     """How good closures are, by the largest |theta'| alpha r^2/4 of the steady run."""
-    lines = ["", "| largest theta' alpha r^2/4 | encounters | same ending: steady | first order | heading off, median (largest): steady | "
-             "first order | first order nearer |", "|---|---|---|---|---|---|---|"]
+    lines = ["", "| largest theta' alpha r^2/4 | encounters | same ending: steady | first order | time of contact off, median (largest): steady | "
+             "heading off: steady | first order | first order nearer |", "|---|---|---|---|---|---|---|---|"]
     for low, high in zip(BINS, BINS[1:]):
         here = [row for row in rows if low <= row["memory_number"] < high]
         if not here:
             continue
-        same = [sum(row[how] == row["memory"] for row in here) for how in CLOSURES]
+        same = [sum(same_ending(row, how) for row in here) for how in CLOSURES]
+        times = np.array([100 * abs(row["steady_time_error"]) for row in here if np.isfinite(row["steady_time_error"])])
+        late = f"{np.median(times):.2g} % ({times.max():.2g} %)" if len(times) else "no contacts"
         off = [np.array([row[f"{how}_heading"] for row in here]) for how in CLOSURES]
-        lines.append(f"| {low:g} to {high:g} | {len(here)} | {same[0]} | {same[1]} | " +
+        lines.append(f"| {low:g} to {high:g} | {len(here)} | {same[0]} | {same[1]} | {late} | " +
                      " | ".join(f"{np.median(one):.2g} ({one.max():.2g})" for one in off) + f" | {(off[1] < off[0]).sum()} |")
     return lines
 
@@ -313,7 +318,7 @@ def draw_map(rows, path):
             for row in here:
                 i, j = alphas.index(row["alpha"]), kappas.index(row["kappa"])
                 off[i, j] = row[f"{how}_heading"]
-                if row[how] != row["memory"]:
+                if not same_ending(row, how):
                     axes.plot(j, i, "kx", markersize=7)
             image = axes.imshow(np.log10(np.maximum(off, 1e-12)), origin="lower", aspect="auto", vmin=-3, vmax=0.5, cmap="YlOrRd")
             axes.set_title(f"{title}: {start}", fontsize=9)

@@ -10,8 +10,10 @@ BY_KAPPA, BY_GAMMA = Run("capture_kappa", "capture_kappa.toml"), Run("capture_ga
 BOTH = Run("capture_gamma_negative", "capture_gamma.toml", ("coupling.kappa=-100",))
 MEMORY = ("medium.field=dynamic", "rods_run.contact_distance=1")
 STEADY = (*MEMORY, "medium.dynamic.closure=steady")  # the same box and forces, wakes as the paper has them
+LARGE = ("medium.dynamic.box=120", "medium.dynamic.modes=288", "rods_run.output_interval=0.25")  # trails of alpha = 10 go far
 ATTRACTION_MEMORY, ATTRACTION_STEADY = Run("attraction_memory", "attraction.toml", MEMORY), Run("attraction_steady", "attraction.toml", STEADY)
-PURSUIT_MEMORY, PURSUIT_STEADY = Run("pursuit_memory", "nonreciptheory.toml", MEMORY), Run("pursuit_steady", "nonreciptheory.toml", STEADY)
+PURSUIT_MEMORY = Run("pursuit_memory", "nonreciptheory.toml", MEMORY + LARGE)
+PURSUIT_STEADY = Run("pursuit_steady", "nonreciptheory.toml", STEADY + LARGE)
 CLOSURE_ERROR = 0.05  # of a contact time, or of a turn in radians: what counts as no difference
 CAPTURED = ("contact", "pursuit")
 FIGURE_START = 1.0  # dx of pletraj_a.toml and pletraj_b.toml
@@ -109,7 +111,7 @@ PAIRS = Subject("Theory: two rods", (
         front_rests, (PURSUIT,), ("nonreciptheory_a",)),
     Row("closure_attraction", "Eq. ueq2", CLOSURE + "κf/(μv₀) = 0.5, α = 1, side by side", closure_holds, (ATTRACTION_MEMORY, ATTRACTION_STEADY)),
     Row("closure_pursuit", "Eq. ueq2", CLOSURE + "κf/(μv₀) = 100, α = 10, perpendicular", closure_holds, (PURSUIT_MEMORY, PURSUIT_STEADY), (),
-        "WHY"),
+        "The wake that the rear rod left before it turned stays, and turns the front rod, which steady wakes leave alone."),
     Row("kappa_100", "text at Fig. 12 nonreciptheory", "perpendicular starts at κf/(μv₀) = 100 are always captured", all_captured,
         (BY_KAPPA,)),
     Row("kappa_positive", "text at Fig. 12 nonreciptheory", "γ = 0 and κ > 0 always leads to capture", always_captured, (BY_KAPPA,),
