@@ -102,7 +102,7 @@ def gamma_free(folder):
     return every(found, False, lambda other: "captured at (γ₁, γ₂) = " + "; ".join(f"({one}, {two})" for one, two in sorted({start[:2] for start in other})))
 
 
-CLOSURE = "Eq. ueq2, time derivative and θ' left out: wakes are steady and turn with their rods at once; "
+CLOSURE = "time derivative and θ' left out: wakes are steady and turn with their rods at once; "
 NEAR_CROSSING = "Off the paper's start: rods that would nearly meet if they walked straight (dx = 5) do meet, whatever turns them."
 PAIRS = Subject("Theory: two rods", (
     Row("attraction_b", "Fig. 9 attraction (b)", "side by side 5 f/μ apart, κf/(μv₀) = 0.5, η = α = 1: they come together", meets,
