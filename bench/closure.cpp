@@ -1,33 +1,55 @@
-// What the quasi-static closure does to a pair side by side: the same encounter with steady wakes on the
-// plane, in the periodic box, with the steady wakes of Gaussian forces (the closure in the dynamic medium's
-// own terms), and with memory. Prints a Markdown table of contact times, or of turning up to the end where
-// there is no contact.
+// Encounters of two rods under the quasi-static closure and without it, for tools/validate_closure.py. Reads
+// cases from standard input, one a line:
 //
-//   build/release/bench/bench_closure
+//   HOW eta alpha kappa gamma1 gamma2 box width modes t_end contact x0 y0 heading0 x1 y1 heading1
+//
+// HOW: plane, box (steady wakes of point forces there), steady, first_order (closures of the dynamic medium),
+// memory (the medium itself). Answers each with a line of JSON: ending, time, cpu_seconds, smallest
+// separation, poses every 0.25 f/(mu v0) and at the end.
+//
+//   build/release/bench/bench_closure < cases.txt
 
-#include "medium/exponential_step.hpp"
 #include "rodwake/medium/simulate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <ctime>
+#include <iostream>
+#include <sstream>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace {
 
 using namespace rodwake;
 
-constexpr double box = 40.0, end = 30.0, contact = 1.0, rtol = 1e-7;
-constexpr medium::DynamicMedium dynamics{.box = box, .force_width = 0.5, .modes = 112};
+constexpr double interval = 0.25, rtol = 1e-7;
+constexpr long most_steps = 1000; // a first order that runs away is no result
+constexpr std::array<std::string_view, 5> ways{"plane", "box", "steady", "first_order", "memory"};
 
-rods::RodProblem problem(double kappa, double alpha) {
-    rods::RodProblem p;
-    p.medium = elastic::Medium{1.0, 1.0 / alpha};
-    p.couplings.kappa = kappa;
-    p.rods = {{0.0, 2.5, 0.0}, {0.0, -2.5, 0.0}};
-    p.t_end = end;
+struct Case {
+    std::string how;
+    medium::MediumProblem problem;
+};
+
+bool read(const std::string& line, Case& encounter) {
+    std::istringstream words(line);
+    double alpha = 0.0, contact = 0.0;
+    elastic::Medium elastic;
+    rods::RodProblem& p = encounter.problem.rods;
+    medium::DynamicMedium& m = encounter.problem.medium;
+    words >> encounter.how >> elastic.eta >> alpha >> p.couplings.kappa >> p.couplings.gamma1 >>
+        p.couplings.gamma2 >> m.box >> m.force_width >> m.modes >> p.t_end >> contact;
+    p.rods.resize(2);
+    for (rods::Pose& rod : p.rods)
+        words >> rod.x >> rod.y >> rod.heading;
+    elastic.xi = 1.0 / alpha;
+    p.medium = elastic;
     p.contact_distance = contact;
-    return p;
+    for (int i = 0; i * interval < p.t_end; ++i)
+        p.output_times.push_back(i * interval);
+    return !words.fail() && std::ranges::count(ways, encounter.how) == 1;
 }
 
 rods::RodOptions options() {
@@ -35,50 +57,55 @@ rods::RodOptions options() {
     o.ode.method = integrate::Method::erk;
     o.ode.rtol = rtol;
     o.ode.atol = 0.01 * rtol;
+    o.ode.max_steps = most_steps;
     return o;
 }
 
-/// Steady wakes of the dynamic medium's forces: a right-hand side that makes the fields anew.
-integrate::Solution steady_gaussian(rods::RodProblem p) {
-    p.box = box;
-    integrate::OdeProblem ode = rods::to_ode(p);
-    const auto method =
-        std::make_shared<medium::ExponentialStep>(*p.medium, dynamics, p.couplings, p.rods.size(), 1);
-    ode.rhs = [method](double, integrate::State y, std::span<double> ydot) {
-        const medium::Coupled steady = method->start({y.begin(), y.end()});
-        method->rates(y, steady.fields, ydot);
-    };
-    ode.jacobian = nullptr;
-    return integrate::solve(ode, options().ode, std::vector{end});
+rods::RodResult run(Case encounter) {
+    medium::MediumProblem& p = encounter.problem;
+    if (encounter.how == "plane")
+        return rods::simulate(p.rods, options());
+    if (encounter.how == "box") {
+        p.rods.box = p.medium.box;
+        return rods::simulate(p.rods, options());
+    }
+    p.medium.closure = encounter.how == "steady"        ? medium::Closure::steady
+                       : encounter.how == "first_order" ? medium::Closure::first_order
+                                                        : medium::Closure::none;
+    return medium::simulate(p, options());
 }
 
-std::string told(const integrate::Solution& s) {
-    char text[64];
-    const bool met = s.status.termination == integrate::Termination::stopped_at_event;
-    if (!s.status.ok())
-        return s.status.flag;
-    if (met)
-        std::snprintf(text, sizeof text, "contact %.4g", s.final_time);
-    else
-        std::snprintf(text, sizeof text, "turned %.3g, %.3g", s.final_state[2], s.final_state[5]);
-    return text;
+void print(const rods::RodResult& result, double cpu_seconds) {
+    const bool failed = !result.solution.status.ok();
+    std::printf(
+        "{\"ending\": \"%s\", \"time\": %.9g, \"cpu_seconds\": %.4g, \"steps\": %ld, \"closest\": %.6g, "
+        "\"poses\": [",
+        failed ? "failed" : to_string(result.outcome.ending).c_str(), result.solution.final_time, cpu_seconds,
+        result.solution.statistics.steps, result.outcome.min_separation);
+    auto poses = result.solution.states;
+    if (poses.empty() || poses.back() != result.solution.final_state)
+        poses.push_back(result.solution.final_state);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+        std::printf(k == 0 ? "[" : ", [");
+        for (std::size_t i = 0; i < poses[k].size(); ++i)
+            std::printf(i == 0 ? "%.8g" : ", %.8g", poses[k][i]);
+        std::printf("]");
+    }
+    std::puts("]}");
+    std::fflush(stdout);
 }
 
 } // namespace
 
 int main() {
-    std::puts("| alpha | kappa | steady, plane | steady, box | steady, Gaussian | memory "
-              "|\n|---|---|---|---|---|---|");
-    for (const double alpha : {0.1, 1.0, 10.0})
-        for (const double kappa : {1.0, 10.0, 100.0}) {
-            rods::RodProblem p = problem(kappa, alpha);
-            const std::string plane = told(rods::simulate(p, options()).solution);
-            p.box = box;
-            const std::string periodic = told(rods::simulate(p, options()).solution);
-            const std::string gaussian = told(steady_gaussian(p));
-            const std::string memory = told(medium::simulate({p, dynamics}, options()).solution);
-            std::printf("| %g | %g | %s | %s | %s | %s |\n", alpha, kappa, plane.c_str(), periodic.c_str(),
-                        gaussian.c_str(), memory.c_str());
-            std::fflush(stdout);
+    for (std::string line; std::getline(std::cin, line);) {
+        Case encounter;
+        if (!read(line, encounter)) {
+            std::fprintf(stderr, "bench_closure: not a case: %s\n", line.c_str());
+            return 2;
         }
+        const std::clock_t start = std::clock();
+        const rods::RodResult result = run(encounter);
+        print(result, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    }
 }

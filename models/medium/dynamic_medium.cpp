@@ -46,6 +46,10 @@ double bytes_needed(const DynamicMedium& medium, std::size_t rods) {
 void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::size_t rods) {
     elastic::validate(elastic);
     check_lengths(medium);
+    if (medium.closure != Closure::none && medium.start == Start::rest)
+        throw InputError(
+            "start = \"rest\" beside a closure: fields that know nothing of the past have no start; take "
+            "start = \"steady\" or closure = \"none\"");
     if (!medium.self_field && rods > most_fields)
         throw InputError(
             fmt::format("self_field = false keeps a field for each rod, of at most {} rods, not {}: take "

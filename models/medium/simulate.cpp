@@ -1,5 +1,6 @@
 #include "rodwake/medium/simulate.hpp"
 
+#include "closed_rates.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/medium/modal_field.hpp"
 #include "rodwake/rods/conclude.hpp"
@@ -274,6 +275,8 @@ void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rod
 }
 
 std::size_t state_size(const DynamicMedium& medium, std::size_t rods) {
+    if (medium.closure != Closure::none)
+        return 3 * rods;
     const std::size_t half = (medium.modes + 1) / 2 - 1, size = (half + 1) * (2 * half + 1);
     return 3 * rods + 1 + 4 * size * (medium.self_field ? 1 : rods);
 }
@@ -281,6 +284,8 @@ std::size_t state_size(const DynamicMedium& medium, std::size_t rods) {
 rods::RodResult simulate(const MediumProblem& problem, const rods::RodOptions& options) {
     const RodProblem rods = in_box(problem);
     check(rods, problem.medium, options);
+    if (problem.medium.closure != Closure::none)
+        return simulate_closed(rods, problem.medium, options);
     return Run(rods, problem.medium, options).finish();
 }
 

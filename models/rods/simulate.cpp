@@ -151,10 +151,17 @@ void prepend(integrate::Solution& part, const RodCheckpoint& from, const std::ve
     part.statistics += from.statistics;
 }
 
-} // namespace
+/// What is solved.
+struct Equations {
+    integrate::OdeProblem ode;
+    StateRates rates; ///< in form angle
+    bool interacting; ///< rods that do not cannot pursue each other
+    bool singular;    ///< fields are, where rods meet
+};
 
-RodResult simulate(const RodProblem& problem, const RodOptions& options) {
-    integrate::OdeProblem ode = to_ode(problem, options.form);
+RodResult solve_equations(const RodProblem& problem, const RodOptions& options, Equations equations) {
+    integrate::OdeProblem& ode = equations.ode;
+    const StateRates& rates = equations.rates;
     const RodCheckpoint from =
         options.resume_from ? *options.resume_from : beginning(ode, problem, options.criteria);
     ode.start_time = from.time;
@@ -163,8 +170,6 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     const std::vector<double> times = output_times(problem);
     const std::span<const double> times_left = std::span(times).subspan(from.outputs.size());
     PoseTrack track(options.form, from.headings, times_left);
-    const RodModel model = model_of(problem);
-    const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
 
     integrate::OdeOptions solver = options.ode;
     solver.atol = std::min(solver.atol, 0.1 * solver.rtol); // of coordinates of order 1: more would undo rtol
@@ -195,10 +200,31 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     if (options.form != Form::angle)
         to_poses(result.solution, track);
     prepend(result.solution, from, times);
-    explain_collision(result.solution, problem.box);
-    refuse_passing(result.solution, record, problem, solver.atol);
-    result.outcome = conclude(problem, model.interacting(), rates, result.solution, record, options.criteria);
+    if (equations.singular) {
+        explain_collision(result.solution, problem.box);
+        refuse_passing(result.solution, record, problem, solver.atol);
+    }
+    result.outcome =
+        conclude(problem, equations.interacting, rates, result.solution, record, options.criteria);
     return result;
+}
+
+} // namespace
+
+RodResult simulate(const RodProblem& problem, const RodOptions& options) {
+    integrate::OdeProblem ode = to_ode(problem, options.form);
+    const RodModel model = model_of(problem);
+    const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
+    return solve_equations(problem, options, {std::move(ode), rates, model.interacting(), true});
+}
+
+RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, const RodOptions& options) {
+    if (options.form != Form::angle)
+        throw InputError("rods with rates of their own are integrated in form \"angle\"");
+    integrate::OdeProblem ode = to_ode(problem);
+    ode.rhs = [&rates](double, State y, std::span<double> ydot) { rates(y, ydot); };
+    ode.jacobian = nullptr;
+    return solve_equations(problem, options, {std::move(ode), rates, problem.couplings.any(), false});
 }
 
 } // namespace rodwake::rods

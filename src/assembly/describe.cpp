@@ -16,10 +16,10 @@ void add_measured_line(const scene::Scene& scene, const scene::MeasuredMedium& m
 }
 
 void add_dynamic_lines(const medium::DynamicMedium& m, Lines& lines) {
-    lines.push_back(
-        {true,
-         fmt::format("medium with memory: {0} x {0} modes, force width {1:g}, {2}", m.modes, m.force_width,
-                     m.start == medium::Start::steady ? "from steady fields" : "from rest")});
+    lines.push_back({true, fmt::format("medium with{3} memory: {0} x {0} modes, force width {1:g}, {2}",
+                                       m.modes, m.force_width,
+                                       m.start == medium::Start::steady ? "from steady fields" : "from rest",
+                                       m.closure == medium::Closure::none ? "" : "out")});
     lines.push_back({m.self_field, m.self_field
                                        ? "each rod in its own field too"
                                        : "each rod in its own field: medium.dynamic.self_field is false"});

@@ -162,6 +162,7 @@ void fields(Visitor& v, MeasuredMedium& measured) {
 }
 
 void fields(Visitor& v, medium::DynamicMedium& dynamic) {
+    using medium::Closure;
     using medium::Start;
     v(key("box")
           .unit(length)
@@ -193,6 +194,13 @@ void fields(Visitor& v, medium::DynamicMedium& dynamic) {
           .doc("steady: the fields of rods that have always walked straight; rest: undeformed")
           .example("\"steady\""),
       choice(dynamic.start, {{"steady", Start::steady}, {"rest", Start::rest}}));
+    v(key("closure")
+          .doc(
+              "none: the medium is integrated with the rods; steady: each rod has its steady wake, turned to "
+              "its heading at once, so that the difference to none is the error of that closure alone; goes "
+              "with start = \"steady\"")
+          .example("\"none\""),
+      choice(dynamic.closure, {{"none", Closure::none}, {"steady", Closure::steady}}));
 }
 
 void fields(Visitor& v, Medium& medium) {

@@ -22,14 +22,19 @@ const char* status_name(integrate::Termination termination) {
     return "failed";
 }
 
+std::string method_name(const assembly::RodsPlan& plan) {
+    if (plan.field.backend != scene::FieldBackend::dynamic)
+        return integrate::to_string(plan.options.ode.method);
+    return plan.of.scene.medium->memory().closure == medium::Closure::none
+               ? "etdrk4"
+               : integrate::to_string(integrate::Method::erk); // medium/simulate.hpp
+}
+
 nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly::RodsPlan& plan) {
     const integrate::OdeOptions& ode = plan.options.ode;
     const integrate::Statistics& n = result.solution.statistics;
     nlohmann::ordered_json solver;
-    const bool dynamic = plan.field.backend == scene::FieldBackend::dynamic;
-    solver["method"] = plan.noise ? "noise, strong order 1.5"
-                       : dynamic  ? "etdrk4"
-                                  : integrate::to_string(ode.method);
+    solver["method"] = plan.noise ? "noise, strong order 1.5" : method_name(plan);
     solver["form"] = to_string(plan.options.form);
     solver["field"] = assembly::to_string(plan.field.backend);
     if (plan.field.tolerance > 0.0)

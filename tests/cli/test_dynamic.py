@@ -53,6 +53,17 @@ class DynamicTest(ProgramTest):
         self.assertEqual([self.outcome(run)["outcome"] for run in ("one", "steady")], ["contact", "contact"])
         self.assertNotAlmostEqual(self.outcome("one")["time"], self.outcome("steady")["time"], delta=0.05)
 
+    def test_the_steady_closure_runs_rods_without_the_medium(self):
+        closed = "-s", "medium.dynamic.closure=steady"
+        self.rods("memory")
+        self.rods("steady", *closed)
+        self.rods("threads", *closed, "-j", "2")
+        self.assertEqual(self.results("steady"), self.results("threads"))
+        outcome = self.outcome("steady")
+        self.assertEqual((outcome["outcome"], outcome["solver"]["method"]), ("contact", "erk"))
+        self.assertNotAlmostEqual(outcome["time"], self.outcome("memory")["time"], delta=0.01)
+        self.assertIn("medium without memory: 30 x 30 modes", self.expect(0, "check", "pair.toml", *closed).stdout)
+
     def test_resumed_to_the_byte(self):
         self.rods("whole", *LONG)
         checkpoint = self.folder / "out/checkpoint.json"

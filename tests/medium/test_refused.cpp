@@ -76,6 +76,8 @@ TEST_CASE("other boxes, media and forms are refused") {
     refused([](P&, O& o) { o.form = rods::Form::director; }, "form \"angle\"");
     refused([](P& p, O&) { p.rods.sums.turning_tolerance = 1e-3; }, "no turning_tolerance");
     refused([](P&, O& o) { o.ode.rtol = 1.0; }, "rtol = 1");
+    refused([](P& p, O&) { p.medium.closure = Closure::steady, p.medium.start = Start::rest; },
+            "start = \"rest\" beside a closure");
 }
 
 } // namespace rodwake::medium

@@ -147,6 +147,10 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
          "rods_run.turning_tolerance needs the exact field on the plane");
     says(scene("modes = 3\n"), "medium.dynamic.modes = 3: must be >= 4 and <= 2048");
     says(scene("start = \"still\"\n"), "medium.dynamic.start = \"still\": must be one of steady, rest");
+    CHECK(parse(scene("closure = \"steady\"\n")).medium->memory().closure ==
+          rodwake::medium::Closure::steady);
+    says(scene("closure = \"steady\"\nstart = \"rest\"\n"),
+         "[medium.dynamic]: start = \"rest\" beside a closure");
 }
 
 TEST_CASE("field grids and cuts") {

@@ -8,6 +8,13 @@ PURSUIT = Run("nonreciptheory", "nonreciptheory.toml")
 POLAR, APOLAR = Run("pletraj_a", "pletraj_a.toml"), Run("pletraj_b", "pletraj_b.toml")
 BY_KAPPA, BY_GAMMA = Run("capture_kappa", "capture_kappa.toml"), Run("capture_gamma", "capture_gamma.toml")
 BOTH = Run("capture_gamma_negative", "capture_gamma.toml", ("coupling.kappa=-100",))
+MEMORY = ("medium.field=dynamic", "rods_run.contact_distance=1")
+STEADY = (*MEMORY, "medium.dynamic.closure=steady")  # the same box and forces, wakes as the paper has them
+LARGE = ("medium.dynamic.box=120", "medium.dynamic.modes=288", "rods_run.output_interval=0.25")  # trails of alpha = 10 go far
+ATTRACTION_MEMORY, ATTRACTION_STEADY = Run("attraction_memory", "attraction.toml", MEMORY), Run("attraction_steady", "attraction.toml", STEADY)
+PURSUIT_MEMORY = Run("pursuit_memory", "nonreciptheory.toml", MEMORY + LARGE)
+PURSUIT_STEADY = Run("pursuit_steady", "nonreciptheory.toml", STEADY + LARGE)
+CLOSURE_ERROR = 0.05  # of a contact time, or of a turn in radians: what counts as no difference
 CAPTURED = ("contact", "pursuit")
 FIGURE_START = 1.0  # dx of pletraj_a.toml and pletraj_b.toml
 
@@ -22,6 +29,19 @@ def front_rests(folder):
     front, rear = sorted(map(abs, told["turn"]))
     return judge.holds(told["outcome"] in CAPTURED and front < 1e-3 * rear,
                        f"{told['outcome']}; the front rod turns by {front:.1e} rad, the rear one by {rear:.2f} rad")
+
+
+def closure_holds(memory, steady):
+    """The same ending, and the same time of contact, or the same turns, but for CLOSURE_ERROR."""
+    one, other = (results.told(folder, "outcome") for folder in (memory, steady))
+    ours = "; ".join(f"{name}: {told['outcome']} at t = {told['time']:.2f} f/(μ v₀)" for name, told in (("with memory", one), ("steady", other)))
+    if one["outcome"] != other["outcome"]:
+        return judge.holds(False, ours, "the endings differ")
+    if one["outcome"] == "contact":
+        off, what = abs(other["time"] / one["time"] - 1), "of the time"
+    else:
+        off, what = max(abs(a - b) for a, b in zip(one["turn"], other["turn"])), "rad of turn"
+    return judge.holds(off <= CLOSURE_ERROR, ours, f"{off:.2g} {what} (asked: at most {CLOSURE_ERROR:g})")
 
 
 def captures(row):
@@ -82,12 +102,16 @@ def gamma_free(folder):
     return every(found, False, lambda other: "captured at (γ₁, γ₂) = " + "; ".join(f"({one}, {two})" for one, two in sorted({start[:2] for start in other})))
 
 
+CLOSURE = "time derivative and θ' left out: wakes are steady and turn with their rods at once; "
 NEAR_CROSSING = "Off the paper's start: rods that would nearly meet if they walked straight (dx = 5) do meet, whatever turns them."
 PAIRS = Subject("Theory: two rods", (
     Row("attraction_b", "Fig. 9 attraction (b)", "side by side 5 f/μ apart, κf/(μv₀) = 0.5, η = α = 1: they come together", meets,
         (ATTRACTION,), ("attraction_b",)),
     Row("nonrecip_a", "Fig. 12 nonreciptheory (a)", "κf/(μv₀) = 100: the rear rod turns and captures, the front one moves oblivious",
         front_rests, (PURSUIT,), ("nonreciptheory_a",)),
+    Row("closure_attraction", "Eq. ueq2", CLOSURE + "κf/(μv₀) = 0.5, α = 1, side by side", closure_holds, (ATTRACTION_MEMORY, ATTRACTION_STEADY)),
+    Row("closure_pursuit", "Eq. ueq2", CLOSURE + "κf/(μv₀) = 100, α = 10, perpendicular", closure_holds, (PURSUIT_MEMORY, PURSUIT_STEADY), (),
+        "The wake that the rear rod left before it turned stays, and turns the front rod, which steady wakes leave alone."),
     Row("kappa_100", "text at Fig. 12 nonreciptheory", "perpendicular starts at κf/(μv₀) = 100 are always captured", all_captured,
         (BY_KAPPA,)),
     Row("kappa_positive", "text at Fig. 12 nonreciptheory", "γ = 0 and κ > 0 always leads to capture", always_captured, (BY_KAPPA,),

@@ -24,12 +24,22 @@ enum class Start {
     rest    ///< nothing: undeformed
 };
 
+/// What the field of a rod knows of the rod's past.
+enum class Closure {
+    none,       ///< all of it: the medium is integrated with the rods
+    steady,     ///< nothing: it is that of a rod that has always walked straight along its present heading
+    first_order ///< its turning rate: it is, to first order in theta', that of a rod that turns
+                ///< (turning_wake.hpp). No better for encounters (docs/validation.md), so not a choice of
+                ///< scenes
+};
+
 struct DynamicMedium {
     double box = 40.0;        ///< side, f/mu
     double force_width = 0.5; ///< w, f/mu: at least a grid spacing, box/modes, at most box/4
     std::size_t modes = 96;   ///< 4 to 2048
     bool self_field = false;  ///< each rod in its own field too; false: in those of the others alone
     Start start = Start::steady;
+    Closure closure = Closure::none; ///< not with Start::rest unless none
 
     bool operator==(const DynamicMedium&) const = default;
 };

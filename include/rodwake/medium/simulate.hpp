@@ -28,17 +28,17 @@ struct MediumProblem {
 };
 
 /// Runs to t_end or to contact, as rods::simulate, whose options, checkpoints and results these are. The
-/// method is that of this part (ode.method does not count), the form angle. A checkpoint comes every few
-/// seconds and when a run is interrupted; its state: poses, the next step, the amplitudes of the fields.
-/// Deterministic, with the same bits for any rods.sums.threads. Throws InputError for what validate or
-/// rods::simulate would not take, and for rods closer than force_width.
+/// method is that of this part (ode.method does not count), with a closure erk, the form angle. A checkpoint
+/// comes every few seconds and when a run is interrupted; its state: poses, the next step, the amplitudes of
+/// the fields. Deterministic, with the same bits for any rods.sums.threads. Throws InputError for what
+/// validate or rods::simulate would not take, and for rods closer than force_width.
 rods::RodResult simulate(const MediumProblem& problem, const rods::RodOptions& options);
 
 /// Throws InputError if two rods are closer than force_width, through the box's sides too: there the field is
 /// that of the Gaussian, not of a rod.
 void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods);
 
-/// Numbers in a checkpoint's state.
+/// Numbers in a checkpoint's state: with a closure those of the rods.
 std::size_t state_size(const DynamicMedium& medium, std::size_t rods);
 
 } // namespace rodwake::medium

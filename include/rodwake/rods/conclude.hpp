@@ -1,6 +1,6 @@
 #pragma once
 // What every way of integrating rods begins and ends with: a problem that can be posed, and the outcome of
-// its solution. For integrators of other models than rods/model.hpp.
+// its solution. For integrators of other models than rods/model.hpp, and for other right-hand sides.
 
 #include "rodwake/rods/simulate.hpp"
 
@@ -19,6 +19,10 @@ std::vector<double> output_times(const RodProblem& problem);
 RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
                     const integrate::Solution& solution, const SeparationRecord& record,
                     const EndingCriteria& criteria);
+
+/// As simulate, form angle, with `rates` instead of those of rods/model.hpp: of places and headings by the
+/// state, in its layout, finite where rods meet. No Jacobian: difference quotients.
+RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, const RodOptions& options);
 
 /// A solve that fails with two rods nearly in one place failed because their fields are singular there: the
 /// status then says so.
