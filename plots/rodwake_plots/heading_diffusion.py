@@ -33,14 +33,22 @@ def draw_part(part, square, cosine, colour, label):
     curves.points(cosine, table["lag"], table["cosine"], table["cosine_error"], colour)
     low, high = (part.number(TABLE, key) for key in ("lag_low", "lag_high"))
     for lag, look in ((np.linspace(low, high, 50), FITTED), (np.linspace(table["lag"][0], low, 30), BEYOND)):
-        draw_fits(part, square, cosine, lag, dict(color=colour, linewidth=0.9, linestyle=look))
+        draw_fits(part, table, (square, cosine), lag, dict(color=colour, linewidth=0.9, linestyle=look))
 
 
-def draw_fits(part, square, cosine, lag, look):
+def at_zero(part, table, D):
+    """Where the fitted line, of weights 1/lag^2, has lag 0: below 0 for a rod that turns steadily."""
+    lag = table["lag"]
+    fitted = (lag >= 0.999 * part.number(TABLE, "lag_low")) & np.isfinite(table["square"])
+    return np.average((table["square"] - 2 * D * lag)[fitted], weights=1 / lag[fitted] ** 2)
+
+
+def draw_fits(part, table, panels, lag, look):
     """Both fits over these lags."""
+    square, cosine = panels
     D, D_cosine = (part.estimate(TABLE, key) for key in ("D_r", "D_r_cosine"))
     if D is not None:
-        line = 2 * part.number(TABLE, "jitter") ** 2 + 2 * D.value * lag
+        line = at_zero(part, table, D.value) + 2 * D.value * lag
         square.plot(lag, np.where(line > 0, line, np.nan), **look)
     if D_cosine is not None:
         cosine.plot(lag, part.number(TABLE, "cosine_amplitude") * np.exp(-D_cosine.value * lag), **look)

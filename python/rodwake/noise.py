@@ -60,7 +60,7 @@ def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotatio
     output_times             (T,), increasing, within [0, t_end]; the noise belongs to them, so others make other runs
 
     The rest is as for simulate. With the output times of a scene (0 among them) the result is that of its [noise], to the last bit,
-    for any number of threads. Runs that fail are counted as such; input that cannot be used raises InputError.
+    for any number of threads. Runs that fail are counted as such and end an ensemble with capture_error; input that cannot be used raises InputError.
     """
     if not 1 <= runs <= 10_000_000:
         raise InputError(f"runs = {runs}: must be from 1 to 10000000")
@@ -68,6 +68,10 @@ def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotatio
         raise InputError(f"seed = {seed}: must be from 0 to 2^63 - 1")
     if capture_error is not None and not 1e-4 <= capture_error <= 0.5:
         raise InputError(f"capture_error = {capture_error}: must be from 0.0001 to 0.5")
+    if capture_error is not None and len(poses) < 2:
+        raise InputError("capture_error: captures need two rods and more")
+    if not 1 <= most_runs <= 10_000_000:
+        raise InputError(f"most_runs = {most_runs}: must be from 1 to 10000000")
     return NoiseResult(_core.simulate_noise(poses, medium, kappa, gamma1, gamma2, t_end, output_times, contact_distance, rotational_diffusion,
-                                            translational_diffusion, runs, capture_error, min(max(most_runs, 1), 10_000_000), time_step, seed,
+                                            translational_diffusion, runs, capture_error, most_runs, time_step, seed,
                                             threads, max_steps))

@@ -25,6 +25,17 @@ void check(std::span<const HeadingTrack> runs, const HeadingOptions& o) {
             fmt::format("measure: heading_diffusion: lags from {:g} s to {:g} s in blocks of {:g} s: must be "
                         "positive and rise",
                         o.lag_low, o.lag_high, o.block));
+    if (2.0 * o.lag_high > o.block * (1.0 + 1e-9))
+        throw InputError(fmt::format("measure: heading_diffusion: lags up to {:g} s need blocks of twice as "
+                                     "much, not {:g} s",
+                                     o.lag_high, o.block));
+    for (const HeadingTrack& run : runs) {
+        const std::size_t rows = run.time.size();
+        if (rows < 2 || run.heading.size() != rows || run.x.size() != rows || run.y.size() != rows)
+            throw InputError(fmt::format("measure: heading_diffusion: a run has {} rows: start sooner "
+                                         "(measure.from, measure.from_travel) or run longer",
+                                         rows));
+    }
 }
 
 double step_of(const HeadingTrack& run) { return run.time.size() < 2 ? 0.0 : run.time[1] - run.time[0]; }

@@ -123,6 +123,10 @@ TEST_CASE("heading diffusion: tracks and windows that cannot serve are refused")
     refused(many(1, 1.5, 1), options, "need twice as much");
     refused(many(1, 10.0, 1), {5.0, 0.9, 0.94}, "fewer than 4 lags");
     refused(many(1, 10.0, 1), {5.0, 0.001, 0.01}, "no lag up to 0.01 s");
+    refused(many(1, 10.0, 1), {1.0, 0.2, 3.0}, "need blocks of twice as much, not 1 s");
+    std::vector<HeadingTrack> second_is_empty = many(1, 10.0, 1);
+    second_is_empty.emplace_back();
+    refused(second_is_empty, options, "a run has 0 rows: start sooner");
     std::vector<HeadingTrack> uneven = many(1, 10.0, 1);
     uneven[0].time[200] += 0.001;
     CHECK_THROWS_AS(heading_diffusion(uneven, options), RunError);

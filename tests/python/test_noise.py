@@ -70,9 +70,14 @@ class NoiseTest(unittest.TestCase):
 
     def test_what_is_refused(self):
         for changes, word in ((dict(runs=0), "runs = 0"), (dict(seed=-1), "seed = -1"), (dict(rotational_diffusion=-1.0), "D_r|rotational|diffusion"),
-                              (dict(time_step=0.0), "step")):
+                              (dict(time_step=0.0), "step"), (dict(output_times=[5.0, 1.0]), "output_times: 1"),
+                              (dict(output_times=[0.0, 1e6]), "output_times: 1000000"), (dict(output_times=[float("nan")]), "output_times: nan"),
+                              (dict(output_times=[-1.0]), "output_times: -1"), (dict(capture_error=0.1, most_runs=0), "most_runs = 0")):
             with self.subTest(changes), self.assertRaisesRegex(rodwake.InputError, word):
                 rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), **{**PAIR, "runs": 2, **changes})
+        for poses, changes, word in (([[float("nan"), 0, 0]], {}, "rods: nan"), ([[0, 0, 0]], dict(capture_error=0.1), "two rods")):
+            with self.subTest(poses), self.assertRaisesRegex(rodwake.InputError, word):
+                rodwake.simulate_noise(poses, None, rotational_diffusion=0.1, t_end=1.0, runs=2, **changes)
 
 
 class MeasuredNoiseTest(unittest.TestCase):

@@ -41,7 +41,7 @@ def at(points, D):
 
 
 def captured_in_noise(bed, scan):
-    """With the bed's D_r and with two errors more or less of it: the interval of D_r counts."""
+    """With the bed's D_r; its error counts by the captures at one error more and less."""
     D, error = results.estimate(diffusion(bed)["rotational_diffusion"])
     points = curve(scan, KAPPA)
     if not (isfinite(error) and D > 2 * error and points):

@@ -95,6 +95,10 @@ std::string noise_of(const HeadingDiffusion& r, double a, double unit) {
     if (change < rounding)
         return fmt::format("none: the heading changes by {:.1g} rad (rms) in {:g} s, by rounding alone",
                            change, r.lag_high);
+    const double turn = std::abs(r.turn_rate.value);
+    if (turn > 3.0 * r.turn_rate.error && std::pow(turn * r.lag_high, 2) > 0.1 * r.square.back())
+        return fmt::format("none: the rod turns steadily, by {:.2g} +- {:.1g} rad/s", turn,
+                           r.turn_rate.error);
     const Estimate reduced = r.diffusion_per_length.scaled(a * unit);
     if (reduced.count == 0 || !(reduced.value > 0.0))
         return "";
