@@ -6,7 +6,7 @@
 
 Prints Markdown, a part at a time, and before each the CPU time that it takes at most. --keep DIR keeps runs and takes up what is
 there, so an interrupted command goes on; without it they are removed. --quick: runs of 3 s, to see that everything works; its
-numbers mean nothing. scaling_310 takes hours and runs only when named.
+numbers mean nothing (some minutes: the box of 155 a). scaling_310 runs only when named.
 """
 
 import argparse

@@ -16,7 +16,8 @@ BESIDE = (10.0, 16.0)   # a: |y| of the strips in which profiles along x are tak
 
 def cost(size=155):
     waves = (SOUND_SECONDS + 6) * sound.SOUND_COST * (155 / 78) ** 2
-    return (SEEDS[size] * len(CASES) * (SECONDS + 2) * (size / 78) ** 2 + waves) * 1549
+    per_bead = 1.8 if size > 200 else 1.0  # a large bed does not fit into the caches
+    return (SEEDS[size] * len(CASES) * (SECONDS + 2) * (size / 78) ** 2 * per_bead + waves) * 1549
 
 
 def run(lab, size, seed):
