@@ -175,7 +175,7 @@ def summary(rows):
             continue
         same = [sum(same_ending(row, how) for row in here) for how in CLOSURES]
         times = np.array([100 * abs(row["steady_time_error"]) for row in here if np.isfinite(row["steady_time_error"])])
-        late = f"{np.median(times):.2g} % ({times.max():.2g} %)" if len(times) else "no contacts"
+        late = f"{np.median(times):.3g} % ({times.max():.3g} %)" if len(times) else "no contacts"
         off = [np.array([row[f"{how}_heading"] for row in here]) for how in CLOSURES]
         lines.append(f"| {low:g} to {high:g} | {len(here)} | {same[0]} | {same[1]} | {late} | " +
                      " | ".join(f"{np.median(one):.2g} ({one.max():.2g})" for one in off) + f" | {(off[1] < off[0]).sum()} |")
