@@ -26,7 +26,7 @@ SOURCE = Path(__file__).resolve().parent.parent
 ETA, BOX, WIDTH, MODES, CONTACT = 1.0, 40.0, 0.5, 96, 1.0
 NEAR = 2.0  # f/mu: headings are not compared below; closer than 4 widths the force's shape matters
 CLOSURES = ("steady", "first_order")
-COST = {"plane": 0.05, "box": 0.3, "steady": 0.6, "first_order": 1.2, "memory": 2.0}  # CPU s at 96 modes to t = 16
+COST = {"plane": 0.01, "box": 0.05, "steady": 0.1, "first_order": 1.0, "memory": 0.7}  # CPU s at 96 modes to t = 16
 RIGHT = np.pi / 2
 STARTS = {"abreast": ((0, 2.5, 0), (0, -2.5, 0), 30.0), "crossing, dx = 1": ((0, 0, 0), (1, -5, RIGHT), 16.0),
           "crossing, dx = 3": ((0, 0, 0), (3, -5, RIGHT), 16.0)}
@@ -81,13 +81,13 @@ def encounters(quick):
     if quick:
         return apolar
     away = [(start, (-100, 0, 0), alpha) for start in starts[1:] for alpha in (0.1, 1, 10)]
-    return apolar + away + [(start, polar, alpha) for start in starts[1:] for alpha in (0.1, 1, 10) for polar in POLAR]
+    return apolar + away + [(starts[1], polar, alpha) for alpha in (0.1, 1, 10) for polar in POLAR]
 
 
-SETTINGS = {"box 40, w = 0.5, 96 modes": (40.0, 0.5, 96), "128 modes": (40.0, 0.5, 128), "w = 0.35, 136 modes": (40.0, 0.35, 136),
+SETTINGS = {"box 40, w = 0.5, 96 modes": (40.0, 0.5, 96), "128 modes": (40.0, 0.5, 128),
             "w = 0.25, 192 modes": (40.0, 0.25, 192), "box 56, 136 modes": (56.0, 0.5, 136)}
 WIDTH_CASES = (("abreast", (10, 0, 0), 0.1), ("abreast", (10, 0, 0), 1), ("crossing, dx = 1", (10, 0, 0), 1),
-               ("crossing, dx = 1", (100, 0, 0), 1), ("crossing, dx = 3", (0, 10, -10), 1))
+               ("crossing, dx = 1", (100, 0, 0), 1))
 
 
 def heading_difference(one, other):
@@ -175,7 +175,7 @@ def summary(rows):
             continue
         same = [sum(same_ending(row, how) for row in here) for how in CLOSURES]
         times = np.array([100 * abs(row["steady_time_error"]) for row in here if np.isfinite(row["steady_time_error"])])
-        late = f"{np.median(times):.2g} % ({times.max():.2g} %)" if len(times) else "no contacts"
+        late = f"{np.median(times):.3g} % ({times.max():.3g} %)" if len(times) else "no contacts"
         off = [np.array([row[f"{how}_heading"] for row in here]) for how in CLOSURES]
         lines.append(f"| {low:g} to {high:g} | {len(here)} | {same[0]} | {same[1]} | {late} | " +
                      " | ".join(f"{np.median(one):.2g} ({one.max():.2g})" for one in off) + f" | {(off[1] < off[0]).sum()} |")
