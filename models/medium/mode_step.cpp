@@ -15,7 +15,7 @@ ModeStep::ModeStep(const elastic::Medium& elastic, const DynamicMedium& medium,
     if (evaluation_of(medium, rods) == Evaluation::mesh) {
         mesh_.emplace(modes_, medium.box, team_);
         if (!medium.self_field)
-            own_.emplace(elastic, medium, couplings);
+            own_.emplace(elastic, medium, couplings, modes_);
     }
     for (Forces& forces : forces_)
         forces.resize(count() * 4 * modes_.size());
@@ -75,7 +75,7 @@ void ModeStep::rates(integrate::State poses, std::span<const double> fields, std
         const rods::Direction n = rods::direction(poses, a);
         ydot[3 * a] = n.cosine;
         ydot[3 * a + 1] = n.sine;
-        ydot[3 * a + 2] = turning_[a] - (own_ ? own_->memory(poses, a, own) : 0.0);
+        ydot[3 * a + 2] = turning_[a] - (own_ ? own_->turning(poses, a, own) : 0.0);
     }
 }
 

@@ -1,5 +1,7 @@
 #include "own_response.hpp"
 
+#include "rods/interaction.hpp"
+
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -71,11 +73,38 @@ Eigen::VectorXd geometric(double first, double last, Eigen::Index count) {
 } // namespace
 
 OwnResponse::OwnResponse(const elastic::Medium& elastic, const DynamicMedium& medium,
-                         const rods::Couplings& couplings)
+                         const rods::Couplings& couplings, const ModalField& modes)
     : steady_(medium.start == Start::steady) {
     decay_.fill(1.0);
-    if (couplings.any())
-        fit(elastic, medium, couplings);
+    decay_[terms] = modes.qx()[1] * modes.qx()[1] * elastic.xi;
+    if (!couplings.any())
+        return;
+    fit(elastic, medium, couplings);
+    if (steady_)
+        find_images(couplings, modes);
+}
+
+void OwnResponse::find_images(const rods::Couplings& couplings, const ModalField& modes) {
+    constexpr int headings = 24;
+    harmonics_.assign(headings - 1, 0.0);
+    for (int j = 0; j < headings; ++j) {
+        const double theta = (j + 0.5) * 0.25 * std::numbers::pi / headings;
+        std::vector<double> field(modes.numbers());
+        modes.add_steady({0.0, 0.0, theta}, field);
+        const double turning =
+            rods::turning_rate(modes.at(0.0, 0.0, rods::request_of(couplings, false), field), couplings,
+                               {std::cos(theta), std::sin(theta)});
+        for (int k = 1; k < headings; ++k)
+            harmonics_[static_cast<std::size_t>(k - 1)] +=
+                2.0 / headings * turning * std::sin(k * std::numbers::pi * (j + 0.5) / headings);
+    }
+}
+
+double OwnResponse::images(double heading) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < harmonics_.size(); ++k)
+        sum += harmonics_[k] * std::sin(4.0 * static_cast<double>(k + 1) * heading);
+    return sum;
 }
 
 void OwnResponse::fit(const elastic::Medium& elastic, const DynamicMedium& medium,
@@ -99,36 +128,36 @@ void OwnResponse::fit(const elastic::Medium& elastic, const DynamicMedium& mediu
 
 void OwnResponse::start(integrate::State poses, std::span<double> state) const {
     const std::size_t rods = poses.size() / 3;
-    for (std::size_t k = 0; k < terms; ++k) {
+    for (std::size_t k = 0; k < kept; ++k) {
         const double whole = steady_ ? 1.0 / decay_[k] : 0.0;
         for (std::size_t rod = 0; rod < rods; ++rod)
-            state[rod * terms + k] = whole * poses[3 * rod + 2];
-        state[rods * terms + k] = whole;
+            state[rod * kept + k] = whole * poses[3 * rod + 2];
+        state[rods * kept + k] = whole;
     }
 }
 
-double OwnResponse::memory(integrate::State poses, std::size_t rod, std::span<const double> state) const {
+double OwnResponse::turning(integrate::State poses, std::size_t rod, std::span<const double> state) const {
     const std::size_t rods = poses.size() / 3;
     double sum = 0.0;
     for (std::size_t k = 0; k < terms; ++k)
-        sum += strength_[k] * (poses[3 * rod + 2] * state[rods * terms + k] - state[rod * terms + k]);
-    return sum;
+        sum += strength_[k] * (poses[3 * rod + 2] * state[rods * kept + k] - state[rod * kept + k]);
+    return sum + images(decay_[terms] * state[rod * kept + terms]);
 }
 
 void OwnResponse::advance(std::size_t stage, double h, const std::array<integrate::State, 4>& stages,
                           std::span<const double> from, std::span<double> to) const {
     const std::size_t rods = stages[0].size() / 3;
-    for (std::size_t k = 0; k < terms; ++k) {
+    for (std::size_t k = 0; k < kept; ++k) {
         const DecayWeights weights = decay_weights(decay_[k], h);
-        const double kept = stage < 3 ? weights.half : weights.full;
+        const double left = stage < 3 ? weights.half : weights.full;
         for (std::size_t rod = 0; rod < rods; ++rod) {
             std::array<double, 4> headings{};
             for (std::size_t j = 0; j < std::min<std::size_t>(stage, 4); ++j)
                 headings[j] = stages[j][3 * rod + 2];
-            to[rod * terms + k] = kept * from[rod * terms + k] + weighted(stage, weights.force, headings);
+            to[rod * kept + k] = left * from[rod * kept + k] + weighted(stage, weights.force, headings);
         }
-        to[rods * terms + k] =
-            kept * from[rods * terms + k] + weighted(stage, weights.force, {1.0, 1.0, 1.0, 1.0});
+        to[rods * kept + k] =
+            left * from[rods * kept + k] + weighted(stage, weights.force, {1.0, 1.0, 1.0, 1.0});
     }
 }
 

@@ -19,34 +19,38 @@
 //
 // of each rod and once for all. From rest both are 0 at the start, from steady fields 1/mu_k of theta and 1.
 //
-// Units of medium/simulate.hpp. Domain: no inertia. Error: of second order in delta; the turning by the rod's
-// own images in the box stays in; that of the fit is told by fit_error() (docs/validation.md has what comes
-// of them).
+// The rod's images in the box turn it as in their steady field of a heading that follows its own at the rate
+// of the slowest mode, (2 pi/box)^2/alpha; from rest they are left in.
+//
+// Units of medium/simulate.hpp. Domain: no inertia. Error: of second order in delta; that of the images,
+// whose fields do not follow as one; that of the fit is told by fit_error() (docs/validation.md has what
+// comes of them).
 
 #include "mode_weights.hpp"
 #include "rodwake/integrate/ode.hpp"
-#include "rodwake/medium/dynamic_medium.hpp"
+#include "rodwake/medium/modal_field.hpp"
 #include "rodwake/rods/couplings.hpp"
 
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace rodwake::medium {
 
 class OwnResponse {
 public:
-    static constexpr std::size_t terms = 14;
+    static constexpr std::size_t terms = 14, kept = terms + 1; ///< the last for the images
 
-    OwnResponse(const elastic::Medium& elastic, const DynamicMedium& medium,
-                const rods::Couplings& couplings);
+    OwnResponse(const elastic::Medium& elastic, const DynamicMedium& medium, const rods::Couplings& couplings,
+                const ModalField& modes);
 
     /// Numbers of the state: Q of each rod, then P.
-    static std::size_t numbers(std::size_t rods) { return terms * (rods + 1); }
+    static std::size_t numbers(std::size_t rods) { return kept * (rods + 1); }
     void start(integrate::State poses, std::span<double> state) const;
 
-    /// T of a rod, linear in the state.
-    double memory(integrate::State poses, std::size_t rod, std::span<const double> state) const;
+    /// T of a rod and what its images do; but for these linear in the state.
+    double turning(integrate::State poses, std::size_t rod, std::span<const double> state) const;
 
     /// The state at stage 1, 2, 3 or the end, 4, of a step of h; `stages`: poses at the start and at each
     /// stage so far.
@@ -61,8 +65,13 @@ public:
 private:
     void fit(const elastic::Medium& elastic, const DynamicMedium& medium, const rods::Couplings& couplings);
 
+    double images(double heading) const;
+    void find_images(const rods::Couplings& couplings, const ModalField& modes);
+
     bool steady_;
-    std::array<double, terms> decay_{}, strength_{};
+    std::array<double, kept> decay_{};
+    std::array<double, terms> strength_{};
+    std::vector<double> harmonics_; ///< of sin 4 theta, sin 8 theta, ... of the images
     double fit_error_ = 0.0;
 };
 
