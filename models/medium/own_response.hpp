@@ -7,9 +7,8 @@
 // across it, and delta = theta(t) - theta(t - tau),
 //
 //   T(t) = int_0^inf A(tau) delta(tau) dtau
-//   A = (1/alpha) int q dq dphi/(2 pi)^2 e^(-w^2 q^2/2 + i q c tau) [ -G_L s D_L q/(D_L q - i c) e^(-D_L q^2
-//   tau)
-//       + G_T (-c + i s^2/(D_T q - i c)) e^(-D_T q^2 tau) ]
+//   A = (1/alpha) int q dq dphi/(2 pi)^2 e^(-w^2 q^2/2 + i q c tau)
+//       [ -G_L s D_L q/(D_L q - i c) e^(-D_L q^2 tau) + G_T (-c + i s^2/(D_T q - i c)) e^(-D_T q^2 tau) ]
 //   G_L = i kappa q c s - (gamma1 + gamma2) q^2 s,   G_T = i kappa q (c^2 - s^2)/2 - gamma1 q^2 c
 //
 // of the plane: what a rod has left behind turns it by its strain there, and by where it lies. A is kept as
