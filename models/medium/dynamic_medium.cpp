@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rodwake::medium {
@@ -11,6 +12,7 @@ namespace rodwake::medium {
 namespace {
 
 constexpr std::size_t fewest_modes = 4, most_modes = 2048;
+constexpr double most_inertia = 1e6;
 
 void check_lengths(const DynamicMedium& m) {
     if (!(m.box > 0.0 && std::isfinite(m.box)))
@@ -33,28 +35,61 @@ void check_lengths(const DynamicMedium& m) {
                         m.box, 4.0 * m.force_width));
 }
 
+void check_closure(const DynamicMedium& m) {
+    if (m.closure == Closure::none)
+        return;
+    if (m.start == Start::rest)
+        throw InputError(
+            "start = \"rest\" beside a closure: fields that know nothing of the past have no start; "
+            "take start = \"steady\" or closure = \"none\"");
+    if (m.evaluation == Evaluation::mesh || m.inertia > 0.0)
+        throw InputError("a closure goes with sums and without inertia: take evaluation = \"auto\" and "
+                         "inertia = 0, or closure = \"none\"");
+}
+
 } // namespace
+
+Evaluation evaluation_of(const DynamicMedium& medium, std::size_t rods) {
+    if (medium.closure != Closure::none)
+        return Evaluation::sums;
+    if (medium.evaluation != Evaluation::automatic)
+        return medium.evaluation;
+    return rods > (medium.self_field ? most_summed : most_fields) ? Evaluation::mesh : Evaluation::sums;
+}
 
 double bytes_needed(const DynamicMedium& medium, std::size_t rods) {
     const double modes = 0.5 * static_cast<double>(medium.modes) * static_cast<double>(medium.modes);
+    const double parts = medium.inertia > 0.0 ? 2.0 : 1.0; // amplitudes, and their rates
+    if (evaluation_of(medium, rods) == Evaluation::mesh)
+        // six states and four forces, weights of each mode, and the mesh with its transforms
+        return 8.0 * (modes * (4.0 * (6.0 * parts + 4.0) + (parts > 1.0 ? 36.0 : 14.0) + 20.0) +
+                      60.0 * static_cast<double>(rods));
+    const auto own = static_cast<double>(std::min(rods, most_fields));
+    const double fields = medium.self_field ? 1.0 + own : static_cast<double>(rods);
     // amplitudes: four numbers a mode in each of eight states of the fields; weights: ten complex numbers a
-    // rod
-    const double fields = medium.self_field ? 1.0 : static_cast<double>(rods);
-    return 8.0 * modes * (32.0 * fields + 20.0 * static_cast<double>(rods));
+    // rod, or with inertia four forces
+    return 8.0 * modes * (32.0 * parts * fields + 20.0 * static_cast<double>(rods));
 }
 
 void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::size_t rods) {
     elastic::validate(elastic);
     check_lengths(medium);
-    if (medium.closure != Closure::none && medium.start == Start::rest)
-        throw InputError(
-            "start = \"rest\" beside a closure: fields that know nothing of the past have no start; take "
-            "start = \"steady\" or closure = \"none\"");
-    if (!medium.self_field && rods > most_fields)
-        throw InputError(
-            fmt::format("self_field = false keeps a field for each rod, of at most {} rods, not {}: take "
-                        "fewer rods or self_field = true, which has one field for all",
-                        most_fields, rods));
+    check_closure(medium);
+    if (!(medium.inertia >= 0.0 && medium.inertia <= most_inertia))
+        throw InputError(fmt::format("inertia = {}: must be 0 to {}", medium.inertia, most_inertia));
+    const bool mesh = evaluation_of(medium, rods) == Evaluation::mesh;
+    if (!mesh && !medium.self_field && rods > most_fields)
+        throw InputError(fmt::format(
+            "self_field = false with sums keeps a field for each rod, of at most {} rods, not {}: "
+            "take fewer rods, evaluation = \"mesh\" or self_field = true, which has one field for "
+            "all",
+            most_fields, rods));
+    if (mesh && !medium.self_field && medium.inertia > 0.0)
+        throw InputError(fmt::format("inertia = {} and self_field = false do not go with the mesh, which {} "
+                                     "rods get: what a rod's own "
+                                     "field does is known to it without inertia only; take self_field = "
+                                     "true, or sums for at most {} rods",
+                                     medium.inertia, rods, most_fields));
     if (bytes_needed(medium, rods) > most_bytes)
         throw InputError(
             fmt::format("modes = {} and {} rods would take {:.3g} GB: at most {:.3g}; take fewer modes or "

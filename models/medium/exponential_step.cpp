@@ -1,6 +1,6 @@
 #include "exponential_step.hpp"
 
-#include "rods/interaction.hpp"
+#include "rods/interaction.hpp" // rods::direction
 
 #include <algorithm>
 #include <cmath>
@@ -9,54 +9,29 @@ namespace rodwake::medium {
 
 ExponentialStep::ExponentialStep(const elastic::Medium& elastic, const DynamicMedium& medium,
                                  const rods::Couplings& couplings, std::size_t rods, std::size_t threads)
-    : modes_(elastic, medium), couplings_(couplings), rods_(rods), fields_(medium.self_field ? 1 : rods),
-      self_field_(medium.self_field), steady_(medium.start == Start::steady), team_(threads) {
+    : modes_(elastic, medium), rods_(rods), steady_(medium.start == Start::steady), team_(threads),
+      fields_(modes_, couplings, medium.self_field, rods, 4 * modes_.size(), team_) {
     validate(elastic, medium, rods);
     const std::size_t numbers = 4 * modes_.size();
     decay_.resize(numbers);
     weights_.resize(2 * modes_.size() * rods);
     paths_.resize(rods);
-    stage_ = {std::vector<double>(3 * rods), std::vector<double>(numbers * fields_)};
-    total_.resize(fields_ > 1 ? numbers : 0);
+    stage_ = {std::vector<double>(3 * rods), std::vector<double>(numbers * fields_.count())};
     for (std::vector<double>& slope : slopes_)
         slope.resize(3 * rods);
 }
 
-Coupled ExponentialStep::start(std::vector<double> poses) const {
+Coupled ExponentialStep::start(std::vector<double> poses) {
     const std::size_t numbers = 4 * modes_.size();
-    Coupled state{std::move(poses), std::vector<double>(numbers * fields_)};
-    if (steady_)
-        for (std::size_t rod = 0; rod < rods_; ++rod)
-            modes_.add_steady(rods::pose(state.poses, rod),
-                              std::span(state.fields).subspan(self_field_ ? 0 : rod * numbers, numbers));
+    Coupled state{std::move(poses), std::vector<double>(numbers * fields_.count())};
+    for (std::size_t rod = 0; steady_ && rod < rods_; ++rod) {
+        const rods::Pose pose = rods::pose(state.poses, rod);
+        if (fields_.common())
+            modes_.add_steady(pose, std::span(state.fields).first(numbers));
+        if (fields_.own())
+            modes_.add_steady(pose, std::span(state.fields).subspan(fields_.at(rod), numbers));
+    }
     return state;
-}
-
-void ExponentialStep::rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) {
-    const std::size_t numbers = 4 * modes_.size(), columns = modes_.columns();
-    const auto field = [&](std::size_t k) { return fields.subspan(k * numbers, numbers); };
-    if (fields_ > 1)
-        team_.run(numbers / columns, [&](std::size_t row) {
-            for (std::size_t i = row * columns; i < (row + 1) * columns; ++i) {
-                total_[i] = 0.0;
-                for (std::size_t k = 0; k < fields_; ++k)
-                    total_[i] += fields[k * numbers + i];
-            }
-        });
-    const bool acting = couplings_.any() && (self_field_ || rods_ > 1);
-    team_.run(rods_, [&](std::size_t a) {
-        const rods::Direction n = rods::direction(poses, a);
-        ydot[3 * a] = n.cosine;
-        ydot[3 * a + 1] = n.sine;
-        ydot[3 * a + 2] = 0.0;
-        if (!acting)
-            return;
-        const elastic::FieldRequest request = rods::request_of(couplings_, false);
-        const double x = poses[3 * a], y = poses[3 * a + 1];
-        const elastic::FieldValues values =
-            self_field_ ? modes_.at(x, y, request, fields) : modes_.at(x, y, request, total_, field(a));
-        ydot[3 * a + 2] = rods::turning_rate(values, couplings_, {n.cosine, n.sine});
-    });
 }
 
 void ExponentialStep::prepare_row(std::size_t row, std::size_t rod, double h) {
@@ -171,10 +146,14 @@ void ExponentialStep::fields_at(std::size_t stage, integrate::State before, std:
         paths_[rod].y = phases(modes_.qy(), -(before[3 * rod + 1] + v.sine * time));
     }
     team_.run(modes_.rows(), [&](std::size_t row) {
-        for (std::size_t k = 0; k < fields_; ++k)
+        for (std::size_t k = 0; k < fields_.count(); ++k)
             decay_row(row, stage < 3, from.subspan(k * numbers, numbers), to.subspan(k * numbers, numbers));
-        for (std::size_t rod = 0; rod < rods_; ++rod)
-            advance_row(row, stage, rod, to.subspan(self_field_ ? 0 : rod * numbers, numbers));
+        for (std::size_t rod = 0; rod < rods_; ++rod) {
+            if (fields_.common())
+                advance_row(row, stage, rod, to.first(numbers));
+            if (fields_.own())
+                advance_row(row, stage, rod, to.subspan(fields_.at(rod), numbers));
+        }
     });
 }
 

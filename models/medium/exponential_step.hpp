@@ -13,12 +13,13 @@
 // constant for a rod that walks straight, however long the step: its field is then exact. Rods take the
 // same method with z = 0, the classical Runge-Kutta method.
 //
-// Without a self-field there are as many fields as rods, else one. Bits do not depend on the threads: they
-// share rows of modes and rods.
+// Fields as in summed_fields.hpp. Bits do not depend on the threads: they share rows of modes and rods.
 
+#include "coupled_step.hpp"
 #include "phi.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/modal_field.hpp"
+#include "summed_fields.hpp"
 
 #include <array>
 #include <cstddef>
@@ -27,25 +28,19 @@
 
 namespace rodwake::medium {
 
-struct Coupled {
-    std::vector<double> poses;  ///< layout of rods/model.hpp
-    std::vector<double> fields; ///< one after the other
-};
-
-class ExponentialStep {
+class ExponentialStep : public CoupledStep {
 public:
     ExponentialStep(const elastic::Medium& elastic, const DynamicMedium& medium,
                     const rods::Couplings& couplings, std::size_t rods, std::size_t threads);
 
-    /// The start of a run: the medium as DynamicMedium::start says.
-    Coupled start(std::vector<double> poses) const;
-    std::size_t fields() const { return fields_; }
-
-    /// Rates of the rods' coordinates in these fields, which need not be of the same instant.
-    void rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot);
-
-    /// From `before`, whose rates are `rates`, by h > 0.
-    void take(const Coupled& before, std::span<const double> rates, double h, Coupled& after);
+    Coupled start(std::vector<double> poses) override;
+    void rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) override {
+        fields_.rates(poses, fields, ydot);
+    }
+    void take(const Coupled& before, std::span<const double> rates, double h, Coupled& after) override;
+    std::vector<double> own_turning(const Coupled& state) override {
+        return fields_.own_turning(state.poses, state.fields);
+    }
 
 private:
     /// Weights of one rod's force on one mode, times h.
@@ -72,15 +67,14 @@ private:
     void decay_row(std::size_t row, bool half, std::span<const double> from, std::span<double> to) const;
 
     ModalField modes_;
-    rods::Couplings couplings_;
-    std::size_t rods_, fields_;
-    bool self_field_, steady_;
+    std::size_t rods_;
+    bool steady_;
     Team team_;
+    SummedFields fields_;
     std::vector<double> decay_;    ///< e^(-lambda h/2) of l, of t, then e^(-lambda h)
     std::vector<Weights> weights_; ///< of rod, l or t, mode
     std::vector<Path> paths_;
     Coupled stage_;
-    std::vector<double> total_;
     std::array<std::vector<double>, 4> slopes_;
 };
 

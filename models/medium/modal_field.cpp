@@ -97,7 +97,8 @@ Phases phases(std::span<const double> q, double c) {
     return p;
 }
 
-ModalField::ModalField(const elastic::Medium& elastic, const DynamicMedium& medium) {
+ModalField::ModalField(const elastic::Medium& elastic, const DynamicMedium& medium)
+    : inertia_(medium.inertia * elastic.xi) {
     validate(elastic, medium, 1);
     const std::size_t half = (medium.modes + 1) / 2 - 1;
     const double unit = 2.0 * std::numbers::pi / medium.box, alpha = 1.0 / elastic.xi;
@@ -120,24 +121,36 @@ ModalField::ModalField(const elastic::Medium& elastic, const DynamicMedium& medi
 }
 
 void ModalField::add_steady(const rods::Pose& rod, std::span<double> field) const {
-    const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
     const Phases px = phases(qx_, -rod.x), py = phases(qy_, -rod.y);
+    for (std::size_t row = 0; row < rows(); ++row)
+        add_steady_row(row, 0, columns(), rod, px, py, field);
+}
+
+void ModalField::add_steady_row(std::size_t row, std::size_t first, std::size_t last, const rods::Pose& rod,
+                                const Phases& px, const Phases& py, std::span<double> field) const {
+    const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
     const auto add = [&](std::size_t i, std::size_t block, double along, double decay, double qn, double re,
                          double im) {
-        const double scale = force_[i] * along / (decay * decay + qn * qn); // of 1/(decay - i qn)
-        field[block * size() + i] += scale * (re * decay - im * qn);
-        field[(block + 1) * size() + i] += scale * (re * qn + im * decay);
-    };
-    for (std::size_t row = 0, i = 0; row < rows(); ++row)
-        for (std::size_t column = 0; column < columns(); ++column, ++i) {
-            if (force_[i] == 0.0)
-                continue;
-            const double re = px.re[row] * py.re[column] - px.im[row] * py.im[column];
-            const double im = px.re[row] * py.im[column] + px.im[row] * py.re[column];
-            const double qn = qx_[row] * nx + qy_[column] * ny;
-            add(i, 0, nx * unit_x_[i] + ny * unit_y_[i], decay_l_[i], qn, re, im);
-            add(i, 2, ny * unit_x_[i] - nx * unit_y_[i], decay_t_[i], qn, re, im);
+        const double d = decay - inertia_ * qn * qn;
+        const double scale = force_[i] * along / (d * d + qn * qn); // of 1/(d - i qn)
+        const double u_re = scale * (re * d - im * qn), u_im = scale * (re * qn + im * d);
+        field[block * size() + i] += u_re;
+        field[(block + 1) * size() + i] += u_im;
+        if (inertia_ > 0.0) { // rates, -i qn u
+            field[(block + 4) * size() + i] += qn * u_im;
+            field[(block + 5) * size() + i] -= qn * u_re;
         }
+    };
+    for (std::size_t column = first; column < last; ++column) {
+        const std::size_t i = row * columns() + column;
+        if (force_[i] == 0.0)
+            continue;
+        const double re = px.re[row] * py.re[column] - px.im[row] * py.im[column];
+        const double im = px.re[row] * py.im[column] + px.im[row] * py.re[column];
+        const double qn = qx_[row] * nx + qy_[column] * ny;
+        add(i, 0, nx * unit_x_[i] + ny * unit_y_[i], decay_l_[i], qn, re, im);
+        add(i, 2, ny * unit_x_[i] - nx * unit_y_[i], decay_t_[i], qn, re, im);
+    }
 }
 
 elastic::FieldValues ModalField::at(double x, double y, elastic::FieldRequest request,

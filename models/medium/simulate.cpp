@@ -45,12 +45,20 @@ void check(const RodProblem& rods, const DynamicMedium& medium, const RodOptions
     validate_start(medium, rods.rods);
 }
 
-RodCheckpoint beginning(const RodProblem& problem, ExponentialStep& method, const EndingCriteria& criteria) {
+/// Rods whose own turning is kept by itself.
+std::size_t told_apart(const DynamicMedium& medium, std::size_t rods) {
+    return medium.self_field && evaluation_of(medium, rods) == Evaluation::sums && rods <= most_fields ? rods
+                                                                                                       : 0;
+}
+
+RodCheckpoint beginning(const RodProblem& problem, const DynamicMedium& medium, CoupledStep& method,
+                        const EndingCriteria& criteria) {
     constexpr double first_step = 0.05; // f/(mu v0); too long a step is rejected
     const Coupled start = method.start(rods::to_state(problem.rods));
     RodCheckpoint from;
     from.state = start.poses;
     from.state.push_back(first_step);
+    from.state.resize(from.state.size() + told_apart(medium, problem.rods.size()));
     from.statistics.rhs_evaluations = 1;
     from.state.insert(from.state.end(), start.fields.begin(), start.fields.end());
     from.record =
@@ -96,32 +104,36 @@ class Run {
 public:
     Run(const RodProblem& problem, const DynamicMedium& medium, const RodOptions& options)
         : problem_(problem), options_(options), width_(medium.force_width),
-          times_(rods::output_times(problem)),
-          method_(*problem.medium, medium, problem.couplings, problem.rods.size(), problem.sums.threads),
-          from_(options.resume_from ? *options.resume_from : beginning(problem, method_, options.criteria)),
-          record_(from_.record), outputs_(from_.outputs),
-          control_(method_, tolerance(options.ode), coupled(from_.state), from_.time,
+          times_(rods::output_times(problem)), method_(make_step(*problem.medium, medium, problem.couplings,
+                                                                 problem.rods.size(), problem.sums.threads)),
+          from_(options.resume_from ? *options.resume_from
+                                    : beginning(problem, medium, *method_, options.criteria)),
+          record_(from_.record), outputs_(from_.outputs), own_turn_(told_apart(medium, problem.rods.size())),
+          control_(*method_, tolerance(options.ode), coupled(from_.state, own_turn_), from_.time,
                    from_.state[3 * problem.rods.size()]),
           segment_(std::min(options.ode.segment_steps, segment_steps(medium, problem.rods.size()))) {}
 
-    rods::RodResult finish() {
+    MediumResult finish() {
         add_outputs(control_.time(), control_.state().poses);
         while (control_.time() < problem_.t_end && !ended_)
             step();
         conclude_solution();
-        rods::RodResult result;
+        MediumResult result;
         result.outcome = rods::conclude(
             problem_, problem_.couplings.any(),
             [&](State, std::span<double> ydot) { std::ranges::copy(final_rates_, ydot.begin()); }, solution_,
             record_, options_.criteria);
+        result.own_turn = own_turn_;
         result.solution = std::move(solution_);
         return result;
     }
 
 private:
-    Coupled coupled(const std::vector<double>& state) const {
-        const auto poses = static_cast<std::ptrdiff_t>(3 * problem_.rods.size());
-        return {{state.begin(), state.begin() + poses}, {state.begin() + poses + 1, state.end()}};
+    Coupled coupled(const std::vector<double>& state, std::vector<double>& own_turn) const {
+        const auto poses = state.begin() + static_cast<std::ptrdiff_t>(3 * problem_.rods.size());
+        const auto fields = poses + 1 + static_cast<std::ptrdiff_t>(own_turn.size());
+        std::copy(poses + 1, fields, own_turn.begin());
+        return {{state.begin(), poses}, {fields, state.end()}};
     }
 
     /// No longer than rods take to pass each other, or the width of a force, which the field resolves.
@@ -151,6 +163,7 @@ private:
                                  ? contact_time(last, *problem_.contact_distance, problem_.box)
                                  : std::nullopt;
         add_step(contact.value_or(control_.time()));
+        last.add_own_turn(contact.value_or(control_.time()), own_turn_);
         if (contact)
             return meet(*contact);
         if (options_.on_checkpoint && steps_ % segment_ == 0 && control_.time() < problem_.t_end)
@@ -222,6 +235,7 @@ private:
         now.time = control_.time();
         now.state = control_.state().poses;
         now.state.push_back(control_.next_step());
+        now.state.insert(now.state.end(), own_turn_.begin(), own_turn_.end());
         now.state.insert(now.state.end(), control_.state().fields.begin(), control_.state().fields.end());
         for (std::size_t rod = 0; rod < problem_.rods.size(); ++rod)
             now.headings.push_back(control_.state().poses[3 * rod + 2]);
@@ -250,10 +264,11 @@ private:
     const RodOptions& options_;
     double width_;
     std::vector<double> times_;
-    ExponentialStep method_;
+    std::unique_ptr<CoupledStep> method_;
     RodCheckpoint from_;
     rods::SeparationRecord record_;
     std::vector<std::vector<double>> outputs_;
+    std::vector<double> own_turn_; ///< up to now
     StepControl control_;
     long segment_, steps_ = 0, failures_ = 0;
     bool ended_ = false;
@@ -277,15 +292,14 @@ void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rod
 std::size_t state_size(const DynamicMedium& medium, std::size_t rods) {
     if (medium.closure != Closure::none)
         return 3 * rods;
-    const std::size_t half = (medium.modes + 1) / 2 - 1, size = (half + 1) * (2 * half + 1);
-    return 3 * rods + 1 + 4 * size * (medium.self_field ? 1 : rods);
+    return 3 * rods + 1 + told_apart(medium, rods) + field_numbers(medium, rods);
 }
 
-rods::RodResult simulate(const MediumProblem& problem, const rods::RodOptions& options) {
+MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& options) {
     const RodProblem rods = in_box(problem);
     check(rods, problem.medium, options);
     if (problem.medium.closure != Closure::none)
-        return simulate_closed(rods, problem.medium, options);
+        return {simulate_closed(rods, problem.medium, options), {}};
     return Run(rods, problem.medium, options).finish();
 }
 

@@ -48,12 +48,19 @@ std::vector<double> DoubleStep::rates_at(double when) const {
     return y;
 }
 
-StepControl::StepControl(ExponentialStep& method, Tolerance tolerance, Coupled state, double time,
-                         double step)
+void DoubleStep::add_own_turn(double when, std::vector<double>& turn) const {
+    const double s = (when - time) / half - 1.0; // from -1 to 1
+    for (std::size_t a = 0; a < own[0].size(); ++a)
+        turn[a] += half * (own[1][a] * (s + 1.0) + 0.25 * (own[2][a] - own[0][a]) * (s * s - 1.0) +
+                           (own[0][a] - 2.0 * own[1][a] + own[2][a]) / 6.0 * (s * s * s + 1.0));
+}
+
+StepControl::StepControl(CoupledStep& method, Tolerance tolerance, Coupled state, double time, double step)
     : method_(method), tolerance_(tolerance), state_(std::move(state)), rates_(state_.poses.size()),
       middle_rates_(rates_.size()), field_error_(state_.fields.size()), rate_error_(rates_.size()),
       time_(time), step_(step) {
     method_.rates(state_.poses, state_.fields, rates_);
+    own_ = method_.own_turning(state_);
 }
 
 void StepControl::attempt(double step) {
@@ -94,8 +101,10 @@ void StepControl::accept(double step, double limit) {
         end_.fields[i] += field_error_[i];
     last_.poses[1] = middle_.poses;
     last_.rates[1] = middle_rates_;
+    last_.own = {own_, method_.own_turning(middle_), {}};
     std::swap(state_, end_);
     method_.rates(state_.poses, state_.fields, rates_);
+    own_ = last_.own[2] = method_.own_turning(state_);
     ++evaluations_;
     last_.poses[2] = state_.poses;
     last_.rates[2] = rates_;

@@ -5,7 +5,7 @@
 // taken off (local error of order 6 in the step). Two things are held to the tolerance: the poses, and the
 // turning rates that the error of the fields makes in a unit of time, f/(mu v0), as fields last.
 
-#include "exponential_step.hpp"
+#include "coupled_step.hpp"
 
 #include <array>
 
@@ -19,18 +19,22 @@ struct Tolerance {
 struct DoubleStep {
     double time = 0.0, half = 0.0; ///< where it begins, half its length
     std::array<std::vector<double>, 3> poses, rates;
+    std::array<std::vector<double>, 3> own; ///< turning rates by own fields, if these are kept
 
     double end() const { return time + 2.0 * half; }
     /// The polynomial of degree 5 through places and rates.
     std::vector<double> at(double when) const;
     /// Its derivative.
     std::vector<double> rates_at(double when) const;
+    /// Adds to `turn` what own fields turned the rods by up to `when`: the integral of the parabola through
+    /// `own`, of order 4 of whole steps.
+    void add_own_turn(double when, std::vector<double>& turn) const;
 };
 
 class StepControl {
 public:
     /// `rates`: of the rods in `state`, as ExponentialStep::rates gives them.
-    StepControl(ExponentialStep& method, Tolerance tolerance, Coupled state, double time, double step);
+    StepControl(CoupledStep& method, Tolerance tolerance, Coupled state, double time, double step);
 
     /// One step to `limit` at the latest, `longest` at most; false if none short enough keeps the tolerance.
     /// `failures` grows by the steps that did not.
@@ -48,10 +52,10 @@ private:
     double error();
     void accept(double step, double limit);
 
-    ExponentialStep& method_;
+    CoupledStep& method_;
     Tolerance tolerance_;
     Coupled state_, whole_, middle_, end_;
-    std::vector<double> rates_, middle_rates_, field_error_, rate_error_;
+    std::vector<double> rates_, middle_rates_, field_error_, rate_error_, own_;
     double time_, step_;
     DoubleStep last_;
     long evaluations_ = 0;

@@ -15,13 +15,20 @@ void add_measured_line(const scene::Scene& scene, const scene::MeasuredMedium& m
                                                   : "errors of that field: measured.samples is 0"});
 }
 
-void add_dynamic_lines(const medium::DynamicMedium& m, Lines& lines) {
+void add_dynamic_lines(const medium::DynamicMedium& m, std::size_t rods, Lines& lines) {
     lines.push_back({true, fmt::format("medium with{3} memory: {0} x {0} modes, force width {1:g}, {2}",
                                        m.modes, m.force_width,
                                        m.start == medium::Start::steady ? "from steady fields" : "from rest",
                                        m.closure == medium::Closure::none ? "" : "out")});
-    lines.push_back({m.self_field, m.self_field
-                                       ? "each rod in its own field too"
+    lines.push_back({m.inertia > 0.0, m.inertia > 0.0
+                                          ? fmt::format("inertia of the medium: {:g}", m.inertia)
+                                          : "inertia of the medium: medium.dynamic.inertia is 0"});
+    const bool mesh = medium::evaluation_of(m, rods) == medium::Evaluation::mesh;
+    if (mesh)
+        lines.push_back({true, "fields of many rods by fast Fourier transforms"});
+    lines.push_back({m.self_field, m.self_field ? "each rod in its own field too"
+                                   : mesh
+                                       ? "each rod in its own field: left out to first order in its turning"
                                        : "each rod in its own field: medium.dynamic.self_field is false"});
 }
 
@@ -35,7 +42,7 @@ void add_medium_lines(const scene::Scene& scene, Lines& lines) {
         {m.box().has_value(), m.box() ? fmt::format("periodic box of {:g} for rods and field", *m.box())
                                       : "periodic images of rods: no medium.periodic, infinite plane"});
     if (m.is_dynamic())
-        add_dynamic_lines(m.memory(), lines);
+        add_dynamic_lines(m.memory(), scene.rods.size(), lines);
     if (m.field == scene::FieldBackend::measured)
         add_measured_line(scene, *m.measured, lines);
     if (m.field == scene::FieldBackend::table)

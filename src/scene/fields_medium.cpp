@@ -162,8 +162,7 @@ void fields(Visitor& v, MeasuredMedium& measured) {
 }
 
 void fields(Visitor& v, medium::DynamicMedium& dynamic) {
-    using medium::Closure;
-    using medium::Start;
+    using medium::Closure, medium::Evaluation, medium::Start;
     v(key("box")
           .unit(length)
           .above(0.0)
@@ -185,9 +184,8 @@ void fields(Visitor& v, medium::DynamicMedium& dynamic) {
           .example("96"),
       dynamic.modes);
     v(key("self_field")
-          .doc("each rod in the field of all, its own too; false: in that of the others, each of which has a "
-               "field of "
-               "its own: at most 64 rods")
+          .doc("each rod in the field of all, its own too; false: in that of the others alone, exactly with "
+               "sums, with the mesh less what its own does to first order in its turning")
           .example("false"),
       dynamic.self_field);
     v(key("start")
@@ -198,9 +196,22 @@ void fields(Visitor& v, medium::DynamicMedium& dynamic) {
           .doc(
               "none: the medium is integrated with the rods; steady: each rod has its steady wake, turned to "
               "its heading at once, so that the difference to none is the error of that closure alone; goes "
-              "with start = \"steady\"")
+              "with start = \"steady\", sums and inertia = 0")
           .example("\"none\""),
       choice(dynamic.closure, {{"none", Closure::none}, {"steady", Closure::steady}}));
+    v(key("evaluation")
+          .doc("sums: over all modes for each rod, at most 64 rods without self_field; mesh: fast Fourier "
+               "transforms, for many rods; auto: sums up to 64 rods, with self_field up to 16, else the mesh")
+          .example("\"mesh\""),
+      choice(dynamic.evaluation,
+             {{"auto", Evaluation::automatic}, {"sums", Evaluation::sums}, {"mesh", Evaluation::mesh}}));
+    v(key("inertia")
+          .within(0.0, 1e6)
+          .doc("rho v0^2/mu beside alpha: (speed of the rods over that of transverse sound)^2; 0: none. Not "
+               "with "
+               "the mesh and self_field = false")
+          .example("0.01"),
+      dynamic.inertia);
 }
 
 void fields(Visitor& v, Medium& medium) {

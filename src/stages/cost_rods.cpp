@@ -252,7 +252,7 @@ std::string dynamic_cost(const RodsPlan& plan, double runs) {
     const scene::Medium& medium = *plan.of.scene.medium;
     const Pace pace =
         pace_of(plan.problem, plan.options, [&](const RodProblem& problem, const rods::RodOptions& options) {
-            return medium::simulate({problem, medium.memory()}, options);
+            return static_cast<rods::RodResult>(medium::simulate({problem, medium.memory()}, options));
         });
     if (!pace.failure.empty())
         return fmt::format("  rods: the solver gives up ({})\n", pace.failure);

@@ -64,7 +64,8 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly
 } // namespace
 
 std::string outcome_json(const rods::RodResult& result, const assembly::RodsPlan& plan,
-                         const assembly::OutputUnits& units, const nlohmann::ordered_json& ensemble) {
+                         const assembly::OutputUnits& units, const nlohmann::ordered_json& ensemble,
+                         const std::vector<double>& own_turn) {
     const rods::RodOutcome& outcome = result.outcome;
     nlohmann::ordered_json json;
     json["outcome"] = to_string(outcome.ending);
@@ -79,6 +80,8 @@ std::string outcome_json(const rods::RodResult& result, const assembly::RodsPlan
         json["pair"] = nullptr;
     }
     json["turn"] = outcome.turn;
+    if (!own_turn.empty()) // of turn, by the rod's own field
+        json["own_turn"] = own_turn;
     json["reason"] = outcome.reason;
     json["units"] = {{"length", units.length_name}, {"time", units.time_name}, {"turn", "rad"}};
     json["solver"] = solver_json(result, plan);

@@ -25,6 +25,7 @@ struct Work {
     rods::RodProblem problem; ///< the plan's, with its field
     rods::RodOptions options;
     rods::RodResult result;
+    std::vector<double> own_turn; ///< by own fields, where a dynamic medium tells them apart
     std::shared_ptr<const elastic::MeasuredDisplacement> measured; ///< with field = "measured"
     std::vector<rods::RodResult> samples; ///< in fields drawn from the measured one and its errors
     std::optional<rods::NoiseSums> noisy; ///< all runs with noise, of which `result` is the first
@@ -66,9 +67,13 @@ void solve(const Session& session, Work& one, bool show_progress) {
     };
     resume(session, one);
     const auto& medium = one.of().scene.medium;
-    one.result = medium && medium->is_dynamic()
-                     ? medium::simulate({one.problem, medium->memory()}, one.options)
-                     : rods::simulate(one.problem, one.options);
+    if (medium && medium->is_dynamic()) {
+        medium::MediumResult result = medium::simulate({one.problem, medium->memory()}, one.options);
+        one.own_turn = std::move(result.own_turn);
+        one.result = std::move(static_cast<rods::RodResult&>(result));
+    } else {
+        one.result = rods::simulate(one.problem, one.options);
+    }
     const integrate::Status& status = one.result.solution.status;
     if (status.ok() &&
         status.termination != integrate::Termination::interrupted) // a higher limit may follow a failure
@@ -149,7 +154,8 @@ void store(Session& session, const Work& one, std::int64_t order) {
                             outcome_json(one.result, *one.plan, session.units,
                                          one.samples.empty()
                                              ? nlohmann::ordered_json()
-                                             : ensemble_json(one.samples, one.problem.box, session.units)));
+                                             : ensemble_json(one.samples, one.problem.box, session.units),
+                                         one.own_turn));
     if (one.noisy) {
         session.directory.write(one.of().folder + "noise.json",
                                 noise_json(*one.noisy, *one.plan->noise, one.problem, session.units));
@@ -178,7 +184,7 @@ StageEnd report(const Session& session, const Work& one) {
 
 /// Threads that the cases leave over add up the wakes of each.
 Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t threads) {
-    Work one{&plan, plan.problem, plan.options, {}, nullptr, {}, {}};
+    Work one{&plan, plan.problem, plan.options, {}, {}, nullptr, {}, {}};
     one.problem.sums.threads = threads;
     const rods::RodProblem& problem = plan.problem;
     if (!(problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box)))

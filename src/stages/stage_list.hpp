@@ -52,6 +52,7 @@ void serve_scan(const assembly::Plan& plan, const std::filesystem::path& folder,
 /// Content of outcome.json. Lengths and times in the session's output units. `ensemble`: null if there is
 /// none.
 std::string outcome_json(const rods::RodResult& result, const assembly::RodsPlan& plan,
-                         const assembly::OutputUnits& units, const nlohmann::ordered_json& ensemble);
+                         const assembly::OutputUnits& units, const nlohmann::ordered_json& ensemble,
+                         const std::vector<double>& own_turn = {});
 
 } // namespace rodwake::stages

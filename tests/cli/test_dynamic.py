@@ -82,11 +82,36 @@ class DynamicTest(ProgramTest):
         self.assertIn("each rod in its own field: medium.dynamic.self_field is false", told)
         self.assertRegex(told, r"rods: about .*: \d+ steps")
 
+    def test_many_rods_get_a_mesh_and_threads_change_no_byte(self):
+        many = "-s", "medium.dynamic.evaluation=mesh", "-s", "rods_run.t_end=2", "-s", "rods_run.rtol=1e-6"
+        self.rods("one", "-j", "1", *many)
+        self.rods("two", "-j", "2", *many)
+        self.assertEqual(self.results("one"), self.results("two"))
+        self.rods("sums", "-j", "1", *many, "-s", "medium.dynamic.evaluation=sums")
+        mesh, sums = (self.outcome(run)["turn"] for run in ("one", "sums"))
+        self.assertNotEqual(mesh, sums)
+        for a, b in zip(mesh, sums, strict=True):  # a rod's own field is left out to first order, no better
+            self.assertAlmostEqual(a, b, delta=0.2 * abs(b))
+        told = self.expect(0, "check", "pair.toml", *many).stdout
+        self.assertIn("fields of many rods by fast Fourier transforms", told)
+        self.assertIn("each rod in its own field: left out to first order in its turning", told)
+
+    def test_own_field_and_inertia(self):
+        own = "-s", "medium.dynamic.self_field=true", "-s", "rods_run.t_end=2"
+        self.rods("own", *own)
+        self.assertEqual(len(self.outcome("own")["own_turn"]), 2)
+        self.rods("others", "-s", "rods_run.t_end=2")
+        self.assertNotIn("own_turn", self.outcome("others"))
+        self.rods("inertia", *own, "-s", "medium.dynamic.inertia=0.2")
+        self.assertNotAlmostEqual(self.outcome("inertia")["turn"][0], self.outcome("own")["turn"][0], delta=1e-3)
+        self.assertIn("inertia of the medium: 0.2", self.expect(0, "check", "pair.toml", "-s", "medium.dynamic.inertia=0.2").stdout)
+
     def test_what_does_not_fit_is_refused(self):
         for setting, said in (("medium.dynamic.force_width=0.5", r"force_width = 0.5 is below the grid spacing box/modes = 0.5333"),
                               ("medium.dynamic.box=2", r"box = 2 is less than 4 force_width = 2.4"),
                               ("rods.0.position=[0.0, -1.5]", r"rods\[0\] and rods\[1\] start 0.5 apart, closer than force_width = 0.6"),
                               ("rods_run.method=bdf", r"a method of their own"),
+                              ("medium.dynamic.inertia=-1", r"medium.dynamic.inertia = -1: must be >= 0"),
                               ("medium.periodic=16", r"leave one out")):
             self.assertRegex(self.expect(2, "check", "pair.toml", "-s", setting).stderr, said)
         done = self.expect(2, "tradeoff", "pair.toml")

@@ -39,7 +39,38 @@ public:
         for (const rods::Pose& rod : p_.rods.rods)
             for (const Mode& q : modes_)
                 add_start(q, rod, y);
+        if (p_.medium.inertia > 0.0) // rates, -i q.n u
+            for (std::size_t rod = 0, at = 3 * rods_; rod < rods_; ++rod)
+                for (const Mode& q : modes_)
+                    for (int component = 0; component < 2; ++component)
+                        y.push_back(-drift(q, p_.rods.rods[rod].heading) * y[at++]);
         return y;
+    }
+
+    /// All rates, with inertia.
+    Vector waves(const Vector& y) const {
+        Vector rate(y.size());
+        const std::size_t count = 2 * modes_.size() * rods_;
+        for (std::size_t a = 0; a < rods_; ++a) {
+            const double heading = y[3 * a + 2].real();
+            rate[3 * a] = std::cos(heading);
+            rate[3 * a + 1] = std::sin(heading);
+            rate[3 * a + 2] = turning(y, a);
+            std::size_t at = 3 * rods_ + 2 * modes_.size() * a;
+            for (const Mode& q : modes_) {
+                const Number f = alpha_ * force(q, y[3 * a].real(), y[3 * a + 1].real());
+                const Number along = eta_ * (q.x * y[at] + q.y * y[at + 1]);
+                const double q2 = q.x * q.x + q.y * q.y;
+                const Number push[] = {f * std::cos(heading) - q2 * y[at] - q.x * along,
+                                       f * std::sin(heading) - q2 * y[at + 1] - q.y * along};
+                for (const Number& p : push) {
+                    rate[at] = y[at + count];
+                    rate[at + count] = (p - alpha_ * y[at + count]) / p_.medium.inertia;
+                    ++at;
+                }
+            }
+        }
+        return rate;
     }
 
     /// e^(-lambda h) of the amplitudes, in place.
@@ -82,12 +113,16 @@ private:
                (alpha_ * p_.medium.box * p_.medium.box);
     }
 
+    static Number drift(const Mode& q, double heading) {
+        return i * (q.x * std::cos(heading) + q.y * std::sin(heading));
+    }
+
     void add_start(const Mode& q, const rods::Pose& rod, Vector& y) const {
         const double nx = std::cos(rod.heading), ny = std::sin(rod.heading), q2 = q.x * q.x + q.y * q.y;
         const Number f = p_.medium.start == Start::steady ? force(q, rod.x, rod.y) : 0.0;
         const double along = (q.x * nx + q.y * ny) / q2;
-        const Number drift = i * (q.x * nx + q.y * ny);
-        const Number slow = f / (q2 / alpha_ - drift), fast = f / ((1.0 + eta_) * q2 / alpha_ - drift);
+        const Number d = drift(q, rod.heading), wave = p_.medium.inertia / alpha_ * d * d;
+        const Number slow = f / (q2 / alpha_ - d + wave), fast = f / ((1.0 + eta_) * q2 / alpha_ - d + wave);
         y.push_back(slow * (nx - q.x * along) + fast * q.x * along);
         y.push_back(slow * (ny - q.y * along) + fast * q.y * along);
     }
@@ -134,6 +169,13 @@ Vector sum(const Vector& y, double h, const Vector& k) {
     return result;
 }
 
+std::vector<double> poses_of(const MediumProblem& problem, const Vector& y) {
+    std::vector<double> poses(3 * problem.rods.rods.size());
+    for (std::size_t j = 0; j < poses.size(); ++j)
+        poses[j] = y[j].real();
+    return poses;
+}
+
 } // namespace
 
 std::vector<double> reference_run(const MediumProblem& problem, long steps) {
@@ -153,10 +195,19 @@ std::vector<double> reference_run(const MediumProblem& problem, long steps) {
         model.decay(y, 0.5 * h);
         y = sum(y, h / 6.0, k4);
     }
-    std::vector<double> poses(3 * problem.rods.rods.size());
-    for (std::size_t j = 0; j < poses.size(); ++j)
-        poses[j] = y[j].real();
-    return poses;
+    return poses_of(problem, y);
+}
+
+std::vector<double> reference_waves(const MediumProblem& problem, long steps) {
+    const Reference model(problem);
+    const double h = problem.rods.t_end / static_cast<double>(steps);
+    Vector y = model.start();
+    for (long step = 0; step < steps; ++step) {
+        const Vector k1 = model.waves(y), k2 = model.waves(sum(y, 0.5 * h, k1)),
+                     k3 = model.waves(sum(y, 0.5 * h, k2)), k4 = model.waves(sum(y, h, k3));
+        y = sum(sum(sum(sum(y, h / 6.0, k1), h / 3.0, k2), h / 3.0, k3), h / 6.0, k4);
+    }
+    return poses_of(problem, y);
 }
 
 double distance(const std::vector<double>& a, const std::vector<double>& b) {

@@ -12,6 +12,10 @@ namespace rodwake::medium::tests {
 /// Poses at problem.rods.t_end.
 std::vector<double> reference_run(const MediumProblem& problem, long steps);
 
+/// The same with problem.medium.inertia > 0: the classical Runge-Kutta method on amplitudes and their rates.
+/// For steps well below those of the fastest wave.
+std::vector<double> reference_waves(const MediumProblem& problem, long steps);
+
 /// Largest difference of two states.
 double distance(const std::vector<double>& a, const std::vector<double>& b);
 

@@ -64,9 +64,34 @@ TEST_CASE("more fields than there may be, or than memory holds, are refused") {
             p.rods.rods.push_back(
                 {10.0 * static_cast<double>(i % 99), 10.0 * static_cast<double>(i / 99), 0.0});
     };
-    refused([=](P& p, O&) { crowd(p, most_fields + 1); }, "at most 64 rods, not 65");
-    refused([=](P& p, O&) { crowd(p, 2000), p.medium.self_field = true; },
-            "modes = 250 and 2000 rods would take 10 GB");
+    refused([=](P& p, O&) { crowd(p, most_fields + 1), p.medium.evaluation = Evaluation::sums; },
+            "at most 64 rods, not 65: take fewer rods, evaluation = \"mesh\"");
+    refused(
+        [=](P& p, O&) { crowd(p, 2000), p.medium.self_field = true, p.medium.evaluation = Evaluation::sums; },
+        "modes = 250 and 2000 rods would take 10.5 GB");
+}
+
+TEST_CASE("inertia that is none, or of which the mesh knows no own field, is refused") {
+    for (const double bad : {-1.0, 2e6, std::numeric_limits<double>::quiet_NaN()})
+        refused([=](P& p, O&) { p.medium.inertia = bad; }, "inertia = ");
+    refused([](P& p, O&) { p.medium.inertia = 0.1, p.medium.evaluation = Evaluation::mesh; },
+            "inertia = 0.1 and self_field = false do not go with the mesh, which 2 rods get");
+    MediumProblem problem = good();
+    problem.medium.inertia = 0.1;
+    problem.medium.evaluation = Evaluation::mesh;
+    problem.medium.self_field = true;
+    CHECK_NOTHROW(simulate(problem, {}));
+}
+
+TEST_CASE("few rods are summed over, many get the mesh") {
+    DynamicMedium medium;
+    CHECK(evaluation_of(medium, most_fields) == Evaluation::sums);
+    CHECK(evaluation_of(medium, most_fields + 1) == Evaluation::mesh);
+    medium.self_field = true;
+    CHECK(evaluation_of(medium, most_summed) == Evaluation::sums);
+    CHECK(evaluation_of(medium, most_summed + 1) == Evaluation::mesh);
+    medium.evaluation = Evaluation::sums;
+    CHECK(evaluation_of(medium, 10000) == Evaluation::sums);
 }
 
 TEST_CASE("other boxes, media and forms are refused") {

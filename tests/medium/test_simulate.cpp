@@ -115,6 +115,48 @@ TEST_CASE("a single rod turns in its own memory alone") {
     CHECK(tests::distance(result.solution.final_state, reference) < 1e-7);
 }
 
+TEST_CASE("a turning pair in a medium with inertia is that of another integrator to 1e-7") {
+    for (const bool remembers : {false, true}) {
+        MediumProblem problem = pair(remembers, remembers ? Start::rest : Start::steady);
+        problem.medium.inertia = remembers ? 0.8 : 0.1;
+        problem.rods.t_end = 2.0;
+        const std::vector<double> reference = tests::reference_waves(problem, 800);
+        CAPTURE(remembers);
+        MediumProblem without = problem;
+        without.medium.inertia = 0.0;
+        CHECK(tests::distance(simulate(without, tolerance(1e-6)).solution.final_state, reference) > 1e-3);
+        CHECK(tests::distance(simulate(problem, tolerance(1e-8)).solution.final_state, reference) < 1e-7);
+    }
+}
+
+TEST_CASE("what a rod's own field turned it by is told apart, also by a run that was taken up again") {
+    MediumProblem problem = pair(true, Start::rest);
+    problem.rods.rods.resize(1);
+    const MediumResult alone = simulate(problem, tolerance(1e-8));
+    REQUIRE(alone.own_turn.size() == 1);
+    CHECK(alone.own_turn[0] ==
+          Approx(alone.outcome.turn[0]).epsilon(1e-4)); // there is nothing else; Simpson's rule
+
+    problem = pair(true, Start::steady);
+    const MediumResult whole = simulate(problem, tolerance(1e-8));
+    CHECK(std::abs(whole.own_turn[0]) > 1e-4);
+    CHECK(std::abs(whole.own_turn[0] - whole.outcome.turn[0]) > 1e-2);
+    CHECK(simulate(problem, tolerance(1e-10)).own_turn[0] == Approx(whole.own_turn[0]).epsilon(1e-5));
+    rods::RodOptions options = tolerance(1e-8);
+    std::optional<rods::RodCheckpoint> kept;
+    options.ode.segment_steps = 10;
+    options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) { kept = checkpoint; };
+    options.ode.stop_requested = [&] { return kept.has_value(); };
+    CHECK(simulate(problem, options).own_turn[0] != whole.own_turn[0]);
+    REQUIRE(kept.has_value());
+    CHECK(kept->state.size() == state_size(problem.medium, 2));
+    options.resume_from = kept;
+    options.on_checkpoint = nullptr;
+    options.ode.stop_requested = nullptr;
+    CHECK(simulate(problem, options).own_turn == whole.own_turn);
+    CHECK(simulate(pair(false, Start::steady), tolerance(1e-6)).own_turn.empty());
+}
+
 TEST_CASE("a run that may take no more steps says so") {
     rods::RodOptions options = tolerance(1e-8);
     options.ode.max_steps = 3;

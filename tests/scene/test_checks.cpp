@@ -128,10 +128,12 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
     };
     CHECK(error_text(two_rods("[medium]\neta = 1\nxi = 1\nfield = \"dynamic\"\n")) == "");
     const auto medium =
-        *parse(scene("box = 20\nforce_width = 0.25\nmodes = 100\nself_field = true\nstart = \"rest\"\n"))
+        *parse(scene("box = 20\nforce_width = 0.25\nmodes = 100\nself_field = true\nstart = \"rest\"\n"
+                     "evaluation = \"mesh\"\ninertia = 0.5\n"))
              .medium;
-    CHECK(medium.dynamic ==
-          rodwake::medium::DynamicMedium{20.0, 0.25, 100, true, rodwake::medium::Start::rest});
+    CHECK(medium.dynamic == rodwake::medium::DynamicMedium{20.0, 0.25, 100, true,
+                                                           rodwake::medium::Start::rest,
+                                                           rodwake::medium::Evaluation::mesh, 0.5});
     CHECK(medium.box() == 20.0);
     says(scene("force_width = 0.3\n"),
          "[medium.dynamic]: force_width = 0.3 is below the grid spacing box/modes = 0.4167");
@@ -146,6 +148,8 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
     says(scene("", "turning_tolerance = 1e-4\n"),
          "rods_run.turning_tolerance needs the exact field on the plane");
     says(scene("modes = 3\n"), "medium.dynamic.modes = 3: must be >= 4 and <= 2048");
+    says(scene("inertia = 0.1\nevaluation = \"mesh\"\n"),
+         "[medium.dynamic]: inertia = 0.1 and self_field = false do not go with the mesh");
     says(scene("start = \"still\"\n"), "medium.dynamic.start = \"still\": must be one of steady, rest");
     CHECK(parse(scene("closure = \"steady\"\n")).medium->memory().closure ==
           rodwake::medium::Closure::steady);

@@ -5,10 +5,13 @@
 //   d_t l_q = -((1 + eta) q^2/alpha) l_q + f_q n.q/|q|,   d_t t_q = -(q^2/alpha) t_q + f_q n.(z x q)/|q|
 //   f_q = e^(-w^2 q^2/2) e^(-i q.R)/(alpha box^2)
 //
-// for a rod at R with heading n. u is real, so half of the wave vectors are kept: rows m = 0 ... half,
-// columns n = -half ... half, half = ceil(modes/2) - 1. In row 0 only n > 0 counts; the rest of it is 0.
+// (with inertia beta d_tt l_q/alpha + d_t l_q on the left, t_q alike) for a rod at R with heading n. u is
+// real, so half of the wave vectors are kept: rows m = 0 ... half, columns n = -half ... half, half =
+// ceil(modes/2)
+// - 1. In row 0 only n > 0 counts; the rest of it is 0.
 //
-// A field is 4 size() numbers: l_re, l_im, t_re, t_im, each of all modes, row by row. A sum over the modes at
+// A field is 4 size() numbers: l_re, l_im, t_re, t_im, each of all modes, row by row; with inertia as many of
+// their rates follow. A sum over the modes at
 // a point is exact but for rounding: its error is below 1e-14 of the largest value. Everything is
 // thread-safe.
 
@@ -20,6 +23,12 @@
 #include <vector>
 
 namespace rodwake::medium {
+
+/// e^(i q c) of each q.
+struct Phases {
+    std::vector<double> re, im;
+};
+Phases phases(std::span<const double> q, double c);
 
 class ModalField {
 public:
@@ -39,11 +48,17 @@ public:
     std::span<const double> decay_transverse() const { return decay_t_; }   ///< q^2/alpha
     std::span<const double> force() const {
         return force_;
-    } ///< e^(-w^2 q^2/2)/(alpha box^2), 0 of the zero mode
+    } ///< e^(-w^2 q^2/2)/(alpha box^2), 0 of modes that do not count
+    double inertia() const { return inertia_; }                               ///< beta/alpha, f/(mu v0)
+    std::size_t numbers() const { return (inertia_ > 0.0 ? 8 : 4) * size(); } ///< of a field
 
     /// Adds the field of a rod that has always walked straight:
-    /// l_q = f_q n.q/|q| / ((1 + eta) q^2/alpha - i q.n), t_q alike.
+    /// l_q = f_q n.q/|q| / ((1 + eta) q^2/alpha - (beta/alpha) (q.n)^2 - i q.n), t_q alike; d_t l_q = -i q.n
+    /// l_q.
     void add_steady(const rods::Pose& rod, std::span<double> field) const;
+    /// One row of it, columns first to last - 1; px and py are phases(qx(), -rod.x) and phases(qy(), -rod.y).
+    void add_steady_row(std::size_t row, std::size_t first, std::size_t last, const rods::Pose& rod,
+                        const Phases& px, const Phases& py, std::span<double> field) const;
 
     /// Displacement, strain and polar vectors as asked for (units of elastic/field.hpp), lab frame, of a
     /// field, or of its difference to another. No dipole, no gradients: InputError.
@@ -51,13 +66,8 @@ public:
                             std::span<const double> minus = {}) const;
 
 private:
+    double inertia_;
     std::vector<double> qx_, qy_, unit_x_, unit_y_, decay_l_, decay_t_, force_;
 };
-
-/// e^(i q c) of each q.
-struct Phases {
-    std::vector<double> re, im;
-};
-Phases phases(std::span<const double> q, double c);
 
 } // namespace rodwake::medium

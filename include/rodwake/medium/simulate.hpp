@@ -3,21 +3,24 @@
 //
 //   R_a' = n_a,   theta_a' = z.[n_a x (kappa eps.n_a + gamma1 lap u + gamma2 grad div u)]  at R_a,
 //
-// u the field of the other rods, with self_field that of all. Reduced units, signs and couplings as in
-// rods/model.hpp; places are unwrapped, u is periodic. Where rods/model.hpp turns each wake to its rod's
-// heading at once, here it follows as the medium relaxes: that is the closure this part tests.
+// u the field of the other rods, with self_field that of all; many rods: less what own_response.hpp knows of
+// a rod's own. Reduced units, signs and couplings as in rods/model.hpp; places are unwrapped, u is periodic.
+// Where rods/model.hpp turns each wake to its rod's heading at once, here it follows as the medium relaxes:
+// that is the closure this part tests.
 //
 // Error: each step's errors are held to rtol and atol (docs/validation.md has what comes of it at the end). A
 // Gaussian force leaves no singularity where rods meet, so that without a contact distance they pass through
 // each other.
 //
-// Cost: a step takes 12 evaluations of modes^2/2 modes for each rod (bench/medium_bench.cpp).
+// Cost: a step takes 12 evaluations, with sums of modes^2/2 modes for each rod, with the mesh of two Fourier
+// transforms (bench/medium_bench.cpp).
 
 #include "rodwake/medium/dynamic_medium.hpp"
 #include "rodwake/rods/simulate.hpp"
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace rodwake::medium {
 
@@ -27,18 +30,25 @@ struct MediumProblem {
     DynamicMedium medium;
 };
 
+struct MediumResult : rods::RodResult {
+    /// With self_field, sums and up to most_fields rods: what each rod's own field turned it by, rad; its
+    /// share of outcome.turn. Else empty.
+    std::vector<double> own_turn;
+};
+
 /// Runs to t_end or to contact, as rods::simulate, whose options, checkpoints and results these are. The
 /// method is that of this part (ode.method does not count), with a closure erk, the form angle. A checkpoint
 /// comes every few seconds and when a run is interrupted; its state: poses, the next step, the amplitudes of
 /// the fields. Deterministic, with the same bits for any rods.sums.threads. Throws InputError for what
 /// validate or rods::simulate would not take, and for rods closer than force_width.
-rods::RodResult simulate(const MediumProblem& problem, const rods::RodOptions& options);
+MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& options);
 
 /// Throws InputError if two rods are closer than force_width, through the box's sides too: there the field is
 /// that of the Gaussian, not of a rod.
 void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods);
 
-/// Numbers in a checkpoint's state: with a closure those of the rods.
+/// Numbers in a checkpoint's state: poses, the next step, own turns if they are told apart, fields; with a
+/// closure poses.
 std::size_t state_size(const DynamicMedium& medium, std::size_t rods);
 
 } // namespace rodwake::medium

@@ -1,0 +1,50 @@
+#pragma once
+// One step of rods and medium together, in any of its ways: with sums (exponential_step.hpp), on a mesh or
+// with inertia (mode_step.hpp).
+
+#include "rodwake/integrate/ode.hpp"
+#include "rodwake/medium/dynamic_medium.hpp"
+#include "rodwake/rods/model.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace rodwake::medium {
+
+struct Coupled {
+    std::vector<double> poses;  ///< layout of rods/model.hpp
+    std::vector<double> fields; ///< of the medium, in the layout of the way it is integrated
+};
+
+class CoupledStep {
+public:
+    CoupledStep() = default;
+    CoupledStep(const CoupledStep&) = delete;
+    CoupledStep& operator=(const CoupledStep&) = delete;
+    virtual ~CoupledStep() = default;
+
+    /// The start of a run: the medium as DynamicMedium::start says.
+    virtual Coupled start(std::vector<double> poses) = 0;
+
+    /// Rates of the rods' coordinates in these fields, which need not be of the same instant. Turning rates
+    /// are linear in the fields.
+    virtual void rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) = 0;
+
+    /// From `before`, whose rates are `rates`, by h > 0.
+    virtual void take(const Coupled& before, std::span<const double> rates, double h, Coupled& after) = 0;
+
+    /// Turning rates that each rod's own field gives it; empty where it is not kept by itself.
+    virtual std::vector<double> own_turning(const Coupled&) { return {}; }
+};
+
+/// The way that suits the medium.
+std::unique_ptr<CoupledStep> make_step(const elastic::Medium& elastic, const DynamicMedium& medium,
+                                       const rods::Couplings& couplings, std::size_t rods,
+                                       std::size_t threads);
+
+/// Numbers in Coupled::fields.
+std::size_t field_numbers(const DynamicMedium& medium, std::size_t rods);
+
+} // namespace rodwake::medium
