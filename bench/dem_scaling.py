@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Cost of rodwake's granular simulator against the number of beads, and what a second thread brings.
 
-    bench/dem_scaling.py [--program PATH] [--rounds N] [--cores K,L] [--quick]
+    bench/dem_scaling.py [--program PATH] [--rounds N] [--cores K,L] [--sizes N,M,...] [--quick]
 
 Aluminium beads of radius 0.4 mm at phi_b = 0.80 between plates 1.2 mm apart, shaken at 200 Hz with Gamma = 7, no rods; the box
 grows with their number. A warm-up is left out as in dem_peers.py, and so is the making of the start. -j 1 is pinned to the
@@ -38,6 +38,13 @@ FULL = Effort([1500, 5000, 15000, 50000, 100000], 3, 0.1, 0.04, 2e8)
 QUICK = Effort([1500, 5000, 15000], 1, 0.02, 0.02, 1e7)
 
 
+def sizes_from(text):
+    sizes = [int(word) for word in text.split(",")]
+    if min(sizes) < 1:
+        raise ValueError
+    return sizes
+
+
 def options():
     usable = sorted(os.sched_getaffinity(0))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -45,6 +52,7 @@ def options():
     parser.add_argument("--rounds", type=int, help=f"repeats of each size [{FULL.rounds}; quick: {QUICK.rounds}]")
     parser.add_argument("--cores", default=",".join(map(str, usable[-2:][::-1])), help="two to pin to, or one: -j 1 only "
                         "[the last two]")
+    parser.add_argument("--sizes", type=sizes_from, help=f"numbers of beads [{','.join(map(str, FULL.sizes))}]")
     parser.add_argument("--quick", action="store_true", help="small sizes, short runs: a trial, not a measurement")
     chosen = parser.parse_args()
     if chosen.rounds is not None and chosen.rounds < 1:
@@ -116,6 +124,7 @@ def scale():
     program = measure.find_program(chosen.program)
     effort = QUICK if chosen.quick else FULL
     effort.rounds = chosen.rounds or effort.rounds
+    effort.sizes = chosen.sizes or effort.sizes
     print_conditions(program, effort, chosen.cores)
     rows, costs = [], {threads: {} for threads in range(1, len(chosen.cores) + 1)}
     with tempfile.TemporaryDirectory() as name:
@@ -129,8 +138,10 @@ def scale():
     for threads in costs:
         head += [f"-j {threads}: CPU ns per bead and step", f"-j {threads}: wall us per step"]
     measure.print_table(head + (["speed-up (wall)"] if 2 in costs else []), rows)
-    slopes = ", ".join(f"-j {threads}: {exponent(of):.3f}" for threads, of in costs.items())
-    print(f"\nMedian (min - max). CPU per step ~ beads^p, p: {slopes}")
+    print("\nMedian (min - max).")
+    if len(effort.sizes) > 1:
+        slopes = ", ".join(f"-j {threads}: {exponent(of):.3f}" for threads, of in costs.items())
+        print(f"CPU per step ~ beads^p, p: {slopes}")
 
 
 if __name__ == "__main__":

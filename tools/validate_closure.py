@@ -117,7 +117,7 @@ def memory_number(run, alpha):
 def same_ending(row, how):
     """Escaped, and undecided at the end, are both: not captured."""
     one, other = ("apart" if row[way] in ("escape", "undecided") else row[way] for way in (how, "memory"))
-    return one == other
+    return one == other != "failed"
 
 
 def compared(runs, start, couplings, alpha):

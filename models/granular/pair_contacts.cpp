@@ -36,6 +36,33 @@ void fly(Bodies& bodies, std::size_t bead, double time, double gravity) {
     v.z() -= gravity * time;
 }
 
+/// On the first of two beads that touch along n; of the slip the law needs only the size.
+Vector3 impulse_of_beads(const Bodies& bodies, const Vector3& n, const Vector3& relative, double arm,
+                         double approach, const Surface& surface) {
+    const double k_n = 2.0 / bodies.bead_mass, k_t = k_n + 2.0 * arm * arm / bodies.bead_inertia;
+    const Vector3 slip = relative - approach * n;
+    const double speed = slip.norm();
+    const Vector3 p = uncoupled_impact(k_t, k_n, Vector3(speed, 0.0, approach), surface).impulse;
+    return p.z() * n + (speed > 0.0 ? Vector3(p.x() / speed * slip) : Vector3(Vector3::Zero()));
+}
+
+/// Where two spheres touch, in the middle of their overlap: normal, and arms from the centres of their
+/// bodies.
+struct Touch {
+    Vector3 n, arm1, arm2;
+    double lever; ///< from the first sphere's centre along -n
+};
+
+/// r: from the second sphere's centre to the first's; offsets: of the spheres' centres from those of their
+/// bodies.
+Touch touch(const Vector3& r, double radius1, double radius2, const Vector3& offset1,
+            const Vector3& offset2) {
+    const double distance = r.norm(), overlap = radius1 + radius2 - distance;
+    const Vector3 n = r / distance;
+    const double lever = radius1 - overlap / 2.0;
+    return {n, offset1 - lever * n, offset2 + (radius2 - overlap / 2.0) * n, lever};
+}
+
 /// Earlier, or as early and deeper.
 bool first(double back, double length, double other_back, double other_length) {
     return back > other_back || (back == other_back && length < other_length);
@@ -74,19 +101,11 @@ void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting) const {
     auto v1 = row(bodies.velocity, one), v2 = row(bodies.velocity, two);
     const Vector3 difference = v1 - v2;
     const Vector3 n = (apart(bodies, meeting.pair) - meeting.back * difference) / meeting.length;
-    const double approach = n.dot(difference);
     // both touch at the middle of what overlap is left
-    const double arm = meeting.length / 2.0;
+    const double approach = n.dot(difference), arm = meeting.length / 2.0;
     const Vector3 spin = row(bodies.spin, one) + row(bodies.spin, two);
     const Vector3 relative = difference - arm * spin.cross(n);
-    const double k_n = 2.0 / bodies.bead_mass, k_t = k_n + 2.0 * arm * arm / bodies.bead_inertia;
-    // the slip frame: the law needs only its size
-    const Vector3 slip = relative - approach * n;
-    const double speed = slip.norm();
-    const Vector3 p =
-        uncoupled_impact(k_t, k_n, Vector3(speed, 0.0, approach), setting_.table.bead_bead).impulse;
-    const Vector3 impulse =
-        p.z() * n + (speed > 0.0 ? Vector3(p.x() / speed * slip) : Vector3(Vector3::Zero()));
+    const Vector3 impulse = impulse_of_beads(bodies, n, relative, arm, approach, setting_.table.bead_bead);
     const Vector3 change = impulse / bodies.bead_mass;
     v1 += change;
     v2 -= change;
@@ -102,34 +121,31 @@ void PairContacts::bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tal
     const auto [bead, sphere] = meeting.pair;
     const std::uint32_t index = bodies.rod_of[sphere - bodies.beads];
     MovingRod& rod = bodies.rods[index];
-    fly(bodies, bead, -meeting.back, setting_.gravity);
-    rod.move(-meeting.back, setting_.gravity);
-    bodies.place_rod_spheres(index);
-    const Vector3 r = apart(bodies, meeting.pair);
-    const double distance = r.norm(), overlap = bodies.bead_radius + bodies.radius[sphere] - distance;
-    const Vector3 n = r / distance;
-    const double bead_arm = bodies.bead_radius - overlap / 2.0,
-                 rod_arm = bodies.radius[sphere] - overlap / 2.0;
-    const Vector3 arm1 = -bead_arm * n, arm2 = bodies.arm_of(sphere) + rod_arm * n;
+    const auto fly_both = [&, bead = bead](double time) {
+        fly(bodies, bead, time, setting_.gravity);
+        rod.move(time, setting_.gravity);
+        bodies.place_rod_spheres(index);
+    };
+    fly_both(-meeting.back);
+    const auto [n, arm1, arm2, lever] = touch(apart(bodies, meeting.pair), bodies.bead_radius,
+                                              bodies.radius[sphere], Vector3::Zero(), bodies.arm_of(sphere));
     const Vector3 spin = row(bodies.spin, bead);
     const Vector3 relative = row(bodies.velocity, bead) + spin.cross(arm1) - rod.velocity_at(arm2);
     if (relative.dot(n) < 0.0) {
-        const Matrix3d inverse_mass = bead_inverse_mass(bodies, n, bead_arm) + rod.inverse_mass_at(arm2);
+        const Matrix3d inverse_mass = bead_inverse_mass(bodies, n, lever) + rod.inverse_mass_at(arm2);
         const Vector3 impulse = impulse_along(n, inverse_mass, relative, setting_.table.bead_rod);
         push(bodies, bead, impulse, arm1);
         rod.push(-impulse, arm2);
         tallies.impulse_on_beads[index] += impulse;
         ++tallies.bead_rod;
     }
-    fly(bodies, bead, meeting.back, setting_.gravity);
-    rod.move(meeting.back, setting_.gravity);
-    bodies.place_rod_spheres(index);
+    fly_both(meeting.back);
 }
 
 void PairContacts::rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
-    const auto [first_sphere, second_sphere] = meeting.pair;
-    const std::uint32_t first = bodies.rod_of[first_sphere - bodies.beads],
-                        second = bodies.rod_of[second_sphere - bodies.beads];
+    const auto [sphere1, sphere2] = meeting.pair;
+    const std::uint32_t first = bodies.rod_of[sphere1 - bodies.beads],
+                        second = bodies.rod_of[sphere2 - bodies.beads];
     MovingRod &one = bodies.rods[first], &two = bodies.rods[second];
     const auto fly_both = [&](double time) {
         one.move(time, setting_.gravity);
@@ -138,12 +154,9 @@ void PairContacts::rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tall
         bodies.place_rod_spheres(second);
     };
     fly_both(-meeting.back);
-    const Vector3 r = apart(bodies, meeting.pair);
-    const double distance = r.norm(),
-                 overlap = bodies.radius[first_sphere] + bodies.radius[second_sphere] - distance;
-    const Vector3 n = r / distance;
-    const Vector3 arm1 = bodies.arm_of(first_sphere) - (bodies.radius[first_sphere] - overlap / 2.0) * n;
-    const Vector3 arm2 = bodies.arm_of(second_sphere) + (bodies.radius[second_sphere] - overlap / 2.0) * n;
+    const auto [n, arm1, arm2, lever] =
+        touch(apart(bodies, meeting.pair), bodies.radius[sphere1], bodies.radius[sphere2],
+              bodies.arm_of(sphere1), bodies.arm_of(sphere2));
     const Vector3 relative = one.velocity_at(arm1) - two.velocity_at(arm2);
     if (relative.dot(n) < 0.0 && !(one.held() && two.held())) {
         const Matrix3d inverse_mass = one.inverse_mass_at(arm1) + two.inverse_mass_at(arm2);

@@ -229,6 +229,19 @@ struct Simulation::Impl {
         return "a rod";
     }
 
+    /// Adds up what the blocks of beads found; returns the tally of the deepest flight, which the guard looks
+    /// at.
+    PlateTally gather_blocks(Range& velocities) {
+        PlateTally deepest;
+        for (const BlockResult& c : blocks) {
+            velocities.include(c.velocities);
+            add(c.tally, tallies.bead_plate);
+            if (c.tally.deepest_flight > deepest.deepest_flight)
+                deepest = c.tally;
+        }
+        return deepest;
+    }
+
     /// Calls mark with each of StepTimes when it is done.
     template<class Mark>
     void one_step(const Mark& mark) {
@@ -238,13 +251,7 @@ struct Simulation::Impl {
             half_kick(time());
         fly_beads(plate);
         Range velocities = Range::empty();
-        PlateTally beads; // of the blocks only what the guard looks at
-        for (BlockResult& c : blocks) {
-            velocities.include(c.velocities);
-            add(c.tally, tallies.bead_plate);
-            if (c.tally.deepest_flight > beads.deepest_flight)
-                beads = c.tally;
-        }
+        const PlateTally beads = gather_blocks(velocities);
         mark(&StepTimes::flight);
         PlateTally rods;
         fly_rods(plate, velocities, rods);

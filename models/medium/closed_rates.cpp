@@ -69,7 +69,7 @@ rods::RodResult simulate_closed(const rods::RodProblem& rods, const DynamicMediu
     ClosedRates closed(*rods.medium, medium, rods.couplings, rods.rods.size(), rods.sums.threads);
     const rods::StateRates rates = [&](integrate::State y, std::span<double> ydot) { closed.rates(y, ydot); };
     options.ode.method = integrate::Method::erk;
-    return rods::simulate_rates(rods, rates, options);
+    return rods::simulate_rates(rods, rates, medium.force_width, options);
 }
 
 } // namespace rodwake::medium

@@ -34,6 +34,20 @@ void classify(RodOutcome& outcome, bool interacting, const StateRates& rates, St
         outcome.ending = Ending::escape;
 }
 
+/// Finite places and headings; output times as RodProblem has them.
+void validate_numbers(const RodProblem& problem) {
+    for (const double number : to_state(problem.rods))
+        if (!std::isfinite(number))
+            throw InputError(fmt::format("rods: {}: places and headings must be finite", number));
+    double before = 0.0;
+    for (const double time : problem.output_times) {
+        if (!(time >= before && time <= problem.t_end * (1.0 + 1e-12)))
+            throw InputError(
+                fmt::format("output_times: {}: must rise within 0 and t_end = {}", time, problem.t_end));
+        before = time;
+    }
+}
+
 } // namespace
 
 void validate(const RodProblem& problem) {
@@ -44,6 +58,7 @@ void validate(const RodProblem& problem) {
     if (problem.box && !(*problem.box > 0.0 && std::isfinite(*problem.box)))
         throw InputError(
             fmt::format("box = {}: the side of the periodic box must be > 0 and finite", *problem.box));
+    validate_numbers(problem);
     if (problem.rods.size() < 2)
         return;
     const Separation pair = closest_pair(to_state(problem.rods), problem.box);

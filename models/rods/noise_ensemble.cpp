@@ -38,6 +38,41 @@ void add(NoiseSums& sums, const RodProblem& problem, const RodResult& run) {
     }
 }
 
+namespace {
+
+NoiseMeans means_of(const std::vector<double>& reached, const std::vector<double>& sums,
+                    const std::vector<double>& squares) {
+    NoiseMeans means;
+    const std::size_t rods = sums.size() / reached.size();
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+        const double n = reached[k / rods], value = sums[k] / n; // of no run NaN
+        const double spread = std::max(0.0, squares[k] / n - value * value);
+        means.values.push_back(value);
+        means.errors.push_back(n > 1.0 ? std::sqrt(spread / (n - 1.0)) : std::nan(""));
+    }
+    return means;
+}
+
+} // namespace
+
+NoiseMeans mean_square_displacement(const NoiseSums& sums) {
+    return means_of(sums.reached, sums.square, sums.square_squares);
+}
+
+NoiseMeans heading_correlation(const NoiseSums& sums) {
+    return means_of(sums.reached, sums.cosine, sums.cosine_squares);
+}
+
+CaptureCount count_captures(std::span<const NoisyEnd> ends, std::size_t rods) {
+    CaptureCount counted;
+    for (const NoisyEnd& end : ends)
+        if (!end.failed && rods > 1) {
+            ++counted.of;
+            counted.count += end.ending == Ending::contact || end.ending == Ending::pursuit ? 1 : 0;
+        }
+    return counted;
+}
+
 bool run_ensemble(const RodProblem& problem, const RodOptions& options, const Noise& noise,
                   std::uint32_t runs, std::size_t threads, NoiseSums& sums,
                   const std::function<void(const NoiseSums&)>& added) {

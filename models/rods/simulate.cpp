@@ -218,12 +218,17 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     return solve_equations(problem, options, {std::move(ode), rates, model.interacting(), true});
 }
 
-RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, const RodOptions& options) {
+RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, double width,
+                         const RodOptions& options) {
     if (options.form != Form::angle)
         throw InputError("rods with rates of their own are integrated in form \"angle\"");
     integrate::OdeProblem ode = to_ode(problem);
     ode.rhs = [&rates](double, State y, std::span<double> ydot) { rates(y, ydot); };
     ode.jacobian = nullptr;
+    if (ode.step_limit)
+        ode.step_limit = [limit = ode.step_limit, width](double t, State y) {
+            return std::max(limit(t, y), width);
+        };
     return solve_equations(problem, options, {std::move(ode), rates, problem.couplings.any(), false});
 }
 

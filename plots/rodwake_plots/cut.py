@@ -30,7 +30,7 @@ def paint(axes, run, spec):
         draw_tail(axes, s[s < 0], tail(s[s < 0] / axis.factor) * value_axis.factor)
     mark_rod(axes, cut, s)
     canvas.heading(axes, style.safe(spec.title))
-    note_line(run.result.units, axes, cut, free_corner(s, values), medium_lines(run))
+    note_line(run.result.units, axes, cut, free_corner(s, values, axes.get_ylim()[1]), medium_lines(run))
 
 
 def inside(cut, spec):
@@ -104,11 +104,11 @@ def mark_rod(axes, cut, s):
     axes.annotate("ahead", (0, 0.03), (6, 0), ha="left", **look)
 
 
-def free_corner(s, values):
-    """The upper one of the side on which the curve is lower, its middle third apart, where the rod is."""
+def free_corner(s, values, top):
+    """The upper one of the side on which the curve is lower, its middle third apart, where the rod is; half-way up if it is high there."""
     third = np.ptp(s) / 3
     left, right = (np.nanmax(values[side], initial=-np.inf) for side in (s < s.min() + third, s > s.max() - third))
-    return "upper left" if left < right else "upper right"
+    return ("center" if 0.7 * top < min(left, right) < top else "upper") + (" left" if left < right else " right")
 
 
 def note_line(units, axes, cut, corner, more=()):

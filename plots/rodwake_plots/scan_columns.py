@@ -32,6 +32,7 @@ KNOWN = {
     "final_angle": Quantity("", "final angle between the headings", "rad", True),
     "non_reciprocity": Quantity("", "turning asymmetry", "", True, largest=1.0),
     "capture_probability": Quantity("", "capture probability", "", False),
+    "capture_runs": Quantity("", "runs with noise", "", False),
     "steps": Quantity("", "steps", "", False),
     "rhs_evaluations": Quantity("", "evaluations of the right-hand side", "", False),
     "retries": Quantity("", "retries", "", False),

@@ -34,6 +34,8 @@ QUANTITIES = {
     "C22": Quantity(r"$C_{22}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>22</sub>", False, 1e3),
     "C66": Quantity(r"$C_{66}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>66</sub>", False, 1e3),
     "drag_rate": Quantity(r"$\zeta/nm$", r"\mathrm{s}^{-1}", "Drag rate of the bed on the plates", False),
+    "D_r": Quantity(r"$D_r$", r"\mathrm{rad}^2/\mathrm{s}", "Heading diffusion <i>D</i><sub>r</sub> of the rod", True),
+    "diffusion_per_length": Quantity(r"$D_r/v_0$", r"\mathrm{rad}^2/a", "Heading diffusion of the rod over its speed", True),
     "screening_length": Quantity(r"$\xi$", "a", "Screening length <i>ξ</i>", False),
 }
 AXES = {"phi_b": r"$\phi_b$", "d0": r"$d_0$ ($a$)", "imposed_speed": r"$v$ ($\mathrm{mm/s}$)"}

@@ -9,6 +9,7 @@
 #include <pybind11/stl.h>
 
 #include <atomic>
+#include <cmath>
 
 namespace rodwake::python {
 
@@ -68,6 +69,42 @@ assembly::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTup
     return out;
 }
 
+/// x, y, Ux, Uy, sigma_x, sigma_y; sides of the box; speed. The shapes are checked, NaN: not there.
+using MapTuple = std::tuple<std::vector<Array>, std::pair<double, double>, double>;
+
+assembly::FitMapData map_of(const std::string& name, std::size_t table, const MapTuple& given,
+                            std::optional<double> independent_spacing) {
+    const auto& [arrays, box, speed] = given;
+    assembly::FitMapData out{name, name, table, {}, 0, false};
+    fitting::Map& map = out.data;
+    map.name = name;
+    map.lx = box.first;
+    map.ly = box.second;
+    map.speed = speed;
+    std::vector<double>* const fields[] = {&map.x, &map.y, &map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y};
+    for (std::size_t k = 0; k < std::size(fields); ++k)
+        *fields[k] = copied(arrays.at(k));
+    for (std::size_t bin = 0; bin < map.bins(); ++bin)
+        map.known.push_back(std::isfinite(map.Ux[bin]) && std::isfinite(map.Uy[bin]));
+    assembly::settle_map(out, independent_spacing);
+    return out;
+}
+
+/// What only the program does with maps.
+void refuse_systematics(const scene::Fit& keys) {
+    if (!keys.fixed_errors.empty() || keys.masks.size() > 1)
+        throw InputError("fixed_errors and more masks than one are worked out by rodwake fit alone: write "
+                         "the scene and use rodwake.Scene.run");
+}
+
+void require_speeds(const scene::Fit& keys) {
+    const bool moving =
+        scene::fit_has(keys, "zeta") || scene::fit_has(keys, "rho") || scene::fit_has(keys, "eta_s");
+    for (const scene::FitMap& map : keys.maps)
+        if (moving && !map.speed)
+            throw InputError(map.name + ": zeta, rho and eta_s go with the rod's speed: give speed");
+}
+
 struct FitResult {
     fitting::Problem problem;
     fitting::Fit fit;
@@ -75,16 +112,17 @@ struct FitResult {
 };
 
 FitResult fit(const scene::Scene& scene, const std::vector<ProfileTuple>& profiles,
-              const std::vector<TrackTuple>& tracks, std::size_t threads) {
+              const std::vector<TrackTuple>& tracks, const std::vector<MapTuple>& maps, std::size_t threads) {
     const scene::Fit& keys = scene.fit.value();
-    if (!keys.maps.empty() || !keys.fixed_errors.empty())
-        throw InputError("maps and fixed_errors are fitted by rodwake fit alone: write the scene and use "
-                         "rodwake.Scene.run");
+    refuse_systematics(keys);
+    require_speeds(keys);
     assembly::FitInputs inputs;
     for (std::size_t i = 0; i < profiles.size(); ++i)
         inputs.profiles.emplace_back(profile_of(keys.profiles.at(i), profiles[i]));
     for (std::size_t i = 0; i < tracks.size(); ++i)
         inputs.tracks.emplace_back(track_of(keys.trajectories.at(i), tracks[i], keys.box));
+    for (std::size_t i = 0; i < maps.size(); ++i)
+        inputs.maps.emplace_back(map_of(keys.maps.at(i).name, i, maps[i], keys.independent_spacing));
     const assembly::FitPlan plan = assembly::fit_plan(keys, std::move(inputs));
     std::atomic<bool> stopped = false;
     fitting::Method method = plan.method;

@@ -1,5 +1,6 @@
 // A granular run in the hands of Python: advanced as far as wanted, its state as arrays.
 
+#include "arrays.hpp"
 #include "bind.hpp"
 #include "callbacks.hpp"
 #include "rodwake/assembly/plan.hpp"
@@ -10,6 +11,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace rodwake::python {
 
@@ -87,6 +89,29 @@ py::tuple temperatures(const Bed& bed) {
     return py::make_tuple(T.xy, T.z);
 }
 
+/// (M, 2), m/s^2, at these places (M, 2 or 3) now; none before t = 0.
+Array body_acceleration(const Bed& bed, const Array& places) {
+    if (places.ndim() != 2 || places.shape(1) < 2)
+        throw InputError("places: expected an array of shape (M, 2) or (M, 3): x and y of each, m");
+    Array rows({places.shape(0), py::ssize_t{2}});
+    double* out = rows.mutable_data();
+    const auto& force = bed.plan().problem.body_force;
+    const bool on = force && bed.step() >= 0;
+    for (py::ssize_t i = 0; i < places.shape(0); ++i, out += 2) {
+        const double b =
+            on ? force->at(places.at(i, 0), places.at(i, 1), bed.simulation().time(), bed.plan().problem.box)
+               : 0.0;
+        out[0] = on ? b * std::cos(force->direction) : 0.0;
+        out[1] = on ? b * std::sin(force->direction) : 0.0;
+    }
+    return rows;
+}
+
+Array bead_positions(const Bed& bed) {
+    const granular::Beads beads = bed.simulation().state().beads;
+    return vectors(beads.x, beads.y, beads.z);
+}
+
 } // namespace
 
 void bind_granular(py::module_& module) {
@@ -105,10 +130,10 @@ void bind_granular(py::module_& module) {
         .def_property_readonly("bead_radius", [](const Bed& b) { return b.plan().problem.bead_radius; })
         .def_property_readonly("time", [](const Bed& b) { return b.simulation().time(); })
         .def_property_readonly("finished", [](const Bed& b) { return b.simulation().finished(); })
-        .def("positions",
-             [](const Bed& b) {
-                 const granular::Beads beads = b.simulation().state().beads;
-                 return vectors(beads.x, beads.y, beads.z);
+        .def("positions", &bead_positions)
+        .def("body_acceleration",
+             [](const Bed& b, const std::optional<Array>& places) {
+                 return body_acceleration(b, places ? *places : bead_positions(b));
              })
         .def("velocities",
              [](const Bed& b) {

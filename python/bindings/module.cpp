@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, module) {
     bind_medium(module);
     bind_fields(module);
     bind_rods(module);
+    bind_noise(module);
     bind_scene(module);
     bind_run(module);
     bind_integrate(module);

@@ -16,8 +16,9 @@ from ._core import Medium, RodEquations, RodResult
 from ._core import version as __version__
 from .errors import Error, InputError, Problem, RunError, SceneError
 from .fields import dipole, displacement, grad_div, laplacian, strain
-from .fitting import Estimate, FitResult, Profile, Track, fit, fit_rods, fit_wake
+from .fitting import Estimate, FitResult, Map, Profile, Track, fit, fit_map, fit_rods, fit_wake
 from .granular import Bed, run_bed
+from .noise import NoiseResult, simulate_noise
 from .ode import Event, Hit, OdeResult, integrate
 from .rods import simulate
 from .runs import Quantity, RodPath, Run, Trajectory, open_run
@@ -25,10 +26,10 @@ from .scans import scan
 from .scenes import Scene
 
 __all__ = [
-    "Bed", "Error", "Estimate", "Event", "FitResult", "Hit", "InputError", "Medium", "OdeResult", "Problem", "Profile", "Quantity",
+    "Bed", "Error", "Estimate", "Event", "FitResult", "Hit", "InputError", "Map", "Medium", "NoiseResult", "OdeResult", "Problem", "Profile", "Quantity",
     "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Trajectory", "__version__",
-    "dipole", "displacement", "fit", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
-    "simulate", "strain",
+    "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
+    "simulate", "simulate_noise", "strain",
 ]
 
 

@@ -1,4 +1,4 @@
-"""Least squares on arrays: the medium from displacement profiles, couplings from tracks of rods."""
+"""Least squares on arrays: the medium from displacement profiles or maps, couplings from tracks of rods."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from .errors import InputError
 from .toml import toml
 
 Floats = NDArray[np.float64]
@@ -42,6 +43,22 @@ class Track:
     sigma_contact: Optional[float] = None
     independent: float = 1.0  # independent rows a row is worth, in (0, 1]
     name: str = "track"
+
+
+@dataclass(frozen=True)
+class Map:
+    """Displacements on a grid in the frame of a rod, which heads along +x, in any unit of length, the same for all. The grid lies in a
+    periodic box whose sides are `box`."""
+
+    x: ArrayLike  # (nx,): evenly spaced, rising
+    y: ArrayLike  # (ny,)
+    Ux: ArrayLike  # (ny, nx): along the heading; NaN: no data
+    Uy: ArrayLike  # (ny, nx)
+    box: tuple[float, float]  # along and across the heading
+    sigma_x: Optional[ArrayLike] = None  # (ny, nx): standard errors; NaN: the bin is left out; None, or all NaN: equal and unknown
+    sigma_y: Optional[ArrayLike] = None  # (ny, nx)
+    speed: Optional[float] = None  # of the rod against the medium, length/s; needed for zeta, rho and eta_s
+    name: str = "map"
 
 
 @dataclass(frozen=True)
@@ -101,16 +118,28 @@ def fit_rods(tracks: Sequence[Track], parameters: Sequence[str], **options: Any)
     return fit(tracks=tracks, parameters=parameters, **options)
 
 
-def fit(*, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), threads: int = 1,
-        **options: Any) -> FitResult:
-    """Profiles and tracks in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fitting.md)."""
+def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> FitResult:
+    """Fits an orthotropic medium and the sources of a rod to maps of displacement (docs/fitting.md, section 8).
+
+    parameters  amplitude, force, p_xx, p_yy, c11, c22, c12, c66, zeta, rho, eta_s, offset, offset_y; the rest in `fixed`
+    options     as for fit_wake; besides rod_length, source_width, and masks = [{strip, radius, sector}] (one at most)
+
+    Lengths are in the unit of the maps, angles in rad, times in s. The value, error and chi2 are those of `rodwake fit` for the same
+    data, to the last bit. Errors of fixed values (fixed_errors), further masks and the jackknife are made by `rodwake fit` alone.
+    """
+    return fit(maps=maps, parameters=parameters, **options)
+
+
+def fit(*, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), maps: Sequence[Map] = (),
+        threads: int = 1, **options: Any) -> FitResult:
+    """Profiles, tracks and maps in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fitting.md)."""
     spacing = options.get("independent_spacing")
     keys: dict[str, Any] = {"parameters": list(parameters), **options, "profiles": [_profile_keys(one, i) for i, one in enumerate(profiles)],
-            "trajectories": [_track_keys(one, i) for i, one in enumerate(tracks)]}
+            "trajectories": [_track_keys(one, i) for i, one in enumerate(tracks)], "maps": [_map_keys(one, i) for i, one in enumerate(maps)]}
     text = f"schema = 1\nfit = {toml({key: value for key, value in keys.items() if value is not None and value != []})}\n"
     scene = _core.parse_scene(text, "fit", [])
     return FitResult(_core.fit(scene, [_profile(one, spacing) for one in profiles], [(one.t, one.poses, one.independent) for one in tracks],
-                               threads))
+                               [_map(one) for one in maps], threads))
 
 
 def _profile_keys(one: Profile, index: int) -> Mapping[str, Any]:
@@ -129,3 +158,27 @@ def _profile(one: Profile, independent_spacing: Optional[float]) -> tuple[ArrayL
     if independent_spacing is not None and steps.size and steps[steps.size // 2] > 0:  # a gap where the rod was does not count
         independent = min(1.0, steps[steps.size // 2] / independent_spacing)
     return one.place, one.value, one.sigma, independent
+
+
+def _map_keys(one: Map, index: int) -> Mapping[str, Any]:
+    keys: dict[str, Any] = {"files": [f"map {index}.csv"], "name": one.name, "box": list(one.box)}
+    return keys if one.speed is None else keys | {"speed": one.speed}
+
+
+def _map(one: Map) -> tuple[Sequence[ArrayLike], tuple[float, float], float]:
+    """Places, displacements and errors, checked; NaN stands for what is not there."""
+    x, y = (np.asarray(places, dtype=float) for places in (one.x, one.y))
+    for axis, places, side in (("x", x, one.box[0]), ("y", y, one.box[1])):
+        steps = np.diff(places) if places.ndim == 1 else np.array([])
+        if steps.size < 1 or not (steps[0] > 0 and np.all(np.abs(steps - steps[0]) <= 1e-6 * steps[0])):
+            raise InputError(f"{one.name}: {axis} must be two places or more, rising and evenly spaced")
+        if places[-1] - places[0] > side * (1 + 1e-6):
+            raise InputError(f"{one.name}: the grid of {places[-1] - places[0]:g} along {axis} is larger than the box of {side:g}")
+    if (one.sigma_x is None) != (one.sigma_y is None):
+        raise InputError(f"{one.name}: sigma_x and sigma_y come together")
+    fields = [one.Ux, one.Uy, *(np.full((y.size, x.size), np.nan) if sigma is None else sigma for sigma in (one.sigma_x, one.sigma_y))]
+    grids = [np.asarray(field, dtype=float) for field in fields]
+    for name, grid in zip(("Ux", "Uy", "sigma_x", "sigma_y"), grids):
+        if grid.shape != (y.size, x.size):
+            raise InputError(f"{one.name}: {name} has the shape {grid.shape}, expected (ny, nx) = {(y.size, x.size)}")
+    return (x, y, *grids), one.box, 0.0 if one.speed is None else one.speed

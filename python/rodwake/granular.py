@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Callable, Optional
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .errors import InputError
@@ -93,6 +93,11 @@ class Bed:
     def rods(self) -> Floats:
         """(R, 3): x and y of the centres of mass in m, unwrapped, and the heading of the thin end in rad."""
         return self._core.rods()
+
+    def body_acceleration(self, places: Optional[ArrayLike] = None) -> Floats:
+        """(M, 2), m/s^2: what [granular.body_force] gives beads at these places, (M, 2) of x and y in m (None: those of the beads), now.
+        Zero before t = 0 and in a bed without that table."""
+        return self._core.body_acceleration(places)
 
     @property
     def temperatures(self) -> tuple[float, float]:

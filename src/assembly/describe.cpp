@@ -160,15 +160,22 @@ void add_scan_lines(const Plan& plan, Lines& lines) {
                                            design.boundary_tolerance)});
 }
 
+std::string runs_of(const NoisePlan& noise) {
+    if (!noise.capture_error)
+        return fmt::format("{} runs", noise.runs);
+    return fmt::format("{} to {} runs, until the capture probability is known to +- {:g}", noise.runs,
+                       std::max(noise.runs, noise.most_runs), *noise.capture_error);
+}
+
 void add_noise_lines(const Plan& plan, Lines& lines) {
     for (const RodsPlan& one : plan.rods) {
         if (!one.noise)
             continue;
         const rods::Noise& noise = one.noise->noise;
         lines.push_back(
-            {true, fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {} runs, steps of at most {:.3g} "
+            {true, fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {}, steps of at most {:.3g} "
                                "({}), strong order 1.5",
-                               one.of.suffix(), noise.rotational, noise.translational, one.noise->runs,
+                               one.of.suffix(), noise.rotational, noise.translational, runs_of(*one.noise),
                                noise.time_step,
                                one.of.scene.noise->time_step
                                    ? "noise.time_step"

@@ -1,5 +1,10 @@
 #include "rodwake/assembly/rods.hpp"
 
+#include "rodwake/scan/proportion.hpp"
+
+#include <algorithm>
+#include <span>
+
 namespace rodwake::assembly {
 
 rods::Couplings couplings_of(const scene::Scene& scene) {
@@ -52,7 +57,44 @@ std::optional<NoisePlan> noise_plan(const scene::Scene& scene, const rods::RodPr
         keys.time_step ? *keys.time_step : rods::suitable_time_step(problem, keys.rotational_diffusion);
     plan.noise.seed = static_cast<std::uint64_t>(keys.seed);
     plan.runs = static_cast<std::uint32_t>(keys.runs);
+    plan.capture_error = keys.capture_error;
+    plan.most_runs = static_cast<std::uint32_t>(keys.most_runs);
     return plan;
+}
+
+namespace {
+
+/// Whether these runs say enough, or cannot.
+bool known_well(std::span<const rods::NoisyEnd> ends, std::size_t rods, double error) {
+    if (std::ranges::any_of(ends, &rods::NoisyEnd::failed))
+        return true;
+    const rods::CaptureCount captures = rods::count_captures(ends, rods);
+    const auto [low, high] = scan::Proportion{captures.count, captures.of}.wilson(scan::quantile_95);
+    return captures.of == 0 || 0.5 * (high - low) <= error;
+}
+
+} // namespace
+
+std::uint32_t wanted_runs(const rods::NoiseSums& sums, std::size_t rods, const NoisePlan& plan) {
+    std::uint32_t runs = plan.runs;
+    if (!plan.capture_error)
+        return runs;
+    while (runs < plan.most_runs && runs <= sums.ends.size() &&
+           !known_well(std::span(sums.ends).first(runs), rods, *plan.capture_error))
+        runs = std::min(plan.most_runs, runs + (runs + 1) / 2);
+    return runs;
+}
+
+bool run_wanted(const rods::RodProblem& problem, const rods::RodOptions& options, const NoisePlan& plan,
+                std::size_t threads, rods::NoiseSums& sums,
+                const std::function<void(const rods::NoiseSums&)>& added) {
+    while (true) {
+        const std::uint32_t wanted = wanted_runs(sums, problem.rods.size(), plan);
+        if (sums.ends.size() >= wanted)
+            return true;
+        if (!rods::run_ensemble(problem, options, plan.noise, wanted, threads, sums, added))
+            return false;
+    }
 }
 
 OutputUnits output_units(const scene::Scene& scene) {

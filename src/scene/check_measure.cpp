@@ -20,6 +20,7 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
     want_rod(m.force, "force");
     want_rod(m.displacement.has_value(), "displacement");
     want_rod(m.mechanics, "mechanics");
+    want_rod(m.heading_diffusion, "heading_diffusion");
     if (m.mechanics && bed.body_force)
         report("measure.mechanics",
                "mechanics takes the rods' push for all of the force on the bed: leave out "
@@ -110,6 +111,22 @@ void currents(const Measure& m, const Granular& bed, const Report& report) {
                            bed.duration - m.from, m.block));
 }
 
+void headings(const Measure& m, const Granular& bed, const Report& report) {
+    const double measured = bed.duration - m.from, high = heading_lag_high(m, measured);
+    if (m.heading_lag_high && 2.0 * high > m.block)
+        report("measure.heading_lag_high",
+               fmt::format("heading_lag_high = {:g} s is longer than half of block = {:g} s", high, m.block));
+    if (m.heading_lag_low && *m.heading_lag_low >= high)
+        report("measure.heading_lag_low",
+               fmt::format("heading_lag_low = {:g} s must be below the longest lag of {:g} s{}",
+                           *m.heading_lag_low, high, m.heading_lag_high ? "" : ", a quarter of block"));
+    if (m.heading_diffusion && m.trajectory.empty() && measured < 2.0 * high)
+        report("measure.heading_diffusion",
+               fmt::format("lags up to {:g} s need twice as much, and {:g} s are measured: shorten "
+                           "measure.heading_lag_high or run longer",
+                           high, measured));
+}
+
 void lengths(const Measure& m, const Granular& bed, const Report& report) {
     const auto want_below = [&](const std::optional<double>& value, const char* key, double most,
                                 const char* why) {
@@ -136,6 +153,7 @@ void check_measure(const Scene& scene, const Report& report) {
     rods(*scene.measure, *scene.granular, report);
     times(*scene.measure, *scene.granular, report);
     currents(*scene.measure, *scene.granular, report);
+    headings(*scene.measure, *scene.granular, report);
     lengths(*scene.measure, *scene.granular, report);
 }
 

@@ -72,6 +72,10 @@ void noise(const Scene& scene, const Report& report) {
         report("rods_run.form",
                fmt::format("rods_run.form = \"{}\": rods with [noise] take form \"angle\" only",
                            rods::to_string(run.form)));
+    if (scene.noise->capture_error && scene.rods.size() < 2)
+        report("noise.capture_error",
+               fmt::format("noise.capture_error = {:g}: a single rod captures none; leave it out",
+                           *scene.noise->capture_error));
     if (scene.medium && scene.medium->field == FieldBackend::measured && scene.medium->measured &&
         scene.medium->measured->samples > 0)
         report(

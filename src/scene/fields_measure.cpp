@@ -52,6 +52,12 @@ void what_fields(Visitor& v, Measure& m) {
                "needs [[granular.rods]]")
           .example("true"),
       m.mechanics);
+    v(key("heading_diffusion")
+          .doc("how fast the rod forgets its heading, how fast it walks, and the [noise] of the theory that "
+               "is "
+               "as strong; needs [[granular.rods]]")
+          .example("true"),
+      m.heading_diffusion);
 }
 
 void when_fields(Visitor& v, Measure& m) {
@@ -220,6 +226,23 @@ void phonon_fields(Visitor& v, Measure& m) {
       m.shear_speed);
 }
 
+void heading_fields(Visitor& v, Measure& m) {
+    v(key("heading_lag_low")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("a tenth of heading_lag_high")
+          .doc("heading_diffusion: shortest lag of the fits, longer than the rod rattles")
+          .example("\"0.2 s\""),
+      m.heading_lag_low);
+    v(key("heading_lag_high")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("a quarter of block, or of what is measured if that is shorter")
+          .doc("heading_diffusion: longest lag; at most half of block")
+          .example("\"2 s\""),
+      m.heading_lag_high);
+}
+
 } // namespace
 
 void fields(Visitor& v, Measure& measure) {
@@ -229,6 +252,7 @@ void fields(Visitor& v, Measure& measure) {
     flow_fields(v, measure);
     displacement_fields(v, measure);
     phonon_fields(v, measure);
+    heading_fields(v, measure);
 }
 
 } // namespace rodwake::scene

@@ -309,6 +309,20 @@ void fields(Visitor& v, Noise& noise) {
           .doc("runs of the ensemble, each with noise of its own; rods.csv and outcome.json are of the first")
           .example("1000"),
       noise.runs);
+    v(key("capture_error")
+          .within(1e-4, 0.5)
+          .absent("runs are as many as runs says")
+          .doc("more runs until half the 95 % interval of the capture probability is no wider than this, in "
+               "a scan "
+               "at each point by itself")
+          .example("0.05"),
+      noise.capture_error);
+    v(key("most_runs")
+          .within(1, 10'000'000)
+          .doc("with capture_error: no more runs than this, however wide the interval; runs are done in any "
+               "case")
+          .example("2000"),
+      noise.most_runs);
     v(key("time_step")
           .unit(time)
           .above(0.0)

@@ -54,6 +54,9 @@ constexpr FigureNeed phonons{"measure.phonons = true",
 constexpr FigureNeed mechanics{"measure.mechanics = true", [](const Scene& s, const Figure&) {
                                    return is_measured(s, &Measure::mechanics);
                                }};
+constexpr FigureNeed heading_diffusion{"measure.heading_diffusion = true", [](const Scene& s, const Figure&) {
+                                           return is_measured(s, &Measure::heading_diffusion);
+                                       }};
 constexpr FigureNeed displacement{"measure.displacement", [](const Scene& s, const Figure&) {
                                       return s.measure && s.measure->displacement;
                                   }};
@@ -123,6 +126,12 @@ const std::vector<FigureKind>& figure_kinds() {
          {bed_itself, phonons},
          {"phonons.csv"},
          {}},
+        {"heading_diffusion",
+         "mean-square heading change of the rod and mean cosine of it, with the fits",
+         measure,
+         {bed_itself, heading_diffusion},
+         {"heading.csv"},
+         {}},
         {"flow",
          "velocity of the beads in the rod's frame",
          measure,
@@ -171,7 +180,9 @@ const std::vector<FigureKind>& figure_kinds() {
           {"C22", phonons},
           {"C66", phonons},
           {"drag_rate", mechanics},
-          {"screening_length", mechanics}}},
+          {"screening_length", mechanics},
+          {"D_r", heading_diffusion},
+          {"diffusion_per_length", heading_diffusion}}},
         {"theory_beside_bed",
          "U along lines, of the bed and of the theory side by side",
          measure,

@@ -106,52 +106,6 @@ fitting::Map of_table(const fs::path& file) {
     return map;
 }
 
-/// Sigmas of no bin: equal weights. Of some bins: the others are left out.
-void settle_sigmas(FitMapData& out) {
-    fitting::Map& map = out.data;
-    const auto known = [&](std::size_t bin) {
-        return std::isfinite(map.sigma_x[bin]) && std::isfinite(map.sigma_y[bin]);
-    };
-    bool any = false;
-    for (std::size_t bin = 0; bin < map.bins(); ++bin)
-        any = any || (map.known[bin] && known(bin));
-    if (!any) {
-        map.sigma_x.clear();
-        map.sigma_y.clear();
-        return;
-    }
-    for (std::size_t bin = 0; bin < map.bins(); ++bin)
-        if (map.known[bin] && !known(bin)) {
-            map.known[bin] = false;
-            ++out.left_out;
-        }
-}
-
-/// measure.mirror puts the same numbers on both sides, which must not count twice.
-bool is_mirrored(const fitting::Map& map) {
-    const std::size_t nx = map.x.size(), ny = map.y.size();
-    std::size_t compared = 0;
-    for (std::size_t j = 0; j < ny; ++j)
-        for (std::size_t k = 0; k < nx; ++k) {
-            const auto other = std::ranges::find_if(
-                map.y, [&](double y) { return std::abs(y + map.y[j]) < 1e-6 * spacing(map.y); });
-            if (map.y[j] >= 0.0 || other == map.y.end())
-                continue;
-            const std::size_t a = j * nx + k, b = static_cast<std::size_t>(other - map.y.begin()) * nx + k;
-            if (!map.known[a] || !map.known[b])
-                continue;
-            ++compared;
-            if (map.Ux[a] != map.Ux[b] || map.Uy[a] != -map.Uy[b])
-                return false;
-        }
-    return compared > 0;
-}
-
-void take_one_half(fitting::Map& map) {
-    for (std::size_t bin = 0; bin < map.bins(); ++bin)
-        map.known[bin] = map.known[bin] && map.place_y(bin) > 0.0; // at y = 0 mirroring makes U_y zero
-}
-
 } // namespace
 
 bool needs_speed(const scene::Fit& keys) {
@@ -179,12 +133,7 @@ FitMapData read_fit_map(const scene::FitMap& keys, const fs::path& file,
         across > map.lx * (1.0 + 1e-6) || up > map.ly * (1.0 + 1e-6))
         refuse(file, fmt::format("its grid is {:g} x {:g}, larger than the box of {:g} x {:g}", across, up,
                                  map.lx, map.ly));
-    settle_sigmas(out);
-    out.mirrored = is_mirrored(map);
-    if (out.mirrored)
-        take_one_half(map);
-    if (independent_spacing)
-        map.independent = std::min(1.0, spacing(map.x) * spacing(map.y) / std::pow(*independent_spacing, 2));
+    settle_map(out, independent_spacing);
     return out;
 }
 

@@ -23,27 +23,15 @@ constexpr std::array endings = {Ending::contact, Ending::pursuit, Ending::escape
 
 ordered_json known(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
 
-/// By time, of each rod: means of sums over the runs that reached that time, and their standard errors.
-struct Rows {
-    ordered_json means = ordered_json::array(), errors = ordered_json::array();
-};
-
-Rows rows_of(const std::vector<double>& reached, const std::vector<double>& sums,
-             const std::vector<double>& squares, double unit) {
-    Rows rows;
-    const std::size_t rods = sums.size() / reached.size();
-    for (std::size_t t = 0; t < reached.size(); ++t) {
-        ordered_json mean = ordered_json::array(), error = ordered_json::array();
-        for (std::size_t k = t * rods; k < (t + 1) * rods; ++k) {
-            const double n = reached[t], value = sums[k] / n; // of no run NaN
-            const double spread = std::max(0.0, squares[k] / n - value * value);
-            mean.push_back(known(unit * value));
-            error.push_back(known(n > 1.0 ? unit * std::sqrt(spread / (n - 1.0)) : std::nan("")));
-        }
-        rows.means.push_back(std::move(mean));
-        rows.errors.push_back(std::move(error));
+/// Numbers of [time][rod] as such a table.
+ordered_json table_of(const std::vector<double>& values, std::size_t rods, double unit) {
+    ordered_json table = ordered_json::array();
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        if (k % rods == 0)
+            table.push_back(ordered_json::array());
+        table.back().push_back(known(unit * values[k]));
     }
-    return rows;
+    return table;
 }
 
 ordered_json endings_json(const NoiseSums& sums) {
@@ -79,13 +67,8 @@ void add_capture(ordered_json& json, const NoiseSums& sums, std::size_t rods) {
 } // namespace
 
 scan::Proportion captured(const NoiseSums& sums, std::size_t rods) {
-    scan::Proportion of;
-    for (const NoisyEnd& end : sums.ends)
-        if (!end.failed && rods > 1) {
-            ++of.of;
-            of.count += end.ending == Ending::contact || end.ending == Ending::pursuit ? 1 : 0;
-        }
-    return of;
+    const rods::CaptureCount counted = rods::count_captures(sums.ends, rods);
+    return {counted.count, counted.of};
 }
 
 std::string noise_json(const NoiseSums& sums, const assembly::NoisePlan& plan,
@@ -106,12 +89,13 @@ std::string noise_json(const NoiseSums& sums, const assembly::NoisePlan& plan,
         json["times"].push_back(time * units.time);
     json["runs_at_time"] = sums.reached;
     const double area = units.length * units.length;
-    Rows square = rows_of(sums.reached, sums.square, sums.square_squares, area);
-    Rows cosine = rows_of(sums.reached, sums.cosine, sums.cosine_squares, 1.0);
-    json["mean_square_displacement"] = std::move(square.means);
-    json["mean_square_displacement_error"] = std::move(square.errors);
-    json["heading_correlation"] = std::move(cosine.means);
-    json["heading_correlation_error"] = std::move(cosine.errors);
+    const rods::NoiseMeans square = rods::mean_square_displacement(sums),
+                           cosine = rods::heading_correlation(sums);
+    const std::size_t rods = problem.rods.size();
+    json["mean_square_displacement"] = table_of(square.values, rods, area);
+    json["mean_square_displacement_error"] = table_of(square.errors, rods, area);
+    json["heading_correlation"] = table_of(cosine.values, rods, 1.0);
+    json["heading_correlation_error"] = table_of(cosine.errors, rods, 1.0);
     json["units"] = {{"length", units.length_name}, {"time", units.time_name}};
     return json.dump(1) + "\n";
 }

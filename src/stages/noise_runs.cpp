@@ -114,7 +114,8 @@ bool run_noise(const Session& session, const assembly::RodsPlan& plan, const rod
     const assembly::NoisePlan& of = *plan.noise;
     sums = rods::no_runs(problem);
     const auto file = session.directory.file(name);
-    if (auto found = session.context.force ? std::nullopt : read(file, key, of.runs, sums)) {
+    const std::uint32_t most = of.capture_error ? std::max(of.runs, of.most_runs) : of.runs;
+    if (auto found = session.context.force ? std::nullopt : read(file, key, most, sums)) {
         sums = std::move(*found);
         session.log->info("noise{}: going on from run {}", plan.of.suffix(), sums.ends.size());
     } else if (std::filesystem::exists(file))
@@ -123,12 +124,12 @@ bool run_noise(const Session& session, const assembly::RodsPlan& plan, const rod
     rods::RodOptions options = plan.options;
     options.ode.stop_requested = [&] { return session.context.stopped(); };
     Saver saver(session, name, key);
-    Progress progress(session.context, "noise", of.runs, "runs");
-    const bool all = rods::run_ensemble(problem, options, of.noise, of.runs, session.context.thread_count(),
-                                        sums, [&](const NoiseSums& now) {
-                                            progress.update(static_cast<double>(now.ends.size()));
-                                            saver.offer(now);
-                                        });
+    Progress progress(session.context, "noise", most, "runs");
+    const auto added = [&](const NoiseSums& now) {
+        progress.update(static_cast<double>(now.ends.size()));
+        saver.offer(now);
+    };
+    const bool all = assembly::run_wanted(problem, options, of, session.context.thread_count(), sums, added);
     if (all)
         std::filesystem::remove(file);
     else

@@ -17,7 +17,7 @@ bool run_noise(const Session& session, const assembly::RodsPlan& plan, const rod
 /// Runs that end in contact or pursuit, of those that did not fail; of a single rod none are tried.
 scan::Proportion captured(const rods::NoiseSums& sums, std::size_t rods);
 /// Of its Wilson interval of 95 %.
-inline constexpr double capture_quantile = 1.959963984540054;
+inline constexpr double capture_quantile = scan::quantile_95;
 
 /// Contents of noise.json and ensemble.csv, in output units.
 std::string noise_json(const rods::NoiseSums& sums, const assembly::NoisePlan& plan,

@@ -101,7 +101,9 @@ TEST_CASE("Keys that matter only when runs are put together leave the sums as th
     for (const char* keys :
          {"", "pairs = true\ncontact_distance = \"9 a\"\n", "force = true\n",
           "profile_offset = \"5 a\"\nreference = \"far\"\nmirror = true\n", "s_low = 0.1\ns_high = 0.4\n",
-          "trajectory = \"other.h5md\"\n", "shear_speed = \"120 a/s\"\n", "phonon_interval = \"5 ms\"\n"})
+          "trajectory = \"other.h5md\"\n", "shear_speed = \"120 a/s\"\n",
+          "heading_diffusion = true\nheading_lag_low = 0.02\nheading_lag_high = 0.2\n",
+          "phonon_interval = \"5 ms\"\n"})
         CHECK(key_text(std::string("order = true\n") + keys) == key_text("order = true\n"));
     CHECK(key_text("order = true\norder_cutoff = \"2.9 a\"\n") != key_text("order = true\n"));
     CHECK(key_text("order = true\nflow = true\n") != key_text("order = true\n"));
@@ -193,6 +195,41 @@ TEST_CASE("A pair is followed from t = 0 on") {
     CHECK(table.heads[3].name == "last_change");
     CHECK(table.columns[3][0] == Approx(4.0));
     CHECK(value_of<std::int64_t>(report.values, "not_there") == 2); // 8 a of 15 a
+}
+
+TEST_CASE("Heading diffusion becomes the noise of the theory in its units, with f/mu of [scales]") {
+    const double a = bed("").granular->bead_radius, speed = 5.0 * a;
+    std::vector<Column> tracks(4); // headings jump by 0.1 to either side: <d^2> grows by 0.01 every 0.02 s
+    double x = 0.0, y = 0.0, theta = 0.0;
+    std::uint32_t bits = 0x5a17c3e5; // a pseudo-random walk
+    for (int i = -3; i <= 1000; ++i) {
+        const double row[] = {0.02 * i, x, y, theta};
+        for (std::size_t k = 0; k < 4; ++k)
+            tracks[k].push_back(row[k]);
+        bits = bits * 1664525u + 1013904223u;
+        const double jump = i < 0 ? 0.0 : bits >> 31 ? 0.1 : -0.1;
+        x += i < 0 ? 1.0 : speed * 0.02 * std::cos(theta + 0.5 * jump); // the rows before t = 0 do not count
+        y += i < 0 ? 0.0 : speed * 0.02 * std::sin(theta + 0.5 * jump);
+        theta += jump;
+    }
+    const auto of = [&](const std::string& scales) {
+        const scene::Scene scene =
+            scene::parse_scene(bed_text + "heading_diffusion = true\nblock = 0.8\n" + scales, "scene.toml");
+        return kind_of("heading_diffusion").report({scene, {}, made_up({0.0}, tracks)});
+    };
+    const auto papers = of(""), scaled = of("[scales]\nf_over_mu = \"4.4 a\"\nv0 = \"2 mm/s\"\n");
+    const auto D = value_of<Estimate>(papers.values, "D_r");
+    CHECK(D.value == Approx(0.25).epsilon(0.5)); // 20 s hold 100 times the longest lag
+    const auto reduced = value_of<Estimate>(papers.values, "rotational_diffusion");
+    const auto walked = value_of<Estimate>(papers.values, "speed");
+    CHECK(walked.value == Approx(5.0));
+    CHECK(reduced.value == Approx(2.2 * D.value / walked.value));
+    CHECK(value_of<Estimate>(scaled.values, "rotational_diffusion").value == Approx(2.0 * reduced.value));
+    CHECK(value_of<double>(scaled.values, "f_over_mu") == Approx(4.4));
+    CHECK(papers.line.find("[noise] rotational_diffusion = ") != std::string::npos);
+    REQUIRE(papers.tables.size() == 1);
+    CHECK(papers.tables[0].columns[0].back() == Approx(0.2));
+    CHECK(papers.tables[0].columns[1][0] == Approx(0.01)); // one row: a jump of 0.1
 }
 
 TEST_CASE(

@@ -153,6 +153,39 @@ values = [0.0, 0.03, 1.0]
         self.assertLess(wild[0], some[0])
         self.refuse(2, "take no noise", "scan", "scan.toml", "-s", "rods_run.method=bdf", "-o", "bdf")
 
+    def test_scan_with_more_runs_where_the_error_is_large(self):
+        self.write("scan.toml", PAIR.format(runs=8).replace("rotational_diffusion = 0.03", "rotational_diffusion = 0.03\ncapture_error = 0.15\nmost_runs = 60")
+                   + "[scan]\ndesign = \"grid\"\n[[scan.axes]]\nkey = \"noise.rotational_diffusion\"\nvalues = [0.0, 1e-6, 0.01, 0.03, 1.0]\n")
+        names = ("noise.rotational_diffusion", "capture_probability", "capture_probability_low", "capture_probability_high", "capture_runs")
+        tables = []
+        for threads in ("1", "2"):
+            self.expect(0, "scan", "scan.toml", "-o", f"out{threads}", "-j", threads)
+            rows = csv.DictReader((self.folder / f"out{threads}/scan.csv").read_text().splitlines())
+            tables.append([[float(row[name]) for name in names] for row in rows])
+        self.assertEqual(*tables)
+        for noise, share, low, high, runs in tables[0]:
+            if noise == 0:
+                self.assertEqual((share, low, high, runs), (1, 1, 1, 1))
+                continue
+            for value, expected in zip((low, high), wilson(round(share * runs), runs)):
+                self.assertAlmostEqual(value, expected, 12)
+            self.assertTrue(0.5 * (high - low) <= 0.15 or runs == 60)
+            self.assertIn(runs, (8, 12, 18, 27, 41, 60))
+        runs = [row[-1] for row in tables[0]]
+        self.assertLess(runs[1], max(runs))  # certain capture takes fewer
+
+    def test_stopped_and_resumed_runs_are_those_in_one_go(self):
+        self.write("pair.toml", PAIR.format(runs=6).replace("runs = 6", "runs = 6\ncapture_error = 0.03"))
+        self.expect(0, "rods", "pair.toml", "-o", "whole", "--quiet")
+        self.assertGreater(self.told("whole")["runs"], 100)
+        progress = self.folder / "parts/noise_progress.json"
+        with self.started("rods", "pair.toml", "-o", "parts", "-j", "1", "--quiet") as process:
+            wait_until(lambda: progress.exists() or process.poll() is not None, 60)
+            self.assertIsNone(process.poll(), "the run ended before it could be stopped")
+            self.stop(process, signal.SIGTERM, 10.0)
+        self.expect(0, "rods", "pair.toml", "-o", "parts", "-j", "2", "--quiet")
+        self.assertEqual(self.results("whole"), self.results("parts"))
+
     def test_runs_that_fail_are_told(self):
         self.write("pair.toml", PAIR.format(runs=5))
         done = self.expect(1, "rods", "pair.toml", "-s", "rods_run.max_steps=20", "-o", "out")

@@ -42,7 +42,7 @@ ONLY_IN = {
 }
 NO_FILES = {"assembly": re.compile(r"^(fstream|iostream|ostream|cstdio)$")}  # what a part does without
 # A measure is known to its own part and to one file of assembly.
-OF_A_MEASURE = re.compile(r"^rodwake/measure/(displacement|flow|microrheology|order|pairs|phonons|mechanics)\.hpp$")
+OF_A_MEASURE = re.compile(r"^rodwake/measure/(displacement|flow|microrheology|order|pairs|phonons|mechanics|heading_diffusion)\.hpp$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 # A folder of somebody's machine: homes, and where clusters and containers keep work. Not /usr, /etc or /dev, which all have.
 MACHINE_PATH = re.compile(r"(?:(?<=file://)|(?<![\w.~})/*-]))(?:"

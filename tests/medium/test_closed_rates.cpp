@@ -82,6 +82,16 @@ TEST_CASE("where a medium relaxes fast the first order is nearer to its memory t
     CHECK(tests::distance(first, memory) < 0.5 * tests::distance(steady, memory));
 }
 
+TEST_CASE("closed runs pass through a meeting: fields are smooth over the width of forces") {
+    MediumProblem problem = pair(Closure::steady);
+    problem.rods.rods = {{-1.5, 0.0, 0.0}, {1.5, 0.0, std::numbers::pi}};
+    problem.rods.t_end = 3.0;
+    const rods::RodResult result = run(problem);
+    CHECK(result.solution.final_time == 3.0);
+    CHECK(result.solution.final_state[0] == Approx(1.5).margin(1e-6)); // head-on neither turns the other
+    CHECK(result.outcome.min_separation < 0.1);
+}
+
 TEST_CASE("a closed run stops at contact") {
     MediumProblem problem = pair(Closure::steady);
     problem.rods.couplings.kappa = 30.0;

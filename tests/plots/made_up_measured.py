@@ -1,6 +1,7 @@
 """Small measured runs for the tests and for looking at figures: the files of `rodwake measure`, shapes but little physics."""
 
 import json
+import math
 from pathlib import Path
 
 import h5py
@@ -13,6 +14,7 @@ BOX = 78.0  # a, of the fields
 PATTERN = json.loads(Path(__file__).with_name("data").joinpath("measure.json").read_text(encoding="utf-8"))
 SMALL = dict(columns=14, rows=16)
 SOUND = {"Lx": 244.0, "Ly": 209.0, "Ld": 215.0, "Tx": 118.0, "Ty": 118.0, "Td": 134.0}  # a/s
+D_R, JITTER = 0.04, 0.05  # rad^2/s, rad
 DRAG, VISCOSITY = 11.0, (540.0, 130.0)  # 1/s; a^2/s, longitudinal and transverse
 
 
@@ -43,6 +45,8 @@ def results(phi):
         "phonons": {**{f"c_{name}": estimate(speed, 1.5) for name, speed in SOUND.items()}, "c_T": estimate(118.0, 1.2),
                     "drag_rate": estimate(DRAG, 0.6), "viscosity_L": estimate(VISCOSITY[0], 20.0), "viscosity_T": estimate(VISCOSITY[1], 9.0),
                     "temperature": estimate(5.4e-5, 1e-6), "coldest": 0.22, "eta": estimate(2.1, 0.1)},
+        "heading_diffusion": {"D_r": estimate(D_R, 1e-3), "D_r_cosine": estimate(D_R, 1e-3), "jitter": JITTER, "lag_low": 0.125,
+                              "lag_high": 1.25, "cosine_amplitude": math.exp(-JITTER**2), "rotational_diffusion": estimate(0.0176, 2e-3)},
         "mechanics": {"drift": estimate(0.11, 0.01), "drag_rate": estimate(DRAG, 0.4), "screening_length": estimate(490.0, 30.0)},
     })
 
@@ -97,6 +101,14 @@ def write_modes(folder, random):
         "omega": omega * (1 + 0.01 * noise[0]), "omega_error": 0.01 * omega, "gamma": gamma * (1 + 0.05 * noise[1]), "gamma_error": 0.05 * gamma,
         "temperature": T, "temperature_error": 0.03 * T, "displacement": T / omega ** 2, "displacement_error": 0.04 * T / omega ** 2,
         "omega_static": omega, "omega_static_error": 0.02 * omega, "share": 0.95 + 0 * q})
+
+
+def write_heading(folder, random):
+    lag = np.unique(np.geomspace(1, 125, 30).astype(int)) * 0.01
+    square, cosine = (2 * JITTER**2 + 2 * D_R * lag, np.exp(-JITTER**2 - D_R * lag))
+    noise = 1 + 0.01 * random.standard_normal((2, lag.size))
+    write_csv(folder / "heading.csv", {"lag": lag, "square": square * noise[0], "square_error": 0.02 * square, "cosine": cosine * noise[1],
+                                       "cosine_error": 0.01 + 0 * lag, "origins": 1000 - 100 * lag})
 
 
 def wake(x, y):
@@ -165,6 +177,7 @@ def write_part(folder, phi=0.8, runs=1, seed=1, figures="", rods=2, pairs=True):
     if rods:
         write_fields(folder, phi, random)
         write_profiles(folder, random)
+        write_heading(folder, random)
         write_marked(folder, Bed(rods=rods, **SMALL))
     if rods == 2 and pairs:
         write_pairs(folder, runs)
@@ -179,10 +192,11 @@ def write_series(path, phis, speeds=None, distances=None):
         force = ("", "") if speeds is None else ((1.5 + 0.3 * speed + 0.04 * (-1) ** index) * 1e-6, 4e-8)
         rows.append(["scene" if index == 0 else f"v{index}", phi, d0, speed, psi6(phi), 0.005, 0.2, "" if index == 0 else 0.02,
                      phase_of(phi), stiffness(phi), 0.02, 40 * (0.75 - phi), 0.7, 50, 0.3, 0.1, *force, speed, "" if speeds is None else 0.01,
-                     118.0, 1.2, 0.011, 2e-4, 0.0085, 2e-4, 0.0026, 1e-4, DRAG, 0.4, 490.0, 30.0])
+                     118.0, 1.2, 0.011, 2e-4, 0.0085, 2e-4, 0.0026, 1e-4, DRAG, 0.4, 490.0, 30.0, D_R, 1e-3, 0.008, 1e-3])
     names = ("name,phi_b,d0,imposed_speed,psi6,psi6_error,exponent,exponent_error,class,stiffness,stiffness_error,delta_y,"
              "delta_y_error,runs,non_reciprocity,non_reciprocity_error,force,force_error,speed,speed_error,"
-             "c_T,c_T_error,C11,C11_error,C22,C22_error,C66,C66_error,drag_rate,drag_rate_error,screening_length,screening_length_error")
+             "c_T,c_T_error,C11,C11_error,C22,C22_error,C66,C66_error,drag_rate,drag_rate_error,screening_length,screening_length_error,D_r,D_r_error,"
+             "diffusion_per_length,diffusion_per_length_error")
     lines = [",".join(map(str, row)) for row in rows]
     path.write_text("\n".join(["# bead radii, s, N", names, *lines]) + "\n")
 

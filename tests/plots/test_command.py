@@ -84,13 +84,16 @@ class DocsImagesTest(TestCase):
         for name, one in tool.PICTURES.items():
             scene = tomllib.loads((root / one.scene).read_text())
             if one.verb == "run":
-                self.assertIn(one.figure, [figure["name"] for figure in scene["figures"]], name)
+                self.assertLessEqual(set(one.figure.split()), {figure["name"] for figure in scene["figures"]}, name)
         with TemporaryDirectory() as folder:
             picture = Path(folder) / "wide.png"
             Image.new("RGB", (2200, 1000), "red").save(picture)
             with contextlib.redirect_stdout(None):
-                tool.store(picture, picture)
-            self.assertEqual(Image.open(picture).size, (1100, 500))
+                tool.store([picture], picture)
+                self.assertEqual(Image.open(picture).size, (1100, 500))
+                Image.new("RGB", (300, 250), "blue").save(small := Path(folder) / "small.png")
+                tool.store([picture, small], picture)  # both as high as the lower one: 550 and 300 wide
+            self.assertEqual(Image.open(picture).size, (850, 250))
 
 
 del Theory  # its tests run in their own file

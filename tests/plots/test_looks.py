@@ -87,8 +87,9 @@ class LabelsTest(unittest.TestCase):
 class CutTest(unittest.TestCase):
     def test_words_stand_where_the_curve_is_low(self):
         s = np.linspace(-10, 10, 201)
-        for values, corner in ((s, "upper left"), (-s, "upper right"), (np.where(abs(s) < 2, 99.0, -s), "upper right")):
-            self.assertEqual(cut.free_corner(s, values), corner)
+        for values, corner in ((s, "upper left"), (-s, "upper right"), (np.where(abs(s) < 2, 99.0, -s), "upper right"),
+                               (np.full(201, 9.0), "center right")):
+            self.assertEqual(cut.free_corner(s, values, top=11.0), corner)
 
 
 class ResidualsTest(unittest.TestCase):

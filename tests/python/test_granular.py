@@ -40,6 +40,23 @@ class BedTest(unittest.TestCase):
         self.assertEqual(bed.state_hash, run.json("summary.json")["state_hash"])
         self.assertTrue(bed.finished)
 
+    def test_a_force_on_the_beads(self):
+        pushed = rodwake.Scene.parse(TEXT + '[granular.body_force]\nkind = "gaussian"\nacceleration = 0.5\ndirection = "90 deg"\nwidth = "2 a"\n'
+                                     'speed = "10 mm/s"\nposition = ["5 a", "6 a"]\n')
+        bed = rodwake.Bed(pushed)
+        np.testing.assert_array_equal(bed.body_acceleration(), np.zeros((60, 2)))  # it settles first
+        bed = rodwake.run_bed(pushed, lambda bed: False)
+        a, t = bed.bead_radius, bed.time
+        places = np.array([[5 * a, 6 * a + 0.01 * t], [5 * a + 2 * a, 6 * a + 0.01 * t], [5 * a + bed.box, 6 * a + 0.01 * t]])
+        np.testing.assert_allclose(bed.body_acceleration(places), [[0, 0.5], [0, 0.5 * np.exp(-0.5)], [0, 0.5]], rtol=1e-9, atol=1e-15)
+        self.assertEqual(bed.body_acceleration().shape, (60, 2))
+        self.assertEqual(bed.state_hash, pushed.run(new_folder(self)).json("summary.json")["state_hash"])
+        free = rodwake.run_bed(self.scene, lambda bed: False)
+        self.assertNotEqual(bed.state_hash, free.state_hash)
+        np.testing.assert_array_equal(free.body_acceleration([[0, 0]]), [[0, 0]])
+        with self.assertRaisesRegex(rodwake.InputError, "expected an array of shape"):
+            bed.body_acceleration([0, 0])
+
     def test_steps_add_up(self):
         one, other = rodwake.Bed(self.scene), rodwake.Bed(self.scene)
         self.assertLess(one.time, 0)  # it settles first

@@ -226,6 +226,8 @@ TEST_CASE("a tolerance of the table and no noise are accepted, dotted or as tabl
          "noise.translational_diffusion = -1.0: must be >= 0 and <= 1000000");
     says(two_rods("[noise]\nruns = 0\n"), "noise.runs = 0: must be >= 1 and <= 1e+07");
     says(two_rods("[noise]\ntime_step = 0.0\n"), "noise.time_step = 0.0: must be > 0");
+    says(two_rods("[noise]\ncapture_error = 0.6\n"),
+         "noise.capture_error = 0.6: must be >= 0.0001 and <= 0.5");
 }
 
 TEST_CASE("noise has a method of its own") {
@@ -235,6 +237,11 @@ TEST_CASE("noise has a method of its own") {
                run + "[noise]\nrotational_diffusion = 0.01\n" + more;
     };
     CHECK(noisy(parse(noisy_rods("method = \"auto\"\n"))));
+    CHECK(parse(noisy_rods("", "capture_error = 0.1\n")).noise->most_runs == 10'000);
+    says("schema = 1\n[[rods]]\nposition = [0, 1]\n[rods_run]\nt_end = 4\n[noise]\nrotational_diffusion = "
+         "0.01\n"
+         "capture_error = 0.1\n",
+         "noise.capture_error = 0.1: a single rod captures none");
     CHECK_FALSE(noisy(parse(two_rods("[noise]\nrotational_diffusion = 0.0\n"))));
     says(noisy_rods("method = \"bdf\"\n"),
          "x.toml:8:10: rods_run.method: rods with [noise] are integrated by a method of");

@@ -72,6 +72,19 @@ TEST_CASE("currents are taken in parts of the interval, and blocks hold their la
     says(measured("from_travel = 1e-3\n", ""), "from_travel needs [[granular.rods]]");
 }
 
+TEST_CASE("lags of the heading rise and fit into a block and the run") {
+    const std::string base = "heading_diffusion = true\nblock = 0.8\n";
+    CHECK(error_text(measured(base)) == "");
+    CHECK(error_text(measured(base + "heading_lag_low = 0.05\nheading_lag_high = 0.4\n")) == "");
+    says(measured(base + "heading_lag_high = 0.5\n"), "longer than half of block = 0.8 s");
+    says(measured(base + "heading_lag_low = 0.2\n"),
+         "must be below the longest lag of 0.2 s, a quarter of block");
+    CHECK(error_text(measured("heading_diffusion = true\n")) == ""); // 1 s in a block of 5 s: up to 0.25 s
+    says(measured("heading_diffusion = true\nheading_lag_high = 1.25\n"),
+         "lags up to 1.25 s need twice as much, and 1 s are measured");
+    says(measured(base, ""), "heading_diffusion needs [[granular.rods]]");
+}
+
 TEST_CASE("figures need what they show") {
     says(drawn("", "kind = \"bond_order\"\n"), "a figure of kind bond_order needs measure.order = true");
     says(drawn("", "kind = \"msd\"\n"), "needs measure.microrheology = true");

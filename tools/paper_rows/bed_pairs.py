@@ -12,6 +12,8 @@ DENSITY = Run("pair_density", "pair_density.toml", (), ("scan.axes.0.from=0.70",
 APOLAR = Run("apolar", "apolar_pair.toml", (), ("granular.runs=6",))
 PURSUIT = Run("pursuit", "pursuit_bed.toml", (), ("granular.runs=6",))
 PURSUIT_26 = Run("pursuit_26", "pursuit_bed.toml", ('granular.rods.1.position=["25 a", "34 a"]',), None)
+NEAR = Run("pursuit_near", "pursuit_near.toml", quick=None)
+UNSTRAINED, UNSTRAINED_90 = (Run(f"pair_unstrained_{angle}", f"pair_unstrained_{angle}.toml", quick=None) for angle in (0, 90))
 A = 4e-4       # m
 TURNED = 1 / 3  # of the other rod's turn: the rod that turns less "goes straight"
 
@@ -113,6 +115,9 @@ SCATTER = "Single runs scatter widely: --full makes 50."
 ROWS = "In our crystal the rod that heads across the close-packed rows turns towards them: the rows decide, not the other rod."
 PAIRS = Subject("The bed: two rods", (
     Row("trajectory_c", "Fig. 1 trajectory (c)", "15 a apart at φ_b = 0.78: the rods come together", changes(-1), (CRYSTAL,), ("tracks",), SCATTER),
+    Row("trajectory_c_fit", "Fig. 1 trajectory (c)", "the same in a box that does not strain the crystal, rows along the rods", changes(-1), (UNSTRAINED,),
+        ("tracks",)),
+    Row("trajectory_c_fit_90", "Fig. 1 trajectory (c)", "the same, rows across the rods", changes(-1), (UNSTRAINED_90,), ("tracks",)),
     Row("trajectory_d_inset", "Fig. 1 trajectory (d), inset", "at φ_b = 0.70 they part", changes(+1), (FLUID,), ("tracks",), SCATTER),
     Row("trajectory_d_fluid", "Fig. 1 trajectory (d)", "Δy > 0 for φ_b < 0.74 (d₀ = 18 a and 24 a, pooled)", avoid, (DENSITY,), ("delta_y",), SCATTER),
     Row("trajectory_d_crystal", "Fig. 1 trajectory (d)", "Δy < 0 for φ_b > 0.74 (d₀ = 18 a and 24 a, pooled)", attract, (DENSITY,), (), SCATTER),
@@ -128,6 +133,7 @@ PAIRS = Subject("The bed: two rods", (
     Row("nonrecip_b_end", "Fig. 12 nonreciptheory (b)", "and captures", captured, (PURSUIT,), (), ROWS),
     Row("nonrecip_c", "Fig. 12 nonreciptheory (c)", "26 a apart (an experiment; here simulated): the rear rod turns", rear_turns, (PURSUIT_26,),
         ("nonreciptheory_b",), ROWS),
+    Row("nonrecip_c_fit", "Fig. 12 nonreciptheory (c)", "the same in a box that does not strain the crystal", rear_turns, (NEAR,), ("tracks",), ROWS),
 ))
 
 APOLAR_RODS = ("granular.rods.0.kind=apolar", "granular.rods.1.kind=apolar", "granular.duration=10 s")

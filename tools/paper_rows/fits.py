@@ -11,6 +11,7 @@ SHIPPED = "fitting/data/profile_*.csv, shipped profiles of scenes/wake.toml (8 r
 MONOPOLE, DIPOLE = Run("fit_monopole", "fitting/problems/monopole.toml"), Run("fit_dipole", "fitting/problems/dipole.toml")
 WAKE = Run("wake", "wake.toml", quick=None)
 LARGE = Run("wake_large", "wake_large.toml", quick=None)
+PULLED = Run("wake_scaling", "wake_scaling.toml", quick=None)
 DATA = Path(__file__).resolve().parents[2] / "fitting" / "data"
 BINS_PER_VALUE = 4.2  # bins of 1 a closer than two lattice spacings share data
 SATISFACTORY = 0.2    # of the profile: what "satisfactory" is taken to allow
@@ -101,6 +102,10 @@ def tail(*folders):
     return judge.number(*power(*profile("Ux_x", folders), 9.0, 21.0), -0.5, 0.05)
 
 
+def pulled_tail(folder):
+    return tail(folder / "variants/v_15")
+
+
 LONG_SCREEN = ("The fit to the line through the rod wants a long screening length, so the tail begins outside the box; an independent "
                "estimate from sound speed and drag gives several hundred a.")
 IMAGES = "In a periodic box the rod's images carry 0.2 a, so the tail cannot be read off directly; the fit below includes them."
@@ -113,6 +118,8 @@ WAKE_ROWS = Subject("The bed's displacement field and the fit of the theory", (
     Row("ufield_c", "Fig. 6 ufield (c)", "U_y beside the rod changes sign as x goes through 0", side_sign, made=SHIPPED),
     Row("ufield_e", "Fig. 6 ufield (e)", "|x|^(1/2) U_x is flat behind the rod: U_x has the power -1/2 (78 a box)", tail, (), (), IMAGES, SHIPPED),
     Row("ufield_e_large", "Fig. 6 ufield (e)", "the same in a box of 155 a", tail, (LARGE,), ("ufield_e",), LONG_SCREEN),
+    Row("ufield_e_pulled", "Fig. 6 ufield (e)", "the same behind a rod that is pulled at 15 a/s, unstrained box of 155 a", pulled_tail, (PULLED,),
+        ("Ux_behind",)),
     Row("wake_map", "Fig. 6 ufield", "the wake measured anew: U_x falls off faster ahead than behind", ahead_falls_faster, (WAKE,),
         ("map", "ufield_a")),
     Row("wake_side", "Fig. 6 ufield (c)", "the wake measured anew: U_y changes sign as x goes through 0", side_sign, (WAKE,), ("ufield_c",)),

@@ -25,11 +25,13 @@ def plain(value, digits=3):
 
 
 def with_error(value, error, unit=""):
-    """-1.90 +- 0.47 a: as many places as two digits of the error ask for."""
+    """-1.90 +- 0.47 a: as many places as two digits of the error ask for, and no more than seven digits of the value."""
     if not isfinite(value):
         return NOTHING
     if not error or not isfinite(error):
         return f"{plain(value, 4)} {unit}".rstrip() + ("" if error == 0 else " (error unknown)")
+    if error < 5e-7 * abs(value):
+        return f"{value:.7g} ± {error:.0e} {unit}".rstrip()
     places = max(0, -int(f"{error:.1e}".split("e")[1]) + 1)
     return f"{value:.{places}f} ± {error:.{places}f} {unit}".rstrip()
 

@@ -45,6 +45,11 @@ struct FitMapData {
     bool mirrored = false;    ///< its halves are the same data: those of y < 0 are left out
 };
 
+/// Settles a map as it was read or given: sigmas that no bin has make equal weights; bins of unknown sigma
+/// beside others of known are left out, and so is one half of a map that was averaged with its mirror image;
+/// closer bins than `independent_spacing` share their worth.
+void settle_map(FitMapData& map, std::optional<double> independent_spacing);
+
 /// The data of a fit, in the order of the scene's tables. Absent: a stage of the run makes the file first.
 struct FitInputs {
     std::vector<std::optional<FitProfileData>> profiles;

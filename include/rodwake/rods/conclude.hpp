@@ -21,8 +21,10 @@ RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRate
                     const EndingCriteria& criteria);
 
 /// As simulate, form angle, with `rates` instead of those of rods/model.hpp: of places and headings by the
-/// state, in its layout, finite where rods meet. No Jacobian: difference quotients.
-RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, const RodOptions& options);
+/// state, in its layout, finite where rods meet: they change over `width`, f/mu, below which steps need not
+/// go on account of rods that are near. No Jacobian: difference quotients.
+RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, double width,
+                         const RodOptions& options);
 
 /// A solve that fails with two rods nearly in one place failed because their fields are singular there: the
 /// status then says so.

@@ -3,7 +3,9 @@
 
 #include "rodwake/rods/noise.hpp"
 
+#include <cstdint>
 #include <functional>
+#include <span>
 
 namespace rodwake::rods {
 
@@ -33,6 +35,20 @@ std::vector<double> stored_times(const RodProblem& problem);
 
 NoiseSums no_runs(const RodProblem& problem);
 void add(NoiseSums& sums, const RodProblem& problem, const RodResult& run);
+
+/// Means over the runs that got to a time, and their standard errors, as the sums [time][rod]; NaN where no
+/// run did, errors also where one did.
+struct NoiseMeans {
+    std::vector<double> values, errors;
+};
+NoiseMeans mean_square_displacement(const NoiseSums& sums); ///< <|r(t) - r(0)|^2>
+NoiseMeans heading_correlation(const NoiseSums& sums);      ///< <cos(theta(t) - theta(0))>
+
+/// Runs that end in contact or pursuit, of those that did not fail; of a single rod none are tried.
+struct CaptureCount {
+    std::int64_t count = 0, of = 0;
+};
+CaptureCount count_captures(std::span<const NoisyEnd> ends, std::size_t rods);
 
 /// Adds runs until there are `runs`, on `threads` threads; the bits do not depend on their number. `added` is
 /// called after every few runs. False if options.ode.stop_requested told it to stop: the sums are then those

@@ -6,6 +6,9 @@
 
 namespace rodwake::scan {
 
+/// Of the standard normal: 95 % lie within so many standard deviations.
+inline constexpr double quantile_95 = 1.959963984540054;
+
 struct Proportion {
     std::int64_t count = 0, of = 0;
 

@@ -11,7 +11,7 @@ namespace rodwake::scene {
 
 struct Measure {
     bool order = false, microrheology = false, flow = false, pairs = false, force = false;
-    bool phonons = false, mechanics = false;
+    bool phonons = false, mechanics = false, heading_diffusion = false;
     std::optional<measure::DisplacementMethod> displacement;
     std::optional<double> interval; ///< between the frames that are measured, s; absent: of the stored frames
     double from = 0.0;              ///< earlier frames are not measured, s
@@ -36,9 +36,16 @@ struct Measure {
     std::optional<double> phonon_lag;       ///< longest, s; absent: 1 s, at most half of block
     long phonon_waves = 4;                  ///< along a side of the box, at most
     std::optional<double> shear_speed;      ///< c_T, m/s; absent: from phonons if they are measured
+    std::optional<double> heading_lag_low;  ///< s; absent: a tenth of the longest
+    std::optional<double> heading_lag_high; ///< s; absent: a quarter of block or of a shorter run
     std::string trajectory; ///< file to measure in place of the run's own; empty: the run's own
 
     bool operator==(const Measure&) const = default;
 };
+
+/// Longest lag of the heading's change where so much time is measured, s.
+inline double heading_lag_high(const Measure& m, double measured) {
+    return m.heading_lag_high.value_or(0.25 * (m.block < measured ? m.block : measured));
+}
 
 } // namespace rodwake::scene

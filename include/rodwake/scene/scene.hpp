@@ -92,7 +92,9 @@ struct Noise {
     double rotational_diffusion = 0.0;    ///< rad^2 mu v0/f
     double translational_diffusion = 0.0; ///< f v0/mu
     long runs = 1;
-    std::optional<double> time_step; ///< longest step, f/(mu v0); absent: rods::suitable_time_step
+    std::optional<double> capture_error; ///< runs go on until the capture probability is known so well
+    long most_runs = 10'000;             ///< with capture_error: at most so many, `runs` at least
+    std::optional<double> time_step;     ///< longest step, f/(mu v0); absent: rods::suitable_time_step
     long seed = 1;
 
     bool operator==(const Noise&) const = default;

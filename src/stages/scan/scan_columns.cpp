@@ -51,6 +51,7 @@ constexpr ColumnInfo others[] = {
     {"capture_probability", "1", "share of the runs with noise in contact or pursuit"},
     {"capture_probability_low", "1", "lower end of its 95 % interval (Wilson); itself without noise"},
     {"capture_probability_high", "1", "upper end of its 95 % interval (Wilson); itself without noise"},
+    {"capture_runs", "1", "runs with noise behind it; 1 without noise"},
     {"<k>_low", "1", "lower end of the 95 % interval of the share (Clopper and Pearson)"},
     {"<k>_high", "1", "upper end of the 95 % interval of the share (Clopper and Pearson)"}};
 

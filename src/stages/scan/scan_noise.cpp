@@ -9,7 +9,8 @@ namespace rodwake::stages {
 
 namespace {
 
-void put(const assembly::ScanPlan& plan, std::array<double, 3> capture, scan::Result& result) {
+void put(const assembly::ScanPlan& plan, std::array<double, std::size(assembly::captures)> capture,
+         scan::Result& result) {
     std::ranges::copy(capture, result.values.begin() + static_cast<std::ptrdiff_t>(
                                                            plan.columns.observables.size() - capture.size()));
 }
@@ -30,7 +31,7 @@ bool evaluate_noisy(const assembly::ScanPlan& plan, const rods::RodProblem& prob
     rods::RodOptions each = options;
     each.criteria = rods::noisy_criteria;
     rods::NoiseSums sums = rods::no_runs(problem);
-    if (!rods::run_ensemble(problem, each, noise.noise, noise.runs, 1, sums))
+    if (!assembly::run_wanted(problem, each, noise, 1, sums))
         return false;
     if (!sums.failure.empty()) {
         result.status = scan::Status::failed;
@@ -47,7 +48,7 @@ bool evaluate_noisy(const assembly::ScanPlan& plan, const rods::RodProblem& prob
     end.ending = most_frequent(sums);
     const scan::Proportion capture = captured(sums, problem.rods.size());
     const auto [low, high] = capture.wilson(capture_quantile);
-    put(plan, {capture.value(), low, high}, result);
+    put(plan, {capture.value(), low, high, static_cast<double>(sums.ends.size())}, result);
     store(end, plan, units, result);
     return true;
 }
@@ -55,7 +56,7 @@ bool evaluate_noisy(const assembly::ScanPlan& plan, const rods::RodProblem& prob
 void store_certain_capture(const assembly::ScanPlan& plan, Ending ending, scan::Result& result) {
     const double share = ending == Ending::contact || ending == Ending::pursuit ? 1.0 : 0.0;
     if (plan.base.noise)
-        put(plan, {share, share, share}, result);
+        put(plan, {share, share, share, 1.0}, result);
 }
 
 } // namespace rodwake::stages

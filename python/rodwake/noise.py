@@ -1,0 +1,77 @@
+"""Rods that diffuse: ensembles of noisy runs."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from ._core import Medium
+from .errors import InputError
+
+Floats = NDArray[np.float64]
+
+
+class NoiseResult:
+    """How the runs of an ensemble ended, and how rods turned and spread in them: R runs, N rods, T times. Lengths in f/mu, times in
+    f/(mu v0), angles in rad."""
+
+    def __init__(self, core: Any) -> None:
+        self.outcomes: NDArray[np.str_] = np.array(core.outcomes())  # (R,): 'contact', 'pursuit', 'escape', 'undecided' or 'failed'
+        self.times: Floats = core.times()  # (R,): of contact, else the time reached
+        self.min_separations: Floats = core.min_separations()  # (R,); infinite for a single rod
+        self.pairs: NDArray[np.int64] = core.pairs()  # (R, 2): the rods that the outcome is about; -1 for a single rod
+        capture = core.capture()
+        self.capture_probability: Optional[float] = capture[0] if capture else None  # share of contact and pursuit; None: single rod
+        self.capture_interval: Optional[tuple[float, float]] = capture[1:] if capture else None  # its 95 % interval (Wilson)
+        self.t: Floats = core.t()  # (T,): the output times, the end among them
+        self.runs_at_time: NDArray[np.int64] = core.runs_at_time().astype(np.int64)  # (T,): runs that got there; contact ends a run
+        self.mean_square_displacement: Floats  # (T, N): of those runs; NaN where none did
+        self.mean_square_displacement_error: Floats  # (T, N): standard error; NaN where fewer than two did
+        self.mean_square_displacement, self.mean_square_displacement_error = core.mean_square_displacement()
+        self.heading_correlation: Floats  # (T, N): mean of cos(theta(t) - theta(0))
+        self.heading_correlation_error: Floats  # (T, N)
+        self.heading_correlation, self.heading_correlation_error = core.heading_correlation()
+        self.time_step: float = core.time_step  # longest step taken
+        self.failure: str = core.failure  # why the first run that failed did; '': none
+
+    def __repr__(self) -> str:
+        told = ""
+        if self.capture_probability is not None and self.capture_interval is not None:
+            low, high = self.capture_interval
+            told = f", capture probability {self.capture_probability:.3g} ({low:.3g} to {high:.3g})"
+        return f"<NoiseResult: {len(self.outcomes)} runs{told}>"
+
+
+def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotational_diffusion: float, translational_diffusion: float = 0.0,
+                   runs: int = 100, capture_error: Optional[float] = None, most_runs: int = 10_000, seed: int = 1,
+                   time_step: Optional[float] = None, kappa: float = 0.0, gamma1: float = 0.0,
+                   gamma2: float = 0.0, t_end: float, output_times: Optional[ArrayLike] = None, contact_distance: Optional[float] = None,
+                   threads: int = 1, max_steps: int = 1_000_000) -> NoiseResult:
+    """Runs rods from `poses` (N, 3) many times, with white noise on their headings and places (docs/noise.md).
+
+    rotational_diffusion     D_r, rad^2 mu v0/f
+    translational_diffusion  D_t along each axis, f v0/mu
+    runs                     of the ensemble; run k is the same whatever their number
+    capture_error            more runs, up to `most_runs`, until half the interval of the capture probability is no wider
+    time_step                longest step, f/(mu v0); None: the rule that `rodwake check` prints
+    output_times             (T,), increasing, within [0, t_end]; the noise belongs to them, so others make other runs
+
+    The rest is as for simulate. With the output times of a scene (0 among them) the result is that of its [noise], to the last bit,
+    for any number of threads. Runs that fail are counted as such and end an ensemble with capture_error; input that cannot be used raises InputError.
+    """
+    if not 1 <= runs <= 10_000_000:
+        raise InputError(f"runs = {runs}: must be from 1 to 10000000")
+    if not 0 <= seed < 2**63:
+        raise InputError(f"seed = {seed}: must be from 0 to 2^63 - 1")
+    if capture_error is not None and not 1e-4 <= capture_error <= 0.5:
+        raise InputError(f"capture_error = {capture_error}: must be from 0.0001 to 0.5")
+    if capture_error is not None and len(poses) < 2:
+        raise InputError("capture_error: captures need two rods and more")
+    if not 1 <= most_runs <= 10_000_000:
+        raise InputError(f"most_runs = {most_runs}: must be from 1 to 10000000")
+    return NoiseResult(_core.simulate_noise(poses, medium, kappa, gamma1, gamma2, t_end, output_times, contact_distance, rotational_diffusion,
+                                            translational_diffusion, runs, capture_error, most_runs, time_step, seed,
+                                            threads, max_steps))

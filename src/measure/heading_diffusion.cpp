@@ -1,0 +1,303 @@
+#include "rodwake/measure/heading_diffusion.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/measure/statistics.hpp"
+
+#include <boost/math/distributions/students_t.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::measure {
+
+namespace {
+
+using Row = std::vector<double>;
+constexpr std::size_t enough_runs = 8; // for errors from runs alone
+constexpr double lowest_cosine = 0.2;
+
+void check(std::span<const HeadingTrack> runs, const HeadingOptions& o) {
+    if (runs.empty())
+        throw InputError("measure: heading_diffusion: no runs");
+    if (!(o.block > 0.0 && o.lag_low > 0.0 && o.lag_low < o.lag_high && std::isfinite(o.block + o.lag_high)))
+        throw InputError(
+            fmt::format("measure: heading_diffusion: lags from {:g} s to {:g} s in blocks of {:g} s: must be "
+                        "positive and rise",
+                        o.lag_low, o.lag_high, o.block));
+    if (2.0 * o.lag_high > o.block * (1.0 + 1e-9))
+        throw InputError(fmt::format("measure: heading_diffusion: lags up to {:g} s need blocks of twice as "
+                                     "much, not {:g} s",
+                                     o.lag_high, o.block));
+    for (const HeadingTrack& run : runs) {
+        const std::size_t rows = run.time.size();
+        if (rows < 2 || run.heading.size() != rows || run.x.size() != rows || run.y.size() != rows)
+            throw InputError(fmt::format("measure: heading_diffusion: a run has {} rows: start sooner "
+                                         "(measure.from, measure.from_travel) or run longer",
+                                         rows));
+    }
+}
+
+double step_of(const HeadingTrack& run) { return run.time.size() < 2 ? 0.0 : run.time[1] - run.time[0]; }
+
+/// Rows that are evenly spaced: all, or all but the last.
+std::size_t even_rows(const HeadingTrack& run, double step) {
+    const auto off = [&](std::size_t i) {
+        return std::abs(run.time[i] - run.time[i - 1] - step) > 1e-6 * step;
+    };
+    const std::size_t n = run.time.size();
+    for (std::size_t i = 1; i < n; ++i)
+        if (off(i)) {
+            if (i + 1 == n)
+                return n - 1;
+            throw RunError(fmt::format("measure: heading_diffusion: rows at {:.9g} s and {:.9g} s of a track "
+                                       "are not {:.9g} s apart as those before",
+                                       run.time[i - 1], run.time[i], step));
+        }
+    return n;
+}
+
+/// Numbers of steps, each about a seventh above the one before, the last lag_high.
+std::vector<std::size_t> lags_of(double step, double lag_high) {
+    const auto most = static_cast<std::size_t>(lag_high / step * (1.0 + 1e-9));
+    std::vector<std::size_t> lags;
+    for (std::size_t k = 1; k < most; k = std::max(k + 1, k + k / 7))
+        lags.push_back(k);
+    lags.push_back(most);
+    return lags;
+}
+
+/// Of a block, of several, or of all but some.
+struct Sums {
+    Row origins, square, cosine; // by lag
+    double turn = 0.0, advance = 0.0, time = 0.0;
+
+    explicit Sums(std::size_t lags = 0) : origins(lags), square(lags), cosine(lags) {}
+
+    void add(const Sums& other) {
+        for (std::size_t k = 0; k < square.size(); ++k) {
+            origins[k] += other.origins[k];
+            square[k] += other.square[k];
+            cosine[k] += other.cosine[k];
+        }
+        turn += other.turn;
+        advance += other.advance;
+        time += other.time;
+    }
+};
+
+/// Of the rows from `first` to `last`, both of them in the block.
+Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last,
+             std::span<const std::size_t> lags) {
+    Sums sums(lags.size());
+    for (std::size_t k = 0; k < lags.size(); ++k)
+        for (std::size_t i = first; i + lags[k] <= last; ++i) {
+            const double change = run.heading[i + lags[k]] - run.heading[i];
+            sums.origins[k] += 1.0;
+            sums.square[k] += change * change;
+            sums.cosine[k] += std::cos(change);
+        }
+    for (std::size_t i = first + 1; i <= last; ++i) {
+        const double heading = 0.5 * (run.heading[i - 1] + run.heading[i]);
+        sums.advance +=
+            (run.x[i] - run.x[i - 1]) * std::cos(heading) + (run.y[i] - run.y[i - 1]) * std::sin(heading);
+    }
+    sums.turn = run.heading[last] - run.heading[first];
+    sums.time = run.time[last] - run.time[first];
+    return sums;
+}
+
+/// Blocks of a run; neighbours share the row between them.
+std::vector<Sums> blocks_of(const HeadingTrack& run, double step, const HeadingOptions& options,
+                            std::span<const std::size_t> lags) {
+    const std::size_t steps = even_rows(run, step) - 1;
+    const double length = static_cast<double>(steps) * step;
+    if (length < 2.0 * options.lag_high * (1.0 - 1e-9))
+        throw InputError(fmt::format("measure: heading_diffusion: a track of {:.4g} s: lags up to {:g} s "
+                                     "need twice as much; shorten measure.heading_lag_high or run longer",
+                                     length, options.lag_high));
+    const auto count =
+        std::max<std::size_t>(1, static_cast<std::size_t>(length / options.block * (1.0 + 1e-9)));
+    std::vector<Sums> blocks;
+    for (std::size_t b = 0; b < count; ++b)
+        blocks.push_back(sums_of(run, b * steps / count, (b + 1) * steps / count, lags));
+    return blocks;
+}
+
+Sums sum_of(std::span<const Sums> all, std::size_t without) {
+    Sums sums(all[0].square.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (i != without)
+            sums.add(all[i]);
+    return sums;
+}
+
+/// What is fitted, the same for all parts and for all but one.
+struct Window {
+    Row lag;                     // s, all lags
+    std::size_t first = 0;       // of the fits, the last is that of all
+    std::size_t middle = 0;      // first of the upper half
+    std::size_t cosine_last = 0; // one behind the last of the fit of <cos d>
+};
+
+double mean(const Row& sums, const Row& origins, std::size_t k) { return sums[k] / origins[k]; }
+
+/// Straight line through values at the lags from `first` up to `last`, weights 1/lag^2.
+LineFit line(const Row& lag, const Row& value, std::size_t first, std::size_t last) {
+    const auto part = [&](const Row& row) { return std::span(row).subspan(first, last - first); };
+    return fit_line(part(lag), part(value), part(lag));
+}
+
+Window window_of(const Sums& all, double step, std::span<const std::size_t> lags,
+                 const HeadingOptions& options) {
+    Window w;
+    for (const std::size_t k : lags)
+        w.lag.push_back(static_cast<double>(k) * step);
+    const auto at = [&](double lag) {
+        return static_cast<std::size_t>(std::ranges::lower_bound(w.lag, lag * (1.0 - 1e-9)) - w.lag.begin());
+    };
+    w.first = at(options.lag_low);
+    if (w.lag.size() - w.first < 4)
+        throw InputError(
+            fmt::format("measure: heading_diffusion: rows of tracks are {:g} s apart: fewer than 4 lags from "
+                        "{:g} s to {:g} s; shorten granular.output.table or widen the window",
+                        step, options.lag_low, options.lag_high));
+    w.middle = std::clamp(at(std::sqrt(options.lag_low * options.lag_high)), w.first + 1, w.lag.size() - 2);
+    w.cosine_last = w.first;
+    while (w.cosine_last < w.lag.size() && mean(all.cosine, all.origins, w.cosine_last) >= lowest_cosine)
+        ++w.cosine_last;
+    return w;
+}
+
+/// Order of the numbers of a row, before those by lag.
+enum Number : std::size_t { D, D_cosine, early, late, turn_rate, speed, per_length, numbers };
+
+Row squares_of(const Sums& s) {
+    Row out;
+    for (std::size_t k = 0; k < s.square.size(); ++k)
+        out.push_back(mean(s.square, s.origins, k));
+    return out;
+}
+
+Row cosines_of(const Sums& s) {
+    Row out;
+    for (std::size_t k = 0; k < s.cosine.size(); ++k)
+        out.push_back(mean(s.cosine, s.origins, k));
+    return out;
+}
+
+/// Line through ln <cos d>; nothing without 3 lags. NaN where a mean is not positive.
+LineFit cosine_line(const Row& cosine, const Window& w) {
+    Row logs;
+    for (std::size_t k = 0; k < w.cosine_last; ++k)
+        logs.push_back(k < w.first ? 0.0 : std::log(cosine[k]));
+    const auto used = std::span(logs).subspan(w.first);
+    if (used.size() < 3 || !std::ranges::all_of(used, [](double v) { return std::isfinite(v); }))
+        return {{unknown_error, unknown_error, 0}, {unknown_error, unknown_error, 0}};
+    return line(w.lag, logs, w.first, w.cosine_last);
+}
+
+/// The numbers, then <d^2>, then <cos d>.
+Row row_of(const Sums& s, const Window& w) {
+    const Row square = squares_of(s), cosine = cosines_of(s);
+    const std::size_t end = w.lag.size();
+    Row row(numbers);
+    row[D] = 0.5 * line(w.lag, square, w.first, end).slope.value;
+    row[D_cosine] = -cosine_line(cosine, w).slope.value;
+    row[early] = 0.5 * line(w.lag, square, w.first, w.middle + 1).slope.value;
+    row[late] = 0.5 * line(w.lag, square, w.middle, end).slope.value;
+    row[turn_rate] = s.turn / s.time;
+    row[speed] = s.advance / s.time;
+    row[per_length] = row[D] / row[speed];
+    row.insert(row.end(), square.begin(), square.end());
+    row.insert(row.end(), cosine.begin(), cosine.end());
+    return row;
+}
+
+/// Jackknife; unknown for one part.
+Row errors_of(std::span<const Sums> parts, const Window& w) {
+    const std::size_t n = parts.size();
+    if (n < 2)
+        return Row(numbers + 2 * w.lag.size(), unknown_error);
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < n; ++i)
+        rows.push_back(row_of(sum_of(parts, i), w));
+    Row errors;
+    for (std::size_t k = 0; k < rows[0].size(); ++k) {
+        double middle = 0.0, scatter = 0.0;
+        for (const Row& row : rows)
+            middle += row[k] / static_cast<double>(n);
+        for (const Row& row : rows)
+            scatter += (row[k] - middle) * (row[k] - middle);
+        errors.push_back(std::sqrt(scatter * static_cast<double>(n - 1) / static_cast<double>(n)));
+    }
+    return errors;
+}
+
+HeadingDiffusion result_of(const Sums& all, std::span<const Sums> parts, const Window& w) {
+    const Row row = row_of(all, w), errors = errors_of(parts, w);
+    const auto estimate = [&](Number i) {
+        return std::isfinite(row[i]) ? Estimate{row[i], errors[i], parts.size()} : Estimate{};
+    };
+    const std::size_t lags = w.lag.size();
+    const auto part = [lags](const Row& from, std::size_t which) {
+        const auto begin = from.begin() + static_cast<std::ptrdiff_t>(numbers + which * lags);
+        return Row(begin, begin + static_cast<std::ptrdiff_t>(lags));
+    };
+    HeadingDiffusion r;
+    r.diffusion = estimate(D);
+    r.diffusion_cosine = estimate(D_cosine);
+    r.early = estimate(early);
+    r.late = estimate(late);
+    r.turn_rate = estimate(turn_rate);
+    r.speed = estimate(speed);
+    r.diffusion_per_length = estimate(per_length);
+    r.lag = w.lag;
+    r.square = part(row, 0);
+    r.square_error = part(errors, 0);
+    r.cosine = part(row, 1);
+    r.cosine_error = part(errors, 1);
+    r.origins = all.origins;
+    r.jitter = std::sqrt(0.5 * std::max(0.0, line(w.lag, r.square, w.first, lags).intercept.value));
+    r.cosine_amplitude = std::exp(cosine_line(r.cosine, w).intercept.value);
+    r.lag_low = w.lag[w.first];
+    r.lag_high = w.lag.back();
+    return r;
+}
+
+void set_interval(HeadingDiffusion& r) {
+    r.low = r.high = unknown_error;
+    if (r.parts < 2)
+        return;
+    const boost::math::students_t law(static_cast<double>(r.parts - 1));
+    const double reach = boost::math::quantile(law, 0.975) * r.diffusion.error;
+    r.low = r.diffusion.value - reach;
+    r.high = r.diffusion.value + reach;
+}
+
+} // namespace
+
+HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const HeadingOptions& options) {
+    check(runs, options);
+    const double step = step_of(runs[0]);
+    if (!(step > 0.0) || options.lag_high < step)
+        throw InputError(fmt::format("measure: heading_diffusion: tracks with rows {:g} s apart have no lag "
+                                     "up to {:g} s; shorten granular.output.table",
+                                     step, options.lag_high));
+    const std::vector<std::size_t> lags = lags_of(step, options.lag_high);
+    std::vector<Sums> blocks, of_runs;
+    for (const HeadingTrack& run : runs) {
+        const std::vector<Sums> own = blocks_of(run, step, options, lags);
+        of_runs.push_back(sum_of(own, own.size()));
+        blocks.insert(blocks.end(), own.begin(), own.end());
+    }
+    const Sums all = sum_of(blocks, blocks.size());
+    const std::vector<Sums>& parts = runs.size() >= enough_runs ? of_runs : blocks;
+    HeadingDiffusion r = result_of(all, parts, window_of(all, step, lags, options));
+    r.blocks = blocks.size();
+    r.parts = parts.size();
+    set_interval(r);
+    return r;
+}
+
+} // namespace rodwake::measure

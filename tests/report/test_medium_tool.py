@@ -1,0 +1,110 @@
+"""tools/medium: what it makes of data whose answer is known."""
+
+import math
+import sys
+import types
+import unittest
+
+import numpy as np
+import rodwake
+from rodwake import SOURCE
+
+sys.path.insert(0, str(SOURCE / "tools"))
+from medium import lab, moving, pairs, scaling, static  # noqa: E402
+
+TRUE = np.array([4.6e4, 4.2e4, 1.5e4, 1.35e4])  # c11, c22, c12, c66, a^2/s^2
+FORCE = 8000.0                                   # a^3/s^2
+
+
+def crystal(columns=36, rows=42, spacing=2.13):
+    """An unstrained triangular lattice and its box."""
+    row = spacing * math.sqrt(0.75)
+    x, y = np.meshgrid(np.arange(columns), np.arange(rows))
+    return np.stack([(spacing * (x + 0.5 * (y % 2))).ravel(), row * y.ravel()], axis=1), np.array([columns * spacing, rows * row])
+
+
+def pushed(sign, direction, noise=0.1, drift=0.1, frames=400):
+    """Frames of a crystal that a Gaussian force which goes with it has displaced: plane waves of the answer; noise, the same in the first frame."""
+    places, box = crystal()
+    start = places + np.random.default_rng(direction).normal(scale=0.1, size=places.shape)
+    random = np.random.default_rng(10 + 2 * direction + sign)
+    q = 2 * np.pi * np.array([(m, n) for m in range(-9, 10) for n in range(-9, 10) if (m, n) != (0, 0)]) / box
+    answer = static.predicted(TRUE, q, direction, FORCE, box)
+    u = sign * (np.exp(1j * (start - box / 2) @ q.T) @ answer).real
+    time = 0.1 * np.arange(frames)
+    centre = np.zeros((frames, 2))
+    centre[:, direction] = sign * drift * time
+    moved = start + np.where(time[:, None, None] > 0, u, 0.0) + noise * random.normal(size=(frames, *start.shape)) * (time > 0)[:, None, None]
+    return types.SimpleNamespace(box=box, time=time, place=moved, centre=centre)
+
+
+class PushTest(unittest.TestCase):
+    def test_constants_come_back_from_a_pushed_crystal(self):
+        cases = []
+        for direction in (0, 1):
+            pair = [pushed(sign, direction) for sign in (1, -1)]
+            q = static.modes(pair[0].box)
+            cases.append((q, direction, FORCE, pair[0].box, static.response(pair, q, direction, 0.1)))
+        best, errors, chi2, dof = static.fit(cases)
+        for value, error, true in zip(best, errors, TRUE):
+            self.assertLess(abs(value - true), max(4 * error, 0.04 * true))  # 4 %: a start with thermal places mixes modes a little
+            self.assertLess(error, 0.1 * true)
+        self.assertLess(chi2, 3 * dof)
+
+    def test_beads_that_hopped_do_not_count(self):
+        pair = [pushed(sign, 0, noise=0.0) for sign in (1, -1)]
+        q = static.modes(pair[0].box)
+        before = static.response(pair, q, 0, 0.1)
+        pair[0].place[200:, 100] += [2.13, 0.0]
+        after = static.response(pair, q, 0, 0.1)
+        self.assertLess(np.abs(after - before).max(), 0.1 / len(pair[0].place[0]))  # its displacement of some 0.1 a alone is lost
+
+
+class MovingTest(unittest.TestCase):
+    def test_amplitude_and_drag_come_back_with_their_sign(self):
+        """A force that moves at 10 a/s: a wake fixed to it, seen in frames at which it is elsewhere each time."""
+        places, box = crystal()
+        start = places - places.mean(axis=0)
+        q = moving.modes(box)
+        everywhere = np.concatenate([q, -q])
+        wake = moving.predicted(TRUE, 20.0, 150.0, everywhere, 10.0, box)
+        time, random, place = 0.0997 * np.arange(300), np.random.default_rng(3), [start]
+        for t in time[1:]:
+            centre = box / 2 + [10.0 * t, 0.0]
+            u = (np.exp(1j * (start - centre) @ everywhere.T) @ wake).real
+            place.append(start + u + random.normal(scale=0.008, size=u.shape))
+        frames = types.SimpleNamespace(box=box, time=time, place=np.array(place), centre=np.zeros((300, 2)))
+        data, speed = moving.answer(frames, q, 10.0)
+        self.assertEqual(speed, 10.0)
+        best, errors, chi2, dof = moving.fit(data, TRUE, 150.0, q, speed, box)
+        for value, error, true in zip(best, errors, (1.0, 20.0)):
+            self.assertLess(abs(value - true), 4 * error)  # by chance beyond it once in a thousand, with 8 blocks
+            self.assertLess(error, 0.2 * true)
+        self.assertLess(chi2, 3 * dof)
+
+
+class ShapeTest(unittest.TestCase):
+    def test_slope_and_asymmetry_of_known_profiles(self):
+        x = np.arange(-76.0, 77.0)
+        profiles = np.array([scale * np.abs(x - 0.5) ** -0.5 for scale in (0.9, 1.0, 1.1)])
+        slope, error = scaling.slope(x, profiles)
+        self.assertAlmostEqual(slope, -0.5, delta=0.02)  # x - 0.5 for x
+        self.assertLess(error, 1e-9)                     # a factor has no slope
+        behind, _ = scaling.asymmetry(x, np.where(x < 0, 2.0, 1.0) * np.where(np.abs(x) < 60, 1.0, 0.0) * np.ones((3, 1)))
+        self.assertAlmostEqual(behind, 2.0)
+
+    def test_a_rod_has_turned_when_it_stays_turned(self):
+        t = np.arange(10.0)
+        theta = np.array([0, 0.3, 0, 0, 0.25, 0.3, 0.3, 0.4, 0.4, 0.4])
+        self.assertEqual(pairs.latency({"t": t, "theta0": theta}, 0), 4.0)
+        self.assertTrue(math.isnan(pairs.latency({"t": t, "theta0": 0 * theta}, 0)))
+
+    def test_means_and_errors(self):
+        self.assertEqual(lab.weighted([(1.0, 1.0), (3.0, 1.0)]), (2.0, math.sqrt(0.5)))
+        value, error = lab.ratio((2.0, 0.2), (4.0, 0.0))
+        self.assertAlmostEqual(value, 0.5)
+        self.assertAlmostEqual(error, 0.05)
+
+
+if __name__ == "__main__":
+    rodwake.main()

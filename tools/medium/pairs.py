@@ -1,0 +1,69 @@
+"""Pairs in unstrained boxes: both orientations, and perpendicular starts."""
+
+import math
+
+import numpy as np
+
+from .lab import estimate, mean, table, told
+
+RUNS = 50
+TURN = 0.2   # rad: a rod has begun to turn
+
+
+def cost():
+    return 2 * RUNS * 16 * 1450 + 20 * 20 * 1450
+
+
+def part(lab):
+    rows = []
+    for angle in (0, 90):
+        folder = lab.make(f"pair_{angle}", f"pair_unstrained_{angle}.toml", f"granular.runs={lab.count(RUNS)}",
+                          *(["granular.duration=1 s"] if lab.quick else []))
+        found = told(folder)["pairs"]
+        change = found.get("half_box_change") or {"value": math.nan, "error": None}
+        value, error = estimate(change)
+        rows.append([f"{angle} degrees", f"{value:+.2f} +- {error:.2f}", str(found["not_there"]), *(str(found[k]) for k in
+                    ("contact", "pursuit", "escape", "undecided")), turns(folder)])
+    table("Two rods side by side, 15 a apart, phi_b = 0.78, over half the box; crystal without strain",
+          ["rows against the rods", "change of separation, a", "short of half the box", "contact", "pursuit", "escape", "undecided",
+           "one goes straight"], rows)
+    near = lab.make("pursuit_near", "pursuit_near.toml", *(["granular.runs=2", "granular.duration=1 s"] if lab.quick else []))
+    show_near(near)
+
+
+def tracks(folder):
+    for path in sorted(folder.glob("runs/*/tracks.csv")):
+        lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+        names = lines[0].split(",")
+        values = np.array([[float(x) for x in line.split(",")] for line in lines[1:]])
+        yield {name: values[:, k] for k, name in enumerate(names)}
+
+
+def turns(folder):
+    """Runs in which one rod turns by less than a third of what the other does."""
+    pairs = [sorted(abs(t[f"theta{k}"][-1] - t[f"theta{k}"][0]) for k in (0, 1)) for t in tracks(folder)]
+    return f"{sum(small < large / 3 for small, large in pairs)} of {len(pairs)}"
+
+
+def latency(track, k):
+    """When rod k has turned by TURN for good; nan: never."""
+    turned = np.abs(track[f"theta{k}"] - track[f"theta{k}"][0]) > TURN
+    if not turned[-1]:
+        return math.nan
+    still = np.flatnonzero(~turned)
+    return track["t"][still[-1] + 1] if still.size else track["t"][0]
+
+
+def show_near(folder):
+    found, all_tracks = told(folder)["pairs"], list(tracks(folder))
+    times = np.array([[latency(t, k) for k in (0, 1)] for t in all_tracks])
+    rows = []
+    for k, label in ((0, "along the rows"), (1, "across the rows")):
+        other = 1 - k
+        first = sum(math.isfinite(a[k]) and not a[other] < a[k] for a in times)
+        turn = mean([abs(t[f"theta{k}"][-1] - t[f"theta{k}"][0]) for t in all_tracks])
+        own = times[np.isfinite(times[:, k]), k]
+        rows.append([label, f"{first} of {len(times)}", f"{turn[0]:.2f} +- {turn[1]:.2f}", f"{mean(own)[0]:.1f} +- {mean(own)[1]:.1f}" if own.size else "-"])
+    table(f"Perpendicular starts 26 a apart, phi_b = 0.78: {found['contact']} contacts, {found['pursuit']} pursuits, {found['escape']} escapes, "
+          f"{found['undecided']} undecided; {turns(folder)} with one rod straight",
+          ["rod", "turns first (by 0.2 rad)", "turn, rad", "its latency, s"], rows)
