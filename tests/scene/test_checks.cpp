@@ -131,9 +131,13 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
         *parse(scene("box = 20\nforce_width = 0.25\nmodes = 100\nself_field = true\nstart = \"rest\"\n"
                      "evaluation = \"mesh\"\ninertia = 0.5\n"))
              .medium;
-    CHECK(medium.dynamic == rodwake::medium::DynamicMedium{20.0, 0.25, 100, true,
-                                                           rodwake::medium::Start::rest,
-                                                           rodwake::medium::Evaluation::mesh, 0.5});
+    CHECK(medium.dynamic == rodwake::medium::DynamicMedium{.box = 20.0,
+                                                           .force_width = 0.25,
+                                                           .modes = 100,
+                                                           .self_field = true,
+                                                           .start = rodwake::medium::Start::rest,
+                                                           .evaluation = rodwake::medium::Evaluation::mesh,
+                                                           .inertia = 0.5});
     CHECK(medium.box() == 20.0);
     says(scene("force_width = 0.3\n"),
          "[medium.dynamic]: force_width = 0.3 is below the grid spacing box/modes = 0.4167");
