@@ -12,7 +12,8 @@ namespace rodwake::medium {
 namespace {
 
 constexpr std::size_t fewest_modes = 4, most_modes = 2048;
-constexpr double most_inertia = 1e6;
+constexpr double least_inertia = 1e-12, most_inertia = 1e6; // smaller ones overflow a mode's rates
+constexpr double most_own_width = 10.0; // alpha force_width, beyond which own_response.cpp's integral is off
 
 void check_lengths(const DynamicMedium& m) {
     if (!(m.box > 0.0 && std::isfinite(m.box)))
@@ -64,7 +65,7 @@ double bytes_needed(const DynamicMedium& medium, std::size_t rods) {
         // six states and four forces, weights of each mode, and the mesh with its transforms
         return 8.0 * (modes * (4.0 * (6.0 * parts + 4.0) + (parts > 1.0 ? 36.0 : 14.0) + 20.0) +
                       60.0 * static_cast<double>(rods));
-    const auto own = static_cast<double>(std::min(rods, most_fields));
+    const double own = rods > most_fields ? 0.0 : static_cast<double>(rods);
     const double fields = medium.self_field ? 1.0 + own : static_cast<double>(rods);
     // amplitudes: four numbers a mode in each of eight states of the fields; weights: ten complex numbers a
     // rod, or with inertia four forces
@@ -75,8 +76,9 @@ void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::
     elastic::validate(elastic);
     check_lengths(medium);
     check_closure(medium);
-    if (!(medium.inertia >= 0.0 && medium.inertia <= most_inertia))
-        throw InputError(fmt::format("inertia = {}: must be 0 to {}", medium.inertia, most_inertia));
+    if (medium.inertia != 0.0 && !(medium.inertia >= least_inertia && medium.inertia <= most_inertia))
+        throw InputError(
+            fmt::format("inertia = {}: must be 0, or {} to {}", medium.inertia, least_inertia, most_inertia));
     const bool mesh = evaluation_of(medium, rods) == Evaluation::mesh;
     if (!mesh && !medium.self_field && rods > most_fields)
         throw InputError(fmt::format(
@@ -90,6 +92,12 @@ void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::
                                      "field does is known to it without inertia only; take self_field = "
                                      "true, or sums for at most {} rods",
                                      medium.inertia, rods, most_fields));
+    if (mesh && !medium.self_field && medium.force_width > most_own_width * elastic.xi)
+        throw InputError(
+            fmt::format("self_field = false with the mesh, which {} rods get, takes a rod's own "
+                        "field off for alpha force_width up to {}, not {:.3g}; take self_field = "
+                        "true, or sums for at most {} rods",
+                        rods, most_own_width, medium.force_width / elastic.xi, most_fields));
     if (bytes_needed(medium, rods) > most_bytes)
         throw InputError(
             fmt::format("modes = {} and {} rods would take {:.3g} GB: at most {:.3g}; take fewer modes or "

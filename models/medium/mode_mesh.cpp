@@ -68,7 +68,7 @@ void ModeMesh::fill_row(std::size_t row, const Make& make) {
     const std::size_t columns = modes_.columns(), half = modes_.rows() - 1;
     const std::span<Complex> sums = transform_.modes();
     for (std::size_t column = 0, i = row * columns; column < columns; ++column, ++i) {
-        if (modes_.force()[i] == 0.0 && row == 0)
+        if (row == 0 && column <= half)
             continue; // the zero mode, and what its partner in the row fills
         const auto [a, b] = make(i, modes_.qx()[row], modes_.qy()[column]);
         sums[(half + row) * columns + column] = a + times_i(b);

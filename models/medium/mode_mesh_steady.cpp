@@ -33,10 +33,12 @@ Complex across(double a, int k) {
 
 } // namespace
 
-/// |r| of the transverse part where the larger component of q is that of a mode.
+/// |r| of the part that decays more slowly, where the larger component of q is that of a mode.
 double ModeMesh::largest_ratio(std::size_t row, std::size_t column) const {
     const double q = std::max(modes_.qx()[row], std::abs(modes_.qy()[column])), least = modes_.qx()[1];
-    return ratio(q * modes_.decay_transverse()[modes_.columns() / 2 + 1] / (least * least)); // q/alpha
+    const std::size_t first = modes_.columns() / 2 + 1; // of q = least
+    const double decay = std::min(modes_.decay_longitudinal()[first], modes_.decay_transverse()[first]);
+    return ratio(q * decay / (least * least));
 }
 
 /// Whether a mode is in the square of those with too long a series.
@@ -44,8 +46,7 @@ bool ModeMesh::summed(std::size_t row, std::size_t column) const {
     return std::pow(largest_ratio(row, column), most_harmonics) > least_term;
 }
 
-/// Of the columns that are summed.
-
+/// The first of the columns that are summed.
 std::size_t ModeMesh::first_summed() const {
     std::size_t first = modes_.columns() / 2;
     while (first > 0 && summed(0, first - 1))
@@ -79,7 +80,7 @@ void ModeMesh::add_harmonic_row(std::size_t row, int k, std::span<double> field)
             continue;
         const double q = std::hypot(modes_.qx()[row], modes_.qy()[column]);
         const double a_l = modes_.decay_longitudinal()[i] / q, a_t = modes_.decay_transverse()[i] / q;
-        if (k > 1 && std::pow(ratio(a_t), k - 1) < least_term)
+        if (k > 1 && std::pow(ratio(std::min(a_l, a_t)), k - 1) < least_term)
             continue;
         const double angle = k * std::atan2(modes_.unit_y()[i], modes_.unit_x()[i]);
         const Complex back{std::cos(angle), -std::sin(angle)}, forth{back.re, -back.im};

@@ -69,13 +69,15 @@ void ModeStep::add_steady(std::span<const double> poses, std::span<double> field
 void ModeStep::rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) {
     if (!mesh_)
         return fields_.rates(poses, fields, ydot);
-    mesh_->turning(poses, fields, couplings_, turning_);
+    const bool acting = !own_ || rods_ > 1;
+    if (acting)
+        mesh_->turning(poses, fields, couplings_, turning_);
     const std::span<const double> own = fields.subspan(modes_.numbers());
     for (std::size_t a = 0; a < rods_; ++a) {
         const rods::Direction n = rods::direction(poses, a);
         ydot[3 * a] = n.cosine;
         ydot[3 * a + 1] = n.sine;
-        ydot[3 * a + 2] = turning_[a] - (own_ ? own_->turning(poses, a, own) : 0.0);
+        ydot[3 * a + 2] = acting ? turning_[a] - (own_ ? own_->turning(poses, a, own) : 0.0) : 0.0;
     }
 }
 

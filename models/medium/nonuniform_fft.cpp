@@ -76,6 +76,7 @@ NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team)
       slabs_((grid() + slab_rows - 1) / slab_rows) {
     const auto size = static_cast<double>(grid());
     per_length_ = size / box;
+    inverse_.reserve(side_);
     for (std::size_t m = 0; m < side_; ++m)
         inverse_.push_back(1.0 / transform(static_cast<double>(m) - static_cast<double>(half), size));
 }

@@ -1,8 +1,10 @@
 #include "own_response.hpp"
 
 #include "rods/interaction.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <Eigen/QR>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +17,11 @@ namespace {
 
 using Number = std::complex<double>;
 constexpr Number i{0.0, 1.0};
+constexpr double most_fit_error = 0.02; // some 1e-4 is usual
 
 /// A(tau) at given times, by the midpoint rule in x of q = 8 x^2/w and in y of phi = pi/2 (1 - y^2): the
-/// other quarters of the circle make the same real part. Error: some 1e-5 of the largest A.
+/// other quarters of the circle make the same real part. Error: some 1e-5 of the largest A for alpha w up
+/// to 10.
 class Kernel {
 public:
     Kernel(const elastic::Medium& elastic, double width, const rods::Couplings& couplings)
@@ -122,6 +126,10 @@ void OwnResponse::fit(const elastic::Medium& elastic, const DynamicMedium& mediu
     solver.compute(exponentials);
     const Eigen::VectorXd strengths = solver.solve(wanted);
     fit_error_ = (exponentials * strengths - wanted).norm() / wanted.norm();
+    if (!(fit_error_ < most_fit_error))
+        throw InputError(fmt::format("self_field = false with the mesh: what a rod's own field does to it is "
+                                     "known to {:.1g} only; take self_field = true, or sums for fewer rods",
+                                     fit_error_));
     std::ranges::copy(decays, decay_.begin());
     std::ranges::copy(strengths, strength_.begin());
 }

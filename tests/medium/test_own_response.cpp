@@ -95,6 +95,14 @@ TEST_CASE("the fit and what comes of slow turning agree with each other") {
     CHECK(own.slow() > 0.05);
 }
 
+TEST_CASE("the fit holds for weak and strong drag") {
+    for (const double alpha : {0.01, 0.1, 10.0}) {
+        const DynamicMedium medium{.box = 20.0, .force_width = 0.8, .modes = 30, .start = Start::rest};
+        const elastic::Medium elastic{1.0, 1.0 / alpha};
+        CHECK(OwnResponse(elastic, medium, couplings, ModalField(elastic, medium)).fit_error() < 0.01);
+    }
+}
+
 TEST_CASE("from rest only what has happened since turns a rod") {
     const DynamicMedium medium{.box = 20.0, .force_width = 0.8, .modes = 30, .start = Start::rest};
     const elastic::Medium elastic{1.0, 1.0};

@@ -68,14 +68,20 @@ TEST_CASE("more fields than there may be, or than memory holds, are refused") {
             "at most 64 rods, not 65: take fewer rods, evaluation = \"mesh\"");
     refused(
         [=](P& p, O&) { crowd(p, 2000), p.medium.self_field = true, p.medium.evaluation = Evaluation::sums; },
-        "modes = 250 and 2000 rods would take 10.5 GB");
+        "modes = 250 and 2000 rods would take 10 GB");
 }
 
 TEST_CASE("inertia that is none, or of which the mesh knows no own field, is refused") {
-    for (const double bad : {-1.0, 2e6, std::numeric_limits<double>::quiet_NaN()})
+    for (const double bad : {-1.0, 2e6, 1e-200, std::numeric_limits<double>::quiet_NaN()})
         refused([=](P& p, O&) { p.medium.inertia = bad; }, "inertia = ");
     refused([](P& p, O&) { p.medium.inertia = 0.1, p.medium.evaluation = Evaluation::mesh; },
             "inertia = 0.1 and self_field = false do not go with the mesh, which 2 rods get");
+    refused(
+        [](P& p, O&) {
+            p.rods.medium = elastic::Medium{1.0, 1e-3};
+            p.medium.evaluation = Evaluation::mesh;
+        },
+        "takes a rod's own field off for alpha force_width up to 10");
     MediumProblem problem = good();
     problem.medium.inertia = 0.1;
     problem.medium.evaluation = Evaluation::mesh;
