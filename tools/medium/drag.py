@@ -36,7 +36,7 @@ def part(lab):
     rows += [rod_row(lab, speed) for speed in (*monopole.SPEEDS, *ONLY_DRAG)]
     table("Drag of the plates on the bed", ["case", "drift of the bed, a/s", "drag rate from momentum, 1/s", "from the damping of slow modes, 1/s",
                                              "c_T in that bed, a/s"], rows)
-    table("Inertia of the bed: rolling beads", ["drag rate from uniform pushes, 1/s", "from the damping of slow modes, 1/s", "inertia over mass m*",
+    table("Inertia of the bed", ["drag rate from uniform pushes, 1/s", "from the damping of slow modes, 1/s", "inertia over mass m*",
                                                 "a sphere that rolls without slip"],
           [[text(push.drag(lab)), text(estimate(at_rest["drag_rate"])), text(push.inertia(lab), digits=3), "1.4"]])
     near(lab)

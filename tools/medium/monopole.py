@@ -3,7 +3,7 @@
 import math
 
 from . import push, sound
-from .lab import A, bed, combined, rod, table, text
+from .lab import A, bed, combined, estimate, ratio, rod, table, text, told
 
 SPEEDS = (None, 1.0, -1.0, 4.0)   # mm/s; None walks by itself
 SECONDS, RUNS = 30.0, 6
@@ -89,21 +89,51 @@ def row(label, found, force, through, own, inertia):
             *(text((errors[p]["value"] / 1e4, errors[p]["total"] / 1e4), digits=0) for p in ("p_xx", "p_yy")), f"{found['chi2']:.0f} ({found['dof']})"]
 
 
+def over_masks(found):
+    """Mean amplitude of all masks, and half of its range."""
+    values = [mask["parameters"]["amplitude"]["value"] for mask in found["systematics"]["masks"]]
+    return sum(values) / len(values), (max(values) - min(values)) / 2
+
+
+def mask_row(label, found, own, inertia):
+    """Amplitudes over all masks with each set of constants; the error of the runs; the first fit by mask."""
+    at_rest, errors = over_masks(found), found["systematics"]["errors"]["amplitude"]
+    bare = tuple(one / inertia[0] for one in at_rest)
+    runs = math.hypot(errors["jackknife"] or math.nan, errors["held"])
+    each = [(m["parameters"]["amplitude"]["value"], m["parameters"]["amplitude"]["stderr"] or math.nan) for m in found["systematics"]["masks"]]
+    return [label, text(at_rest), text(over_masks(own)), text(bare), f"{runs:.2f}", *map(text, each)]
+
+
+def medium_row(label, waves, constants, force, through, density, momentum):
+    """What theory calls f/mu, eta, xi and alpha, of the medium itself, and drag by momentum over damping; mu is C66."""
+    stiffness = constants["c66"]
+    reach = ratio(force, (stiffness[0] * density * A**3, stiffness[1] * density * A**3))
+    damping = estimate(told(waves)["phonons"]["drag_rate"])
+    xi = ratio(stiffness, (constants["zeta"][0] * abs(through), constants["zeta"][1] * abs(through)))
+    alpha = force[0] / density / A**3 * constants["zeta"][0] * abs(through) / stiffness[0]**2
+    return [label, text(reach), text(estimate(told(waves)["phonons"]["eta"])), text(xi, digits=0), f"{alpha:.4f}", text(ratio(momentum, damping))]
+
+
 def part(lab):
     at_rest = sound.run(lab)
     constants, inertia = push.constants(lab, at_rest)
     density = sound.density(at_rest)
-    rows, by_mask = [], []
+    rows, by_mask, own_medium = [], [], []
     for speed in SPEEDS:
         label = "free" if speed is None else f"{speed:+g} mm/s"
         found, force, through = fit(lab, f"fit_{name_of(speed)}", folders(lab, speed), speed, constants, inertia, density)
         own_constants, _ = push.constants(lab, heard(lab, speed))
         own, *_ = fit(lab, f"fit_{name_of(speed)}_own", folders(lab, speed), speed, own_constants, inertia, density)
         rows.append(row(label, found, force, through, own, inertia))
-        by_mask.append([label, *(text((m["parameters"]["amplitude"]["value"], m["parameters"]["amplitude"]["stderr"] or math.nan))
-                                 for m in found["systematics"]["masks"])])
+        by_mask.append(mask_row(label, found, own, inertia))
+        size = abs(force[0]), force[1]
+        own_medium.append(medium_row(f"{label}, at rest", at_rest, constants, size, through, density, constants["zeta"]))
+        momentum = combined(folders(lab, speed), "mechanics", "drag_rate")
+        own_medium.append(medium_row(f"{label}, bed with this rod", heard(lab, speed), own_constants, size, through, density, momentum))
     table("Monopole over its prediction, no constant fitted", ["rod", "force, uN", "speed through the bed, a/s", "constants of the bed at rest",
           "of the bed with this rod", "at rest, bare mass", "first error: runs / held / masks", "P_xx/rho, 1e4 a^4/s^2", "P_yy/rho", "chi2 (dof)"], rows)
-    table("The first by mask (|y| >= strip, r >= radius; errors of the curvature alone)", ["rod", *(f"{s} a, {r} a" for s, r in MASKS)], by_mask)
+    table("Amplitudes over all masks: mean +- half the range; the first by mask (|y| >= strip, r >= radius; errors of the curvature alone)",
+          ["rod", "at rest", "bed with this rod", "at rest, bare mass", "runs and held", *(f"{s} a, {r} a" for s, r in MASKS)], by_mask)
+    table("The medium's own parameters, constants times m*", ["rod, bed", "f/C66, a", "eta", "xi, a", "alpha", "drag by momentum over damping"], own_medium)
     sound.show("Sound in these beds, times m*", [("at rest", at_rest), *(("free rod" if v is None else f"{v:+g} mm/s", heard(lab, v)) for v in SPEEDS)],
                inertia[0])

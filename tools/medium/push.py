@@ -1,10 +1,11 @@
-"""A uniform push on the whole bed: drag of the plates, and with the damping of slow modes the inertia of beads that roll.
+"""A uniform push on the whole bed: drag of the plates, and with the damping of slow modes its inertia.
 
     rho b = zeta V              steady: drag rate zeta/rho = b/V, whatever the inertia is
     rho* dV/dt = -zeta V        a slow mode that is left alone decays at zeta/rho*
 
 rho* = m* rho, m* >= 1: beads bounce on the floor and roll, so what moves them has to spin them too, m* = 7/5 for spheres that never
-slip. Sound likewise has the speed sqrt(C/rho*). So elastic constants are m* rho c^2.
+slip. (The spin that is measured would make it more than is found, so this is not the whole account.) Sound likewise has the speed
+sqrt(C/rho*). So elastic constants are m* rho c^2.
 """
 
 import numpy as np

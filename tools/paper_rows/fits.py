@@ -107,7 +107,7 @@ def pulled_tail(folder):
 
 
 LONG_SCREEN = ("The fit to the line through the rod wants a long screening length, so the tail begins outside the box; an independent "
-               "estimate from sound speed and drag gives several hundred a.")
+               "estimate from sound speed and drag gives 480 to 660 a.")
 IMAGES = "In a periodic box the rod's images carry 0.2 a, so the tail cannot be read off directly; the fit below includes them."
 PLANE = ("The paper fits the infinite plane, ours the periodic box; the profile's line holds rows of beads pushed along, which no "
          "elastic constant describes.")
@@ -127,7 +127,8 @@ WAKE_ROWS = Subject("The bed's displacement field and the fit of the theory", (
     Row("fit_eta", "Fig. 7 ufield2, text", "η = 1.3", fitted("eta", 1.3, 0.05), (MONOPOLE,), ("likelihood_eta",),
         PLANE + " η near 5 is that of a crystal of hard discs near melting."),
     Row("fit_alpha", "Fig. 7 ufield2, text", "α = 0.1", fitted("alpha", 0.1, 0.05), (MONOPOLE,), ("likelihood_xi",),
-        "One printed digit leaves 0.05 to 0.15; α is not defined in the paper, we read it as (f/μ)/ξ."),
+        "One printed digit leaves 0.05 to 0.15; α is not defined in the paper, we read it as (f/μ)/ξ. This is the α of a line; "
+        "sound and pushes give the medium 0.0025 to 0.004."),
     Row("fit_chi2", "Fig. 7 ufield2 (a)", "η = 1.3, f/μ = 2.2 a, α = 0.1 describe U_x(x, 0)", describes, (MONOPOLE,), (), PLANE),
     Row("ufield2_b", "Fig. 7 ufield2 (b)", "the values fitted to U_x(x, 0) give a satisfactory U_x(0, y) (taken as: within 20 %)", satisfactory, (MONOPOLE,), (),
         "Across the rod U_x is half of what the fit along it predicts; the paper's values miss U_x(x, 0) instead."),
