@@ -68,7 +68,7 @@ def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotatio
         raise InputError(f"seed = {seed}: must be from 0 to 2^63 - 1")
     if capture_error is not None and not 1e-4 <= capture_error <= 0.5:
         raise InputError(f"capture_error = {capture_error}: must be from 0.0001 to 0.5")
-    if capture_error is not None and len(poses) < 2:
+    if capture_error is not None and np.size(poses) < 6:
         raise InputError("capture_error: captures need two rods and more")
     if not 1 <= most_runs <= 10_000_000:
         raise InputError(f"most_runs = {most_runs}: must be from 1 to 10000000")

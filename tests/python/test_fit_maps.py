@@ -63,7 +63,8 @@ class MapTest(unittest.TestCase):
         self.assert_same(rodwake.fit_map([plain], FREE, **KEYS), self.theirs([plain], ""))
         holes.sigma_x[0] = np.nan  # left out, both components
         fewer = rodwake.fit_map([holes], FREE, **KEYS)
-        self.assertEqual(fewer.dof, 2 * (NX * NY - 4 - NX) - len(FREE))
+        independent = (BOX[0] / NX / KEYS["independent_spacing"]) ** 2  # of each bin's two values
+        self.assertEqual(fewer.dof, round(2 * (NX * NY - 4 - NX) * independent) - len(FREE))
 
     def test_what_is_refused(self):
         cases = [(dict(x=X**3), "evenly spaced"), (dict(y=Y[::-1]), "rising"), (dict(box=(40.0, 50.0)), "larger than the box"),

@@ -42,12 +42,12 @@ class NoiseTest(unittest.TestCase):
         np.testing.assert_array_equal(more.times[:6], result.times)  # runs are the same whatever their number
 
     def test_more_runs_where_the_capture_probability_is_uncertain(self):
-        run = run_scene(self, SCENES / "noise.toml", "noise.runs=8", "noise.capture_error=0.2", "noise.most_runs=40",
+        run = run_scene(self, SCENES / "noise.toml", "noise.runs=8", "noise.capture_error=0.12", "noise.most_runs=40",
                         "noise.rotational_diffusion=0.02", "rods_run.t_end=20")
-        ours = rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), runs=8, capture_error=0.2, most_runs=40, threads=2, **PAIR)
+        ours = rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), runs=8, capture_error=0.12, most_runs=40, threads=2, **PAIR)
         low, high = ours.capture_interval
         self.assertGreater(ours.outcomes.size, 8)
-        self.assertLessEqual(0.5 * (high - low), 0.2)
+        self.assertLessEqual(0.5 * (high - low), 0.12)
         theirs = run.json("noise.json")
         self.assertEqual((ours.outcomes.size, ours.capture_interval), (theirs["runs"], (theirs["capture_low"], theirs["capture_high"])))
         same = rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), runs=ours.outcomes.size, **PAIR)
