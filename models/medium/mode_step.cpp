@@ -94,7 +94,7 @@ void ModeStep::prepare(double h) {
         for (std::size_t k = row * columns; k < (row + 1) * columns; ++k) {
             const double decay =
                 k < size ? modes_.decay_longitudinal()[k] : modes_.decay_transverse()[k - size];
-            if (modes_.force()[k % size] == 0.0)
+            if (modes_.force()[k < size ? k : k - size] == 0.0)
                 continue; // does not count, and stays 0
             if (modes_.inertia() > 0.0)
                 wave_[k] = wave_weights(decay, modes_.inertia(), h);
