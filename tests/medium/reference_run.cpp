@@ -217,4 +217,20 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
     return largest;
 }
 
+double largest(const std::vector<double>& values) {
+    double most = 0.0;
+    for (const double value : values)
+        most = std::max(most, std::abs(value));
+    return most;
+}
+
+std::vector<double> crowd(std::size_t rods, double box) {
+    std::vector<double> poses;
+    for (std::size_t a = 0; a < rods; ++a) {
+        const auto k = static_cast<double>(a);
+        poses.insert(poses.end(), {0.61803 * box * k, box * k / static_cast<double>(rods), 2.4 * k});
+    }
+    return poses;
+}
+
 } // namespace rodwake::medium::tests

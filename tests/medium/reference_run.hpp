@@ -19,4 +19,10 @@ std::vector<double> reference_waves(const MediumProblem& problem, long steps);
 /// Largest difference of two states.
 double distance(const std::vector<double>& a, const std::vector<double>& b);
 
+/// Largest size of a value.
+double largest(const std::vector<double>& values);
+
+/// Poses of rods all over a box and beyond its sides, with all headings.
+std::vector<double> crowd(std::size_t rods, double box);
+
 } // namespace rodwake::medium::tests

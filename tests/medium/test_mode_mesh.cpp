@@ -13,22 +13,6 @@ namespace rodwake::medium {
 
 namespace {
 
-std::vector<double> crowd(std::size_t rods, double box) {
-    std::vector<double> poses;
-    for (std::size_t a = 0; a < rods; ++a) {
-        const auto k = static_cast<double>(a);
-        poses.insert(poses.end(), {0.61803 * box * k, box * k / static_cast<double>(rods), 2.4 * k});
-    }
-    return poses;
-}
-
-double largest(std::span<const double> values) {
-    double most = 0.0;
-    for (const double value : values)
-        most = std::max(most, std::abs(value));
-    return most;
-}
-
 std::vector<double> summed_start(const ModalField& modes, std::span<const double> poses) {
     std::vector<double> field(modes.numbers());
     for (std::size_t a = 0; a < poses.size() / 3; ++a)
@@ -39,7 +23,7 @@ std::vector<double> summed_start(const ModalField& modes, std::span<const double
 } // namespace
 
 TEST_CASE("the start of many rods is the sum of their steady fields") {
-    const std::vector<double> poses = crowd(200, 12.0);
+    const std::vector<double> poses = tests::crowd(200, 12.0);
     for (const double eta : {1.0, 0.3, -0.5, -0.9})
         for (const double xi : {10.0, 1.0, 0.1}) { // nearly all modes by harmonics, some, hardly any
             const elastic::Medium elastic{eta, xi};
@@ -51,7 +35,7 @@ TEST_CASE("the start of many rods is the sum of their steady fields") {
             mesh.add_steady(poses, field);
             const std::vector<double> exact = summed_start(modes, poses);
             CAPTURE(eta, xi);
-            CHECK(tests::distance(field, exact) < mesh_error * largest(exact));
+            CHECK(tests::distance(field, exact) < mesh_error * tests::largest(exact));
         }
 }
 
@@ -63,7 +47,7 @@ TEST_CASE("modes whose force underflows carry nothing of the transform before") 
     REQUIRE(modes.force().back() == 0.0);
     Team team(1);
     ModeMesh mesh(modes, medium.box, team);
-    const std::vector<double> poses = crowd(5, 12.0), field = summed_start(modes, poses);
+    const std::vector<double> poses = tests::crowd(5, 12.0), field = summed_start(modes, poses);
     std::vector<double> forces(field.size()), rates(5), exact(5);
     mesh.forces(poses, forces);
     mesh.turning(poses, field, couplings, rates);
@@ -73,7 +57,7 @@ TEST_CASE("modes whose force underflows carry nothing of the transform before") 
             modes.at(poses[3 * a], poses[3 * a + 1], rods::request_of(couplings, false), field), couplings,
             {n.cosine, n.sine});
     }
-    CHECK(tests::distance(rates, exact) < mesh_error * largest(exact));
+    CHECK(tests::distance(rates, exact) < mesh_error * tests::largest(exact));
 }
 
 } // namespace rodwake::medium

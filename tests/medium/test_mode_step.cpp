@@ -28,23 +28,6 @@ Coupled run(CoupledStep& method, Coupled state, double time, int steps) {
     return state;
 }
 
-/// All over a box of 12 and beyond its sides, with all headings.
-std::vector<double> crowd(std::size_t rods) {
-    std::vector<double> poses;
-    for (std::size_t a = 0; a < rods; ++a) {
-        const auto k = static_cast<double>(a);
-        poses.insert(poses.end(), {0.61803 * 12.0 * k, 12.0 * k / static_cast<double>(rods), 2.4 * k});
-    }
-    return poses;
-}
-
-double largest(std::span<const double> values) {
-    double most = 0.0;
-    for (const double value : values)
-        most = std::max(most, std::abs(value));
-    return most;
-}
-
 } // namespace
 
 TEST_CASE("forces and turning rates of a mesh are those of sums over the modes") {
@@ -54,7 +37,7 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
         const ModalField modes(elastic, medium);
         Team team(1);
         ModeMesh mesh(modes, medium.box, team);
-        const std::vector<double> poses = crowd(30);
+        const std::vector<double> poses = tests::crowd(30, 12.0);
         std::vector<double> field(4 * modes.size()), forces(field.size()), sums(field.size()), rates(30),
             exact(30);
         for (std::size_t a = 0; a < 30; ++a) {
@@ -73,7 +56,7 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
             }
         }
         mesh.forces(poses, forces);
-        CHECK(tests::distance(forces, sums) < mesh_error * largest(sums));
+        CHECK(tests::distance(forces, sums) < mesh_error * tests::largest(sums));
         mesh.turning(poses, field, c, rates);
         for (std::size_t a = 0; a < 30; ++a) {
             const rods::Direction n = rods::direction(poses, a);
@@ -81,7 +64,7 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
                 modes.at(poses[3 * a], poses[3 * a + 1], rods::request_of(c, false), field), c,
                 {n.cosine, n.sine});
         }
-        CHECK(tests::distance(rates, exact) < mesh_error * largest(exact));
+        CHECK(tests::distance(rates, exact) < mesh_error * tests::largest(exact));
     }
 }
 
@@ -137,7 +120,7 @@ TEST_CASE("with inertia the field of a rod that walks straight stays its steady 
         const double middle = error(100), fine = error(200);
         CAPTURE(inertia, middle, fine);
         CHECK(std::log2(middle / fine) == Approx(4.0).margin(0.3));
-        CHECK(fine < 1e-8 * largest(exact.fields));
+        CHECK(fine < 1e-8 * tests::largest(exact.fields));
     }
 }
 
@@ -183,7 +166,7 @@ TEST_CASE("threads change no bit of such a step") {
             std::vector<Coupled> ends;
             for (const std::size_t threads : {1, 2, 3}) {
                 ModeStep method(elastic, medium, couplings, 20, threads);
-                ends.push_back(run(method, method.start(crowd(20)), 0.1, 2));
+                ends.push_back(run(method, method.start(tests::crowd(20, 12.0)), 0.1, 2));
             }
             for (const Coupled& end : ends) {
                 CHECK(end.poses == ends.front().poses);
