@@ -45,6 +45,9 @@ public:
         current().keys.back().choices.assign(all.begin(), all.end());
     }
     void operator()(const Key& key, BoxSize&) override { add(key, number_type(key), "required", key.range); }
+    void operator()(const Key& key, const TimeOrTravel& value) override {
+        add(key, number_type(key) + " or length", number_text(value.time), key.range);
+    }
     void operator()(const Key& key, std::vector<double>&) override {
         add(key, key.count_text("numbers"), key.is_required ? "required" : std::string(key.absent_text),
             key.range);

@@ -68,15 +68,20 @@ void when_fields(Visitor& v, Measure& m) {
           .doc("between the frames that are measured")
           .example("\"0.1 s\""),
       m.interval);
-    v(key("from").unit(time).within(0.0, 1e7).doc("earlier frames are not measured").example("\"2 s\""),
-      m.from);
-    v(key("from_travel")
-          .unit(length)
-          .above(0.0, 1e3)
-          .absent("from on")
-          .doc("frames before rod has come this far from where it started are not measured either")
-          .example("\"20 a\""),
-      m.from_travel);
+    const Key travel = key("from_travel")
+                           .unit(length)
+                           .above(0.0, 1e3)
+                           .absent("from on")
+                           .doc("frames before rod has come this far from where it started are not measured "
+                                "either; from takes such a length, too")
+                           .example("\"20 a\"");
+    v(travel, m.from_travel);
+    v(key("from")
+          .unit(time)
+          .within(0.0, 1e7)
+          .doc("earlier frames are not measured; a length, \"20 a\", is from_travel")
+          .example("\"2 s\""),
+      TimeOrTravel{m.from, m.from_travel, travel.range});
     v(key("block")
           .unit(time)
           .above(0.0, 1e7)

@@ -129,6 +129,25 @@ void Reader::operator()(const Key& key, BoxSize& value) {
     }
 }
 
+void Reader::operator()(const Key& key, const TimeOrTravel& value) {
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const auto* word = entry->value.as<std::string>();
+    if (!word || !parse_quantity(*word, Dimension::length, units_).value) {
+        (*this)(key, value.time);
+        return;
+    }
+    const std::string path = path_of(key.name);
+    if (value.travel)
+        wrong(entry->value, path,
+              fmt::format("\"{}\" is a distance, and the table gives another: leave one of them out", *word));
+    Key travel = key;
+    travel.unit(Dimension::length).range = value.travel_range;
+    if (const auto found = quantity(travel, entry->value, path))
+        value.travel = *found;
+}
+
 void Reader::operator()(const Key& key, std::vector<std::vector<double>>& value) {
     value.clear();
     const Entry* entry = find(key);

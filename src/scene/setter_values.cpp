@@ -106,6 +106,9 @@ void Setter::operator()(const Key& key, BoxSize& value) {
     });
 }
 
+/// The time: a length can be set only before the scene is read.
+void Setter::operator()(const Key& key, const TimeOrTravel& value) { (*this)(key, value.time); }
+
 void Setter::operator()(const Key& key, std::optional<double>& value) {
     const bool is_target = here(key, [&](Progress& p) {
         if (const Value* given = take(key, p, true))

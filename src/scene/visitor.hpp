@@ -18,6 +18,14 @@ struct Entries {
     std::size_t count = 0, first = 0, last = 0;
 };
 
+/// What begins at a time, or when something has come so far, whichever is given; in the scene's written form
+/// each has a key of its own.
+struct TimeOrTravel {
+    double& time;
+    std::optional<double>& travel;
+    Range travel_range;
+};
+
 class Visitor {
 public:
     virtual ~Visitor() = default;
@@ -33,6 +41,8 @@ public:
     virtual void operator()(const Key& key, std::vector<double>& value) = 0;
     /// A length, two of them, or "fit", alone or before a length.
     virtual void operator()(const Key& key, BoxSize& value) = 0;
+    /// A time, or a length as a string with its unit.
+    virtual void operator()(const Key& key, const TimeOrTravel& value) = 0;
     virtual void operator()(const Key& key, std::vector<long>& value) = 0;
     virtual void operator()(const Key& key, std::vector<std::vector<double>>& value) = 0;
     /// Values of another key, as a scene file has them.

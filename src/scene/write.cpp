@@ -51,6 +51,7 @@ public:
         else
             line(key, quoted(value));
     }
+    void operator()(const Key& key, const TimeOrTravel& value) override { (*this)(key, value.time); }
     void operator()(const Key& key, BoxSize& value) override {
         const std::string side = quantity_text(value.x, key.dimension, units_);
         if (value.fit)

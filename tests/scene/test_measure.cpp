@@ -45,6 +45,21 @@ TEST_CASE("[measure] needs the bed and its rods") {
     CHECK(error_text(measured("order = true\nmicrorheology = true\n", "")) == "");
 }
 
+TEST_CASE("measuring begins at a time or after a distance") {
+    const auto from = [](const std::string& keys) { return *parse(measured(keys)).measure; };
+    CHECK(from("from = \"500 ms\"\n").from == 0.5);
+    CHECK_FALSE(from("from = 0.5\n").from_travel);
+    const auto far = from("from = \"20 a\"\n"), both = from("from = 0.5\nfrom_travel = \"20 a\"\n");
+    CHECK(far.from == 0.0);
+    REQUIRE(far.from_travel);
+    CHECK(far.from_travel == both.from_travel);
+    CHECK(both.from == 0.5);
+    says(measured("from = \"20 a\"\nfrom_travel = \"30 a\"\n"), "is a distance, and the table gives another");
+    says(measured("from = \"0 a\"\n"), "must be > 0");
+    says(measured("from = \"2 kg\"\n"), "measure.from");
+    says(measured("from = \"20 a\"\n", ""), "from_travel needs [[granular.rods]]");
+}
+
 TEST_CASE("times and lengths of [measure] fit the run") {
     says(measured("interval = 1e-6\n"), "shorter than granular.time_step");
     says(measured("from = 2.0\n"), "not before the end of the run");
