@@ -67,9 +67,9 @@ def caption(run, _):
             else "<i>k̃</i>(<i>s</i>)" + (", with <i>Γs</i> where no drag of the plates is given" if any(dragged) else ", the drag of the plates taken off"))
     told = "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{words.with_error(*found[:2], 1e6)} µN/m"
                      for part in parts if (found := part.estimate("microrheology", "spring")))
-    return (f"Memory kernel of what holds a bead, {what}; the inertia <i>ms</i>² of the bare bead is taken off, dotted grey where it would be. "
+    return (f"Memory kernel of what holds a bead, {what}; the inertia <i>ms</i>² of the bare bead is taken off, the broken grey line. "
             "Band: standard error and what frames and length of the run leave open; drawn where the latter is below 2 % of all that resists; "
-            f"broken lines: stiffness at <i>s</i> → 0{', ' + told if told else ''}.{measured.not_measured(run, FILE)}")
+            f"short broken lines: stiffness at <i>s</i> → 0{', ' + told if told else ''}.{measured.not_measured(run, FILE)}")
 
 
 def defaults(_):

@@ -85,8 +85,6 @@ def write_motion(folder, phi, random):
     write_csv(folder / "msd.csv", {"lag": lag, "msd": msd, "sigma": 0.03 * msd * np.sqrt(lag), "origins": 800 / lag})
     s = np.geomspace(0.1, 2, 12)
     write_csv(folder / "stiffness.csv", {"s": s, "value": stiffness(phi) + 0.3 * s, "sigma": 0.02 + 0 * s})
-
-
     write_kernel(folder, phi)
 
 
