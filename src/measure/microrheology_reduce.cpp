@@ -1,7 +1,8 @@
+#include "lag_blocks.hpp"
 #include "laplace.hpp"
-
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/microrheology.hpp"
+#include "stiffness_spectrum.hpp"
 
 #include <fmt/format.h>
 
@@ -13,19 +14,8 @@ namespace rodwake::measure {
 namespace {
 
 using Row = std::vector<double>;
-using Runs = std::span<const MicrorheologyAccumulator>;
-constexpr auto channels = MicrorheologyAccumulator::channels, groups = MicrorheologyAccumulator::groups;
-constexpr std::size_t fewest_frames = 32, fewest_runs = 4, window_points = 16;
-
-struct Lag {
-    std::size_t level, channel;
-    std::size_t frames() const { return (channel + 1) << level; }
-};
-
-/// Sums of |dx|^2 and what they are over, [lag]; a run, or one group of beads of a run.
-struct Block {
-    Row sum, weight;
-};
+using Runs = MicrorheologyRuns;
+constexpr std::size_t fewest_frames = 32, window_points = 16;
 
 void check(Runs runs) {
     if (runs.empty())
@@ -46,102 +36,8 @@ void check(Runs runs) {
     }
 }
 
-double origins(const MicrorheologyAccumulator& run, Lag lag) {
-    return lag.level < run.levels().size() ? run.levels()[lag.level].origins[lag.channel] : 0.0;
-}
-
-/// Lags that every run has.
-std::vector<Lag> common_lags(Runs runs) {
-    std::vector<Lag> lags;
-    for (std::size_t level = 0; level < runs[0].levels().size(); ++level)
-        for (std::size_t c = level == 0 ? 0 : channels / 2; c < channels; ++c)
-            if (std::ranges::all_of(runs, [&](const auto& run) { return origins(run, {level, c}) > 0.0; }))
-                lags.push_back({level, c});
-    return lags;
-}
-
-/// The lags that have at least a quarter of the time origins of their run, in every run: beyond, the
-/// mean-square displacement is that of hardly more than one stretch of time.
-Row well_known(Runs runs, const std::vector<Lag>& lags, const Row& seconds) {
-    const auto well = [&](Lag lag) {
-        return std::ranges::all_of(runs, [&](const auto& run) {
-            const double stride = static_cast<double>(std::size_t{1} << lag.level);
-            return 4.0 * stride * origins(run, lag) >= static_cast<double>(run.frames());
-        });
-    };
-    const auto end = std::ranges::find_if_not(lags, well);
-    if (end - lags.begin() < 2)
-        throw InputError(
-            fmt::format("measure: microrheology: only {} lags are known well enough: needs 2; choose a "
-                        "longest lag of at least 16 frames",
-                        end - lags.begin()));
-    return {seconds.begin(), seconds.begin() + (end - lags.begin())};
-}
-
-Block block(const MicrorheologyAccumulator& run, const std::vector<Lag>& lags, std::size_t first,
-            std::size_t end) {
-    Block b{Row(lags.size(), 0.0), Row(lags.size(), 0.0)};
-    for (std::size_t i = 0; i < lags.size(); ++i)
-        for (std::size_t g = first; g < end; ++g) {
-            b.sum[i] += run.levels()[lags[i].level].sum[lags[i].channel * groups + g];
-            b.weight[i] += origins(run, lags[i]) * run.group_sizes()[g];
-        }
-    return b;
-}
-
-std::vector<Block> all_blocks(Runs runs, const std::vector<Lag>& lags) {
-    std::vector<Block> blocks;
-    const std::size_t step = runs.size() >= fewest_runs ? groups : 1;
-    for (const MicrorheologyAccumulator& run : runs)
-        for (std::size_t g = 0; g < groups; g += step)
-            blocks.push_back(block(run, lags, g, g + step));
-    return blocks;
-}
-
-/// Mean-square displacements of all blocks, or of all but one.
-Row pooled(const std::vector<Block>& blocks, std::size_t without) {
-    Row sum(blocks[0].sum.size(), 0.0), weight = sum;
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-        for (std::size_t i = 0; b != without && i < sum.size(); ++i) {
-            sum[i] += blocks[b].sum[i];
-            weight[i] += blocks[b].weight[i];
-        }
-    for (std::size_t i = 0; i < sum.size(); ++i)
-        sum[i] /= weight[i];
-    return sum;
-}
-
-/// The same curve of all blocks together and with each left out in turn.
-struct Jackknife {
-    Row all;
-    std::vector<Row> without;
-
-    template<class Function>
-    static Jackknife of(const std::vector<Block>& blocks, const Function& function) {
-        Jackknife curves{function(pooled(blocks, blocks.size())), {}};
-        for (std::size_t b = 0; b < blocks.size(); ++b)
-            curves.without.push_back(function(pooled(blocks, b)));
-        return curves;
-    }
-    double error(std::size_t i) const {
-        const double n = static_cast<double>(without.size());
-        double mean = 0.0, scatter = 0.0;
-        for (const Row& curve : without)
-            mean += curve[i] / n;
-        for (const Row& curve : without)
-            scatter += (curve[i] - mean) * (curve[i] - mean);
-        return std::sqrt(scatter * (n - 1.0) / n);
-    }
-    Row errors() const {
-        Row row;
-        for (std::size_t i = 0; i < all.size(); ++i)
-            row.push_back(error(i));
-        return row;
-    }
-};
-
 void set_msd(MicrorheologyResult& result, Runs runs, const std::vector<Lag>& lags,
-             const std::vector<Block>& blocks) {
+             const std::vector<LagBlock>& blocks) {
     for (const Lag lag : lags) {
         result.lag.push_back(static_cast<double>(lag.frames()) * runs[0].interval());
         result.origins.push_back(0.0);
@@ -164,13 +60,6 @@ Row stiffness_curve(const Row& lag, const Row& msd, const Row& s) {
     return stiffness;
 }
 
-Row log_range(double low, double high, std::size_t points) {
-    Row range;
-    for (std::size_t i = 0; i < points; ++i)
-        range.push_back(low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(points - 1)));
-    return range;
-}
-
 /// Below 1/t_max the transform is mostly the tail's, above half a frame's rate mostly the straight piece from
 /// lag 0 to the first lag's.
 void set_window(MicrorheologyResult& result, const MicrorheologyOptions& options, double longest,
@@ -187,7 +76,7 @@ void set_window(MicrorheologyResult& result, const MicrorheologyOptions& options
                                      low, high, 1.0 / longest, 0.5 / interval));
 }
 
-void set_stiffness(MicrorheologyResult& result, const std::vector<Block>& blocks, const Row& lag,
+void set_stiffness(MicrorheologyResult& result, const std::vector<LagBlock>& blocks, const Row& lag,
                    double interval) {
     const double octaves = std::log2(2.0 * lag.back() / interval);
     result.s =
@@ -214,7 +103,7 @@ Row extrapolated(const Row& s, const Row& stiffness, const Row& errors) {
     return {whole, (whole - half) / (1.0 - s[lower - 1] / s.back())};
 }
 
-void set_stiffness_zero(MicrorheologyResult& result, const std::vector<Block>& blocks, const Row& lag) {
+void set_stiffness_zero(MicrorheologyResult& result, const std::vector<LagBlock>& blocks, const Row& lag) {
     const Row s = log_range(result.s_low, result.s_high, window_points);
     const Jackknife curves =
         Jackknife::of(blocks, [&](const Row& msd) { return stiffness_curve(lag, msd, s); });
@@ -251,13 +140,14 @@ void MicrorheologyResult::use_temperature(double T) {
 MicrorheologyResult reduce(Runs runs) {
     check(runs);
     const std::vector<Lag> lags = common_lags(runs);
-    const std::vector<Block> blocks = all_blocks(runs, lags);
+    const std::vector<LagBlock> blocks = all_blocks(runs, lags);
     MicrorheologyResult result;
     set_msd(result, runs, lags, blocks);
     const Row lag = well_known(runs, lags, result.lag);
     set_window(result, runs[0].options(), lag.back(), runs[0].interval());
     set_stiffness(result, blocks, lag, runs[0].interval());
     set_stiffness_zero(result, blocks, lag);
+    result.spectrum = stiffness_spectrum(blocks, lag);
     set_spring(result, runs);
     return result;
 }

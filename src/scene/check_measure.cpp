@@ -72,6 +72,9 @@ void times(const Measure& m, const Granular& bed, const Report& report) {
     if (m.flow && m.flow_lag > m.block)
         report("measure.flow_lag",
                fmt::format("flow_lag = {:g} s is longer than block = {:g} s", m.flow_lag, m.block));
+    if (m.bead_drag_error && !m.bead_drag)
+        report("measure.bead_drag_error", "there is no bead_drag that it is the error of: give "
+                                          "measure.bead_drag, or leave the error out");
     if (m.s_low && m.s_high && !(*m.s_low < *m.s_high))
         report("measure.s_high",
                fmt::format("s_high = {:g} must be above s_low = {:g}", *m.s_high, *m.s_low));

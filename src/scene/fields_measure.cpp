@@ -130,6 +130,21 @@ void order_fields(Visitor& v, Measure& m) {
           .doc("upper end of it")
           .example("0.4"),
       m.s_high);
+    v(key("bead_drag")
+          .unit(rate)
+          .within(0.0, 1e6)
+          .absent("the memory kernel keeps it: k~ + Gamma s")
+          .doc("microrheology: drag of the plates on a bead over its mass, Gamma/m, taken off the memory "
+               "kernel; the drag rate of a bed that drifts under a uniform push")
+          .example("13.9"),
+      m.bead_drag);
+    v(key("bead_drag_error")
+          .unit(rate)
+          .within(0.0, 1e6)
+          .absent("unknown, and so are the errors of the kernel without drag")
+          .doc("standard error of bead_drag")
+          .example("0.1"),
+      m.bead_drag_error);
 }
 
 void flow_fields(Visitor& v, Measure& m) {

@@ -35,7 +35,7 @@ def results(phi):
                   "g_minimum": 2.98, "class": decay, "phase": phase, "exponent": estimate(0.2, 0.03), "length": estimate(7.0, 0.6),
                   "reason": f"chi2 of the {decay} decay is 14.2 for 17 degrees of freedom"},
         "microrheology": {"stiffness": estimate(stiffness(phi), 0.02), "spring": estimate(3.2e-6, 1e-7), "s_low": 0.2, "s_high": 0.8,
-                          "temperature": 5.3e-5},
+                          "temperature": 5.3e-5, "kernel_low": 0.1, "kernel_high": 100.0},
         "flow": {"drag": estimate(2.1, 0.4), "drag_share": estimate(0.06, 0.01), "near_speed": 0.31},
         "displacement": {"method": "phase", "reference": "box", "blocks": 24, "frames": 2400, "mean_speed": 2.9,
                          "row_angle": 0.0, "contrast": 310.0, "block_correlation": 0.12, "offset": [0.01, -0.002]},
@@ -85,6 +85,16 @@ def write_motion(folder, phi, random):
     write_csv(folder / "msd.csv", {"lag": lag, "msd": msd, "sigma": 0.03 * msd * np.sqrt(lag), "origins": 800 / lag})
     s = np.geomspace(0.1, 2, 12)
     write_csv(folder / "stiffness.csv", {"s": s, "value": stiffness(phi) + 0.3 * s, "sigma": 0.02 + 0 * s})
+    write_kernel(folder, phi)
+
+
+def write_kernel(folder, phi):
+    """A Maxwell element; a drag is given in the crystal only."""
+    s = np.geomspace(0.05, 250, 40)
+    kernel, drag, inertia = 1e-5 + 3e-3 * s / (s + 1), 3e-5 * s, 2.1e-6 * s ** 2
+    given = 1.0 if phase_of(phi) == 2 else np.nan
+    write_csv(folder / "memory_kernel.csv", {"s": s, "total": kernel + drag + inertia, "total_error": 0.05 * kernel, "bias": 0.01 * kernel,
+                                             "with_drag": kernel + drag, "kernel": given * kernel, "kernel_error": given * 0.06 * kernel})
 
 
 def write_modes(folder, random):

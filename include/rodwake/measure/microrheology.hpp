@@ -11,6 +11,7 @@
 // (no averaging: that would bias Delta). Frames must be evenly spaced.
 
 #include "rodwake/measure/frame.hpp"
+#include "rodwake/measure/memory_kernel.hpp"
 #include "rodwake/measure/state_io.hpp"
 #include "rodwake/measure/statistics.hpp"
 
@@ -84,7 +85,8 @@ struct MicrorheologyResult {
     double scatter = 0.0; ///< part of the error: from noise, 1/m^2
     double bend = 0.0;    ///< part of the error: what the bend of the curve within the window, beyond noise,
                           ///< puts the straight line off at s = 0, 1/m^2
-    Estimate spring;      ///< k, N/m
+    StiffnessSpectrum spectrum;   ///< 1/(s Delta~(s)) over all s, for the memory kernel
+    Estimate spring;              ///< k, N/m
     double temperature = 0.0;     ///< T_xy, m^2/s^2
     bool window_narrowed = false; ///< too few lags for the wanted window: the one used is given
     std::size_t frames = 0;

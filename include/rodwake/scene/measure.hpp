@@ -20,13 +20,15 @@ struct Measure {
     long rod = 0;                         ///< whose frame
     std::optional<double> order_interval; ///< s; absent: at least 0.5 s
     measure::Neighbours order_neighbours = measure::Neighbours::cutoff;
-    std::optional<double> order_cutoff;  ///< m; absent: first minimum of g(r)
-    std::optional<double> s_low, s_high; ///< of the extrapolation of the stiffness, 1/s
-    double flow_lag = 0.1;               ///< s
-    std::optional<double> flow_spacing;  ///< m; absent: 2 a
-    std::optional<double> marked_within; ///< m; absent: 6 a
-    std::optional<double> marked_travel; ///< m; absent: to the end
-    std::optional<double> spacing;       ///< of the displacement's grid, m; absent: 1 a
+    std::optional<double> order_cutoff;    ///< m; absent: first minimum of g(r)
+    std::optional<double> s_low, s_high;   ///< of the extrapolation of the stiffness, 1/s
+    std::optional<double> bead_drag;       ///< drag of the plates on a bead over its mass, 1/s
+    std::optional<double> bead_drag_error; ///< 1/s; absent: unknown
+    double flow_lag = 0.1;                 ///< s
+    std::optional<double> flow_spacing;    ///< m; absent: 2 a
+    std::optional<double> marked_within;   ///< m; absent: 6 a
+    std::optional<double> marked_travel;   ///< m; absent: to the end
+    std::optional<double> spacing;         ///< of the displacement's grid, m; absent: 1 a
     measure::Reference reference = measure::Reference::box;
     std::optional<double> far_from; ///< m; absent: 0.3 L
     bool mirror = false;
