@@ -133,19 +133,20 @@ void Reader::operator()(const Key& key, const TimeOrTravel& value) {
     const Entry* entry = find(key);
     if (!entry)
         return;
-    const auto* word = entry->value.as<std::string>();
-    if (!word || !parse_quantity(*word, Dimension::length, units_).value) {
-        (*this)(key, value.time);
-        return;
-    }
     const std::string path = path_of(key.name);
-    if (value.travel)
-        wrong(entry->value, path,
-              fmt::format("\"{}\" is a distance, and the table gives another: leave one of them out", *word));
+    const Node& node = entry->value;
+    const auto* word = node.as<std::string>();
+    const auto is_a = [&](Dimension d) { return word && parse_quantity(*word, d, units_).value.has_value(); };
     Key travel = key;
     travel.unit(Dimension::length).range = value.travel_range;
-    if (const auto found = quantity(travel, entry->value, path))
-        value.travel = *found;
+    if (node.as<std::int64_t>() || node.as<double>() || is_a(key.dimension))
+        value.time = quantity(key, node, path).value_or(value.time);
+    else if (!is_a(Dimension::length))
+        wrong_type(node, path, "expected a time or length (a number of seconds, \"5 s\" or \"20 a\")");
+    else if (value.travel)
+        wrong(node, path, "is a distance, and so is from_travel: leave one of them out");
+    else
+        value.travel = quantity(travel, node, path);
 }
 
 void Reader::operator()(const Key& key, std::vector<std::vector<double>>& value) {

@@ -54,9 +54,9 @@ TEST_CASE("measuring begins at a time or after a distance") {
     REQUIRE(far.from_travel);
     CHECK(far.from_travel == both.from_travel);
     CHECK(both.from == 0.5);
-    says(measured("from = \"20 a\"\nfrom_travel = \"30 a\"\n"), "is a distance, and the table gives another");
+    says(measured("from = \"20 a\"\nfrom_travel = \"30 a\"\n"), "is a distance, and so is from_travel");
     says(measured("from = \"0 a\"\n"), "must be > 0");
-    says(measured("from = \"2 kg\"\n"), "measure.from");
+    says(measured("from = \"2 kg\"\n"), "expected a time or length");
     says(measured("from = \"20 a\"\n", ""), "from_travel needs [[granular.rods]]");
 }
 
