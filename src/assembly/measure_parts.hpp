@@ -20,6 +20,14 @@ Value count_value(std::size_t count);
 /// "value +- error"
 std::string text(const Estimate& e);
 
+/// m*, the inertia of the moving bed over the mass of its beads (measure/drift_decay.hpp).
+struct Inertia {
+    Estimate factor;    ///< count 0: none is known, and the mass of the beads is used
+    std::string source; ///< in words, for measure.json
+};
+/// measure.inertia_factor; else as these runs tell it, if mechanics is measured and tells it well enough.
+Inertia inertia_of(const MeasuredCase& data);
+
 /// A number of each run's summary.json.
 std::vector<double> of_summaries(const MeasuredCase& data, const std::string& name, const std::string& what);
 

@@ -44,7 +44,7 @@ Share share_of(const RodPushes& pushes, const Mark& from, const Mark& to) {
     };
     const double px = grown(pushes.impulse_x), py = grown(pushes.impulse_y), p = std::hypot(px, py);
     const double along = p > 0.0 ? ((to.x - from.x) * px + (to.y - from.y) * py) / p : 0.0;
-    return {to.time - from.time, p, along, grown(pushes.advance)};
+    return {to.time - from.time, p, along, pushes.advance.empty() ? 0.0 : grown(pushes.advance)};
 }
 
 /// Mean rates, and what follows from them.
@@ -79,7 +79,7 @@ Estimate jackknife(std::span<const Rates> without, double whole, double Rates::*
     return {whole, std::sqrt(scatter * (n - 1.0) / n), without.size()};
 }
 
-void set_rates(MechanicsResult& result, std::span<const Share> shares, double mass) {
+void set_rates(MechanicsResult& result, std::span<const Share> shares, double mass, bool rods) {
     std::vector<Rates> without;
     for (std::size_t b = 0; b < shares.size(); ++b)
         without.push_back(rates_of(shares, b, mass));
@@ -87,20 +87,97 @@ void set_rates(MechanicsResult& result, std::span<const Share> shares, double ma
     result.blocks = shares.size();
     result.force = jackknife(without, all.force, &Rates::force);
     result.drift = jackknife(without, all.drift, &Rates::drift);
-    result.speed = jackknife(without, all.speed, &Rates::speed);
+    if (rods)
+        result.speed = jackknife(without, all.speed, &Rates::speed);
     if (all.drift > 0.0)
         result.drag_rate = jackknife(without, all.drag, &Rates::drag);
 }
 
-/// Errors of independent factors add up in squares.
-void set_screening(MechanicsResult& result, const Estimate& shear_speed, double box) {
+double part_of(const Estimate& e) { return e.error / e.value; }
+
+/// Errors of independent factors add up in squares. A measured m* is made from the drag rate: what is
+/// independent is the decay rate, their ratio.
+void set_screening(MechanicsResult& result, const Estimate& shear_speed, const std::optional<Estimate>& given,
+                   double box) {
     const Estimate &c = shear_speed, &g = result.drag_rate, &v = result.speed;
-    if (c.count == 0 || g.count == 0 || v.value == 0.0)
+    const bool measured = !given && usable_inertia(result.decay.inertia);
+    result.inertia = given ? *given : measured ? result.decay.inertia : Estimate{};
+    if (c.count == 0 || g.count == 0 || v.count == 0 || v.value == 0.0)
         return;
-    const double xi = c.value * c.value / (g.value * std::abs(v.value));
-    const double part = std::hypot(2.0 * c.error / c.value, g.error / g.value, v.error / v.value);
+    const double m = result.inertia.count > 0 ? result.inertia.value : 1.0;
+    const double xi = m * c.value * c.value / (g.value * std::abs(v.value));
+    const double damping =
+        measured ? part_of(result.decay.rate) : std::hypot(part_of(g), given ? part_of(*given) : 0.0);
+    const double part = std::hypot(2.0 * part_of(c), damping, part_of(v));
     result.screening = {xi, xi * part, g.count};
     result.peclet = {box / xi, box / xi * part, g.count};
+}
+
+double mass_of(const Layout& layout) { return static_cast<double>(layout.beads) * layout.bead_mass; }
+
+/// Impulses are left out where only a steady force pushes.
+DriftPath path_of(const MechanicsAccumulator& run, const RodPushes& pushes) {
+    DriftPath path;
+    for (const Mark& mark : run.path()) {
+        path.time.push_back(mark.time);
+        path.x.push_back(mark.x);
+        path.y.push_back(mark.y);
+        if (pushes.advance.empty())
+            continue;
+        path.impulse_x.push_back(at(pushes.time, pushes.impulse_x, mark.time));
+        path.impulse_y.push_back(at(pushes.time, pushes.impulse_y, mark.time));
+    }
+    return path;
+}
+
+DriftDecay decay_of(std::span<const MechanicsAccumulator> runs, std::span<const RodPushes> pushes,
+                    const Estimate& drag_rate) {
+    std::vector<DriftPath> paths;
+    for (std::size_t r = 0; r < runs.size(); ++r)
+        paths.push_back(path_of(runs[r], pushes[r]));
+    DriftDecayOptions options;
+    options.block = runs[0].options().block;
+    return drift_decay(paths, mass_of(runs[0].layout()), drag_rate, options);
+}
+
+/// Without a rod the drift has to be steady, no wake.
+void set_steady(MechanicsResult& result, const Layout& layout, bool rods, double first_time) {
+    const double half = 0.5 * layout.box.shorter();
+    if (!rods) {
+        result.steady = first_time * result.drag_rate.value >= 3.0;
+        return;
+    }
+    result.wanted = result.screening.count > 0 ? std::min(half, result.screening.value) : half;
+    result.steady = result.before >= result.wanted && result.along >= result.wanted;
+}
+
+std::vector<Share> shares_of(std::span<const MechanicsAccumulator> runs, std::span<const RodPushes> pushes) {
+    if (runs.empty() || runs.size() != pushes.size())
+        throw InputError("measure: mechanics: needs the frames and the tracks of the same runs");
+    std::vector<Share> shares;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        if (!(runs[r].layout() == runs[0].layout()))
+            throw InputError("measure: mechanics: the runs are of different beds");
+        const std::vector<Mark> marks = runs[r].marks();
+        if (marks.size() < 2)
+            throw InputError("measure: mechanics: needs at least 2 frames a run: measure "
+                             "more often, from an earlier time or place (from, from_travel), or run longer");
+        for (std::size_t b = 1; b < marks.size(); ++b)
+            shares.push_back(share_of(pushes[r], marks[b - 1], marks[b]));
+    }
+    return shares;
+}
+
+/// How far the rod came, the least of the runs.
+void set_travel(MechanicsResult& result, std::span<const MechanicsAccumulator> runs,
+                std::span<const RodPushes> pushes) {
+    result.before = result.along = INFINITY;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const double first = at(pushes[r].time, pushes[r].advance, runs[r].path().front().time),
+                     last = at(pushes[r].time, pushes[r].advance, runs[r].path().back().time);
+        result.before = std::min(result.before, std::abs(first));
+        result.along = std::min(result.along, std::abs(last - first));
+    }
 }
 
 } // namespace
@@ -115,70 +192,59 @@ MechanicsAccumulator::MechanicsAccumulator(const Layout& layout, const Mechanics
 
 void MechanicsAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
-    last_ = {frame.time, mean(frame.unwrapped_x), mean(frame.unwrapped_y)};
-    const double next = firsts_.empty()
-                            ? -INFINITY
-                            : firsts_.front().time + options_.block * static_cast<double>(firsts_.size());
-    if (frame.time >= next - 1e-9 * options_.block)
-        firsts_.push_back(last_);
+    path_.push_back({frame.time, mean(frame.unwrapped_x), mean(frame.unwrapped_y)});
 }
 
 std::vector<Mark> MechanicsAccumulator::marks() const {
-    std::vector<Mark> marks = firsts_;
-    if (marks.size() > 1 && last_.time - marks.back().time < 0.5 * options_.block)
+    std::vector<Mark> marks;
+    for (const Mark& mark : path_)
+        if (marks.empty() ||
+            mark.time >= marks.front().time + options_.block * (static_cast<double>(marks.size()) - 1e-9))
+            marks.push_back(mark);
+    if (marks.size() > 1 && path_.back().time - marks.back().time < 0.5 * options_.block)
         marks.pop_back();
-    if (!marks.empty() && last_.time > marks.back().time)
-        marks.push_back(last_);
+    if (!marks.empty() && path_.back().time > marks.back().time)
+        marks.push_back(path_.back());
     return marks;
 }
 
 void MechanicsAccumulator::save(StateWriter& out) const {
-    out.put(firsts_.size());
-    for (const Mark& mark : firsts_)
+    out.put(path_.size());
+    for (const Mark& mark : path_)
         for (const double value : {mark.time, mark.x, mark.y})
             out.put(value);
-    for (const double value : {last_.time, last_.x, last_.y})
-        out.put(value);
 }
 
 void MechanicsAccumulator::load(StateReader& in) {
-    const auto next = [&](Mark& mark) {
+    path_.resize(in.count());
+    for (Mark& mark : path_)
         for (double* value : {&mark.time, &mark.x, &mark.y})
             *value = in.get();
-    };
-    firsts_.resize(in.count());
-    for (Mark& mark : firsts_)
-        next(mark);
-    next(last_);
+}
+
+bool usable_inertia(const Estimate& inertia) {
+    constexpr double largest = 0.2; // constants would be off by as much, more than by the bare mass
+    return inertia.count > 0 && inertia.value > 0.0 && inertia.error <= largest * inertia.value;
+}
+
+DriftDecay measured_decay(std::span<const MechanicsAccumulator> runs, std::span<const RodPushes> pushes) {
+    MechanicsResult result;
+    set_rates(result, shares_of(runs, pushes), mass_of(runs[0].layout()), false);
+    return decay_of(runs, pushes, result.drag_rate);
 }
 
 MechanicsResult reduce(std::span<const MechanicsAccumulator> runs, std::span<const RodPushes> pushes,
-                       const Estimate& shear_speed) {
-    if (runs.empty() || runs.size() != pushes.size())
-        throw InputError("measure: mechanics: needs the frames and the tracks of the same runs");
-    MechanicsResult result;
-    result.before = result.along = INFINITY;
-    std::vector<Share> shares;
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-        if (!(runs[r].layout() == runs[0].layout()))
-            throw InputError("measure: mechanics: the runs are of different beds");
-        const std::vector<Mark> marks = runs[r].marks();
-        if (marks.size() < 2)
-            throw InputError("measure: mechanics: needs at least 2 frames a run: measure "
-                             "more often, from an earlier time or place (from, from_travel), or run longer");
-        for (std::size_t b = 1; b < marks.size(); ++b)
-            shares.push_back(share_of(pushes[r], marks[b - 1], marks[b]));
-        const double first = at(pushes[r].time, pushes[r].advance, marks.front().time),
-                     last = at(pushes[r].time, pushes[r].advance, marks.back().time);
-        result.before = std::min(result.before, std::abs(first));
-        result.along = std::min(result.along, std::abs(last - first));
-    }
+                       const Estimate& shear_speed, const std::optional<Estimate>& inertia) {
+    const std::vector<Share> shares = shares_of(runs, pushes);
     const Layout& layout = runs[0].layout();
-    set_rates(result, shares, static_cast<double>(layout.beads) * layout.bead_mass);
-    set_screening(result, shear_speed, layout.box.shorter());
-    const double half = 0.5 * layout.box.shorter();
-    result.wanted = result.screening.count > 0 ? std::min(half, result.screening.value) : half;
-    result.steady = result.before >= result.wanted && result.along >= result.wanted;
+    const bool rods = !pushes[0].advance.empty();
+    MechanicsResult result;
+    if (rods)
+        set_travel(result, runs, pushes);
+    set_rates(result, shares, mass_of(layout), rods);
+    result.decay = decay_of(runs, pushes, result.drag_rate);
+    set_screening(result, shear_speed, inertia, layout.box.shorter());
+    set_steady(result, layout, rods, runs[0].path().front().time);
     return result;
 }
 

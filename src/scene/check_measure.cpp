@@ -19,12 +19,15 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
     want_rod(m.flow, "flow");
     want_rod(m.force, "force");
     want_rod(m.displacement.has_value(), "displacement");
-    want_rod(m.mechanics, "mechanics");
     want_rod(m.heading_diffusion, "heading_diffusion");
-    if (m.mechanics && bed.body_force)
+    if (m.mechanics && bed.body_force && bed.body_force->kind != granular::BodyForceKind::uniform)
         report("measure.mechanics",
-               "mechanics takes the rods' push for all of the force on the bed: leave out "
-               "[granular.body_force], or mechanics");
+               "mechanics has to know all of the force on the bed: make [granular.body_force] kind = "
+               "\"uniform\", or leave out it or mechanics");
+    if (m.inertia_error && !m.inertia_factor)
+        report("measure.inertia_error",
+               "inertia_error is that of inertia_factor: give inertia_factor (1 or a little more), or leave "
+               "both out");
     want_rod(m.from_travel.has_value(), "from_travel");
     if (m.pairs && count != 2)
         report("measure.pairs", fmt::format("pairs needs two [[granular.rods]]; there are {}", count));

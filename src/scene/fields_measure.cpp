@@ -48,8 +48,9 @@ void what_fields(Visitor& v, Measure& m) {
           .example("true"),
       m.phonons);
     v(key("mechanics")
-          .doc("drift of the bed under the push of its rods, drag rate, Peclet number and screening length; "
-               "needs [[granular.rods]]")
+          .doc("drift of the bed under the push of its rods or of a uniform body force, drag rate, decay of "
+               "the "
+               "drift and inertia, Peclet number and screening length")
           .example("true"),
       m.mechanics);
     v(key("heading_diffusion")
@@ -244,6 +245,20 @@ void phonon_fields(Visitor& v, Measure& m) {
           .doc("mechanics: speed of transverse sound in the bed, for the screening length")
           .example("\"120 a/s\""),
       m.shear_speed);
+    v(key("inertia_factor")
+          .above(0.0, 100.0)
+          .absent("as mechanics measures it, if that is measured too and to 20 %; else none is used, and the "
+                  "result says so")
+          .doc("inertia of the moving bed over the mass of its beads: elastic constants of phonons are "
+               "inertia_factor rho c^2, and mechanics takes its screening length with it")
+          .example("1.27"),
+      m.inertia_factor);
+    v(key("inertia_error")
+          .within(0.0, 100.0)
+          .absent("0")
+          .doc("standard error of inertia_factor, which must be given with it")
+          .example("0.03"),
+      m.inertia_error);
 }
 
 void heading_fields(Visitor& v, Measure& m) {

@@ -13,7 +13,7 @@ namespace rodwake::stages {
 namespace {
 
 constexpr const char* block_name = "measures";
-constexpr std::uint32_t layout = 1; ///< counted up when what an accumulator saves changes
+constexpr std::uint32_t layout = 2; ///< counted up when what an accumulator saves changes
 
 } // namespace
 

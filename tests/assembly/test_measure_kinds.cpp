@@ -101,7 +101,7 @@ TEST_CASE("Keys that matter only when runs are put together leave the sums as th
     for (const char* keys :
          {"", "pairs = true\ncontact_distance = \"9 a\"\n", "force = true\n",
           "profile_offset = \"5 a\"\nreference = \"far\"\nmirror = true\n", "s_low = 0.1\ns_high = 0.4\n",
-          "trajectory = \"other.h5md\"\n", "shear_speed = \"120 a/s\"\n",
+          "trajectory = \"other.h5md\"\n", "shear_speed = \"120 a/s\"\n", "inertia_factor = 1.3\n",
           "heading_diffusion = true\nheading_lag_low = 0.02\nheading_lag_high = 0.2\n",
           "phonon_interval = \"5 ms\"\n"})
         CHECK(key_text(std::string("order = true\n") + keys) == key_text("order = true\n"));
@@ -268,7 +268,18 @@ TEST_CASE(
     CHECK(value_of<std::string>(report.values, "verdict").find("exceeds the box of 30 a") !=
           std::string::npos);
     CHECK_FALSE(value_of<bool>(report.values, "steady")); // 10 a
+    CHECK(value_of<Estimate>(report.values, "used_inertia").count == 0);
+    CHECK(value_of<std::string>(report.values, "inertia_source").find("bare mass") != std::string::npos);
+    CHECK(value_of<std::string>(report.values, "decay_absence").find("0.1 s apart") != std::string::npos);
     CHECK(report.line.find("too short for a steady wake") != std::string::npos);
+
+    const scene::Scene heavier = bed("mechanics = true\nrod = 1\nblock = 0.5\nshear_speed = \"100 a/s\"\n"
+                                     "inertia_factor = 1.25\ninertia_error = 0.05\n");
+    const auto with_inertia = report_on(heavier, made_up({0.0}, tracks), {});
+    CHECK(value_of<Estimate>(with_inertia.values, "screening_length").value ==
+          Approx(1.25e4 / (gamma * 9.5)));
+    CHECK(value_of<Estimate>(with_inertia.values, "screening_length").error ==
+          Approx(0.04 * 1.25e4 / (gamma * 9.5))); // nothing else has an error
 
     const scene::Scene without = bed("mechanics = true\nblock = 0.5\n");
     const auto drag_alone = report_on(without, made_up({0.0}, tracks), {});

@@ -44,10 +44,12 @@ def results(phi):
         "force": {"force": estimate(2.1e-6, 4e-8), "thrust": estimate(2.2e-6, 5e-8), "speed": estimate(1.2e-3, 1e-5)},
         "phonons": {**{f"c_{name}": estimate(speed, 1.5) for name, speed in SOUND.items()}, "c_T": estimate(118.0, 1.2),
                     "drag_rate": estimate(DRAG, 0.6), "viscosity_L": estimate(VISCOSITY[0], 20.0), "viscosity_T": estimate(VISCOSITY[1], 9.0),
-                    "temperature": estimate(5.4e-5, 1e-6), "coldest": 0.22, "eta": estimate(2.1, 0.1)},
+                    "temperature": estimate(5.4e-5, 1e-6), "coldest": 0.22, "eta": estimate(2.1, 0.1), "C66": estimate(3.71e-3, 1e-4), "C66_bare": estimate(2.92e-3, 4e-5),
+                    "inertia": estimate(1.27, 0.03)},
         "heading_diffusion": {"D_r": estimate(D_R, 1e-3), "D_r_cosine": estimate(D_R, 1e-3), "jitter": JITTER, "lag_low": 0.125,
                               "lag_high": 1.25, "cosine_amplitude": math.exp(-JITTER**2), "rotational_diffusion": estimate(0.0176, 2e-3)},
-        "mechanics": {"drift": estimate(0.11, 0.01), "drag_rate": estimate(DRAG, 0.4), "screening_length": estimate(490.0, 30.0)},
+        "mechanics": {"drift": estimate(0.11, 0.01), "drag_rate": estimate(DRAG, 0.4), "screening_length": estimate(490.0, 30.0),
+                      "decay_rate": estimate(10.5, 0.4), "inertia": estimate(1.27, 0.05), "used_inertia": estimate(1.27, 0.05)},
     })
 
 

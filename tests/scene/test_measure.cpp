@@ -83,7 +83,12 @@ TEST_CASE("currents are taken in parts of the interval, and blocks hold their la
     says(measured(base + "phonon_lag = 0.2\n"), "longer than half of block = 0.25 s");
     says(measured("phonons = true\nblock = 0.9\n"), "at least 2 blocks");
     CHECK(error_text(measured("phonon_interval = 0.03\ninterval = 0.1\n")) == ""); // of no use here
-    says(measured("mechanics = true\n", ""), "mechanics needs [[granular.rods]]");
+    CHECK(error_text(measured("mechanics = true\n", "")) == ""); // the decay of the drift needs no rod
+    const std::string gaussian =
+        "[granular.body_force]\nkind = \"gaussian\"\nacceleration = 0.01\nwidth = \"2 a\"\n";
+    says(measured("mechanics = true\n", rod + gaussian), "kind = \"uniform\"");
+    says(measured("inertia_error = 0.1\n"), "give inertia_factor");
+    CHECK(error_text(measured("inertia_factor = 1.27\ninertia_error = 0.03\n")) == "");
     says(measured("from_travel = 1e-3\n", ""), "from_travel needs [[granular.rods]]");
 }
 

@@ -25,10 +25,10 @@ def density(folder):
 
 
 def constants(folder):
-    """c11, c22, c12, c66 in a^2/s^2 and zeta in 1/s (mass per area 1), each (value, error), from measure.json."""
+    """c11, c22, c12, c66 in a^2/s^2 and zeta in 1/s (mass per area 1), of the bare mass, each (value, error), from measure.json."""
     found = told(folder)["phonons"]
     scale = 1.0 / (density(folder) * A * A)
-    out = {name.lower(): tuple(scale * one for one in estimate(found[name])) for name in ("C11", "C22", "C12", "C66")}
+    out = {name.lower(): tuple(scale * one for one in estimate(found[name + "_bare"])) for name in ("C11", "C22", "C12", "C66")}
     out["zeta"] = estimate(found["drag_rate"])
     return out
 
@@ -39,7 +39,7 @@ def show(title, folders, inertia=1.0):
         found = told(folder)["phonons"]
         row = [label]
         for name in ("C11", "C22", "C12", "C66"):
-            row.append(text(estimate(found[name]), 1e3 * inertia))
+            row.append(text(estimate(found[name + "_bare"]), 1e3 * inertia))
         row += [text(estimate(found["eta"])), text(estimate(found["c_T"]), 1, 1), text(estimate(found["drag_rate"])),
                 text(estimate(found["viscosity_L"]), 1, 0) + ", " + text(estimate(found["viscosity_T"]), 1, 0)]
         rows.append(row)

@@ -16,6 +16,9 @@
 //                                         Gamma_xy = (C12 + C66) cx cy,     (cx, cy) = q/|q|
 //   rho = N m/(Lx Ly), beads only: rods count neither in rho nor in j
 //
+// Here rho is the bare mass. What moves has the inertia m* rho (drift_decay.hpp): the medium's constants are
+// m* times those of PhononResult, its drag m* times the damping as q -> 0. The measure's kind puts m* in.
+//
 // Off the axes the modes are not quite along q: the correlations are turned by the angle that makes the cross
 // correlation least (exact for two modes with orthogonal polarisations). (m, n) and (m, -n) are put together:
 // this takes mirror symmetry about the axes of the box, which crystals with rows along x or y have.
@@ -118,11 +121,11 @@ struct PhononResult {
     Estimate temperature;          ///< T_xy of single beads, m^2/s^2
     // Sound speeds along x, along y and along the diagonal of the box, m/s.
     Estimate c_Lx, c_Ly, c_Ld, c_Tx, c_Ty, c_Td;
-    Estimate C11, C22, C12, C66; ///< N/m
+    Estimate C11, C22, C12, C66; ///< of the bare mass, N/m
     Estimate bulk, mu, eta;      ///< of the isotropic medium nearest to it: K, mu in N/m, eta = K/mu
     /// Largest less smallest over directions, in parts of the isotropic value, of rho c^2 of the branches.
     Estimate spread_L, spread_T;
-    /// gamma = drag + nu q^2: drag rate of the bed against the plates zeta/(n m), 1/s; nu in m^2/s.
+    /// gamma = drag + nu q^2: damping of the bed by the plates zeta/(m* n m), 1/s; nu in m^2/s.
     Estimate drag, viscosity_L, viscosity_T;
     double travel = 0.0;      ///< root mean square distance of a bead from its first place, last block, m
     bool kept_places = false; ///< that is below half a spacing: displacements mean something

@@ -38,6 +38,8 @@ struct Measure {
     std::optional<double> phonon_lag;       ///< longest, s; absent: 1 s, at most half of block
     long phonon_waves = 4;                  ///< along a side of the box, at most
     std::optional<double> shear_speed;      ///< c_T, m/s; absent: from phonons if they are measured
+    std::optional<double> inertia_factor;   ///< m*; absent: as mechanics measures it, else none is used
+    std::optional<double> inertia_error;    ///< of it; absent: 0
     std::optional<double> heading_lag_low;  ///< s; absent: a tenth of the longest
     std::optional<double> heading_lag_high; ///< s; absent: a quarter of block or of a shorter run
     std::string trajectory; ///< file to measure in place of the run's own; empty: the run's own

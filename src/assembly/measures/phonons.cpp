@@ -26,17 +26,24 @@ constexpr ValueInfo values[] = {
     {"c_Td", "Transverse sound, diagonal", "a/s", "the same"},
     {"c_T", "Transverse sound", "a/s", "of $C_{66}$, both axes together"},
     {"density", "Density $\\rho$", "kg/m^2", "mass of the beads over the area of the box; rods do not count"},
-    {"C11", "$C_{11}$", "mN/m", "$\\rho c_{Lx}^2$", 1e3},
-    {"C22", "$C_{22}$", "mN/m", "$\\rho c_{Ly}^2$", 1e3},
+    {"C11", "$C_{11}$", "mN/m", "$m^*\\rho c_{Lx}^2$", 1e3},
+    {"C22", "$C_{22}$", "mN/m", "$m^*\\rho c_{Ly}^2$", 1e3},
     {"C12", "$C_{12}$", "mN/m", "from the diagonal by Christoffel's equation", 1e3},
-    {"C66", "$C_{66}$", "mN/m", "$\\rho c_T^2$ along the axes", 1e3},
+    {"C66", "$C_{66}$", "mN/m", "$m^*\\rho c_T^2$ along the axes", 1e3},
+    {"C11_bare", "", "mN/m", "$C_{11}$ of the bare mass of the beads, $m^* = 1$", 1e3},
+    {"C22_bare", "", "mN/m", "the same of $C_{22}$", 1e3},
+    {"C12_bare", "", "mN/m", "the same of $C_{12}$", 1e3},
+    {"C66_bare", "", "mN/m", "the same of $C_{66}$", 1e3},
+    {"inertia", "Inertia over mass $m^*$", "", "in the elastic constants; null: none is known, bare mass"},
+    {"inertia_source", "Mass in the constants", "", "where $m^*$ comes from", 1.0, true},
     {"bulk", "Bulk modulus $K$", "mN/m", "of the nearest isotropic medium, $(C_{11}+C_{22}+2C_{12})/4$", 1e3},
     {"mu", "Shear modulus $\\mu$", "mN/m", "of it, $(C_{11}+C_{22}-2C_{12}+4C_{66})/8$", 1e3},
     {"eta", "$\\eta$", "", "of it, $K/\\mu = (\\lambda_L+\\mu)/\\mu$"},
     {"spread_L", "Spread of $\\rho c_L^2$", "",
      "largest less smallest over directions, in parts of $K+\\mu$: what the mean hides"},
     {"spread_T", "Spread of $\\rho c_T^2$", "", "the same in parts of $\\mu$"},
-    {"drag_rate", "Drag rate $\\zeta/nm$", "1/s", "damping of the modes as $q \\to 0$"},
+    {"drag_rate", "Damping $\\zeta/(m^* nm)$", "1/s",
+     "of the modes as $q \\to 0$; a steady push has $m^*$ times it"},
     {"viscosity_L", "Longitudinal viscosity", "a^2/s", "slope of the damping against $q^2$"},
     {"viscosity_T", "Shear viscosity", "a^2/s", "the same"},
     {"temperature", "$T_{xy}$ of single beads", "m^2/s^2", "of the measured frames"},
@@ -103,6 +110,22 @@ Estimate shear_speed(const PhononResult& r) {
     return r.C66.count == 0 ? Estimate{} : Estimate{c, 0.5 * c * r.C66.error / r.C66.value, r.C66.count};
 }
 
+/// m* times it; their errors are independent, since sound speeds do not know the drift of the whole bed.
+Estimate with_inertia(const Estimate& constant, const Inertia& inertia) {
+    if (constant.count == 0 || inertia.factor.count == 0)
+        return constant;
+    const double value = constant.value * inertia.factor.value;
+    return {value, std::hypot(constant.error * inertia.factor.value, constant.value * inertia.factor.error),
+            constant.count};
+}
+
+/// The elastic constants with m*; eta and the spreads are ratios and do not change.
+PhononResult with_inertia(PhononResult r, const Inertia& inertia) {
+    for (Estimate* constant : {&r.C11, &r.C22, &r.C12, &r.C66, &r.bulk, &r.mu})
+        *constant = with_inertia(*constant, inertia);
+    return r;
+}
+
 double coldest(const PhononResult& r) {
     double least = INFINITY;
     for (const PhononMode& mode : r.modes)
@@ -111,20 +134,27 @@ double coldest(const PhononResult& r) {
     return least;
 }
 
-Values values_of(const PhononResult& r, double a) {
+Values values_of(const PhononResult& bare, const Inertia& inertia, double a) {
     const double to_a = 1.0 / a;
+    const PhononResult r = with_inertia(bare, inertia);
     return {{"c_Lx", r.c_Lx.scaled(to_a)},
             {"c_Ly", r.c_Ly.scaled(to_a)},
             {"c_Ld", r.c_Ld.scaled(to_a)},
             {"c_Tx", r.c_Tx.scaled(to_a)},
             {"c_Ty", r.c_Ty.scaled(to_a)},
             {"c_Td", r.c_Td.scaled(to_a)},
-            {"c_T", shear_speed(r).scaled(to_a)},
+            {"c_T", shear_speed(bare).scaled(to_a)},
             {"density", r.density},
             {"C11", r.C11},
             {"C22", r.C22},
             {"C12", r.C12},
             {"C66", r.C66},
+            {"C11_bare", bare.C11},
+            {"C22_bare", bare.C22},
+            {"C12_bare", bare.C12},
+            {"C66_bare", bare.C66},
+            {"inertia", inertia.factor},
+            {"inertia_source", inertia.source},
             {"bulk", r.bulk},
             {"mu", r.mu},
             {"eta", r.eta},
@@ -188,16 +218,26 @@ std::vector<MeasureTable> tables_of(const PhononResult& r, double a) {
              current_columns, transposed(rows.currents, std::size(current_columns))}};
 }
 
+std::string line_of(const PhononResult& r, const Inertia& inertia) {
+    const std::string factor =
+        inertia.factor.count > 0 ? " with m* " + text(inertia.factor) : " of the bare mass";
+    return fmt::format("C11 {}, C22 {}, C12 {}, C66 {} mN/m{}, eta {}; damping as q -> 0 {} /s",
+                       text(r.C11.scaled(1e3)), text(r.C22.scaled(1e3)), text(r.C12.scaled(1e3)),
+                       text(r.C66.scaled(1e3)), factor, text(r.eta), text(r.drag));
+}
+
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
-    const PhononResult r = measure::reduce(measure::take<PhononAccumulator>(data.sums, "phonons"));
-    return {
-        .values = values_of(r, a),
-        .tables = tables_of(r, a),
-        .series = {{"c_T", shear_speed(r).scaled(1.0 / a)}, {"C11", r.C11}, {"C22", r.C22}, {"C66", r.C66}},
-        .line = fmt::format("C11 {}, C22 {}, C12 {}, C66 {} mN/m, eta {}; drag rate {} /s",
-                            text(r.C11.scaled(1e3)), text(r.C22.scaled(1e3)), text(r.C12.scaled(1e3)),
-                            text(r.C66.scaled(1e3)), text(r.eta), text(r.drag))};
+    const Inertia inertia = inertia_of(data);
+    const PhononResult bare = measure::reduce(measure::take<PhononAccumulator>(data.sums, "phonons")),
+                       r = with_inertia(bare, inertia);
+    return {.values = values_of(bare, inertia, a),
+            .tables = tables_of(bare, a),
+            .series = {{"c_T", shear_speed(bare).scaled(1.0 / a)},
+                       {"C11", r.C11},
+                       {"C22", r.C22},
+                       {"C66", r.C66}},
+            .line = line_of(r, inertia)};
 }
 
 } // namespace
@@ -208,6 +248,7 @@ MeasureKind phonons() {
             .wanted = [](const Measure& m) { return m.phonons; },
             .describe = describe,
             .include = include,
+            .reset_late_keys = [](Measure& m) { m.inertia_factor = m.inertia_error = std::nullopt; },
             .report = report,
             .values = values,
             .files = files,

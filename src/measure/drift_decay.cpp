@@ -1,0 +1,171 @@
+#include "rodwake/measure/drift_decay.hpp"
+
+#include "drift_correlation.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::measure {
+
+namespace {
+
+using Row = std::vector<double>;
+constexpr std::size_t fewest_intervals = 2; // of the window of lags
+constexpr double longest_lag = 1.0;         // s; no decay that is slower is looked for
+
+void check(std::span<const DriftPath> runs, const DriftDecayOptions& o) {
+    if (!(std::isfinite(o.block) && o.block > 0.0 && std::isfinite(o.settle) && o.settle > 0.0))
+        throw InputError(
+            fmt::format("measure: decay of the drift: blocks of {:g} s and a first lag of {:g} s must be "
+                        "finite and positive",
+                        o.block, o.settle));
+    for (const DriftPath& run : runs) {
+        const std::size_t n = run.time.size(), pushes = run.impulse_x.size();
+        if (run.x.size() != n || run.y.size() != n || run.impulse_y.size() != pushes ||
+            (pushes != 0 && pushes != n))
+            throw InputError("measure: decay of the drift: rows of a path differ in length");
+    }
+}
+
+double interval_of(const DriftPath& path) {
+    return (path.time.back() - path.time.front()) / static_cast<double>(path.time.size() - 1);
+}
+
+bool even(const DriftPath& path, double interval) {
+    constexpr double rounding = 1e-6; // far above that of times, far below a frame
+    for (std::size_t i = 1; i < path.time.size(); ++i)
+        if (std::abs(path.time[i] - path.time[i - 1] - interval) > rounding * interval)
+            return false;
+    return true;
+}
+
+/// Why these paths cannot tell; empty: they may.
+std::string absence_of(std::span<const DriftPath> runs, const Estimate& drag_rate,
+                       const DriftDecayOptions& o) {
+    for (const DriftPath& run : runs) {
+        if (run.time.size() < 3)
+            return "fewer than 3 frames";
+        const double h = interval_of(runs[0]);
+        if (!even(run, h))
+            return "frames are not evenly spaced";
+        if (h > 0.5 * o.settle * (1.0 + 1e-6))
+            return fmt::format(
+                "frames are {:.3g} s apart, more than {:.3g} s: the drift decays between them; "
+                "shorten measure.interval, or measure phonons too, whose frames then serve",
+                h, 0.5 * o.settle);
+        if (run.time.back() - run.time.front() < 2.0 * longest_lag)
+            return fmt::format("a run of {:.3g} s is shorter than {:.3g} s",
+                               run.time.back() - run.time.front(), 2.0 * longest_lag);
+        if (!run.impulse_x.empty() && drag_rate.count == 0)
+            return "no drag rate by the rods' push, and their force is part of the drift's balance";
+    }
+    return {};
+}
+
+/// Lags between which the balance is drawn, in intervals.
+struct Window {
+    std::size_t low, high;
+};
+
+/// high = 0: C does not fall to a part 1/e of what it is at the first lag.
+Window window_of(const Row& drift, double interval, double settle) {
+    const auto low = static_cast<std::size_t>(std::lround(settle / interval));
+    for (std::size_t k = low + 1; k < drift.size() && drift[low] > 0.0; ++k)
+        if (drift[k] <= drift[low] / std::exp(1.0))
+            return {low, std::max(k, low + fewest_intervals)};
+    return {low, 0};
+}
+
+double trapezoid(const Row& values, const Window& w, double interval) {
+    double sum = 0.5 * (values[w.low] + values[w.high]);
+    for (std::size_t k = w.low + 1; k < w.high; ++k)
+        sum += values[k];
+    return interval * sum;
+}
+
+/// C(t1) - C(t2), J without its bias, and the integral of K over M.
+struct Balance {
+    double fall, drift, force;
+
+    double rate(double drag_rate) const {
+        return force == 0.0 ? fall / drift : drag_rate * fall / (drag_rate * drift - force);
+    }
+};
+
+/// J gains what taking off the mean of a run of `length` s took from it; the rate is found along with it.
+Balance balance_of(const DriftCorrelation& c, const Window& w, double interval, double length, double mass,
+                   double drag_rate) {
+    constexpr int rounds = 8; // each a tenth of the one before
+    const double t1 = interval * static_cast<double>(w.low), t2 = interval * static_cast<double>(w.high);
+    const double raw = trapezoid(c.drift, w, interval);
+    Balance b{c.drift[w.low] - c.drift[w.high], raw,
+              c.force.empty() ? 0.0 : trapezoid(c.force, w, interval) / mass};
+    for (int i = 0; i < rounds; ++i) {
+        const double rate = b.rate(drag_rate),
+                     amplitude = b.fall / (std::exp(-rate * t1) - std::exp(-rate * t2));
+        b.drift = raw + 2.0 * amplitude / (rate * length) * (t2 - t1);
+    }
+    return b;
+}
+
+double jackknife_error(const Row& without) {
+    const double n = static_cast<double>(without.size());
+    if (without.size() < 2)
+        return unknown_error;
+    double mean = 0.0, scatter = 0.0;
+    for (const double value : without)
+        mean += value / n;
+    for (const double value : without)
+        scatter += (value - mean) * (value - mean);
+    return std::sqrt(scatter * (n - 1.0) / n);
+}
+
+} // namespace
+
+DriftDecay drift_decay(std::span<const DriftPath> runs, double mass, const Estimate& drag_rate,
+                       const DriftDecayOptions& options) {
+    check(runs, options);
+    DriftDecay result;
+    result.absence = runs.empty() ? "no runs" : absence_of(runs, drag_rate, options);
+    if (!result.absence.empty())
+        return result;
+    const DriftBlocks blocks = drift_blocks(runs, longest_lag, options.block);
+    const std::size_t count = blocks.sums.size();
+    const DriftCorrelation all = drift_correlation(blocks.sums, count);
+    const Window window = window_of(all.drift, blocks.interval, options.settle);
+    result.lag_low = blocks.interval * static_cast<double>(window.low);
+    result.lag_high = blocks.interval * static_cast<double>(window.high);
+    const auto balance = [&](const DriftCorrelation& c) {
+        return balance_of(c, window, blocks.interval, blocks.run_length, mass, drag_rate.value);
+    };
+    const double rate = window.high == 0 ? 0.0 : balance(all).rate(drag_rate.value);
+    if (!(std::isfinite(rate) && rate > 0.0)) {
+        result.absence =
+            fmt::format("the drift's correlation does not decay between lags of {:.3g} and {:.3g} s",
+                        result.lag_low, longest_lag);
+        return result;
+    }
+    const Balance whole = balance(all);
+    Row rates, inertias;
+    for (std::size_t b = 0; count > 1 && b < count; ++b) {
+        const double one = balance(drift_correlation(blocks.sums, b)).rate(drag_rate.value);
+        rates.push_back(one);
+        inertias.push_back(drag_rate.value / one);
+    }
+    // without rods the rate does not know drag_rate
+    const double by_drag =
+        whole.force == 0.0 ? 0.0 : rate / drag_rate.value * (1.0 - rate * whole.drift / whole.fall);
+    result.rate = {rate, std::hypot(jackknife_error(rates), by_drag * drag_rate.error), count};
+    if (drag_rate.count > 0) {
+        result.inertia = {drag_rate.value / rate,
+                          std::hypot(jackknife_error(inertias), whole.drift / whole.fall * drag_rate.error),
+                          count};
+        result.coupling = whole.force / (drag_rate.value * whole.drift);
+    }
+    return result;
+}
+
+} // namespace rodwake::measure
