@@ -3,7 +3,7 @@
 // with inertia (mode_step.hpp).
 
 #include "rodwake/integrate/ode.hpp"
-#include "rodwake/medium/dynamic_medium.hpp"
+#include "rodwake/medium/modal_field.hpp"
 #include "rodwake/rods/model.hpp"
 
 #include <cstddef>
@@ -43,6 +43,10 @@ public:
 std::unique_ptr<CoupledStep> make_step(const elastic::Medium& elastic, const DynamicMedium& medium,
                                        const rods::Couplings& couplings, std::size_t rods,
                                        std::size_t threads);
+
+/// Amplitudes l_re, l_im, t_re, t_im of the sum of all rods' fields, of Coupled::fields.
+std::vector<double> summed_amplitudes(const ModalField& modes, const DynamicMedium& medium, std::size_t rods,
+                                      std::span<const double> fields);
 
 /// Numbers in Coupled::fields.
 std::size_t field_numbers(const DynamicMedium& medium, std::size_t rods);

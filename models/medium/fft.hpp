@@ -41,4 +41,14 @@ private:
     std::vector<Complex> turns_; ///< e^(-2 pi i k/n)
 };
 
+inline void set_lane(Fft::Element& element, std::size_t lane, Complex value) {
+    const auto i = static_cast<Eigen::Index>(lane);
+    element.re[i] = value.re;
+    element.im[i] = value.im;
+}
+inline Complex lane_of(const Fft::Element& element, std::size_t lane) {
+    const auto i = static_cast<Eigen::Index>(lane);
+    return {element.re[i], element.im[i]};
+}
+
 } // namespace rodwake::medium

@@ -1,30 +1,12 @@
 #include "mode_mesh.hpp"
 
+#include "mode_displacement.hpp"
 #include "rods/interaction.hpp"
 
 #include <algorithm>
 #include <array>
 
 namespace rodwake::medium {
-
-namespace {
-
-Complex conjugate(Complex z) { return {z.re, -z.im}; }
-Complex times_i(Complex z) { return {-z.im, z.re}; }
-
-/// A mode's two amplitudes as the Cartesian components of u.
-struct Displacement {
-    Complex x, y;
-};
-
-Displacement displacement(const ModalField& modes, std::size_t i, std::span<const double> field) {
-    const std::size_t size = modes.size();
-    const Complex l{field[i], field[size + i]}, t{field[2 * size + i], field[3 * size + i]};
-    const double ux = modes.unit_x()[i], uy = modes.unit_y()[i];
-    return {ux * l - uy * t, uy * l + ux * t};
-}
-
-} // namespace
 
 ModeMesh::ModeMesh(const ModalField& modes, double box, Team& team)
     : modes_(modes), team_(team), transform_(box, modes.rows() - 1, team) {}

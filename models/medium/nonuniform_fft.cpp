@@ -54,15 +54,6 @@ Lines& lines(std::size_t size) {
     return kept;
 }
 
-void set(Fft::Element& element, std::size_t lane, Complex value) {
-    const auto i = static_cast<Eigen::Index>(lane);
-    element.re[i] = value.re;
-    element.im[i] = value.im;
-}
-Complex get(const Fft::Element& element, std::size_t lane) {
-    const auto i = static_cast<Eigen::Index>(lane);
-    return {element.re[i], element.im[i]};
-}
 /// What makes of the transform the one with the other sign, before and after it.
 Complex swapped(Complex value) { return {value.im, value.re}; }
 
@@ -141,11 +132,11 @@ void NonuniformFft::lines_to_modes(std::size_t first) {
     Lines& work = lines(n);
     for (std::size_t lane = 0; lane < Fft::lanes; ++lane)
         for (std::size_t j = 0; j < n; ++j)
-            set(work.data[j], lane, lane < count ? grid_[(first + lane) * n + j] : Complex{});
+            set_lane(work.data[j], lane, lane < count ? grid_[(first + lane) * n + j] : Complex{});
     fft_.transform(work.data, work.other);
     for (std::size_t lane = 0; lane < count; ++lane)
         for (std::size_t j = 0; j < side_; ++j)
-            between_[(first + lane) * side_ + j] = get(work.data[place_of(j)], lane);
+            between_[(first + lane) * side_ + j] = lane_of(work.data[place_of(j)], lane);
 }
 
 void NonuniformFft::columns_to_modes(std::size_t first) {
@@ -153,12 +144,12 @@ void NonuniformFft::columns_to_modes(std::size_t first) {
     Lines& work = lines(n);
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t lane = 0; lane < Fft::lanes; ++lane)
-            set(work.data[i], lane, lane < count ? between_[i * side_ + first + lane] : Complex{});
+            set_lane(work.data[i], lane, lane < count ? between_[i * side_ + first + lane] : Complex{});
     fft_.transform(work.data, work.other);
     for (std::size_t i = 0; i < side_; ++i)
         for (std::size_t lane = 0; lane < count; ++lane)
             modes_[i * side_ + first + lane] =
-                inverse_[i] * inverse_[first + lane] * get(work.data[place_of(i)], lane);
+                inverse_[i] * inverse_[first + lane] * lane_of(work.data[place_of(i)], lane);
 }
 
 void NonuniformFft::modes_to_columns(std::size_t first) {
@@ -167,12 +158,12 @@ void NonuniformFft::modes_to_columns(std::size_t first) {
     std::ranges::fill(work.data, Fft::Element{Eigen::Array4d::Zero(), Eigen::Array4d::Zero()});
     for (std::size_t i = 0; i < side_; ++i)
         for (std::size_t lane = 0; lane < count; ++lane)
-            set(work.data[place_of(i)], lane,
-                swapped(inverse_[i] * inverse_[first + lane] * modes_[i * side_ + first + lane]));
+            set_lane(work.data[place_of(i)], lane,
+                     swapped(inverse_[i] * inverse_[first + lane] * modes_[i * side_ + first + lane]));
     fft_.transform(work.data, work.other);
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t lane = 0; lane < count; ++lane)
-            between_[i * side_ + first + lane] = get(work.data[i], lane); // still swapped
+            between_[i * side_ + first + lane] = lane_of(work.data[i], lane); // still swapped
 }
 
 void NonuniformFft::lines_to_grid(std::size_t first) {
@@ -181,11 +172,11 @@ void NonuniformFft::lines_to_grid(std::size_t first) {
     std::ranges::fill(work.data, Fft::Element{Eigen::Array4d::Zero(), Eigen::Array4d::Zero()});
     for (std::size_t lane = 0; lane < count; ++lane)
         for (std::size_t j = 0; j < side_; ++j)
-            set(work.data[place_of(j)], lane, between_[(first + lane) * side_ + j]);
+            set_lane(work.data[place_of(j)], lane, between_[(first + lane) * side_ + j]);
     fft_.transform(work.data, work.other);
     for (std::size_t lane = 0; lane < count; ++lane)
         for (std::size_t j = 0; j < n; ++j)
-            grid_[(first + lane) * n + j] = swapped(get(work.data[j], lane));
+            grid_[(first + lane) * n + j] = swapped(lane_of(work.data[j], lane));
 }
 
 void NonuniformFft::to_modes(std::span<const Complex> weights) {

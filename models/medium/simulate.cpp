@@ -1,6 +1,7 @@
 #include "rodwake/medium/simulate.hpp"
 
 #include "closed_rates.hpp"
+#include "film_reel.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/medium/modal_field.hpp"
 #include "rodwake/rods/conclude.hpp"
@@ -102,7 +103,8 @@ long segment_steps(const DynamicMedium& medium, std::size_t rods) {
 /// One run on its way.
 class Run {
 public:
-    Run(const RodProblem& problem, const DynamicMedium& medium, const RodOptions& options)
+    Run(const RodProblem& problem, const DynamicMedium& medium, const RodOptions& options,
+        const FilmSink& film)
         : problem_(problem), options_(options), width_(medium.force_width),
           times_(rods::output_times(problem)), method_(make_step(*problem.medium, medium, problem.couplings,
                                                                  problem.rods.size(), problem.sums.threads)),
@@ -111,10 +113,16 @@ public:
           record_(from_.record), outputs_(from_.outputs), own_turn_(told_apart(medium, problem.rods.size())),
           control_(*method_, tolerance(options.ode), coupled(from_.state, own_turn_), from_.time,
                    from_.state[3 * problem.rods.size()]),
-          segment_(std::min(options.ode.segment_steps, segment_steps(medium, problem.rods.size()))) {}
+          film_(*problem.medium, medium, problem.rods.size(), problem.t_end, film),
+          segment_(std::min(options.ode.segment_steps, segment_steps(medium, problem.rods.size()))) {
+        if (options.resume_from)
+            film_.skip(from_.time);
+    }
 
     MediumResult finish() {
         add_outputs(control_.time(), control_.state().poses);
+        if (film_.due(control_.time()))
+            film_.add(control_.state().poses, control_.state().fields);
         while (control_.time() < problem_.t_end && !ended_)
             step();
         conclude_solution();
@@ -162,12 +170,23 @@ private:
         const auto contact = problem_.contact_distance && problem_.rods.size() > 1
                                  ? contact_time(last, *problem_.contact_distance, problem_.box)
                                  : std::nullopt;
-        add_step(contact.value_or(control_.time()));
-        last.add_own_turn(contact.value_or(control_.time()), own_turn_);
+        const double until = contact.value_or(control_.time());
+        add_step(until);
+        last.add_own_turn(until, own_turn_);
+        add_frames(until);
         if (contact)
-            return meet(*contact);
+            return meet(until);
         if (options_.on_checkpoint && steps_ % segment_ == 0 && control_.time() < problem_.t_end)
             options_.on_checkpoint(checkpoint());
+    }
+
+    /// Frames of the film up to `until`, at most the end of the last step.
+    void add_frames(double until) {
+        while (film_.due(until)) {
+            const double time = film_.next_time();
+            film_.add(time == control_.time() ? control_.state().poses : control_.last().at(time),
+                      control_.fields_at(time));
+        }
     }
 
     /// Outputs and separations up to `until`, at most the end of the last step.
@@ -270,6 +289,7 @@ private:
     std::vector<std::vector<double>> outputs_;
     std::vector<double> own_turn_; ///< up to now
     StepControl control_;
+    FilmReel film_;
     long segment_, steps_ = 0, failures_ = 0;
     bool ended_ = false;
     integrate::Solution solution_;
@@ -295,12 +315,13 @@ std::size_t state_size(const DynamicMedium& medium, std::size_t rods) {
     return 3 * rods + 1 + told_apart(medium, rods) + field_numbers(medium, rods);
 }
 
-MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& options) {
+MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& options, const FilmSink& film) {
     const RodProblem rods = in_box(problem);
     check(rods, problem.medium, options);
+    validate_film(problem.medium, rods.rods.size(), rods.t_end);
     if (problem.medium.closure != Closure::none)
         return {simulate_closed(rods, problem.medium, options), {}};
-    return Run(rods, problem.medium, options).finish();
+    return Run(rods, problem.medium, options, film).finish();
 }
 
 } // namespace rodwake::medium

@@ -111,6 +111,18 @@ void StepControl::accept(double step, double limit) {
     time_ = step == limit - time_ ? limit : time_ + step;
 }
 
+std::span<const double> StepControl::fields_at(double when) {
+    if (when == time_)
+        return state_.fields;
+    const std::size_t part = when < last_.time + last_.half ? 0 : 1;
+    const Coupled& from = part == 0 ? end_ : middle_;
+    const double step = when - (part == 0 ? last_.time : last_.time + last_.half);
+    if (!(step > 0.0))
+        return from.fields;
+    method_.take(from, last_.rates[part], step, whole_);
+    return whole_.fields;
+}
+
 bool StepControl::advance(double longest, double limit, long& failures) {
     constexpr double safety = 0.9, least = 0.2, most = 3.0, order = 5.0;
     for (;;) {

@@ -8,6 +8,7 @@
 #include "coupled_step.hpp"
 
 #include <array>
+#include <span>
 
 namespace rodwake::medium {
 
@@ -44,6 +45,9 @@ public:
     const Coupled& state() const { return state_; }
     const std::vector<double>& rates() const { return rates_; }
     double time() const { return time_; }
+    /// The fields at a time within the last step, by a step of the method from its start or its middle. No
+    /// later step depends on it. The span holds until the next call or step.
+    std::span<const double> fields_at(double when);
     double next_step() const { return step_; }        ///< that is tried next
     long evaluations() const { return evaluations_; } ///< but for those of the start
 
@@ -54,7 +58,8 @@ private:
 
     CoupledStep& method_;
     Tolerance tolerance_;
-    Coupled state_, whole_, middle_, end_;
+    Coupled state_;
+    Coupled whole_, middle_, end_; ///< of the last attempt; once accepted end_ is the state before the step
     std::vector<double> rates_, middle_rates_, field_error_, rate_error_, own_;
     double time_, step_;
     DoubleStep last_;

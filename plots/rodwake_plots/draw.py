@@ -13,9 +13,11 @@ from . import canvas, hover, schema, spec
 from .canvas import PAD, save
 from .errors import PlotError
 from .granular_run import TRAJECTORY
+from .medium_frames import FILE as MEDIUM_FRAMES
 from .style import SETTINGS, Look
 
 FILM = "film"  # name of the figure that --film adds
+FILMS = "movie", "medium_film", "rods_movie"
 
 KINDS = {kind: importlib.import_module(f".{kind}", __package__) for kind in schema.FIGURES}
 
@@ -29,9 +31,11 @@ def figures_of(run, film=False):
 
 
 def filmed(run, found):
-    """A film of the beads, of the rods where there are no frames of beads."""
-    if FILM in (one.name for one in found) or any(one.kind in ("movie", "rods_movie") for one in found):
+    """A film of the beads, of the medium or of the rods, whichever there are frames of first."""
+    if FILM in (one.name for one in found) or any(one.kind in FILMS for one in found):
         return []
+    if (run.path / MEDIUM_FRAMES).is_file():
+        return [spec.Spec(FILM, "medium_film")]
     beads = run.has_granular and run.granular.has(TRAJECTORY)
     if not beads and not (run.has_result and run.result.has("/rods")):
         raise PlotError(f"{run.path}: holds neither frames of beads (granular.output.formats = [\"h5md\"]) nor paths of rods to film")

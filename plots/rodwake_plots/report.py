@@ -82,7 +82,7 @@ def figure(run, spec, number, image):
 
 def film(run, spec, width):
     """The film inside the page; too large a one is left beside it, and the page shows its last picture."""
-    found = movie.film_of(run, spec) if spec.kind in ("movie", "rods_movie") else None
+    found = movie.film_of(run, spec) if spec.kind in draw.FILMS else None
     if not found or found[0].stat().st_size > LARGEST_FILM:
         return ""
     path, kind = found

@@ -138,7 +138,7 @@ py::tuple told(integrate::Solution&& s) {
         hits.append(py::make_tuple(hit.event, hit.time, array_of(std::move(hit.state), {columns})));
     return py::make_tuple(array_of(std::move(s.times), {rows}), array_of(std::move(states), {rows, columns}),
                           s.final_time, array_of(std::move(s.final_state), {columns}), hits,
-                          status_of(s.status), s.status.message(), statistics_of(s.statistics));
+                          to_string(s.status.termination), s.status.message(), statistics_of(s.statistics));
 }
 
 py::tuple solve(const py::object& rhs, const Array& y0, const Array& times, double t0,

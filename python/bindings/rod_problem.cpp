@@ -34,20 +34,6 @@ rods::Form form_of(const std::string& name) {
     throw InputError("form = '" + name + "': expected 'angle', 'director' or 'dae'");
 }
 
-const char* status_of(const integrate::Status& status) {
-    switch (status.termination) {
-    case integrate::Termination::reached_end:
-        return "reached_end";
-    case integrate::Termination::stopped_at_event:
-        return "stopped_at_event";
-    case integrate::Termination::interrupted:
-        return "interrupted";
-    case integrate::Termination::failed:
-        break;
-    }
-    return "failed";
-}
-
 py::dict statistics_of(const integrate::Statistics& s) {
     py::dict counts;
     counts["steps"] = s.steps;

@@ -19,8 +19,6 @@ std::optional<integrate::Method> method_of(const std::string& name);
 /// "angle", "director" or "dae". Throws InputError for other names.
 rods::Form form_of(const std::string& name);
 
-/// 'reached_end', 'stopped_at_event', 'interrupted' or 'failed'
-const char* status_of(const integrate::Status& status);
 py::dict statistics_of(const integrate::Statistics& statistics);
 
 } // namespace rodwake::python

@@ -137,7 +137,7 @@ void bind_rods(py::module_& module) {
         .def_property_readonly(
             "reason", [](const Run& run) { return run.result.outcome.reason; }, "the outcome in words")
         .def_property_readonly(
-            "status", [](const Run& run) { return status_of(run.result.solution.status); },
+            "status", [](const Run& run) { return to_string(run.result.solution.status.termination); },
             "'reached_end', 'stopped_at_event' (contact) or 'failed'")
         .def_property_readonly("message", message, "how the solve ended, in words")
         .def_readonly("method", &Run::method, "'bdf', 'adams' or 'erk': what 'auto' chose")

@@ -1,4 +1,5 @@
 #include "describe_parts.hpp"
+#include "rodwake/medium/film.hpp"
 
 #include <fmt/format.h>
 
@@ -32,6 +33,19 @@ void add_dynamic_lines(const medium::DynamicMedium& m, std::size_t rods, Lines& 
                                        : "each rod in its own field: medium.dynamic.self_field is false"});
 }
 
+void add_film_line(const scene::Scene& scene, Lines& lines) {
+    const medium::DynamicMedium m = scene.medium->memory();
+    if (!m.film_interval || !scene.rods_run) {
+        lines.push_back({false, "film of the medium: no medium.dynamic.film_interval"});
+        return;
+    }
+    const std::size_t frames = medium::film_times(m, scene.rods_run->t_end).size();
+    const auto numbers = static_cast<double>(frames * medium::film_frame_size(m, scene.rods.size()));
+    lines.push_back({true, fmt::format("film of the medium: {0} frames of {1} x {1} points, {2} in "
+                                       "medium_film.h5",
+                                       frames, m.film_grid, size_text(8.0 * numbers))});
+}
+
 void add_medium_lines(const scene::Scene& scene, Lines& lines) {
     if (!scene.medium)
         return;
@@ -41,8 +55,10 @@ void add_medium_lines(const scene::Scene& scene, Lines& lines) {
     lines.push_back(
         {m.box().has_value(), m.box() ? fmt::format("periodic box of {:g} for rods and field", *m.box())
                                       : "periodic images of rods: no medium.periodic, infinite plane"});
-    if (m.is_dynamic())
+    if (m.is_dynamic()) {
         add_dynamic_lines(m.memory(), scene.rods.size(), lines);
+        add_film_line(scene, lines);
+    }
     if (m.field == scene::FieldBackend::measured)
         add_measured_line(scene, *m.measured, lines);
     if (m.field == scene::FieldBackend::table)

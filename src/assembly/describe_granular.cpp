@@ -123,14 +123,6 @@ void add_idealisations(Lines& lines) {
     lines.push_back({false, "side walls: the box is periodic in x and y"});
 }
 
-std::string size_text(double bytes) {
-    static constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};
-    std::size_t unit = 0;
-    for (; bytes >= 1000.0 && unit + 1 < std::size(units); ++unit)
-        bytes /= 1000.0;
-    return fmt::format("{:.3g} {}", bytes, units[unit]);
-}
-
 /// Of the stored frames of a run in all their formats.
 double frames_bytes(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
@@ -139,6 +131,14 @@ double frames_bytes(const BedPlan& plan) {
 }
 
 } // namespace
+
+std::string size_text(double bytes) {
+    static constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};
+    std::size_t unit = 0;
+    for (; bytes >= 1000.0 && unit + 1 < std::size(units); ++unit)
+        bytes /= 1000.0;
+    return fmt::format("{:.3g} {}", bytes, units[unit]);
+}
 
 std::string output_advice(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;

@@ -3,6 +3,8 @@
 
 #include "rodwake/assembly/describe.hpp"
 
+#include <string>
+
 namespace rodwake::assembly {
 
 using Lines = std::vector<PlanLine>;
@@ -10,5 +12,8 @@ using Lines = std::vector<PlanLine>;
 void describe_granular(const Plan& plan, Lines& lines);
 void describe_measures(const BedPlan& bed, Lines& lines);
 void describe_fit(const Plan& plan, Lines& lines);
+
+/// "31.5 MB"
+std::string size_text(double bytes);
 
 } // namespace rodwake::assembly

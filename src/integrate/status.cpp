@@ -153,6 +153,20 @@ std::string Status::message() const {
     return fmt::format("integration interrupted at t={} of {}", reached, wanted);
 }
 
+const char* to_string(Termination termination) {
+    switch (termination) {
+    case Termination::reached_end:
+        return "reached_end";
+    case Termination::stopped_at_event:
+        return "stopped_at_event";
+    case Termination::interrupted:
+        return "interrupted";
+    case Termination::failed:
+        break;
+    }
+    return "failed";
+}
+
 std::string to_string(Method method) {
     switch (method) {
     case Method::bdf:

@@ -53,6 +53,8 @@ void dynamic(const Scene& scene, const Report& report) {
     try {
         medium::validate(elastic, m.memory(), rods.size());
         medium::validate_start(m.memory(), rods);
+        if (scene.rods_run)
+            medium::validate_film(m.memory(), rods.size(), scene.rods_run->t_end);
     } catch (const InputError& error) {
         report("medium.dynamic", fmt::format("[medium.dynamic]: {}", error.what()));
     }

@@ -212,6 +212,21 @@ void fields(Visitor& v, medium::DynamicMedium& dynamic) {
                "the mesh and self_field = false")
           .example("0.01"),
       dynamic.inertia);
+    v(key("film_interval")
+          .unit(time)
+          .above(0.0)
+          .absent("no film")
+          .doc("time between the frames of medium_film.h5: the displacement u on a grid, the sum of the "
+               "fields "
+               "of all rods, also with self_field = false. Not beside a closure; at most 4 GB")
+          .example("0.5"),
+      dynamic.film_interval);
+    v(key("film_grid")
+          .within(4.0, 1024.0)
+          .doc("points a side of these frames: even, without prime factors but 2, 3 and 5, and no fewer than "
+               "box/force_width")
+          .example("128"),
+      dynamic.film_grid);
 }
 
 void fields(Visitor& v, Medium& medium) {

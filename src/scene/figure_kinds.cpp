@@ -19,6 +19,10 @@ constexpr FigureNeed gammas{"gammas = [[gamma1, gamma2], ...]",
 constexpr FigureNeed cuts{"[[field.cuts]]",
                           [](const Scene& s, const Figure&) { return s.field && !s.field->cuts.empty(); }};
 constexpr FigureNeed rods{"[[rods]]", [](const Scene& s, const Figure&) { return !s.rods.empty(); }};
+constexpr FigureNeed medium_frames{
+    "medium.field = \"dynamic\" with medium.dynamic.film_interval", [](const Scene& s, const Figure&) {
+        return s.medium && s.medium->is_dynamic() && s.medium->memory().film_interval;
+    }};
 constexpr FigureNeed noise{"[noise] with rotational_diffusion or translational_diffusion above 0",
                            [](const Scene& s, const Figure&) { return noisy(s); }};
 constexpr FigureNeed rods_order{"[rods_order]",
@@ -197,6 +201,18 @@ const std::vector<FigureKind>& figure_kinds() {
          {}},
         {"trajectories", "paths of the rods of the theory", theory, {rods}, {"result.h5"}, {"x", "y"}},
         {"rods_movie", "film of the rods of the theory", theory, {rods}, {"result.h5"}, {"fps", "x", "y"}},
+        {"medium_film",
+         "film of the displacement |u| of a dynamic medium and of the rods in it",
+         theory,
+         {rods, medium_frames},
+         {"medium_film.h5"},
+         {"fps", "x", "y"}},
+        {"medium_instants",
+         "displacement |u| of a dynamic medium and the rods in it, at four times",
+         theory,
+         {rods, medium_frames},
+         {"medium_film.h5"},
+         {"x", "y"}},
         {"noise",
          "spread, headings and contacts of rods that diffuse, beside a rod that no other turns",
          theory,

@@ -23,12 +23,46 @@ using rods::RodProblem;
 constexpr double of_its_pace = 0.6 * cost_budget, of_a_run = 0.2 * cost_budget,
                  of_a_rate = 0.03 * cost_budget;
 
-/// Further runs of a case, with noise or in draws of a measured field.
-long samples_of(const scene::Scene& scene) {
-    if (noisy(scene))
-        return scene.noise->runs; // the first is done twice
+/// Runs of all cases of a kind, with noise or in draws of a measured field; `most`: as many as
+/// noise.capture_error may add up to.
+struct Runs {
+    double least = 0.0, most = 0.0;
+};
+
+Runs runs_of(const RodsPlan& plan) {
+    const scene::Scene& scene = plan.of.scene;
+    if (plan.noise) { // the first is done twice
+        const auto least = static_cast<double>(plan.noise->runs);
+        const double most = plan.noise->capture_error ? static_cast<double>(plan.noise->most_runs) : least;
+        return {1.0 + least, 1.0 + std::max(least, most)};
+    }
     const bool measured = scene.medium && scene.medium->field == scene::FieldBackend::measured;
-    return measured ? scene.medium->measured->samples : 0;
+    const double samples = measured ? static_cast<double>(scene.medium->measured->samples) : 0.0;
+    return {1.0 + samples, 1.0 + samples};
+}
+
+/// What tells cases apart that do not take about as long.
+struct Kind {
+    bool dynamic = false;
+    medium::Closure closure = medium::Closure::none;
+
+    bool operator==(const Kind&) const = default;
+};
+
+Kind kind_of(const RodsPlan& plan) {
+    const auto& medium = plan.of.scene.medium;
+    return medium && medium->is_dynamic() ? Kind{true, medium->memory().closure} : Kind{};
+}
+
+Runs runs_of_kind(const assembly::Plan& plan, const Kind& kind) {
+    Runs all;
+    for (const RodsPlan& one : plan.rods)
+        if (kind_of(one) == kind) {
+            const Runs runs = runs_of(one);
+            all.least += runs.least;
+            all.most += runs.most;
+        }
+    return all;
 }
 
 /// Seconds of a right-hand side at the start.
@@ -236,29 +270,33 @@ private:
     std::vector<CostRow> rows_;
 };
 
-std::string run_text(const Pace& pace, double full, double runs, double t_end) {
-    std::string text = fmt::format("  rods: about {}", duration_text(pace.seconds));
-    if (runs > 1.0)
-        text += fmt::format(" each, {} for {:g} runs", duration_text(runs * pace.seconds), runs);
+std::string run_text(const RodsPlan& plan, const Pace& pace, double full, const Runs& runs) {
+    std::string text = fmt::format("  rods{}: about {}", plan.of.suffix(), duration_text(pace.seconds));
+    if (runs.most > 1.0)
+        text += fmt::format(" each, {} for {:g} runs", duration_text(runs.least * pace.seconds), runs.least);
+    if (runs.most > runs.least)
+        text += fmt::format(", with noise.capture_error up to {} for {:g}",
+                            duration_text(runs.most * pace.seconds), runs.most);
     text += fmt::format(": {:.0f} steps, {:.0f} right-hand sides of {}", pace.steps, pace.rates,
                         duration_text(full));
-    return text + (pace.whole
-                       ? "\n"
-                       : fmt::format(", at the pace of the first {:.3g} of {:g}\n", pace.reached, t_end));
+    return text + (pace.whole ? "\n"
+                              : fmt::format(", at the pace of the first {:.3g} of {:g}\n", pace.reached,
+                                            plan.problem.t_end));
 }
 
 /// Rods and medium together: of their steps no part can be left out by itself.
-std::string dynamic_cost(const RodsPlan& plan, double runs) {
+std::string dynamic_cost(const RodsPlan& plan, const Runs& runs) {
     const scene::Medium& medium = *plan.of.scene.medium;
     const Pace pace =
         pace_of(plan.problem, plan.options, [&](const RodProblem& problem, const rods::RodOptions& options) {
-            return static_cast<rods::RodResult>(medium::simulate({problem, medium.memory()}, options));
+            return static_cast<rods::RodResult>(
+                medium::simulate({problem, medium.memory()}, options, [](const medium::FilmFrame&) {}));
         });
     if (!pace.failure.empty())
         return fmt::format("  rods: the solver gives up ({})\n", pace.failure);
     if (!pace.whole && !(pace.reached > 0.0))
         return fmt::format("  rods: a step takes more than {}\n", duration_text(pace.seconds));
-    return run_text(pace, pace.seconds / std::max(pace.rates, 1.0), runs, plan.problem.t_end);
+    return run_text(plan, pace, pace.seconds / std::max(pace.rates, 1.0), runs);
 }
 
 /// The problem in the field of the scene, and in words what that field cost to make.
@@ -284,28 +322,39 @@ Made with_field(const RodsPlan& plan, const std::filesystem::path& folder, const
     return made;
 }
 
-} // namespace
-
-std::string rods_cost(const assembly::Plan& plan, const std::filesystem::path& folder,
+/// `parts`: with a table of what it consists of.
+std::string case_cost(const RodsPlan& plan, const Runs& runs, bool parts, const std::filesystem::path& folder,
                       const RunContext& context) {
-    const RodsPlan& first = plan.rods.front();
-    if (first.of.scene.medium && first.of.scene.medium->is_dynamic())
-        return dynamic_cost(first, static_cast<double>(plan.rods.size()));
-    const Made made = with_field(first, folder, context);
+    if (kind_of(plan).dynamic)
+        return dynamic_cost(plan, runs);
+    const Made made = with_field(plan, folder, context);
     const double full = rates_time(made.problem);
     if (full > 0.1 * cost_budget) // a step is some ten of them
         return made.text + fmt::format("  rods: a right-hand side takes {}, so each step some {}\n",
                                        duration_text(full), duration_text(10.0 * full));
-    const Pace pace = pace_of(made.problem, first.options, simulation(first.noise));
+    const Pace pace = pace_of(made.problem, plan.options, simulation(plan.noise));
     if (!pace.failure.empty())
         return made.text + fmt::format("  rods: the solver gives up ({})\n", pace.failure);
     if (!pace.whole && !(pace.reached > 0.0))
         return made.text + fmt::format("  rods: a step takes more than {}\n", duration_text(pace.seconds));
-    double runs = 0.0;
-    for (const RodsPlan& one : plan.rods)
-        runs += 1.0 + static_cast<double>(samples_of(one.of.scene));
-    return made.text + run_text(pace, full, runs, first.problem.t_end) +
-           cost_table(Rows(first, made.problem, pace, full).all());
+    return made.text + run_text(plan, pace, full, runs) +
+           (parts ? cost_table(Rows(plan, made.problem, pace, full).all()) : "");
+}
+
+} // namespace
+
+std::string rods_cost(const assembly::Plan& plan, const std::filesystem::path& folder,
+                      const RunContext& context) {
+    std::string text;
+    std::vector<Kind> told;
+    for (const RodsPlan& one : plan.rods) {
+        const Kind kind = kind_of(one);
+        if (std::ranges::find(told, kind) != told.end())
+            continue;
+        text += case_cost(one, runs_of_kind(plan, kind), told.empty(), folder, context);
+        told.push_back(kind);
+    }
+    return text;
 }
 
 } // namespace rodwake::stages

@@ -8,20 +8,6 @@ namespace rodwake::stages {
 
 namespace {
 
-const char* status_name(integrate::Termination termination) {
-    switch (termination) {
-    case integrate::Termination::reached_end:
-        return "reached_end";
-    case integrate::Termination::stopped_at_event:
-        return "stopped_at_event";
-    case integrate::Termination::interrupted:
-        return "interrupted";
-    case integrate::Termination::failed:
-        break;
-    }
-    return "failed";
-}
-
 std::string method_name(const assembly::RodsPlan& plan) {
     if (plan.field.backend != scene::FieldBackend::dynamic)
         return integrate::to_string(plan.options.ode.method);
@@ -37,6 +23,11 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly
     solver["method"] = plan.noise ? "noise, strong order 1.5" : method_name(plan);
     solver["form"] = to_string(plan.options.form);
     solver["field"] = assembly::to_string(plan.field.backend);
+    if (plan.field.backend == scene::FieldBackend::dynamic) // which of the two "auto" comes to
+        solver["evaluation"] = medium::evaluation_of(plan.of.scene.medium->memory(),
+                                                     plan.problem.rods.size()) == medium::Evaluation::mesh
+                                   ? "mesh"
+                                   : "sums";
     if (plan.field.tolerance > 0.0)
         solver["field_tolerance"] = plan.field.tolerance;
     if (!plan.field.why.empty())
@@ -48,7 +39,7 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly
         solver["rtol"] = ode.rtol;
         solver["atol"] = ode.atol;
     }
-    solver["status"] = status_name(result.solution.status.termination);
+    solver["status"] = to_string(result.solution.status.termination);
     solver["steps"] = n.steps;
     solver["rhs_evaluations"] = n.rhs_evaluations;
     solver["jacobian_evaluations"] = n.jacobian_evaluations;

@@ -2,6 +2,8 @@
 #include "progress.hpp"
 #include "rods_checkpoint.hpp"
 #include "rods_ensemble.hpp"
+#include "rods_film.hpp"
+#include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/store/csv.hpp"
@@ -29,8 +31,14 @@ struct Work {
     std::shared_ptr<const elastic::MeasuredDisplacement> measured; ///< with field = "measured"
     std::vector<rods::RodResult> samples; ///< in fields drawn from the measured one and its errors
     std::optional<rods::NoiseSums> noisy; ///< all runs with noise, of which `result` is the first
+    std::unique_ptr<RodsFilm> film;       ///< with medium.dynamic.film_interval
 
     const assembly::Case& of() const { return plan->of; }
+    /// A higher limit may follow a failure.
+    bool is_over() const {
+        const integrate::Status& status = result.solution.status;
+        return status.ok() && status.termination != integrate::Termination::interrupted;
+    }
     std::string checkpoint_file() const { return of().folder + "checkpoint.json"; }
     /// Changes with the data of a measured field.
     std::string field_key() const {
@@ -52,6 +60,34 @@ void resume(const Session& session, Work& one) {
                           file.string());
 }
 
+/// Takes up the film where the run is taken up; where its log is not as long, the run begins anew.
+void open_film(const Session& session, Work& one) {
+    const auto folder = session.directory.file(one.of().folder);
+    std::filesystem::create_directories(folder);
+    constexpr double none = -1.0;
+    if (one.options.resume_from)
+        try {
+            one.film = std::make_unique<RodsFilm>(folder, *one.plan, one.options.resume_from->time);
+            return;
+        } catch (const InputError& error) {
+            session.log->warn("{}; starting from the beginning", error.what());
+            one.options.resume_from.reset();
+        }
+    one.film = std::make_unique<RodsFilm>(folder, *one.plan, none);
+}
+
+void solve_dynamic(const Session& session, Work& one) {
+    const medium::DynamicMedium medium = one.of().scene.medium->memory();
+    medium::FilmSink sink;
+    if (medium.film_interval) {
+        open_film(session, one);
+        sink = [&](const medium::FilmFrame& frame) { one.film->add(frame); };
+    }
+    medium::MediumResult result = medium::simulate({one.problem, medium}, one.options, sink);
+    one.own_turn = std::move(result.own_turn);
+    one.result = std::move(static_cast<rods::RodResult&>(result));
+}
+
 void solve(const Session& session, Work& one, bool show_progress) {
     Progress progress(session.context, "rods", one.plan->problem.t_end, "t");
     one.options.ode.stop_requested = [&] { return session.context.stopped(); };
@@ -62,21 +98,18 @@ void solve(const Session& session, Work& one, bool show_progress) {
     if (show_progress)
         one.options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
     one.options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) {
+        if (one.film)
+            one.film->sync();
         session.directory.write(one.checkpoint_file(),
                                 checkpoint_json(checkpoint, one.of().scene, one.field_key()));
     };
     resume(session, one);
     const auto& medium = one.of().scene.medium;
-    if (medium && medium->is_dynamic()) {
-        medium::MediumResult result = medium::simulate({one.problem, medium->memory()}, one.options);
-        one.own_turn = std::move(result.own_turn);
-        one.result = std::move(static_cast<rods::RodResult&>(result));
-    } else {
+    if (medium && medium->is_dynamic())
+        solve_dynamic(session, one);
+    else
         one.result = rods::simulate(one.problem, one.options);
-    }
-    const integrate::Status& status = one.result.solution.status;
-    if (status.ok() &&
-        status.termination != integrate::Termination::interrupted) // a higher limit may follow a failure
+    if (one.is_over())
         std::filesystem::remove(session.directory.file(one.checkpoint_file()));
 }
 
@@ -137,7 +170,7 @@ void store_attributes(Session& session, const Work& one, const std::string& grou
                       *one.of().scene.rods_run->contact_distance * session.units.length);
 }
 
-void store(Session& session, const Work& one, std::int64_t order) {
+void store(Session& session, Work& one, std::int64_t order) {
     const std::size_t rods = one.of().scene.rods.size();
     const Columns columns = trajectory(one.result, rods, session.units);
     const std::size_t times = columns.values[0].size();
@@ -160,6 +193,11 @@ void store(Session& session, const Work& one, std::int64_t order) {
         session.directory.write(one.of().folder + "noise.json",
                                 noise_json(*one.noisy, *one.plan->noise, one.problem, session.units));
         session.directory.write(one.of().folder + "ensemble.csv", noise_csv(*one.noisy, rods, session.units));
+    }
+    if (one.film) {
+        one.film->write(session.units, session.context.command);
+        if (one.is_over())
+            one.film->remove_log();
     }
     if (one.samples.empty())
         return;
@@ -184,7 +222,7 @@ StageEnd report(const Session& session, const Work& one) {
 
 /// Threads that the cases leave over add up the wakes of each.
 Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t threads) {
-    Work one{&plan, plan.problem, plan.options, {}, {}, nullptr, {}, {}};
+    Work one{&plan, plan.problem, plan.options, {}, {}, nullptr, {}, {}, nullptr};
     one.problem.sums.threads = threads;
     const rods::RodProblem& problem = plan.problem;
     if (!(problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box)))

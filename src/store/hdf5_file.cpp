@@ -1,6 +1,8 @@
 #include "hdf5_file.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 namespace rodwake::store {
 
@@ -107,27 +109,36 @@ Hdf5Handle write_dataset(hid_t file, const std::string& path, hid_t type, const 
 
 namespace {
 
-Hdf5Handle whole_dataset(hid_t file, const std::string& path, hsize_t rows) {
-    if (H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0)
-        return Hdf5Handle(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
-    const Hdf5Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose, "shape " + path);
+void make_dataset(hid_t file, const std::string& path, const std::vector<hsize_t>& extent,
+                  const std::string& unit) {
+    const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
+                           H5Sclose, "shape " + path);
     const Hdf5Handle links = link_with_parents();
-    return Hdf5Handle(
+    const Hdf5Handle data(
         H5Dcreate2(file, path.c_str(), H5T_IEEE_F64LE, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT),
         H5Dclose, "create " + path);
+    if (!unit.empty())
+        write_attribute(data.get(), "unit", unit);
 }
 
 } // namespace
 
 void write_part(hid_t file, const std::string& path, std::span<const double> values, hsize_t first,
-                hsize_t rows) {
-    const Hdf5Handle data = whole_dataset(file, path, rows);
+                const std::vector<hsize_t>& extent, const std::string& unit) {
+    if (H5Lexists(file, path.c_str(), H5P_DEFAULT) <= 0)
+        make_dataset(file, path, extent, unit);
     if (values.empty())
         return;
-    const hsize_t count = values.size();
+    const Hdf5Handle data(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
+    const hsize_t row =
+        std::accumulate(extent.begin() + 1, extent.end(), hsize_t{1}, std::multiplies<hsize_t>());
+    std::vector<hsize_t> start(extent.size(), 0), count = extent;
+    start[0] = first;
+    count[0] = values.size() / row;
     const Hdf5Handle there(H5Dget_space(data.get()), H5Sclose, "read the shape of " + path);
-    const Hdf5Handle here(H5Screate_simple(1, &count, nullptr), H5Sclose, "shape a part of " + path);
-    if (H5Sselect_hyperslab(there.get(), H5S_SELECT_SET, &first, nullptr, &count, nullptr) < 0 ||
+    const Hdf5Handle here(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose,
+                          "shape a part of " + path);
+    if (H5Sselect_hyperslab(there.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
         H5Dwrite(data.get(), H5T_NATIVE_DOUBLE, here.get(), there.get(), H5P_DEFAULT, values.data()) < 0)
         throw RunError("HDF5: cannot write " + path + hdf5_reason());
 }

@@ -39,9 +39,10 @@ Hdf5Handle open_group(hid_t file, const std::string& group);
 Hdf5Handle write_dataset(hid_t file, const std::string& path, hid_t type, const std::vector<hsize_t>& extent,
                          const void* values);
 
-/// Some rows of a dataset of `rows` numbers, made if it is not there. Throws RunError.
+/// Whole rows, from `first` on, of a dataset of this extent, made if it is not there; an empty unit is left
+/// out. Throws RunError.
 void write_part(hid_t file, const std::string& path, std::span<const double> values, hsize_t first,
-                hsize_t rows);
+                const std::vector<hsize_t>& extent, const std::string& unit);
 
 void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value);
 /// Of fixed length.

@@ -21,9 +21,10 @@ void Hdf5Writer::dataset(const std::string& path, std::span<const double> values
 }
 
 void Hdf5Writer::part(const std::string& path, std::span<const double> values, std::size_t first,
-                      std::size_t rows) {
+                      const std::vector<std::size_t>& shape, const std::string& unit) {
     const Hdf5Guard guard;
-    write_part(file_->get(), path, values, first, rows);
+    const std::vector<hsize_t> extent(shape.begin(), shape.end());
+    write_part(file_->get(), path, values, first, extent, unit);
 }
 
 void Hdf5Writer::attribute(const std::string& group, const std::string& name, double value) {

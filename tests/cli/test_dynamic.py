@@ -3,6 +3,9 @@
 import json
 import signal
 
+import h5py
+import numpy as np
+
 import rodwake
 from rodwake import ProgramTest, wait_until
 
@@ -48,7 +51,7 @@ class DynamicTest(ProgramTest):
         self.rods("one", "-j", "1")
         self.rods("two", "-j", "2")
         self.assertEqual(self.results("one"), self.results("two"))
-        self.assertEqual(self.outcome("one")["solver"]["method"], "etdrk4")
+        self.assertEqual([self.outcome("one")["solver"][key] for key in ("method", "evaluation")], ["etdrk4", "sums"])
         self.rods("steady", "-s", "medium.field=exact", "-s", "medium.periodic=16")
         self.assertEqual([self.outcome(run)["outcome"] for run in ("one", "steady")], ["contact", "contact"])
         self.assertNotAlmostEqual(self.outcome("one")["time"], self.outcome("steady")["time"], delta=0.05)
@@ -76,6 +79,62 @@ class DynamicTest(ProgramTest):
         self.assertIn("going on from the checkpoint at t = ", done.stderr)
         self.assertEqual(self.results("out"), self.results("whole"))
 
+    def film(self, run):
+        with h5py.File(self.folder / run / "medium_film.h5", "r") as file:
+            return {name: file[name][()] for name in ("t", "x", "y", "ux", "uy", "rods/x", "rods/y", "rods/theta")}
+
+    def assert_same_film(self, one, other):
+        for name, values in self.film(one).items():
+            np.testing.assert_array_equal(values, self.film(other)[name], name)
+
+    def test_a_film_is_stored_and_changes_no_byte_of_the_rods(self):
+        film = "-s", "medium.dynamic.film_interval=0.5", "-s", "medium.dynamic.film_grid=32", "-s", "rods_run.t_end=2"
+        self.rods("filmed", "-j", "1", *film)
+        self.rods("threads", "-j", "2", *film)
+        self.rods("plain", "-s", "rods_run.t_end=2")
+        self.assertEqual(self.results("filmed"), self.results("plain"))
+        self.assert_same_film("filmed", "threads")
+        frames = self.film("filmed")
+        np.testing.assert_allclose(frames["t"], [0, 0.5, 1, 1.5, 2], rtol=0, atol=1e-15)
+        self.assertEqual(frames["ux"].shape, (5, 32, 32))
+        self.assertEqual((frames["x"][0], frames["x"][1]), (-8.0, -7.5))
+        # where a rod pushes along x the medium goes along x: the largest is near a rod
+        _, row, column = np.unravel_index(np.abs(frames["ux"]).argmax(), frames["ux"].shape)
+        self.assertLess(abs(abs(frames["y"][row]) - 2.0), 0.6)
+        self.assertFalse((self.folder / "filmed/medium_film.log").exists())
+        manifest = json.loads((self.folder / "filmed/manifest.json").read_text())["files"]
+        self.assertIn("the sum of the fields of all rods", manifest["medium_film.h5"]["what"])
+        with h5py.File(self.folder / "filmed/medium_film.h5", "r") as file:
+            self.assertIn("rods pair.toml", file.attrs["command"].decode() if isinstance(file.attrs["command"], bytes) else file.attrs["command"])
+            self.assertEqual(file["ux"].attrs["unit"], file["x"].attrs["unit"])
+        told = self.expect(0, "check", "pair.toml", *film).stdout
+        self.assertIn("film of the medium: 5 frames of 32 x 32 points, 82.2 kB in medium_film.h5", told)
+
+    def test_the_film_of_a_resumed_run_is_the_same(self):
+        film = *LONG, "-s", "medium.dynamic.film_interval=0.02", "-s", "medium.dynamic.film_grid=30"
+        self.rods("whole", *film)
+        log = self.folder / "out/medium_film.log"
+        with self.started("rods", "pair.toml", *film, "-o", "out", "--quiet") as process:
+            wait_until(lambda: (log.exists() and log.stat().st_size > 100_000) or process.poll() is not None, 60)
+            self.assertIsNone(process.poll(), "the run ended before it could be stopped")
+            self.stop(process, signal.SIGTERM, 10.0)
+        self.assertLess(len(self.film("out")["t"]), len(self.film("whole")["t"]))
+        self.assertIn("going on from the checkpoint at t = ", self.rods("out", *film).stderr)
+        self.assertEqual(self.results("out"), self.results("whole"))
+        self.assert_same_film("out", "whole")
+
+    def test_a_film_whose_log_is_gone_begins_anew(self):
+        film = *LONG, "-s", "medium.dynamic.film_interval=0.1", "-s", "medium.dynamic.film_grid=30", "-s", "rods_run.t_end=4"
+        self.rods("whole", *film)
+        checkpoint = self.folder / "out/checkpoint.json"
+        with self.started("rods", "pair.toml", *film, "-o", "out", "--quiet") as process:
+            wait_until(lambda: (self.folder / "out/medium_film.log").exists() or process.poll() is not None, 60)
+            self.stop(process, signal.SIGTERM, 10.0)
+        self.assertTrue(checkpoint.exists())
+        (self.folder / "out/medium_film.log").unlink()
+        self.assertIn("starting from the beginning", self.rods("out", *film).stderr)
+        self.assert_same_film("out", "whole")
+
     def test_check_tells_what_is_modelled_and_what_it_costs(self):
         told = self.expect(0, "check", "pair.toml").stdout
         self.assertIn("medium with memory: 30 x 30 modes, force width 0.6, from steady fields", told)
@@ -88,6 +147,7 @@ class DynamicTest(ProgramTest):
         self.rods("two", "-j", "2", *many)
         self.assertEqual(self.results("one"), self.results("two"))
         self.rods("sums", "-j", "1", *many, "-s", "medium.dynamic.evaluation=sums")
+        self.assertEqual([self.outcome(run)["solver"]["evaluation"] for run in ("one", "sums")], ["mesh", "sums"])
         mesh, sums = (self.outcome(run)["turn"] for run in ("one", "sums"))
         self.assertNotEqual(mesh, sums)
         for a, b in zip(mesh, sums, strict=True):  # a rod's own field is left out to first order, no better

@@ -26,7 +26,7 @@ class ScenesTest(ProgramTest):
                 out = self.folder / "results" / scene.stem
                 self.assertEqual(self.status(out), "finished")
                 named = {figure["name"] + ".png" for figure in tomllib.loads(scene.read_text())["figures"]}
-                films = {figure["name"] for figure in tomllib.loads(scene.read_text())["figures"] if figure["kind"] in ("movie", "rods_movie")}
+                films = {figure["name"] for figure in tomllib.loads(scene.read_text())["figures"] if figure["kind"] in ("movie", "rods_movie", "medium_film")}
                 drawn = list((out / "figures").iterdir())
                 self.assertEqual({path.name for path in drawn if path.suffix == ".png"}, named)
                 self.assertEqual({path.stem for path in drawn if path.suffix != ".png"}, films)

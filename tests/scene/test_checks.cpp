@@ -161,6 +161,26 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
          "[medium.dynamic]: start = \"rest\" beside a closure");
 }
 
+TEST_CASE("a film needs a medium that is integrated, an interval and points enough") {
+    const auto scene = [](const std::string& film, const std::string& figure = "",
+                          const std::string& field = "field = \"dynamic\"\n") {
+        return "schema = 1\n[medium]\neta = 1\nxi = 1\n" + field + "[medium.dynamic]\n" + film +
+               "[[rods]]\nposition = [0, 1]\n[[rods]]\nposition = [0, -1]\n[rods_run]\nt_end = 1\n" +
+               (figure.empty() ? "" : "[[figures]]\nname = \"f\"\nkind = \"" + figure + "\"\n");
+    };
+    CHECK(error_text(scene("film_interval = 0.5\n", "medium_film")) == "");
+    CHECK(parse(scene("film_interval = 0.5\nfilm_grid = 96\n")).medium->memory().film_grid == 96);
+    says(scene("film_interval = 0\n"), "medium.dynamic.film_interval = 0: must be > 0");
+    says(scene("film_interval = -1.0\n"), "medium.dynamic.film_interval = -1: must be > 0");
+    says(scene("film_interval = 0.5\nfilm_grid = 2\n"), "medium.dynamic.film_grid = 2: must be >= 4");
+    says(scene("film_interval = 0.5\nfilm_grid = 64\n"), "film_grid = 64: its spacing box/film_grid = 0.625");
+    says(scene("film_interval = 0.5\nclosure = \"steady\"\n"), "film_interval beside a closure");
+    says(scene("", "medium_film"), "a figure of kind medium_film needs medium.field = \"dynamic\" with "
+                                   "medium.dynamic.film_interval");
+    says(scene("film_interval = 0.5\n", "medium_instants", "field = \"exact\"\n"),
+         "a figure of kind medium_instants needs medium.field = \"dynamic\" with");
+}
+
 TEST_CASE("field grids and cuts") {
     const std::string medium = "schema = 1\n[medium]\neta = 1\nxi = 1\n";
     says(medium + "[field]\nx = [0, 1]\n", "field.x and field.y come together");

@@ -51,7 +51,8 @@ TEST_CASE("the schema tells unit, symbol and range of a key") {
     CHECK(find("medium", "eta").at("range") == nlohmann::json{{"above", -1.0}, {"to", 1e12}});
     CHECK(find("granular", "box").at("unit").at("reduced") == "m"); // SI whatever `units` says
     CHECK(find("granular", "start").at("choices").size() == 3);
-    CHECK(find("figures[]", "fps").at("meaning") == "kinds movie, rods_movie: stored frames shown a second");
+    CHECK(find("figures[]", "fps").at("meaning") ==
+          "kinds movie, rods_movie, medium_film: stored frames shown a second");
 }
 
 TEST_CASE("the reference names every key once and every table") {

@@ -227,7 +227,8 @@ TEST_CASE("figures of the bed need it, and what they draw") {
          "x.toml:9:10: colour belongs to kinds snapshot, movie and phase_diagram only");
     says(drawn("movie") + "colour = \"red\"\n", "colour = \"red\": of kind movie it is order or orientation");
     CHECK(parse(drawn("movie")).figures[0].colour == "order");
-    says(drawn("snapshot") + "fps = 30\n", "x.toml:9:7: fps belongs to kinds movie and rods_movie only");
+    says(drawn("snapshot") + "fps = 30\n",
+         "x.toml:9:7: fps belongs to kinds movie, rods_movie and medium_film only");
     const auto film = parse(drawn("movie") + "colour = \"orientation\"\nfps = 30\n");
     CHECK(film.figures[0].colour == "orientation");
     CHECK(film.figures[0].fps == 30);

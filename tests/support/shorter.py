@@ -20,6 +20,7 @@ SHORTER = {"rod_in_bed": settings(granular__duration=0.5),  # its film has a hun
            "quickstart": bed(1.0, 0.1, measure__interval=0.05, measure__from=0, measure__block=0.2), "wake_large": bed(0.2, 0.02, measure__from=0), "bead_drag": bed(0.5, 0.1), "pursuit_bed": bed(0.3, 0.1, 2),
            "crowd": settings(rods_random__count=40, rods_run__t_end=4, rods_order__from=1),
            "crowd_dynamic": settings(rods_random__count=80, rods_run__t_end=1, rods_order__from=0, medium__dynamic__modes=100, medium__dynamic__force_width=0.85),
+           "medium_film": settings(rods_run__t_end=2, medium__dynamic__film_interval=0.5),
            "pair_measured": bed(1.0, 0.1, measure__interval=0.05, measure__from=0, measure__block=0.2, measure__spacing="2 a", medium__measured__smoothing=1,
                                medium__measured__samples=2, field__nx=20, field__ny=20),
            "apolar_pair": bed(0.3, 0.1, 2), "pair_film": bed(0.5, 0.25), "pursuit_film": bed(0.5, 0.25), "capture_kappa": [], "capture_gamma": [],

@@ -112,6 +112,8 @@ struct OdeOptions {
 };
 
 enum class Termination { reached_end, stopped_at_event, interrupted, failed };
+/// Names for messages and files: "reached_end".
+const char* to_string(Termination termination);
 
 /// How a solve ended. For `failed`, everything a user needs to act on it.
 struct Status {

@@ -18,6 +18,7 @@
 #include "rodwake/elastic/medium.hpp"
 
 #include <cstddef>
+#include <optional>
 
 namespace rodwake::medium {
 
@@ -51,7 +52,9 @@ struct DynamicMedium {
     Start start = Start::steady;
     Closure closure = Closure::none; ///< others than none: with Start::steady, sums and inertia = 0 only
     Evaluation evaluation = Evaluation::automatic;
-    double inertia = 0.0; ///< rho v0^2/mu, 0 to 1e6
+    double inertia = 0.0;                     ///< rho v0^2/mu, 0 to 1e6
+    std::optional<double> film_interval = {}; ///< f/(mu v0), of the frames of film.hpp; absent: none
+    std::size_t film_grid = 128;              ///< their points a side
 
     bool operator==(const DynamicMedium&) const = default;
 };

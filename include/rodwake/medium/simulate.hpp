@@ -16,6 +16,7 @@
 // transforms (bench/medium_bench.cpp).
 
 #include "rodwake/medium/dynamic_medium.hpp"
+#include "rodwake/medium/film.hpp"
 #include "rodwake/rods/simulate.hpp"
 
 #include <cstddef>
@@ -41,7 +42,10 @@ struct MediumResult : rods::RodResult {
 /// comes every few seconds and when a run is interrupted; its state: poses, the next step, the amplitudes of
 /// the fields. Deterministic, with the same bits for any rods.sums.threads. Throws InputError for what
 /// validate or rods::simulate would not take, and for rods closer than force_width.
-MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& options);
+/// With a film_interval `film` gets the frames of film.hpp; those up to a checkpoint's time come before it,
+/// and a run that is resumed goes on with the next. They change no other result.
+MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& options,
+                      const FilmSink& film = nullptr);
 
 /// Throws InputError if two rods are closer than force_width, through the box's sides too: there the field is
 /// that of the Gaussian, not of a rod.

@@ -27,9 +27,10 @@ public:
     void dataset(const std::string& path, std::span<const double> values,
                  const std::vector<std::size_t>& shape, const std::string& unit);
 
-    /// Rows from `first` of a one-dimensional dataset of `rows`, which the first call makes: for columns that
-    /// are longer than what one wants to hold. `unit` is left out.
-    void part(const std::string& path, std::span<const double> values, std::size_t first, std::size_t rows);
+    /// Whole rows, from `first` on, of a dataset of this shape (its first extent counts the rows), which the
+    /// first call makes: for what is longer than one wants to hold. An empty `unit` is left out.
+    void part(const std::string& path, std::span<const double> values, std::size_t first,
+              const std::vector<std::size_t>& shape, const std::string& unit = "");
 
     /// Attribute of a group ("/" or "/medium"), which is made if missing.
     void attribute(const std::string& group, const std::string& name, double value);

@@ -44,7 +44,7 @@ void PointColumns::add(std::span<const scan::Result> results) {
     std::vector<double> block(results.size());
     for (const Column& column : columns_) {
         std::ranges::transform(results, block.begin(), column.value);
-        h5_.part("/points/" + column.name, block, written_, rows_);
+        h5_.part("/points/" + column.name, block, written_, {rows_});
     }
     written_ += results.size();
 }

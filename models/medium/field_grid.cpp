@@ -1,0 +1,80 @@
+#include "fft.hpp"
+#include "mode_displacement.hpp"
+#include "rodwake/medium/film.hpp"
+
+#include <vector>
+
+namespace rodwake::medium {
+
+namespace {
+
+/// Both transforms of a square of complex numbers with e^(+2 pi i j k/n), line by line and then across.
+class SquareTransform {
+public:
+    explicit SquareTransform(std::size_t points) : fft_(points), data_(points), other_(points) {}
+
+    void run(std::vector<Complex>& square) {
+        along(square, fft_.size(), 1);
+        along(square, 1, fft_.size());
+    }
+
+private:
+    /// Lines `apart` from each other, their elements `step`.
+    void along(std::vector<Complex>& square, std::size_t apart, std::size_t step) {
+        const std::size_t n = fft_.size();
+        for (std::size_t first = 0; first < n; first += Fft::lanes) {
+            const std::size_t count = std::min(Fft::lanes, n - first);
+            for (std::size_t j = 0; j < n; ++j)
+                for (std::size_t lane = 0; lane < Fft::lanes; ++lane) {
+                    const Complex value =
+                        lane < count ? square[(first + lane) * apart + j * step] : Complex{};
+                    // parts swapped before and after change the sign of the exponent
+                    set_lane(data_[j], lane, {value.im, value.re});
+                }
+            fft_.transform(data_, other_);
+            for (std::size_t j = 0; j < n; ++j)
+                for (std::size_t lane = 0; lane < count; ++lane) {
+                    const Complex value = lane_of(data_[j], lane);
+                    square[(first + lane) * apart + j * step] = {value.im, value.re};
+                }
+        }
+    }
+
+    Fft fft_;
+    std::vector<Fft::Element> data_, other_;
+};
+
+/// Where a wave number -n ... n stands in a transform of `points`.
+std::size_t folded(std::ptrdiff_t n, std::size_t points) {
+    const auto size = static_cast<std::ptrdiff_t>(points);
+    return static_cast<std::size_t>((n % size + size) % size);
+}
+
+} // namespace
+
+FieldGrid::FieldGrid(std::size_t points) : points_(Fft(points).size()) {}
+
+void FieldGrid::evaluate(const ModalField& modes, std::span<const double> field, std::span<double> ux,
+                         std::span<double> uy) const {
+    std::vector<Complex> square(points_ * points_); // [j][i] of u_x + i u_y
+    const auto half = static_cast<std::ptrdiff_t>(modes.rows() - 1);
+    const auto columns = static_cast<std::ptrdiff_t>(modes.columns());
+    for (std::ptrdiff_t m = 0; m <= half; ++m)
+        for (std::ptrdiff_t n = m == 0 ? 1 : -half; n <= half; ++n) {
+            const Displacement u =
+                displacement(modes, static_cast<std::size_t>(m * columns + n + half), field);
+            // the corner of the grid is -(box, box)/2: e^(i q.corner) = (-1)^(m + n)
+            const double sign = (m + n) % 2 == 0 ? 1.0 : -1.0;
+            Complex& plus = square[folded(n, points_) * points_ + folded(m, points_)];
+            plus = plus + sign * (u.x + times_i(u.y));
+            Complex& minus = square[folded(-n, points_) * points_ + folded(-m, points_)];
+            minus = minus + sign * (conjugate(u.x) + times_i(conjugate(u.y)));
+        }
+    SquareTransform(points_).run(square);
+    for (std::size_t k = 0; k < square.size(); ++k) {
+        ux[k] = square[k].re;
+        uy[k] = square[k].im;
+    }
+}
+
+} // namespace rodwake::medium

@@ -1,0 +1,75 @@
+#include "rodwake/medium/film.hpp"
+
+#include "fft.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::medium {
+
+namespace {
+
+constexpr std::size_t fewest_points = 4, most_points = 1024;
+constexpr double most_frames = 1e6;
+
+/// Least legal number of points a side that resolves the force.
+std::size_t points_needed(const DynamicMedium& m) {
+    const auto least = static_cast<std::size_t>(std::ceil(m.box / m.force_width));
+    return Fft::suitable(std::max(least, fewest_points));
+}
+
+void check_grid(const DynamicMedium& m) {
+    if (m.film_grid < fewest_points || m.film_grid > most_points || Fft::suitable(m.film_grid) != m.film_grid)
+        throw InputError(fmt::format(
+            "film_grid = {}: must be {} to {}, even and without prime factors but "
+            "2, 3 and 5, such as {}",
+            m.film_grid, fewest_points, most_points,
+            std::min(Fft::suitable(std::max(m.film_grid, fewest_points)), Fft::suitable(most_points))));
+    if (const double spacing = m.box / static_cast<double>(m.film_grid); spacing > m.force_width)
+        throw InputError(fmt::format("film_grid = {}: its spacing box/film_grid = {:.4g} is above "
+                                     "force_width = {}, so that rods would fall between the points; take {} "
+                                     "or more",
+                                     m.film_grid, spacing, m.force_width, points_needed(m)));
+}
+
+} // namespace
+
+std::vector<double> film_times(const DynamicMedium& medium, double t_end) {
+    std::vector<double> times;
+    if (!medium.film_interval)
+        return times;
+    constexpr double rounding = 1e-12; // of t_end over the interval
+    const auto last = static_cast<std::size_t>(t_end / *medium.film_interval * (1.0 + rounding));
+    times.reserve(last + 1);
+    for (std::size_t k = 0; k <= last; ++k)
+        times.push_back(std::min(static_cast<double>(k) * *medium.film_interval, t_end));
+    return times;
+}
+
+std::size_t film_frame_size(const DynamicMedium& medium, std::size_t rods) {
+    return 1 + 3 * rods + 2 * medium.film_grid * medium.film_grid;
+}
+
+void validate_film(const DynamicMedium& m, std::size_t rods, double t_end) {
+    if (!m.film_interval)
+        return;
+    if (!(*m.film_interval > 0.0 && std::isfinite(*m.film_interval)))
+        throw InputError(fmt::format("film_interval = {}: must be > 0 and finite; leave it out for no film",
+                                     *m.film_interval));
+    if (m.closure != Closure::none)
+        throw InputError("film_interval beside a closure, whose medium is not integrated: leave it out, or "
+                         "closure = \"none\"");
+    check_grid(m);
+    const double frames = std::floor(t_end / *m.film_interval) + 1.0,
+                 bytes = 8.0 * frames * static_cast<double>(film_frame_size(m, rods));
+    if (frames > most_frames || bytes > most_film_bytes)
+        throw InputError(fmt::format("film_interval = {} and film_grid = {} make {:g} frames, {:.3g} GB: at "
+                                     "most {:g} and {:.3g} GB; take a longer interval or fewer points",
+                                     *m.film_interval, m.film_grid, frames, 1e-9 * bytes, most_frames,
+                                     1e-9 * most_film_bytes));
+}
+
+} // namespace rodwake::medium
