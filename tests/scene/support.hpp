@@ -53,6 +53,7 @@ taper = "stepwise"
 [[granular.rods]]
 position = ["20 a", "31.5 a"]
 [measure]
+bead_drag = 13.9
 order = true
 displacement = "phase"
 [fit]
