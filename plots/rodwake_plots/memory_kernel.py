@@ -9,18 +9,31 @@ FILE = "memory_kernel.csv"
 
 
 def draw(run, spec):
-    parts = measured.holders(run, FILE)
+    parts, tables, _ = drawable(run)
     figure, axes = curves.panel(len(parts), 3.4)
-    tables = [read(part) for part in parts]
     for part, table, colour in zip(parts, tables, curves.colours(len(parts))):
         curves.band(axes, table["s"], table["value"], table["sigma"], colour, label(part, table), lowest=table["value"].min() / 10)
         spring(axes, part, table, colour)
-    inertia(axes, part=parts[0], tables=tables)
+    inertia(axes, tables)
     low, high = (edge(edge(table["value"]) for table in tables) for edge in (min, max))
     axes.set(xscale="log", yscale="log", ylim=(low / 3, 3 * high), xlabel=r"$s$ (1/s)", ylabel=r"$\tilde{k}(s)$ (N/m)")
     curves.legend(axes)
     canvas.heading(axes, style.safe(spec.title))
     return figure
+
+
+def drawable(run):
+    """Runs or variants with their curves, and what is wrong with those that have none."""
+    parts, tables, faults = [], [], []
+    for part in measured.holders(run, FILE):
+        try:
+            tables.append(read(part))
+            parts.append(part)
+        except PlotError as error:
+            faults.append((part, error))
+    if not parts:
+        raise faults[0][1]
+    return parts, tables, faults
 
 
 def read(part):
@@ -50,10 +63,8 @@ def spring(axes, part, table, colour):
         axes.plot([table["s"][0], max(last, table["s"][0])], [found.value] * 2, color=colour, linewidth=1.0, linestyle=(0, (5, 3)), zorder=2)
 
 
-def inertia(axes, part, tables):
+def inertia(axes, tables):
     """m s^2, which was taken off; the mass is the same for all."""
-    if part is None:
-        return
     s = np.unique(np.concatenate([table["s"] for table in tables]))
     first = tables[0]
     mass = np.median(first["inertia"] / first["s"] ** 2)
@@ -61,15 +72,16 @@ def inertia(axes, part, tables):
 
 
 def caption(run, _):
-    parts = measured.holders(run, FILE)
-    dragged = [read(part)["dragged"] for part in parts]
+    parts, tables, faults = drawable(run)
+    dragged = [table["dragged"] for table in tables]
     what = ("<i>k̃</i>(<i>s</i>) + <i>Γs</i>, no drag of the plates being given (<code>measure.bead_drag</code>)" if all(dragged)
             else "<i>k̃</i>(<i>s</i>)" + (", with <i>Γs</i> where no drag of the plates is given" if any(dragged) else ", the drag of the plates taken off"))
     told = "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{words.with_error(*found[:2], 1e6)} µN/m"
                      for part in parts if (found := part.estimate("microrheology", "spring")))
+    short = "".join(f" {words.label_html(part.label)}: too short, or frames too far apart, for any <i>s</i>." for part, _ in faults)
     return (f"Memory kernel of what holds a bead, {what}; the inertia <i>ms</i>² of the bare bead is taken off, the broken grey line. "
             "Band: standard error and what frames and length of the run leave open; drawn where the latter is below 2 % of all that resists; "
-            f"short broken lines: stiffness at <i>s</i> → 0{', ' + told if told else ''}.{measured.not_measured(run, FILE)}")
+            f"short broken lines: stiffness at <i>s</i> → 0{', ' + told if told else ''}.{short}{measured.not_measured(run, FILE)}")
 
 
 def defaults(_):

@@ -35,8 +35,9 @@ force = true
 block = "0.25 s"
 """
 A = 0.4e-3
-FILES = {"measure.json", "measure.h5", "gr.csv", "gB.csv", "msd.csv", "stiffness.csv", "marked.csv", "displacement.vti",
-         "flow.vti", "profile_Ux_x.csv", "profile_Ux_y.csv", "profile_Uy_x.csv", "profile_Uy_y.csv"}
+FILES = {"measure.json", "measure.h5", "gr.csv", "gB.csv", "msd.csv", "stiffness.csv", "memory_kernel.csv",
+         "marked.csv", "displacement.vti", "flow.vti", "profile_Ux_x.csv",
+         "profile_Ux_y.csv", "profile_Uy_x.csv", "profile_Uy_y.csv"}
 
 
 def read(file):

@@ -53,11 +53,15 @@ def results(phi):
     })
 
 
+UNKNOWN = {"value": None, "error": None, "samples": None}
+
+
 def laid_over(pattern, changes):
-    """A copy with these values, each of which the pattern has under that name: a made-up name is an error."""
+    """A copy with these values, each of which the pattern has under that name: a made-up name is an error. What the pattern does
+    not know (null) may be an estimate."""
     if set(changes) - set(pattern):
         raise KeyError(f"not written by rodwake measure: {sorted(set(changes) - set(pattern))}")
-    return {key: laid_over(old, changes[key]) if isinstance(changes.get(key), dict) else changes.get(key, old)
+    return {key: laid_over(UNKNOWN if old is None else old, changes[key]) if isinstance(changes.get(key), dict) else changes.get(key, old)
             for key, old in pattern.items()}
 
 

@@ -41,13 +41,25 @@ class MemoryKernelTest(PlotCase):
         self.assertIn("with <i>Γs</i> where no drag", caption)
         self.assertIn("3.20 ± 0.10 µN/m", caption)
 
+    def spoil(self, parts):
+        for part in parts:
+            path = self.folder / part / "measure.json"
+            path.write_text(path.read_text().replace('"kernel_low": 0.1', '"kernel_low": null'))
+
+    def test_a_part_without_range_is_left_out_and_named(self):
+        self.spoil(["variants/v1"])
+        drawn, caption = self.draw()
+        self.assertFalse([line for line in drawn.axes[0].lines if line.get_label().startswith("v1")])
+        self.line(drawn, "$\\phi_b")
+        self.assertIn("v1: too short", caption)
+
     def test_a_range_is_needed(self):
-        path = self.folder / "measure.json"
-        path.write_text(path.read_text().replace('"kernel_low": 0.1', '"kernel_low": null'))
+        self.spoil([".", "variants/v1"])
         self.assert_fails('figure "fig"', "memory_kernel.csv", "good to 2 % at no s")
 
-    def test_a_kernel_below_zero_cannot_be_drawn(self):
-        (self.folder / "memory_kernel.csv").write_text("s,total,total_error,bias,with_drag,kernel,kernel_error\n1,1,1,1,-1,-2,1\n")
+    def test_kernels_below_zero_cannot_be_drawn(self):
+        for part in (".", "variants/v1"):
+            (self.folder / part / "memory_kernel.csv").write_text("s,total,total_error,bias,with_drag,kernel,kernel_error\n1,1,1,1,-1,-2,1\n")
         self.assert_fails('figure "fig"', "memory_kernel.csv", "no kernel > 0")
 
 
