@@ -171,7 +171,7 @@ TEST_CASE("a film needs a medium that is integrated, an interval and points enou
     CHECK(error_text(scene("film_interval = 0.5\n", "medium_film")) == "");
     CHECK(parse(scene("film_interval = 0.5\nfilm_grid = 96\n")).medium->memory().film_grid == 96);
     says(scene("film_interval = 0\n"), "medium.dynamic.film_interval = 0: must be > 0");
-    says(scene("film_interval = -1.0\n"), "medium.dynamic.film_interval = -1: must be > 0");
+    says(scene("film_interval = -1.0\n"), "medium.dynamic.film_interval = -1.0: must be > 0");
     says(scene("film_interval = 0.5\nfilm_grid = 2\n"), "medium.dynamic.film_grid = 2: must be >= 4");
     says(scene("film_interval = 0.5\nfilm_grid = 64\n"), "film_grid = 64: its spacing box/film_grid = 0.625");
     says(scene("film_interval = 0.5\nclosure = \"steady\"\n"), "film_interval beside a closure");
