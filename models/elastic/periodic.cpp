@@ -1,4 +1,5 @@
 #include "rodwake/elastic/periodic.hpp"
+#include "rodwake/core/box_sides.hpp"
 
 #include "periodic_impl.hpp"
 #include "rodwake/core/error.hpp"
@@ -28,16 +29,11 @@ constexpr double small_c = 1e-2;
 }
 
 [[noreturn]] void refuse_box(const PeriodicBox& box, const char* why) {
-    std::ostringstream message;
-    message << "box = " << box.x;
-    if (!box.square())
-        message << " x " << box.y;
-    message << ": " << why;
-    throw InputError(message.str());
+    throw InputError("box = " + to_string(box) + ": " + why);
 }
 
 void check_box(const PeriodicBox& box, const Medium& medium) {
-    if (!(box.shorter() > 0.0) || !std::isfinite(box.longer()) || std::isnan(box.x) || std::isnan(box.y))
+    if (!valid_sides(box))
         refuse_box(box, "the sides of the periodic box must be > 0 and finite");
     if (!(box.longer() <= largest_aspect * box.shorter()))
         refuse_box(box, "one side is more than 1000 times the other; take sides that are closer");
