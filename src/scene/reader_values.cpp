@@ -111,7 +111,10 @@ void Reader::operator()(const Key& key, std::optional<PeriodicBox>& value) {
     if (!entry)
         return;
     const std::string path = path_of(key.name);
-    if (entry->value.as<Node::List>()) {
+    const auto* list = entry->value.as<Node::List>();
+    if (list && list->empty()) {
+        wrong_type(entry->value, path, "expected a length (\"78 a\") or two ([\"78 a\", \"77 a\"])");
+    } else if (list) {
         Key sides = key;
         sides.items(2, 2);
         if (const auto found = numbers(sides, entry->value, path))

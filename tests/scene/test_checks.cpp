@@ -144,7 +144,7 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
                                                            .start = rodwake::medium::Start::rest,
                                                            .evaluation = rodwake::medium::Evaluation::mesh,
                                                            .inertia = 0.5});
-    CHECK(medium.box() == 20.0);
+    CHECK(medium.box()->x == 20.0);
     says(scene("force_width = 0.3\n"),
          "[medium.dynamic]: force_width = 0.3 is below the grid spacing box/modes = 0.4167");
     says(scene("box = 1.9\n"), "[medium.dynamic]: box = 1.9 is less than 4 force_width = 2");

@@ -62,7 +62,7 @@ TEST_CASE("fit.box is one side or two") {
     CHECK(fit.box->y == Approx(78.0));
     const std::string both = "box = [\"78 a\", \"77 a\"]\n";
     survives(fitted(both));
-    CHECK(*parse(bed("") + fitted(both).substr(11)).fit->box == PeriodicBox(78.0, 77.0));
+    CHECK(*parse(bed("") + fitted(both).substr(11)).fit->box == rodwake::PeriodicBox(78.0, 77.0));
     says(fitted("box = [\"78 a\", \"-77 a\"]\n"), "fit.box");
     says(fitted("box = [\"78 a\"]\n"), "fit.box");
     says(fitted("box = [1, 2, 3]\n"), "fit.box");

@@ -112,7 +112,7 @@ TEST_CASE("keys of [medium] stay in it beside [medium.table]") {
 TEST_CASE("a rectangle of medium.periodic survives") {
     const Scene scene = parse("schema = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[medium]\neta = 1\nxi = 1\n"
                               "periodic = [78.0, 77.0]\n");
-    CHECK(*scene.medium->periodic == PeriodicBox(78.0, 77.0));
+    CHECK(*scene.medium->periodic == rodwake::PeriodicBox(78.0, 77.0));
     CHECK(parse(to_toml(scene)) == scene);
 }
 
