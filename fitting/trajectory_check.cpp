@@ -1,5 +1,6 @@
 #include "trajectory_run.hpp"
 
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/separation.hpp"
 
@@ -47,8 +48,8 @@ void check_sigma(const Trajectory& one, const char* name, double sigma) {
 }
 
 void check_domain(const Trajectory& one) {
-    require(!one.box || (*one.box > 0.0 && std::isfinite(*one.box)), one.name,
-            fmt::format("box = {}: must be above 0 and finite", one.box.value_or(0.0)));
+    require(!one.box || valid_sides(*one.box), one.name,
+            fmt::format("box = {}: must be above 0 and finite", to_string(one.box.value_or(0.0))));
     require(one.independent > 0.0 && one.independent <= 1.0, one.name,
             fmt::format("independent = {}: a row is worth more than 0 and at most 1 row", one.independent));
 }

@@ -1,6 +1,7 @@
 // Residuals of profiles against the field of a moving rod.
 
 #include "rodwake/fitting/wake.hpp"
+#include "rodwake/core/box_sides.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "wake_terms.hpp"
@@ -53,8 +54,9 @@ void check_profile(const Profile& profile) {
 }
 
 void check_model(const WakeModel& model) {
-    if (model.box && !(*model.box > 0.0 && std::isfinite(*model.box)))
-        throw InputError(fmt::format("box = {}: the side of the periodic box must be above 0", *model.box));
+    if (model.box && !valid_sides(*model.box))
+        throw InputError(
+            fmt::format("box = {}: the sides of the periodic box must be above 0", to_string(*model.box)));
     if (!(model.core >= 0.0) || !std::isfinite(model.heading))
         throw InputError("core must be 0 or more, and the heading a finite number");
 }
@@ -67,14 +69,14 @@ void check_singularity(const WakeModel& model, const WakeTerms& terms, const std
     for (const Point& point : points) {
         if (!elastic::is_singular(point.x, point.y, model.box, model.heading))
             continue;
-        if (!model.box || std::hypot(point.x, point.y) < 0.5 * *model.box)
+        if (!model.box || std::hypot(point.x, point.y) < 0.5 * model.box->shorter())
             throw InputError(
                 point.where +
                 ": the model is infinite at the rod's centre; a core above 0 leaves this point out");
         throw InputError(
-            fmt::format("{}: ({:g}, {:g}) is the place of an image of the rod in the box of {:g}, where "
+            fmt::format("{}: ({:g}, {:g}) is the place of an image of the rod in the box of {}, where "
                         "the model is infinite; leave this point out, by the profile's range for one",
-                        point.where, point.x, point.y, *model.box));
+                        point.where, point.x, point.y, to_string(*model.box)));
     }
 }
 

@@ -107,7 +107,8 @@ void PlaneField::mutual(std::span<const Source> rods, FieldRequest request,
 
 class PeriodicWake final : public Wake {
 public:
-    PeriodicWake(const Medium& medium, double box, double heading) : field_(medium, box, heading) {}
+    PeriodicWake(const Medium& medium, const PeriodicBox& box, double heading)
+        : field_(medium, box, heading) {}
 
     FieldValues at(double x, double y, FieldRequest request) const override {
         return field_.at(x, y, request);
@@ -132,22 +133,22 @@ private:
 
 class BoxField final : public WakeField {
 public:
-    BoxField(const Medium& medium, double box) : medium_(medium), box_(box) { validate(medium); }
+    BoxField(const Medium& medium, const PeriodicBox& box) : medium_(medium), box_(box) { validate(medium); }
 
     const Medium& medium() const override { return medium_; }
-    std::optional<double> box() const override { return box_; }
+    std::optional<PeriodicBox> box() const override { return box_; }
     std::shared_ptr<const Wake> wake(double heading) const override {
         return std::make_shared<const PeriodicWake>(medium_, box_, heading);
     }
 
 private:
     Medium medium_;
-    double box_;
+    PeriodicBox box_;
 };
 
 } // namespace
 
-std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional<double> box,
+std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional<PeriodicBox> box,
                                              const MutualWakesOptions& sums) {
     if (box)
         return std::make_shared<const BoxField>(medium, *box);

@@ -1,6 +1,7 @@
 // From measured bins to a smooth field: what they have beyond theory, smoothed, with draws of its errors.
 
 #include "measured_residual.hpp"
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/rng.hpp"
 #include "smoothing_spline.hpp"
@@ -55,7 +56,7 @@ struct Component {
 
 } // namespace
 
-void validate(const MeasuredGrid& g, const MeasuredOptions& o, std::optional<double> box) {
+void validate(const MeasuredGrid& g, const MeasuredOptions& o, std::optional<PeriodicBox> box) {
     const auto refuse = [](const auto&... words) {
         std::ostringstream text;
         (text << ... << words);
@@ -83,9 +84,10 @@ void validate(const MeasuredGrid& g, const MeasuredOptions& o, std::optional<dou
     if (!(o.window <= 0.5 * g.box() && o.correlation <= 0.5 * g.box()))
         refuse("measured field: window = ", o.window, ", correlation = ", o.correlation,
                ": at most half the box, ", 0.5 * g.box());
-    if (box && !(*box > std::numbers::sqrt2 * o.edge))
-        refuse("measured field: in a box of ", *box, " f/mu what was measured up to edge = ", o.edge,
-               " would meet its own image: the box must be larger than sqrt(2) edge");
+    if (box && !(box->shorter() > std::numbers::sqrt2 * o.edge))
+        refuse("measured field: in a box of ", to_string(*box),
+               " f/mu what was measured up to edge = ", o.edge,
+               " would meet its own image: its sides must be longer than sqrt(2) edge");
 }
 
 struct MeasuredDisplacement::Impl {
@@ -104,7 +106,7 @@ struct MeasuredDisplacement::Impl {
     std::vector<double> levelled(std::vector<double> coefficients) const;
     double x(std::size_t bin) const { return grid.place(bin % grid.n); }
     double y(std::size_t bin) const { return grid.place(bin / grid.n); }
-    std::shared_ptr<const WakeField> with(std::optional<double> box, std::vector<double> cx,
+    std::shared_ptr<const WakeField> with(std::optional<PeriodicBox> box, std::vector<double> cx,
                                           std::vector<double> cy) const;
 };
 
@@ -180,7 +182,7 @@ std::vector<double> MeasuredDisplacement::Impl::levelled(std::vector<double> coe
     return coefficients;
 }
 
-std::shared_ptr<const WakeField> MeasuredDisplacement::Impl::with(std::optional<double> box,
+std::shared_ptr<const WakeField> MeasuredDisplacement::Impl::with(std::optional<PeriodicBox> box,
                                                                   std::vector<double> cx,
                                                                   std::vector<double> cy) const {
     validate(grid, options, box);
@@ -191,12 +193,12 @@ MeasuredDisplacement::MeasuredDisplacement(const MeasuredGrid& grid, const Mediu
                                            const MeasuredOptions& options)
     : impl_(std::make_shared<const Impl>(grid, theory, options)) {}
 
-std::shared_ptr<const WakeField> MeasuredDisplacement::field(std::optional<double> box) const {
+std::shared_ptr<const WakeField> MeasuredDisplacement::field(std::optional<PeriodicBox> box) const {
     return impl_->with(box, impl_->coefficients_x, impl_->coefficients_y);
 }
 
 std::shared_ptr<const WakeField> MeasuredDisplacement::drawn(std::uint64_t seed, std::uint32_t sample,
-                                                             std::optional<double> box) const {
+                                                             std::optional<PeriodicBox> box) const {
     const auto coefficients = [&](std::uint32_t which) {
         const Component& c = impl_->components[which];
         const std::vector<double> errors = impl_->errors(

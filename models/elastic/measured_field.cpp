@@ -15,7 +15,7 @@ namespace {
 /// images. `visit` gets each with the way there.
 class Images {
 public:
-    Images(std::optional<double> box, double heading)
+    Images(std::optional<PeriodicBox> box, double heading)
         : box_(box), cosine_(std::cos(heading)), sine_(std::sin(heading)) {}
 
     template<class Visit>
@@ -26,17 +26,18 @@ public:
             return;
         }
         const Vector lab = turned(Vector{x, y}, cosine_, sine_);
-        const double across = std::nearbyint(lab.x / *box_), along = std::nearbyint(lab.y / *box_);
+        const double across = std::nearbyint(lab.x / box_->x), along = std::nearbyint(lab.y / box_->y);
         for (const double i : {-1.0, 0.0, 1.0})
             for (const double j : {-1.0, 0.0, 1.0}) {
-                const Vector way = turned(Vector{(i - across) * *box_, (j - along) * *box_}, cosine_, -sine_);
+                const Vector way =
+                    turned(Vector{(i - across) * box_->x, (j - along) * box_->y}, cosine_, -sine_);
                 if (const Vector at{x + way.x, y + way.y}; residual.reaches(at.x, at.y))
                     visit(at, way);
             }
     }
 
 private:
-    std::optional<double> box_;
+    std::optional<PeriodicBox> box_;
     double cosine_, sine_;
 };
 
@@ -97,7 +98,7 @@ public:
         return {.displacement = true, .dipole = false, .gradients = true, .medium_derivatives = false};
     }
     const Medium& medium() const override { return theory_->medium(); }
-    std::optional<double> box() const override { return theory_->box(); }
+    std::optional<PeriodicBox> box() const override { return theory_->box(); }
     std::shared_ptr<const Wake> wake(double heading) const override {
         return std::make_shared<const MeasuredWake>(theory_->wake(heading), residual_,
                                                     Images(box(), heading));

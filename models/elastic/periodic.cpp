@@ -1,4 +1,5 @@
 #include "rodwake/elastic/periodic.hpp"
+#include "rodwake/core/box_sides.hpp"
 
 #include "periodic_impl.hpp"
 #include "rodwake/core/error.hpp"
@@ -12,17 +13,34 @@ namespace rodwake::elastic {
 
 namespace {
 
-/// Potentials with c L above it need thousands of terms.
+/// Potentials with c L above it need thousands of terms; L the longer side.
 constexpr double largest_c = 1e6;
-/// Of L/xi: below it powers of it underflow.
+/// Of L/xi: below it powers of it underflow; L the shorter side.
 constexpr double smallest_ratio = 1e-100;
-/// Below it G_T - G_L is an integral over c: subtraction would lose 1/c.
+/// Of a box's longer side over its shorter one: the number of terms grows with it.
+constexpr double largest_aspect = 1e3;
+/// Of c L, L the longer side. Below it G_T - G_L is an integral over c: subtraction would lose 1/c L.
 constexpr double small_c = 1e-2;
 
-[[noreturn]] void refuse(const char* name, double value, const std::string& why) {
+[[noreturn]] void refuse_heading(double heading) {
     std::ostringstream message;
-    message << name << " = " << value << ": " << why;
+    message << "heading = " << heading << ": must be finite";
     throw InputError(message.str());
+}
+
+[[noreturn]] void refuse_box(const PeriodicBox& box, const char* why) {
+    throw InputError("box = " + to_string(box) + ": " + why);
+}
+
+void check_box(const PeriodicBox& box, const Medium& medium) {
+    if (!valid_sides(box))
+        refuse_box(box, "the sides of the periodic box must be > 0 and finite");
+    if (!(box.longer() <= largest_aspect * box.shorter()))
+        refuse_box(box, "one side is more than 1000 times the other; take sides that are closer");
+    if (!(0.5 * box.longer() / medium.xi * std::max(1.0, medium.nu()) <= largest_c))
+        refuse_box(box, "more than 2e6 decay lengths of the field; leave the box out (infinite plane)");
+    if (!(box.shorter() / medium.xi >= smallest_ratio))
+        refuse_box(box, "less than 1e-100 screening lengths; check the units");
 }
 
 [[noreturn]] void refuse_place(double x, double y, const char* why) {
@@ -54,11 +72,11 @@ void check(FieldRequest request) {
 
 } // namespace
 
-FieldValues assembled(const Parts& p, FieldRequest request, double box, double shear_decay, double uniform) {
-    const double unit = 0.5 * std::numbers::inv_pi, second = unit / box, third = second / box;
+FieldValues assembled(const Parts& p, FieldRequest request, double unit, double shear_decay, double uniform) {
+    const double first = 0.5 * std::numbers::inv_pi, second = first / unit, third = second / unit;
     FieldValues f = unrequested();
     if (request.displacement)
-        f.displacement = {unit * (p.a.v + p.b.x), unit * p.b.y};
+        f.displacement = {first * (p.a.v + p.b.x), first * p.b.y};
     if (request.strain)
         f.strain = {second * (p.a.x + p.b.xx), second * (0.5 * p.a.y + p.b.xy), second * p.b.yy};
     if (request.dipole)
@@ -69,7 +87,7 @@ FieldValues assembled(const Parts& p, FieldRequest request, double box, double s
         f.gradient_of_trace = {third * p.c.xx, third * p.c.xy};
     }
     if (request.gradients)
-        add_gradients(f, p, request, third, third / box, shear_decay);
+        add_gradients(f, p, request, third, third / unit, shear_decay);
     return f;
 }
 
@@ -77,28 +95,29 @@ Needed needed_for(FieldRequest request) {
     return {.second = request.strain || request.dipole || request.polar, .third = request.gradients};
 }
 
-PeriodicField::Impl::Impl(const Medium& m, double side, double angle)
-    : medium(m), box(side), heading(angle), cosine(std::cos(angle)), sine(std::sin(angle)), field(m),
-      xi(m.xi / side), nu(m.nu()), shear(WaveVector::by_c(0.5 / xi, cosine, sine)),
-      longitudinal(WaveVector::by_c(nu * 0.5 / xi, cosine, sine)) {
+PeriodicField::Impl::Impl(const Medium& m, const PeriodicBox& whole, double angle)
+    : medium(m), box(whole), unit(whole.shorter()), sides(whole.x / unit, whole.y / unit), heading(angle),
+      cosine(std::cos(angle)), sine(std::sin(angle)), field(m), xi(m.xi / unit), nu(m.nu()),
+      shear(WaveVector::by_c(0.5 / xi, cosine, sine), sides),
+      longitudinal(WaveVector::by_c(nu * 0.5 / xi, cosine, sine), sides) {
     const double node = 0.5 / std::sqrt(3.0), mean = 0.5 * (1.0 + nu), span = 1.0 - nu;
     const auto potential = [&](double share) {
-        return PeriodicPotential(WaveVector::by_c(share * 0.5 / xi, cosine, sine));
+        return PeriodicPotential(WaveVector::by_c(share * 0.5 / xi, cosine, sine), sides);
     };
-    if (0.5 / xi * std::max(1.0, nu) < small_c)
+    if (0.5 / xi * std::max(1.0, nu) * sides.longer() < small_c)
         between = {potential(mean - node * span), potential(mean + node * span)};
 }
 
 NearestImage PeriodicField::Impl::nearest(double x, double y) const {
     if (!std::isfinite(x) || !std::isfinite(y))
         refuse_place(x, y, "the place must be finite");
-    const Vector lab = turned(Vector{x / box, y / box}, cosine, sine);
-    const double i = std::nearbyint(lab.x), j = std::nearbyint(lab.y);
-    const Vector shift = turned(Vector{i * box, j * box}, cosine, -sine);
+    const Vector lab = turned(Vector{x / unit, y / unit}, cosine, sine);
+    const double i = std::nearbyint(lab.x / sides.x), j = std::nearbyint(lab.y / sides.y);
+    const Vector shift = turned(Vector{i * box.x, j * box.y}, cosine, -sine);
     const Vector offset{x - shift.x, y - shift.y};
     if (offset.x == 0.0 && offset.y == 0.0)
         refuse_place(x, y, "the rod or one of its images is there, and the field singular: move the point");
-    return {lab.x - i, lab.y - j, shift, offset};
+    return {lab.x - i * sides.x, lab.y - j * sides.y, shift, offset};
 }
 
 Parts PeriodicField::Impl::parts(double x, double y, Needed needed) const {
@@ -108,7 +127,8 @@ Parts PeriodicField::Impl::parts(double x, double y, Needed needed) const {
     return {t, between ? b_between(x, y, needed) : xi * (t + -1.0 * l), nu * l};
 }
 
-/// xi (G_T - G_L) = xi int dG/dc dc from c_L to c_T; 2-point Gauss-Legendre, error below c^4/4320.
+/// xi (G_T - G_L) = xi int dG/dc dc from c_L to c_T; 2-point Gauss-Legendre, error below c^4/4320 (c times
+/// the longer side).
 Jet PeriodicField::Impl::b_between(double x, double y, Needed needed) const {
     needed.by_c = needed.without_log = true;
     Jet sum;
@@ -130,10 +150,10 @@ Jet PeriodicField::Impl::logarithm(double c, double x, double y, bool third) con
 }
 
 FieldValues PeriodicField::Impl::rest(double x, double y, FieldRequest request) const {
-    return assembled(parts(x, y, needed_for(request)), request, box, 1.0 / xi, 1.0);
+    return assembled(parts(x, y, needed_for(request)), request, unit, 1.0 / xi, 1.0 / sides.area());
 }
 
-/// dc_T/dxi = -c_T/xi, dc_L/deta = -nu^2 c_T; xi in units of the box.
+/// dc_T/dxi = -c_T/xi, dc_L/deta = -nu^2 c_T; xi in this unit.
 MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, FieldRequest request) const {
     Needed needed = needed_for(request);
     needed.by_c = true;
@@ -141,25 +161,20 @@ MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, Fiel
     const Jet gt = to_rod(t.g, false), gl = to_rod(l.g, false), ct = shear.c() * to_rod(t.by_c, false),
               cl = longitudinal.c() * to_rod(l.by_c, false);
     const Parts by_eta{{}, xi * nu * cl, -nu * nu * (gl + cl)};
-    const double per = 1.0 / box; // xi of the caller's over xi here
+    const double per = 1.0 / unit; // xi of the caller's over xi here
     const Parts by_xi{(-per / xi) * ct, per * (gt + -1.0 * gl + -1.0 * ct + cl), (-per * nu / xi) * cl};
-    MediumDerivatives d{assembled(by_eta, request, box, 1.0 / xi, 0.0),
-                        assembled(by_xi, request, box, 1.0 / xi, 0.0)};
+    MediumDerivatives d{assembled(by_eta, request, unit, 1.0 / xi, 0.0),
+                        assembled(by_xi, request, unit, 1.0 / xi, 0.0)};
     if (request.polar) // the shear decay 1/xi itself
-        d.by_xi.laplacian.x += 0.5 * std::numbers::inv_pi * gt.x / (xi * xi * box * box * box);
+        d.by_xi.laplacian.x += 0.5 * std::numbers::inv_pi * gt.x / (xi * xi * unit * unit * unit);
     return d;
 }
 
-PeriodicField::PeriodicField(const Medium& medium, double box, double heading) {
+PeriodicField::PeriodicField(const Medium& medium, const PeriodicBox& box, double heading) {
     validate(medium);
-    if (!(box > 0.0) || !std::isfinite(box))
-        refuse("box", box, "the side of the periodic box must be > 0 and finite");
+    check_box(box, medium);
     if (!std::isfinite(heading))
-        refuse("heading", heading, "must be finite");
-    if (!(0.5 * box / medium.xi * std::max(1.0, medium.nu()) <= largest_c))
-        refuse("box", box, "more than 2e6 decay lengths of the field; leave the box out (infinite plane)");
-    if (!(box / medium.xi >= smallest_ratio))
-        refuse("box", box, "less than 1e-100 screening lengths; check the units");
+        refuse_heading(heading);
     impl_ = std::make_shared<const Impl>(medium, box, heading);
 }
 
@@ -196,14 +211,14 @@ FieldValues PeriodicInternals::smooth_rest(const PeriodicField& field, double x,
     const PeriodicField::Impl& own = *field.impl_;
     FieldValues rest = own.rest(x, y, request);
     if (!is_near(x, y)) {
-        const Vector offset = turned(Vector{x * own.box, y * own.box}, own.cosine, -own.sine);
+        const Vector offset = turned(Vector{x * own.unit, y * own.unit}, own.cosine, -own.sine);
         add_times(rest, -1.0, own.field.at(offset.x, offset.y, request));
     }
     return rest;
 }
 
 const Medium& PeriodicField::medium() const { return impl_->medium; }
-double PeriodicField::box() const { return impl_->box; }
+const PeriodicBox& PeriodicField::box() const { return impl_->box; }
 double PeriodicField::heading() const { return impl_->heading; }
 
 } // namespace rodwake::elastic

@@ -63,7 +63,7 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
 const PeriodicField::Impl::Turning& PeriodicField::Impl::turning() const {
     std::call_once(turning_once_, [this] {
         const auto turned = [this](double c) {
-            return PeriodicPotential(WaveVector::by_heading(c, cosine, sine));
+            return PeriodicPotential(WaveVector::by_heading(c, cosine, sine), sides);
         };
         turning_.emplace(Turning{turned(shear.c()), turned(longitudinal.c())});
     });
@@ -73,7 +73,7 @@ const PeriodicField::Impl::Turning& PeriodicField::Impl::turning() const {
 /// In the box's axes the wave vector turns, and with the rod's frame the place: about the rod itself, not
 /// about the image nearest to it.
 FieldValues PeriodicField::Impl::rest_by_heading(const NearestImage& p, FieldRequest request) const {
-    const double x = (p.shift.x + p.offset.x) / box, y = (p.shift.y + p.offset.y) / box;
+    const double x = (p.shift.x + p.offset.x) / unit, y = (p.shift.y + p.offset.y) / unit;
     Needed needed{.second = true, .third = needed_for(request).second, .by_c = true};
     const Jets t = turning().shear.at(p.x, p.y, needed), l = turning().longitudinal.at(p.x, p.y, needed);
     const Jet t_wave = to_rod(t.by_c, false), l_wave = to_rod(l.by_c, false),
@@ -81,7 +81,7 @@ FieldValues PeriodicField::Impl::rest_by_heading(const NearestImage& p, FieldReq
     // The derivatives by the wave vector are of order c: no need of the integral over it
     const Jet b_place = between ? by_angle(x, y, parts(p.x, p.y, needed).b) : xi * (t_place + -1.0 * l_place);
     return assembled({t_wave + t_place, xi * (t_wave + -1.0 * l_wave) + b_place, nu * (l_wave + l_place)},
-                     request, box, 1.0 / xi, 0.0);
+                     request, unit, 1.0 / xi, 0.0);
 }
 
 FieldValues PeriodicField::by_heading(double x, double y, FieldRequest request) const {

@@ -12,20 +12,20 @@
 namespace rodwake::elastic {
 
 /// U = (1/2 pi) [A xhat + grad B], div U = (1/2 pi) d_x C: A = G_T, B = xi (G_T - G_L), C = nu G_L, or their
-/// derivatives by the medium or the heading. Rod's axes, box side 1.
+/// derivatives by the medium or the heading. Rod's axes; unit of length: the box's shorter side.
 struct Parts {
     Jet a, b, c;
 };
 
-/// The field of these parts. `uniform`: 1 for the field itself, whose Laplacian holds the counterforce; 0 for
-/// derivatives.
-FieldValues assembled(const Parts& p, FieldRequest request, double box, double shear_decay, double uniform);
+/// The field of these parts. `unit`: of length, the caller's. `uniform`: density of the counterforce, which
+/// the Laplacian of the field itself holds; 0 for derivatives.
+FieldValues assembled(const Parts& p, FieldRequest request, double unit, double shear_decay, double uniform);
 
 /// Which derivatives of the potentials a request takes.
 Needed needed_for(FieldRequest request);
 
-/// A place in the box's axes and side, in the cell about the nearest of the rod and its images; that one's
-/// place and the offset from it in the rod's axes and the caller's unit.
+/// A place in the box's axes and shorter side, in the cell about the nearest of the rod and its images; that
+/// one's place and the offset from it in the rod's axes and the caller's unit.
 struct NearestImage {
     double x, y;
     Vector shift, offset;
@@ -36,13 +36,16 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
 
 struct PeriodicField::Impl {
     Medium medium;
-    double box, heading, cosine, sine;
+    PeriodicBox box; ///< the caller's unit
+    double unit;     ///< of length below: the shorter side
+    PeriodicBox sides;
+    double heading, cosine, sine;
     Field field;
-    double xi, nu; ///< xi over the box
+    double xi, nu;
     PeriodicPotential shear, longitudinal;
     std::optional<std::array<PeriodicPotential, 2>> between; ///< at the nodes of the integral over c
 
-    Impl(const Medium& m, double side, double angle);
+    Impl(const Medium& m, const PeriodicBox& whole, double angle);
 
     NearestImage nearest(double x, double y) const;
     Jet to_rod(const Jet& box_axes, bool third) const { return from_axes(cosine, -sine, box_axes, third); }
@@ -69,7 +72,8 @@ private:
 
 /// For this part alone.
 struct PeriodicInternals {
-    /// The field without the infinite plane's field of the rod; |x|, |y| <= 1/2 in the box's axes and side.
+    /// The field without the infinite plane's field of the rod; in the cell about it, in the box's axes and
+    /// shorter side.
     /// Rod's frame. Smooth.
     static FieldValues smooth_rest(const PeriodicField& field, double x, double y, FieldRequest request);
 };

@@ -1,6 +1,8 @@
 #pragma once
-// What is asked of a potential of the periodic box, in the box's own axes and with its side as the unit of
-// length.
+// What is asked of a potential of the periodic box, in the box's own axes and with its shorter side as the
+// unit of length.
+
+#include "rodwake/core/periodic.hpp"
 
 namespace rodwake::elastic {
 
@@ -96,6 +98,8 @@ inline Jet times_decay(double scale, double cx, double cy, const Jet& f, bool th
     g.yyy = scale * (yy_y - cy * yy);
     return g;
 }
+
+inline PeriodicBox exchanged(const PeriodicBox& box) { return {box.y, box.x}; }
 
 /// The same function with the axes exchanged.
 inline Jet exchanged(const Jet& f) { return {f.v, f.y, f.x, f.yy, f.xy, f.xx, f.yyy, f.xyy, f.xxy, f.xxx}; }

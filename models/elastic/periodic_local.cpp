@@ -44,14 +44,14 @@ const Transform& transform() {
 }
 
 /// The potential on the circle and its derivative by c. Places j and samples-1-j are mirrored in y.
-std::array<Rows::Values, samples> on_circle(const Rows& columns, const Rows& rows) {
+std::array<Rows::Values, samples> on_circle(const PeriodicBox& box, const Rows& columns, const Rows& rows) {
     std::array<Rows::Values, samples> v;
-    const auto positive = [](double x) { return x < 0.0 ? x + 1.0 : x; };
+    const auto positive = [](double x, double side) { return x < 0.0 ? x + side : x; };
     for (int j = 0; j < samples / 2; ++j) {
         const auto [x, y] = circle()[j];
         if (std::abs(x) < y)
             continue;
-        const auto [upper, lower] = columns.values(positive(x), y);
+        const auto [upper, lower] = columns.values(positive(x, box.x), y);
         v[j] = upper;
         v[samples - 1 - j] = lower;
     }
@@ -59,7 +59,7 @@ std::array<Rows::Values, samples> on_circle(const Rows& columns, const Rows& row
         const auto [x, y] = circle()[j];
         if (x <= 0.0 || x >= std::abs(y))
             continue;
-        const auto [right, left] = rows.values(positive(y), x);
+        const auto [right, left] = rows.values(positive(y, box.y), x);
         v[j] = right;
         v[(samples + samples / 2 - 1 - j) % samples] = left;
     }
@@ -191,9 +191,10 @@ LocalRest::Sums LocalRest::sums(const Coefficients& a, const Basis& basis, doubl
     return s;
 }
 
-LocalRest::LocalRest(const WaveVector& wave, const Rows& columns, const Rows& rows) : c_(wave) {
+LocalRest::LocalRest(const WaveVector& wave, const PeriodicBox& box, const Rows& columns, const Rows& rows)
+    : c_(wave), density_(1.0 / box.area()) {
     const double c = wave.c, along = wave.along(), across = wave.across() / c;
-    const auto potential = on_circle(columns, rows);
+    const auto potential = on_circle(box, columns, rows);
     const CentralPotential centre(c);
     std::array<double, samples> v, v_by_c;
     for (int j = 0; j < samples; ++j) {
@@ -201,10 +202,11 @@ LocalRest::LocalRest(const WaveVector& wave, const Rows& columns, const Rows& ro
         const double x = wave.ux * at_x + wave.uy * at_y, y = wave.ux * at_y - wave.uy * at_x,
                      growth = std::exp(c * x);
         const UniformValue p = uniform_value(c, x, y);
-        const double whole = growth * (potential[j].g - p.g);
+        const double whole = growth * (potential[j].g - density_ * p.g);
         v[j] = whole - centre.g;
-        v_by_c[j] = growth * (potential[j].by_c - along * p.by_c + across * p.by_angle) +
-                    (wave.wx * at_x + wave.wy * at_y) * whole - along * centre.by_c;
+        v_by_c[j] =
+            growth * (potential[j].by_c - density_ * along * p.by_c + density_ * across * p.by_angle) +
+            (wave.wx * at_x + wave.wy * at_y) * whole - along * centre.by_c;
     }
     const double z = c * radius, t = 0.25 * z * z;
     for (int m = 0; m < terms; ++m) {
@@ -232,15 +234,17 @@ void LocalRest::add(Jets& sum, double x, double y, Needed needed) const {
     }
     const Sums s = sums(a, basis, c, needed);
     const Jet f = s.real(c);
-    sum.g += times_decay(decay, c * ux, c * uy, f, needed.third) + from_axes(ux, uy, uniform.g, needed.third);
+    sum.g += times_decay(decay, c * ux, c * uy, f, needed.third) +
+             density_ * from_axes(ux, uy, uniform.g, needed.third);
     if (!needed.by_c)
         return;
     const Jet slope = sums(a_by_c, basis, c, needed).real(c) + c_.along() * s.by_c_of_basis(c, x, y) +
                       times_line(-(wx * x + wy * y), -wx, -wy, f);
-    sum.by_c +=
-        times_decay(decay, c * ux, c * uy, slope, needed.third) +
-        from_axes(ux, uy, c_.along() * uniform.by_c + -c_.across() / c * by_angle(along, across, uniform.g),
-                  needed.third);
+    sum.by_c += times_decay(decay, c * ux, c * uy, slope, needed.third) +
+                density_ * from_axes(ux, uy,
+                                     c_.along() * uniform.by_c +
+                                         -c_.across() / c * by_angle(along, across, uniform.g),
+                                     needed.third);
 }
 
 } // namespace rodwake::elastic

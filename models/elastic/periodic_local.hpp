@@ -1,12 +1,12 @@
 #pragma once
-// Near the rod, for wave numbers c up to 6 over the box: what the periodic potential has more than the
-// infinite plane's. It is regular up to the nearest image, one box away:
+// Near the rod, for wave numbers c up to 6 over the box's shorter side: what the periodic potential has more
+// than the infinite plane's. It is regular up to the nearest image, one shorter side away:
 //
-//   rest = P + exp(-c.r) [ln(c) psi_0 + Re sum_m A_m psi_m],   psi_m = w^m m! (2/(c r))^m I_m(c r),  w = x +
-//   i y
+//   rest = P/(X Y) + exp(-c.r) [ln(c) psi_0 + Re sum_m A_m psi_m],   psi_m = w^m m! (2/(c r))^m I_m(c r),  w
+//   = x + i y
 //
-// P: uniform_part below. The A_m come from the rest's values on a circle half a box wide (discrete Fourier
-// transform); at r <= 0.32 terms beyond the last fall below 1e-13. Unit of length: the box's side.
+// P: uniform_part below. The A_m come from the rest's values on a circle of radius 1/2 (discrete Fourier
+// transform); at r <= 0.32 terms beyond the last fall below 1e-13. Unit of length: the shorter side.
 
 #include "periodic_jet.hpp"
 #include "periodic_rows.hpp"
@@ -21,7 +21,7 @@ public:
     static constexpr double largest_c = 6.0;
 
     /// `columns` along y, `rows` along x (built with exchanged axes).
-    LocalRest(const WaveVector& c, const Rows& columns, const Rows& rows);
+    LocalRest(const WaveVector& c, const PeriodicBox& box, const Rows& columns, const Rows& rows);
 
     void add(Jets& sum, double x, double y, Needed needed) const;
 
@@ -34,10 +34,11 @@ private:
     static Sums sums(const Coefficients& a, const Basis& psi, double c, Needed needed);
 
     WaveVector c_;
+    double density_; ///< of the counterforce, 1/(X Y)
     Coefficients a_{}, a_by_c_{};
 };
 
-// What the uniform counterforce of the periodic box adds to a potential near the rod, regular for c -> 0:
+// What a uniform counterforce of density 1 adds to a potential near the rod, regular for c -> 0:
 //
 //   lap P + 2 c d_x P = 2 pi,   P = (pi/c^2) (c x - 1 + exp(-c x) I0(c r)),   x along the heading
 

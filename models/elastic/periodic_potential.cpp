@@ -44,11 +44,13 @@ void add_source(Jets& sum, const WaveVector& c, double x, double y, double r, do
                             needed.third);
 }
 
-/// Those at (0, j), j != 0, as far as they exceed e^-40; |ux| >= |uy|, so that none lies in the wake of all.
-void add_column_images(Jets& sum, const WaveVector& c, double x, double y, Needed needed) {
+/// Those at (0, j Y), j != 0, as far as they exceed e^-40; |ux| >= |uy|, so that none lies in the wake of
+/// all.
+void add_column_images(Jets& sum, const WaveVector& c, double period, double x, double y, Needed needed) {
     for (const double side : {-1.0, 1.0})
         for (double j = side;; j += side) {
-            const double dy = y - j, r = std::hypot(x, dy), exponent = c.c * (r + c.ux * x + c.uy * dy);
+            const double dy = y - j * period, r = std::hypot(x, dy),
+                         exponent = c.c * (r + c.ux * x + c.uy * dy);
             if (exponent > cutoff)
                 break;
             add_source(sum, c, x, dy, r, exponent, needed);
@@ -57,11 +59,10 @@ void add_column_images(Jets& sum, const WaveVector& c, double x, double y, Neede
 
 } // namespace
 
-PeriodicPotential::PeriodicPotential(const WaveVector& c)
-    : c_(c), columns_(c.c * c.ux, c.c * c.uy, c.wx, c.wy, near_rod),
-      rows_(c.c * c.uy, c.c * c.ux, c.wy, c.wx, near_rod) {
+PeriodicPotential::PeriodicPotential(const WaveVector& c, const PeriodicBox& box)
+    : c_(c), box_(box), columns_(c, box, near_rod), rows_(c.exchanged(), exchanged(box), near_rod) {
     if (c.c <= LocalRest::largest_c)
-        local_.emplace(c, columns_, rows_);
+        local_.emplace(c, box, columns_, rows_);
 }
 
 Jets PeriodicPotential::at(double x, double y, Needed needed) const {
@@ -71,10 +72,10 @@ Jets PeriodicPotential::at(double x, double y, Needed needed) const {
 Jets PeriodicPotential::far(double x, double y, Needed needed) const {
     Jets sum;
     if (std::abs(x) >= std::abs(y)) {
-        columns_.add_all(sum, x < 0.0 ? x + 1.0 : x, y, needed);
+        columns_.add_all(sum, x < 0.0 ? x + box_.x : x, y, needed);
         return sum;
     }
-    rows_.add_all(sum, y < 0.0 ? y + 1.0 : y, x, needed);
+    rows_.add_all(sum, y < 0.0 ? y + box_.y : y, x, needed);
     return {exchanged(sum.g), needed.by_c ? exchanged(sum.by_c) : Jet{}};
 }
 
@@ -87,11 +88,11 @@ Jets PeriodicPotential::near(double x, double y, Needed needed) const {
     }
     if (std::abs(c_.ux) >= std::abs(c_.uy)) {
         columns_.add_others(sum, x, y, needed);
-        add_column_images(sum, c_, x, y, needed);
+        add_column_images(sum, c_, box_.y, x, y, needed);
         return sum;
     }
     rows_.add_others(sum, y, x, needed);
-    add_column_images(sum, c_.exchanged(), y, x, needed);
+    add_column_images(sum, c_.exchanged(), box_.x, y, x, needed);
     return {exchanged(sum.g), exchanged(sum.by_c)};
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 // One potential of the periodic box,
 //
-//   lap G + 2 c.grad G = -2 pi (delta_per - 1),    c = c (ux, uy), box side 1, of zero mean over the box
+//   lap G + 2 c.grad G = -2 pi (delta_per - 1/(X Y)),    c = c (ux, uy), of zero mean over the box
 //
-// in the cell |x|, |y| <= 1/2 about the rod. Far from the rod it is summed as columns or rows, whichever the
-// place is farther from; near it, what it has more than the infinite plane's exp(-c.r) K0(c r) is.
+// in the cell |x| <= X/2, |y| <= Y/2 about the rod, the sides in units of the shorter one. Far from the rod
+// it is summed as columns or rows, whichever the place is farther from; near it, what it has more than the
+// infinite plane's exp(-c.r) K0(c r) is.
 
 #include "periodic_local.hpp"
 
@@ -20,7 +21,7 @@ inline bool is_near(double x, double y) { return std::max(std::abs(x), std::abs(
 
 class PeriodicPotential {
 public:
-    explicit PeriodicPotential(const WaveVector& c);
+    PeriodicPotential(const WaveVector& c, const PeriodicBox& box);
 
     /// Far: the whole potential; near: without the infinite plane's.
     Jets at(double x, double y, Needed needed) const;
@@ -32,6 +33,7 @@ private:
     Jets near(double x, double y, Needed needed) const;
 
     WaveVector c_;
+    PeriodicBox box_;
     Rows columns_, rows_; ///< rows: with x and y exchanged
     std::optional<LocalRest> local_;
 };

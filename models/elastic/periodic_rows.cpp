@@ -9,11 +9,13 @@ namespace rodwake::elastic {
 
 namespace {
 
-// The mean over y of the periodic potential, a function of x alone (n = 0 of the series), z = 2 cx:
+// The mean over y of the periodic potential, a function of x alone (n = 0 of the series). Of the square, with
+// z = 2 cx:
 //
 //   g'' + z g' = -2 pi (delta_per(x) - 1),    g = (2 pi/z) [x - 1/2 - 1/z + e^(-z x)/(1 - e^-z)],  0 < x < 1
 //
-// of zero mean over the box. For small z the sum 2 pi sum_n (-z)^(n-2) B_n(x)/n! of Bernoulli polynomials.
+// of zero mean over the box. For small z the sum 2 pi sum_n (-z)^(n-2) B_n(x)/n! of Bernoulli polynomials. Of
+// a rectangle X/Y times that of x/X and z = 2 cx X.
 
 /// Derivatives by x and by z.
 struct Mean {
@@ -111,16 +113,23 @@ Complex one_minus_exp(Complex a) {
     return {-less + 2.0 * e * half * half, -e * std::sin(a.imag())};
 }
 
-/// xxx = -z xx by the equation.
-void add(Jets& sum, const Mean& m, double z, double by_c) {
+/// From a mean by x/X and z to one by x and cx.
+Mean in_box(Mean m, const PeriodicBox& box) {
+    const double v = box.x / box.y, x = v / box.x, xx = x / box.x, by_cx = 2.0 * box.x;
+    return {v * m.g, x * m.x, xx * m.xx, by_cx * v * m.z, by_cx * x * m.xz, by_cx * xx * m.xxz};
+}
+
+/// xxx = -2 cx xx by the equation.
+void add(Jets& sum, const Mean& m, double cx, double wx) {
+    const double decay = 2.0 * cx;
     sum.g.v += m.g;
     sum.g.x += m.x;
     sum.g.xx += m.xx;
-    sum.g.xxx -= z * m.xx;
-    sum.by_c.v += by_c * m.z;
-    sum.by_c.x += by_c * m.xz;
-    sum.by_c.xx += by_c * m.xxz;
-    sum.by_c.xxx -= by_c * (m.xx + z * m.xxz);
+    sum.g.xxx -= decay * m.xx;
+    sum.by_c.v += wx * m.z;
+    sum.by_c.x += wx * m.xz;
+    sum.by_c.xx += wx * m.xxz;
+    sum.by_c.xxx -= wx * (2.0 * m.xx + decay * m.xxz);
 }
 
 void add_term(Jet& sum, Complex t, Complex tx, Complex txx, double q, bool second) {
@@ -143,21 +152,23 @@ void add_third(Jet& sum, Complex t, Complex tx, Complex txx, Complex txxx, doubl
 
 } // namespace
 
-/// One column gives (pi/s) e^(k u); `towards` -1 for k-, 1 for k+. Twice the real part is both n and -n.
+/// One column gives (pi/s Y) e^(k u); `towards` -1 for k-, 1 for k+. Twice the real part is both n and -n.
 Rows::Term Rows::term(Complex k, Complex s, double q, double towards) const {
     const Complex per_s = inverse(s), slope = -towards * times(wx_ * k + Complex(0.0, wy_ * q), per_s);
     const Complex s_slope = times(Complex(cx_ * wx_, -wy_ * q), per_s);
-    const Complex open = one_minus_exp(-towards * k), per_open = inverse(open);
-    const Complex weight = two_pi * times(per_s, per_open);
-    const Complex closing = -towards * times(slope, times(1.0 - open, per_open));
+    const Complex open = one_minus_exp(-towards * box_.x * k), per_open = inverse(open);
+    const Complex weight = wave_ * times(per_s, per_open);
+    const Complex closing = -towards * box_.x * times(slope, times(1.0 - open, per_open));
     return {k, weight, slope, times(weight, closing - times(s_slope, per_s))};
 }
 
-Rows::Rows(double cx, double cy, double wx, double wy, double nearest) : cx_(cx), wx_(wx), wy_(wy) {
-    for (double q = two_pi;; q += two_pi) {
-        const Complex product(q * q, -2.0 * cy * q), s = root(cx * cx + product);
-        const Complex large = std::abs(cx) + s, small = times(product, inverse(large));
-        const Complex minus = cx >= 0.0 ? -large : -small, plus = cx >= 0.0 ? small : large;
+Rows::Rows(const WaveVector& c, const PeriodicBox& box, double nearest)
+    : cx_(c.c * c.ux), wx_(c.wx), wy_(c.wy), box_(box), wave_(two_pi / box.y) {
+    const double cy = c.c * c.uy;
+    for (double q = wave_;; q += wave_) {
+        const Complex product(q * q, -2.0 * cy * q), s = root(cx_ * cx_ + product);
+        const Complex large = std::abs(cx_) + s, small = times(product, inverse(large));
+        const Complex minus = cx_ >= 0.0 ? -large : -small, plus = cx_ >= 0.0 ? small : large;
         behind_.push_back(term(minus, s, q, -1.0));
         ahead_.push_back(term(plus, s, q, 1.0));
         if (small.real() * nearest > cutoff)
@@ -166,9 +177,9 @@ Rows::Rows(double cx, double cy, double wx, double wy, double nearest) : cx_(cx)
 }
 
 void Rows::add_side(Jets& sum, const std::vector<Term>& terms, double u, double y, Needed needed) const {
-    const Complex turn(std::cos(two_pi * y), std::sin(two_pi * y));
+    const Complex turn(std::cos(wave_ * y), std::sin(wave_ * y));
     Complex phase = turn;
-    double q = two_pi;
+    double q = wave_;
     for (const Term& one : terms) {
         if (std::abs(one.k.real() * u) > cutoff)
             break;
@@ -185,28 +196,28 @@ void Rows::add_side(Jets& sum, const std::vector<Term>& terms, double u, double 
                 add_third(sum.by_c, f, fx, fxx, times(one.k, fxx + times(one.k, g)), q);
         }
         phase = times(phase, turn);
-        q += two_pi;
+        q += wave_;
     }
 }
 
 void Rows::add_all(Jets& sum, double x, double y, Needed needed) const {
-    add(sum, mean_of_all(2.0 * cx_, x), 2.0 * cx_, 2.0 * wx_);
+    add(sum, in_box(mean_of_all(2.0 * box_.x * cx_, x / box_.x), box_), cx_, wx_);
     add_side(sum, behind_, x, y, needed);
-    add_side(sum, ahead_, x - 1.0, y, needed);
+    add_side(sum, ahead_, x - box_.x, y, needed);
 }
 
 void Rows::add_others(Jets& sum, double x, double y, Needed needed) const {
-    add(sum, mean_of_others(2.0 * cx_, x), 2.0 * cx_, 2.0 * wx_);
-    add_side(sum, behind_, x + 1.0, y, needed);
-    add_side(sum, ahead_, x - 1.0, y, needed);
+    add(sum, in_box(mean_of_others(2.0 * box_.x * cx_, x / box_.x), box_), cx_, wx_);
+    add_side(sum, behind_, x + box_.x, y, needed);
+    add_side(sum, ahead_, x - box_.x, y, needed);
 }
 
 Rows::Mirrored Rows::values(double x, double y) const {
-    const Mean mean = mean_of_all(2.0 * cx_, x);
-    Mirrored sum{{mean.g, 2.0 * wx_ * mean.z}, {mean.g, 2.0 * wx_ * mean.z}};
-    const Complex turn(std::cos(two_pi * y), std::sin(two_pi * y));
+    const Mean mean = in_box(mean_of_all(2.0 * box_.x * cx_, x / box_.x), box_);
+    Mirrored sum{{mean.g, wx_ * mean.z}, {mean.g, wx_ * mean.z}};
+    const Complex turn(std::cos(wave_ * y), std::sin(wave_ * y));
     for (const bool front : {false, true}) {
-        const double u = front ? x - 1.0 : x;
+        const double u = front ? x - box_.x : x;
         Complex phase = turn;
         for (const Term& one : front ? ahead_ : behind_) {
             if (std::abs(one.k.real() * u) > cutoff)

@@ -1,14 +1,14 @@
 #pragma once
-// The periodic potential as columns of sources at x = 0, +-1, ...: a Fourier series along the columns (y),
-// exact exponentials across them. Unit of length: the box's side.
+// The periodic potential as columns of sources at x = 0, +-X, ...: a Fourier series along the columns (y,
+// period Y), exact exponentials across them. X, Y: the box's sides in units of the shorter one.
 //
-//   g'' - q^2 g + 2 cx g' + 2 i cy q g = -2 pi (delta_per(x) - [q = 0]),    q = 2 pi n
+//   g'' - q^2 g + 2 cx g' + 2 i cy q g = -(2 pi/Y) (delta_per(x) - [q = 0]/X),    q = 2 pi n/Y
 //
-//   0 < x < 1:  g = (pi/s) [ e^(k- x)/(1 - e^(k-)) + e^(k+ (x-1))/(1 - e^(-k+)) ]
+//   0 < x < X:  g = (pi/s Y) [ e^(k- x)/(1 - e^(k- X)) + e^(k+ (x-X))/(1 - e^(-k+ X)) ]
 //
 //   k = -cx +- s,    s = sqrt(cx^2 + q^2 - 2 i cy q)
 //
-// The first is all columns at x <= 0, the second all at x >= 1. n = 0: the mean over y (periodic_rows.cpp).
+// The first is all columns at x <= 0, the second all at x >= X. n = 0: the mean over y (periodic_rows.cpp).
 // The sum over n converges as e^(-Re k d), d the distance of the nearest column that takes part; terms below
 // e^-37 are left out.
 
@@ -48,13 +48,12 @@ inline Complex root(Complex a) {
 
 class Rows {
 public:
-    /// Wave vector (cx, cy); derivatives by it are along (wx, wy). For points at least `nearest` away from
-    /// the columns that take part.
-    Rows(double cx, double cy, double wx, double wy, double nearest);
+    /// For points at least `nearest` away from the columns that take part.
+    Rows(const WaveVector& c, const PeriodicBox& box, double nearest);
 
-    /// All columns; nearest <= x <= 1 - nearest.
+    /// All columns; nearest <= x <= X - nearest.
     void add_all(Jets& sum, double x, double y, Needed needed) const;
-    /// All but the column at 0; |x| <= 1/2.
+    /// All but the column at 0; |x| <= X/2.
     void add_others(Jets& sum, double x, double y, Needed needed) const;
     /// Values alone, at (x, y) and (x, -y), of the potential and its derivative by the wave
     /// vector.
@@ -75,6 +74,8 @@ private:
     void add_side(Jets& sum, const std::vector<Term>& terms, double u, double y, Needed needed) const;
 
     double cx_, wx_, wy_;
+    PeriodicBox box_;
+    double wave_;                      ///< 2 pi/Y
     std::vector<Term> behind_, ahead_; ///< k-, k+; n = 1, 2, ...
 };
 

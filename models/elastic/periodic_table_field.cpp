@@ -83,7 +83,7 @@ public:
     explicit BoxTableField(PeriodicTable table) : table_(std::move(table)) {}
 
     const Medium& medium() const override { return table_.medium(); }
-    std::optional<double> box() const override { return table_.box(); }
+    std::optional<PeriodicBox> box() const override { return table_.box(); }
     std::shared_ptr<const Wake> wake(double heading) const override {
         return std::make_shared<const BoxTableWake>(table_, heading);
     }

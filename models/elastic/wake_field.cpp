@@ -65,13 +65,14 @@ void WakeField::mutual(std::span<const Source> rods, FieldRequest request,
         add_wake(*this, rods, b, request, sums);
 }
 
-bool is_singular(double x, double y, std::optional<double> box, double heading) {
+bool is_singular(double x, double y, std::optional<PeriodicBox> box, double heading) {
     if (!box)
         return x == 0.0 && y == 0.0;
-    const Vector lab = turned(Vector{x / *box, y / *box}, std::cos(heading), std::sin(heading));
+    const double unit = box->shorter();
+    const Vector lab = turned(Vector{x / unit, y / unit}, std::cos(heading), std::sin(heading));
     const auto off = [](double sides) { return std::abs(sides - std::nearbyint(sides)); };
     constexpr double rounding = 1e-9;
-    return off(lab.x) < rounding && off(lab.y) < rounding;
+    return off(lab.x / (box->x / unit)) < rounding && off(lab.y / (box->y / unit)) < rounding;
 }
 
 } // namespace rodwake::elastic

@@ -1,4 +1,5 @@
 #include "rodwake/medium/simulate.hpp"
+#include "rodwake/core/box_sides.hpp"
 
 #include "closed_rates.hpp"
 #include "film_reel.hpp"
@@ -25,8 +26,8 @@ using rods::RodProblem;
 RodProblem in_box(const MediumProblem& problem) {
     RodProblem rods = problem.rods;
     if (rods.box && *rods.box != problem.medium.box)
-        throw InputError(fmt::format("the rods' box of {} is not that of the dynamic medium, {}", *rods.box,
-                                     problem.medium.box));
+        throw InputError(fmt::format("the rods' box of {} is not that of the dynamic medium, {}",
+                                     to_string(*rods.box), problem.medium.box));
     rods.box = problem.medium.box;
     return rods;
 }

@@ -1,4 +1,5 @@
 #include "rodwake/rods/conclude.hpp"
+#include "rodwake/core/box_sides.hpp"
 
 #include "outcome_text.hpp"
 #include "rodwake/core/error.hpp"
@@ -55,9 +56,9 @@ void validate(const RodProblem& problem) {
         throw InputError("no rods: give at least one");
     if (!(problem.t_end > 0.0 && std::isfinite(problem.t_end)))
         throw InputError(fmt::format("t_end = {}: must be > 0 and finite", problem.t_end));
-    if (problem.box && !(*problem.box > 0.0 && std::isfinite(*problem.box)))
-        throw InputError(
-            fmt::format("box = {}: the side of the periodic box must be > 0 and finite", *problem.box));
+    if (problem.box && !valid_sides(*problem.box))
+        throw InputError(fmt::format("box = {}: the sides of the periodic box must be > 0 and finite",
+                                     to_string(*problem.box)));
     validate_numbers(problem);
     if (problem.rods.size() < 2)
         return;

@@ -45,7 +45,7 @@ double stiffness(const RodProblem& problem) {
     for (Eigen::Index row = 2; row < size; row += 3)
         for (Eigen::Index column = 2; column < size; column += 3)
             fastest = std::max(fastest, std::abs(jacobian(row, column)));
-    return fastest * (model.rods() > 1 ? closest_pair(y, problem.box).distance : *problem.box);
+    return fastest * (model.rods() > 1 ? closest_pair(y, problem.box).distance : problem.box->shorter());
 }
 
 integrate::Method suitable_method(const RodProblem& problem) {

@@ -61,9 +61,9 @@ std::optional<Approach> approach_of_image(const integrate::Step& step, std::size
 }
 
 /// Where the image of b nearest to a is.
-Offset image_shift(State y, std::size_t a, std::size_t b, double box) {
+Offset image_shift(State y, std::size_t a, std::size_t b, const PeriodicBox& box) {
     const Offset d = plane_offset(y, a, b);
-    return {nearest_shift(d.x, box), nearest_shift(d.y, box)};
+    return {nearest_shift(d.x, box.x), nearest_shift(d.y, box.y)};
 }
 
 /// Of the images nearest at the step's start and at its end.
@@ -83,7 +83,7 @@ std::optional<Approach> approach_of_pair(const integrate::Step& step, std::size_
 
 Offset offset(State y, std::size_t a, std::size_t b, Box box) {
     const Offset d = plane_offset(y, a, b);
-    return box ? Offset{nearest_image(d.x, *box), nearest_image(d.y, *box)} : d;
+    return box ? Offset{nearest_image(d.x, box->x), nearest_image(d.y, box->y)} : d;
 }
 
 namespace {

@@ -54,7 +54,7 @@ private:
     std::size_t rods_;
     std::vector<std::uint32_t> order_;                        ///< empty: not sorted
     std::vector<double> at_;                                  ///< coordinates, growing; in a box within it
-    double around_ = std::numeric_limits<double>::infinity(); ///< side of the box
+    double around_ = std::numeric_limits<double>::infinity(); ///< side of the box along it
     double farthest_ = std::numeric_limits<double>::max();    ///< half of it: the other way round is nearer
     double rounding_ = 0.0; ///< what wrapping a coordinate into the box may change a gap by
 };

@@ -43,7 +43,7 @@ assembly::FitProfileData profile_of(const scene::FitProfile& keys, const Profile
 }
 
 assembly::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTuple& given,
-                                std::optional<double> box) {
+                                std::optional<PeriodicBox> box) {
     const auto& [t, poses, independent] = given;
     if (poses.ndim() != 3 || poses.shape(2) != 3 || poses.shape(0) != t.size())
         throw InputError(keys.name + ": expected t (T,) and poses (T, N, 3)");

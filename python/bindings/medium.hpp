@@ -1,6 +1,7 @@
 #pragma once
 // The medium as Python has it: eta, xi and the domain.
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/elastic/medium.hpp"
 
 #include <optional>
@@ -9,7 +10,7 @@ namespace rodwake::python {
 
 struct Medium {
     elastic::Medium elastic;
-    std::optional<double> box; ///< side of the periodic box, f/mu; absent: infinite plane
+    std::optional<PeriodicBox> box; ///< f/mu; absent: infinite plane
 };
 
 } // namespace rodwake::python

@@ -1,6 +1,7 @@
 #include "describe_parts.hpp"
 #include "rodwake/medium/film.hpp"
 
+#include "rodwake/core/box_sides.hpp"
 #include <fmt/format.h>
 
 namespace rodwake::assembly {
@@ -52,9 +53,9 @@ void add_medium_lines(const scene::Scene& scene, Lines& lines) {
     const scene::Medium& m = *scene.medium;
     lines.push_back({true, m.fitted ? std::string("medium: eta and xi from the fit")
                                     : fmt::format("medium: eta = {:g}, xi = {:g}", m.eta, m.xi)});
-    lines.push_back(
-        {m.box().has_value(), m.box() ? fmt::format("periodic box of {:g} for rods and field", *m.box())
-                                      : "periodic images of rods: no medium.periodic, infinite plane"});
+    lines.push_back({m.box().has_value(),
+                     m.box() ? fmt::format("periodic box of {} for rods and field", to_string(*m.box()))
+                             : "periodic images of rods: no medium.periodic, infinite plane"});
     if (m.is_dynamic()) {
         add_dynamic_lines(m.memory(), scene.rods.size(), lines);
         add_film_line(scene, lines);

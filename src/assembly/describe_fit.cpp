@@ -1,5 +1,6 @@
 #include "describe_parts.hpp"
 
+#include "rodwake/core/box_sides.hpp"
 #include <fmt/format.h>
 
 #include <numbers>
@@ -103,9 +104,9 @@ void add_terms(const scene::Fit& keys, Lines& lines) {
         add_term(keys, "x0", "place of the force ahead of the centre", lines);
         add_term(keys, "offset", "offset of Ux", lines);
         add_term(keys, "offset_y", "offset of Uy", lines);
-        lines.push_back(
-            {keys.box.has_value(), keys.box ? fmt::format("fit term: images in a box of {:g}", *keys.box)
-                                            : "fit term: no images: no fit.box, infinite plane"});
+        lines.push_back({keys.box.has_value(),
+                         keys.box ? fmt::format("fit term: images in a box of {}", to_string(*keys.box))
+                                  : "fit term: no images: no fit.box, infinite plane"});
         lines.push_back({keys.core > 0.0, keys.core > 0.0
                                               ? fmt::format("fit: |place| < {:g} left out", keys.core)
                                               : "fit core: all points count, fit.core is 0"});

@@ -67,11 +67,13 @@ std::string why_exact(const scene::Scene& scene, double tolerance) {
     const scene::Medium& m = *scene.medium;
     if (!m.periodic)
         return scene.rods.size() < 2 ? "no rod turns in a wake" : "";
+    if (!m.periodic->square())
+        return "tables are of square boxes";
     if (tolerance < PeriodicTable::smallest_tolerance)
         return fmt::format("tables of a box reach {:g}, not {:g}", PeriodicTable::smallest_tolerance,
                            tolerance);
     // where the first try misses the tolerance the next takes twice as much
-    if (PeriodicTable::expected_bytes({m.eta, m.xi}, *m.periodic, tolerance) >
+    if (PeriodicTable::expected_bytes({m.eta, m.xi}, m.periodic->x, tolerance) >
         PeriodicTable::memory_limit / 2)
         return "a table of this box would be too large";
     return "";
@@ -82,9 +84,9 @@ FieldChoice cheaper(const scene::Scene& scene, double tolerance) {
     const scene::Medium& m = *scene.medium;
     const auto rods = static_cast<double>(scene.rods.size());
     const bool box = m.periodic.has_value();
-    const double count = evaluations(scene, box ? *m.periodic : start_extent(scene));
+    const double count = evaluations(scene, box ? m.periodic->mean_side() : start_extent(scene));
     const Cost table =
-        box ? box_table_cost(PeriodicTable::expected_bytes({m.eta, m.xi}, *m.periodic, tolerance))
+        box ? box_table_cost(PeriodicTable::expected_bytes({m.eta, m.xi}, m.periodic->x, tolerance))
             : plane_table_cost(tolerance);
     const double by_table = seconds(table, rods, count),
                  exactly = seconds(exact_cost(box, rods), rods, count);

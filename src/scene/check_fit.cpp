@@ -155,16 +155,6 @@ void medium(const Scene& scene, const Report& report) {
                    comma_list(fit_used(fit))));
 }
 
-void box(const Scene& scene, const Report& report) {
-    if (!scene.fit->box || !scene.granular)
-        return;
-    const BoxSize& bed = scene.granular->box;
-    if (bed.fit || bed.x != bed.y)
-        report("fit.box",
-               "the theory's periodic box is a square and granular.box is a rectangle: leave fit.box out "
-               "(infinite plane), or give granular.box one length");
-}
-
 } // namespace
 
 void check_fit(const Scene& scene, const Report& report) {
@@ -175,7 +165,6 @@ void check_fit(const Scene& scene, const Report& report) {
     roles(fit, report);
     values(fit, report);
     bounds(fit, report);
-    box(scene, report);
     logarithms(fit, report);
     likelihood(fit, report);
     compare(fit, report);

@@ -1,5 +1,6 @@
 #include "check_medium.hpp"
 
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/medium/simulate.hpp"
 
@@ -65,11 +66,22 @@ void dynamic(const Scene& scene, const Report& report) {
         dynamic_run(*scene.rods_run, report);
 }
 
+/// Tables have the symmetries of the square.
+void table(const Medium& m, const Report& report) {
+    if (m.periodic && !m.periodic->square())
+        report("medium.field",
+               fmt::format("medium.field = \"table\": tables are of square boxes, and medium.periodic is {}; "
+                           "take \"exact\"",
+                           to_string(*m.periodic)));
+}
+
 } // namespace
 
 void check_medium(const Scene& scene, const Report& report) {
     if (scene.medium && scene.medium->field == FieldBackend::measured)
         measured(scene, report);
+    if (scene.medium && scene.medium->field == FieldBackend::table)
+        table(*scene.medium, report);
     if (scene.medium && scene.medium->is_dynamic())
         dynamic(scene, report);
 }

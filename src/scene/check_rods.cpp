@@ -1,5 +1,6 @@
 #include "check_rods.hpp"
 
+#include "rodwake/core/box_sides.hpp"
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,13 +13,13 @@ using Report = std::function<void(const std::string&, const std::string&)>;
 
 void random_start(const Scene& scene, const Report& report) {
     const RandomRods& random = *scene.rods_random;
-    if (scene.medium && scene.medium->box() && random.extent > *scene.medium->box())
+    if (scene.medium && scene.medium->box() && random.extent > scene.medium->box()->shorter())
         report(
             "rods_random.extent",
             fmt::format(
                 "rods_random.extent is {} f/mu, more than the periodic box of {}: rods would start on top of "
                 "each other's images",
-                random.extent, *scene.medium->box()));
+                random.extent, to_string(*scene.medium->box())));
     const auto& contact = scene.rods_run->contact_distance;
     if (contact && *contact >= random.min_separation)
         report("rods_run.contact_distance",
@@ -98,12 +99,12 @@ void order_of_rods(const Scene& scene, const Report& report) {
     else if (order.block && *order.block > counts)
         report("rods_order.block", fmt::format("rods_order.block = {} {} is longer than what counts, {}",
                                                *order.block, time, counts));
-    const std::optional<double> box = bed            ? std::optional(scene.granular->box.shorter())
-                                      : scene.medium ? scene.medium->box()
-                                                     : std::nullopt;
-    if (box && order.link > 0.5 * *box)
+    const std::optional<PeriodicBox> box = bed            ? PeriodicBox(scene.granular->box.shorter())
+                                           : scene.medium ? scene.medium->box()
+                                                          : std::nullopt;
+    if (box && order.link > 0.5 * box->shorter())
         report("rods_order.link", fmt::format("rods_order.link = {} {}: at most half the periodic box of {}",
-                                              order.link, length, *box));
+                                              order.link, length, to_string(*box)));
 }
 
 /// What [rods_order] of a bed is made from.

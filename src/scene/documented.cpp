@@ -44,6 +44,9 @@ public:
         add(key, "string", quoted(value.name(value.current)), comma_list(all));
         current().keys.back().choices.assign(all.begin(), all.end());
     }
+    void operator()(const Key& key, std::optional<PeriodicBox>&) override {
+        add(key, number_type(key), std::string(key.absent_text), key.range);
+    }
     void operator()(const Key& key, BoxSize&) override { add(key, number_type(key), "required", key.range); }
     void operator()(const Key& key, const TimeOrTravel& value) override {
         add(key, number_type(key) + " or length", number_text(value.time), key.range);

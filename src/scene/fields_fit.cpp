@@ -65,8 +65,9 @@ void model_fields(Visitor& v, Fit& fit) {
           .unit(length)
           .above(0.0)
           .absent("infinite plane")
-          .doc("side of the periodic box in which the data were measured, axes those of the files: images "
-               "count, and U of profiles is relative to its mean over the box")
+          .doc("the periodic box in which the data were measured, its side or two, [\"78 a\", \"77.0 a\"], "
+               "axes "
+               "those of the files: images count, and U of profiles is relative to its mean over the box")
           .example("\"78 a\""),
       fit.box);
     v(key("heading").unit(angle).doc("of the rod against the sides of box").example("\"30 deg\""),

@@ -105,6 +105,25 @@ void Reader::operator()(const Key& key, std::vector<double>& value) {
             value = std::move(*found);
 }
 
+void Reader::operator()(const Key& key, std::optional<PeriodicBox>& value) {
+    value.reset();
+    const Entry* entry = find(key);
+    if (!entry)
+        return;
+    const std::string path = path_of(key.name);
+    const auto* list = entry->value.as<Node::List>();
+    if (list && list->empty()) {
+        wrong_type(entry->value, path, "expected a length (\"78 a\") or two ([\"78 a\", \"77 a\"])");
+    } else if (list) {
+        Key sides = key;
+        sides.items(2, 2);
+        if (const auto found = numbers(sides, entry->value, path))
+            value = PeriodicBox{(*found)[0], (*found)[1]};
+    } else if (const auto side = quantity(key, entry->value, path)) {
+        value = PeriodicBox(*side);
+    }
+}
+
 void Reader::operator()(const Key& key, BoxSize& value) {
     const Entry* entry = find(key);
     if (!entry)

@@ -43,6 +43,7 @@ public:
     void operator()(const Key& key, std::vector<double>& value) override;
     void operator()(const Key& key, BoxSize& value) override;
     void operator()(const Key& key, const TimeOrTravel& value) override;
+    void operator()(const Key& key, std::optional<PeriodicBox>& value) override;
     void operator()(const Key& key, std::vector<long>& value) override;
     void operator()(const Key& key, std::vector<std::vector<double>>& value) override;
     void operator()(const Key& key, std::optional<Value>& value) override;

@@ -109,6 +109,18 @@ void Setter::operator()(const Key& key, BoxSize& value) {
 /// The time: a length can be set only before the scene is read.
 void Setter::operator()(const Key& key, const TimeOrTravel& value) { (*this)(key, value.time); }
 
+/// A side, as above.
+void Setter::operator()(const Key& key, std::optional<PeriodicBox>& value) {
+    const bool is_target = here(key, [&](Progress& p) {
+        if (const Value* given = take(key, p, true))
+            if (const auto side = number(key, p, *given))
+                value = PeriodicBox(*side);
+    });
+    if (!is_target && !key.is_written) // as if the scene had been written and read
+        value.reset();
+    note_given(key, value.has_value(), is_target);
+}
+
 void Setter::operator()(const Key& key, std::optional<double>& value) {
     const bool is_target = here(key, [&](Progress& p) {
         if (const Value* given = take(key, p, true))

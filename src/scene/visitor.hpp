@@ -4,6 +4,7 @@
 
 #include "forms.hpp"
 #include "key.hpp"
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/scene/scene.hpp"
 
 #include <map>
@@ -43,6 +44,8 @@ public:
     virtual void operator()(const Key& key, BoxSize& value) = 0;
     /// A time, or a length as a string with its unit.
     virtual void operator()(const Key& key, const TimeOrTravel& value) = 0;
+    /// A length or two of them. Reading sets the value to nothing when the key is absent.
+    virtual void operator()(const Key& key, std::optional<PeriodicBox>& value) = 0;
     virtual void operator()(const Key& key, std::vector<long>& value) = 0;
     virtual void operator()(const Key& key, std::vector<std::vector<double>>& value) = 0;
     /// Values of another key, as a scene file has them.

@@ -59,6 +59,13 @@ public:
         else
             line(key, value.x == value.y ? side : list_text(key, {value.x, value.y}));
     }
+    void operator()(const Key& key, std::optional<PeriodicBox>& value) override {
+        if (!value)
+            absent(key);
+        else
+            line(key, value->square() ? quantity_text(value->x, key.dimension, units_)
+                                      : list_text(key, {value->x, value->y}));
+    }
     void operator()(const Key& key, std::vector<double>& value) override {
         if (value.empty())
             absent(key);

@@ -38,7 +38,7 @@ public:
     }
 
 private:
-    std::optional<double> box_;
+    std::optional<PeriodicBox> box_;
     std::shared_ptr<const elastic::Wake> wake_;
 };
 

@@ -2,6 +2,7 @@
 
 #include "catalogue.hpp"
 #include "fit_map_data.hpp"
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/store/csv.hpp"
@@ -102,12 +103,12 @@ bool unwrap(std::vector<std::vector<double>>& states) {
 }
 
 /// Rods that came in again at the other side go on where they were.
-void unwrap_places(std::vector<std::vector<double>>& states, double box) {
+void unwrap_places(std::vector<std::vector<double>>& states, const PeriodicBox& box) {
     for (std::size_t row = 1; row < states.size(); ++row)
         for (std::size_t k = 0; k < states[row].size(); ++k)
             if (k % 3 != 2)
-                states[row][k] =
-                    states[row - 1][k] + std::remainder(states[row][k] - states[row - 1][k], box);
+                states[row][k] = states[row - 1][k] +
+                                 nearest_image(states[row][k] - states[row - 1][k], k % 3 ? box.y : box.x);
 }
 
 void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
@@ -207,7 +208,7 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
 }
 
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& file,
-                            std::optional<double> box) {
+                            std::optional<PeriodicBox> box) {
     static const std::vector<std::string> required = {"t", "x0", "y0", "theta0"}, optional = more_rod_names();
     const store::Table table = store::read_csv(file, required, optional);
     const auto columns = rod_columns(table);

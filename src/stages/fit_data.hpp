@@ -30,6 +30,6 @@ assembly::FitProfileData read_fit_profile(const scene::FitProfile& keys, const s
 /// Rows before t = 0, when rods of a bed are still held, are left out. Each heading is brought within half a
 /// turn of the row before: files give them modulo 2 pi, or as one angle of many. Throws InputError as above.
 assembly::FitTrackData read_fit_track(const scene::FitTrajectory& keys, const std::filesystem::path& file,
-                                      std::optional<double> box = {});
+                                      std::optional<PeriodicBox> box = {});
 
 } // namespace rodwake::stages

@@ -23,6 +23,13 @@ ordered_json number(const std::optional<double>& value) {
     return value ? number(*value) : ordered_json(nullptr);
 }
 
+/// A square by its side.
+ordered_json sides(const std::optional<PeriodicBox>& box) {
+    if (!box)
+        return nullptr;
+    return box->square() ? ordered_json(box->x) : ordered_json{box->x, box->y};
+}
+
 ordered_json numbers(const std::vector<double>& values) {
     ordered_json out = ordered_json::array();
     for (const double value : values)
@@ -221,7 +228,7 @@ std::string fit_json(const assembly::FitPlan& plan, const FitResults& results, c
     add_data(out, plan, results);
     out["systematics"] = systematics_json(plan, results);
     out["length_unit"] = plan.keys.length_unit;
-    out["box"] = number(plan.keys.box);
+    out["box"] = sides(plan.keys.box);
     out["core"] = plan.keys.core;
     out["heading"] = plan.keys.heading;
     out["independent_spacing"] = number(plan.keys.independent_spacing);

@@ -105,9 +105,10 @@ MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {
                               y = h5.dataset("/displacement/y").values;
     const std::size_t side = x.size();
     if (y.size() != side || std::abs(x.front() - y.front()) > 1e-9 * std::abs(x.front()))
-        refuse(file,
-               "was measured in a rectangular box; the field of rods takes a square one: measure it in a "
-               "bed whose granular.box is one length");
+        refuse(
+            file,
+            "was measured in a rectangular box; a measured field is taken from a square one: measure it in a "
+            "bed whose granular.box is one length");
     const double a = h5.real("/", "bead_radius") / scene.scales->f_over_mu; // in f/mu
     const auto scaled = [&](const char* name, bool or_unknown = false) {
         std::vector<double> values = layer(h5, file, name, side, or_unknown);

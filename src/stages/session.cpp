@@ -1,6 +1,7 @@
 #include "session.hpp"
 
 #include "fit_medium.hpp"
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/scene/write.hpp"
 #include "rodwake/stages/run.hpp"
@@ -69,8 +70,12 @@ void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const O
     results.attribute("/", "time_unit", bed_only ? "s" : units.time_name);
     if (scene.medium && !scene.medium->fitted)
         write_medium(results, {scene.medium->eta, scene.medium->xi}, units);
-    if (scene.medium && scene.medium->box())
-        results.attribute("/medium", "periodic", *scene.medium->box() * units.length);
+    if (scene.medium && scene.medium->box()) {
+        const PeriodicBox box = *scene.medium->box() * units.length;
+        results.attribute("/medium", "periodic", box.x);
+        if (!box.square())
+            results.attribute("/medium", "periodic_y", box.y);
+    }
     if (scene.coupling) {
         const rods::Couplings c = assembly::couplings_of(scene);
         results.attribute("/coupling", "kappa", c.kappa);

@@ -23,7 +23,7 @@ std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& sce
         return measured(scene)->field(medium.periodic);
     const double tolerance = medium.table.value_or(scene::FieldTable{}).tolerance;
     if (medium.periodic)
-        return elastic::table_field(tables_.periodic(constants, *medium.periodic, tolerance));
+        return elastic::table_field(tables_.periodic(constants, medium.periodic->x, tolerance));
     return elastic::table_field(tables_.plane(medium.eta, tolerance), constants);
 }
 

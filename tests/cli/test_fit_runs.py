@@ -27,7 +27,7 @@ set = { "coupling.kappa" = -1.0 }
 class FittedMediumTest(FitTest):
     def test_rods_and_field_are_in_the_fitted_medium(self):
         self.make_profile()
-        for name, periodic in (("plane", ""), ("box", "periodic = 30.0\n")):
+        for name, periodic in (("plane", ""), ("box", "periodic = 30.0\n"), ("rectangle", "periodic = [30.0, 20.0]\n")):
             self.write("fitted.toml", FIT + FIELD + RODS + FIGURE + FITTED + periodic)
             self.expect(0, "run", "fitted.toml", "-o", name, "--quiet")
             medium = json.loads((self.folder / name / "medium.json").read_text())
@@ -38,7 +38,7 @@ class FittedMediumTest(FitTest):
             self.assertGreater(medium["eta_stderr"], 0.0)
             self.assertIn("fitted = true", (self.folder / name / "scene.toml").read_text())
             self.assert_same_as_given(name, medium, periodic)
-        self.assertNotEqual(*((self.folder / name / "rods.csv").read_bytes() for name in ("plane", "box")))
+        self.assertEqual(len({(self.folder / name / "rods.csv").read_bytes() for name in ("plane", "box", "rectangle")}), 3)
 
     def assert_same_as_given(self, name, medium, periodic):
         """The numbers of medium.json in a scene give the same rods and field, to the last bit."""
@@ -91,11 +91,11 @@ class FittedMediumTest(FitTest):
 
 
 class TrajectoryTest(FitTest):
-    def tracks(self, scale=(1.0, 1.0)):
+    def tracks(self, scale=(1.0, 1.0), more=()):
         """rods.csv of a pair, in units of a length and a speed."""
         self.write("pair.toml", PAIR.replace("contact_distance = 0.1\n", "rtol = 1e-11\n").replace("t_end = 60.0", "t_end = 30.0")
                    .replace("output_interval = 10.0", "output_interval = 1.5"))
-        self.expect(0, "rods", "pair.toml", "-o", "pair", "--quiet", "--force")
+        self.expect(0, "rods", "pair.toml", "-o", "pair", "--quiet", "--force", *more)
         table = columns(self.folder / "pair/rods.csv")
         length, speed = scale
         for name in table:
@@ -120,6 +120,15 @@ class TrajectoryTest(FitTest):
             self.assertEqual(list(table), ["t", *names, *(f"model_{name}" for name in names)])
             np.testing.assert_allclose(table["model_y0"], table["y0"], atol=1e-6 * scale[0])
             self.assertLess(track["rms_position"], 1e-6 * scale[0])
+
+    def test_tracks_of_a_rectangle_are_fitted_in_it(self):
+        self.tracks(more=("-s", "medium.periodic=[12.0, 9.0]"))
+        found, _ = self.fit(self.TRACKS, "-s", "fit.box=[12.0, 9.0]")
+        self.assertEqual(found["box"], [12.0, 9.0])
+        self.assertAlmostEqual(found["parameters"]["kappa"]["value"], 0.5, delta=1e-6)
+        self.assertAlmostEqual(found["parameters"]["alpha"]["value"], 1.0, delta=1e-6)
+        turned, _ = self.fit(self.TRACKS, "-s", "fit.box=[9.0, 12.0]", out="turned")
+        self.assertGreater(abs(turned["parameters"]["kappa"]["value"] - 0.5), 1e-3)
 
     def test_headings_that_jump_by_turns_are_the_same_headings(self):
         self.tracks()

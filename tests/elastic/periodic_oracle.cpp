@@ -26,25 +26,28 @@ std::array<long double, 5> gaussian(long double u, long double t) {
 } // namespace
 
 PeriodicPotential::PeriodicPotential(const BoxPoint& at, long double c) {
-    const long double box = at.box, largest = 20 * box / std::max(c, 1 / box); // drift of 40 boxes
+    const long double box = at.sides().shorter(),
+                      largest = 20 * box / std::max(c, 1 / box); // drift of 40 boxes
     const long double tau = std::min(box * box / 12, largest);
     add_waves(at, c, tau);
     add_images(at, c, tau);
 }
 
 void PeriodicPotential::add_waves(const BoxPoint& at, long double c, long double tau) {
-    const long double box = at.box, cosine = std::cos((long double)at.heading),
-                      sine = std::sin((long double)at.heading);
-    const int last = static_cast<int>(box * std::sqrt(vanished / tau) / (2 * pi)) + 2;
-    for (int a = -last; a <= last; ++a)
-        for (int b = -last; b <= last; ++b) {
+    const long double side_x = at.sides().x, side_y = at.sides().y, area = side_x * side_y;
+    const long double cosine = std::cos((long double)at.heading), sine = std::sin((long double)at.heading);
+    const auto last = [&](long double side) {
+        return static_cast<int>(side * std::sqrt(vanished / tau) / (2 * pi)) + 2;
+    };
+    for (int a = -last(side_x); a <= last(side_x); ++a)
+        for (int b = -last(side_y); b <= last(side_y); ++b) {
             if (a == 0 && b == 0)
                 continue;
-            const long double kx = 2 * pi * (a * cosine + b * sine) / box,
-                              ky = 2 * pi * (b * cosine - a * sine) / box;
+            const long double px = 2 * pi * a / side_x, py = 2 * pi * b / side_y,
+                              kx = px * cosine + py * sine, ky = py * cosine - px * sine;
             const std::complex<long double> decay(kx * kx + ky * ky, -2 * c * kx), i(0, 1);
             const std::complex<long double> wave =
-                2 * pi / (box * box) * std::exp(i * (kx * at.x + ky * at.y) - tau * decay) / decay;
+                2 * pi / area * std::exp(i * (kx * at.x + ky * at.y) - tau * decay) / decay;
             std::complex<long double> x_part = wave;
             for (int m = 0; m < 5; ++m, x_part *= i * kx) {
                 std::complex<long double> part = x_part;
@@ -52,20 +55,20 @@ void PeriodicPotential::add_waves(const BoxPoint& at, long double c, long double
                     table_[m][n] += part.real();
             }
         }
-    table_[0][0] -= 2 * pi * tau / (box * box); // the images' share of the mean
+    table_[0][0] -= 2 * pi * tau / area; // the images' share of the mean
 }
 
 /// The source of time -t sits 2 c t behind the image.
 void PeriodicPotential::add_images(const BoxPoint& at, long double c, long double tau) {
-    const long double box = at.box, cosine = std::cos((long double)at.heading),
-                      sine = std::sin((long double)at.heading);
+    const long double side_x = at.sides().x, side_y = at.sides().y;
+    const long double cosine = std::cos((long double)at.heading), sine = std::sin((long double)at.heading);
     const long double width = std::sqrt(4 * tau * vanished), drift = 2 * c * tau;
-    const int last =
-        static_cast<int>((std::hypot((long double)at.x, (long double)at.y) + width + drift) / box) + 1;
-    for (int a = -last; a <= last; ++a)
-        for (int b = -last; b <= last; ++b) {
-            const long double x = at.x - box * (a * cosine + b * sine),
-                              y = at.y - box * (b * cosine - a * sine);
+    const long double reach = std::hypot((long double)at.x, (long double)at.y) + width + drift;
+    const int last_a = static_cast<int>(reach / side_x) + 1, last_b = static_cast<int>(reach / side_y) + 1;
+    for (int a = -last_a; a <= last_a; ++a)
+        for (int b = -last_b; b <= last_b; ++b) {
+            const long double x = at.x - (a * side_x * cosine + b * side_y * sine),
+                              y = at.y - (b * side_y * cosine - a * side_x * sine);
             const long double nearest = x + std::clamp(-x, 0.0L, drift); // of x + 2 c t
             if (std::hypot(nearest, y) <= width)
                 add_image(x, y, c, tau);

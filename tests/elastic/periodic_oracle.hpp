@@ -7,6 +7,7 @@
 // the times after tau are summed as Fourier series, those before as images, each exp(-|r + 2 c t|^2/4t)/(2
 // t): diffusion with drift. The image integrals are Gauss-Legendre over ln t.
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/elastic/field.hpp"
 
 #include <array>
@@ -14,9 +15,12 @@
 
 namespace rodwake::oracle {
 
-/// A place in the rod's axes, the medium, the box's side and the rod's heading against the box.
+/// A place in the rod's axes, the medium, the box's x side and the rod's heading against it.
 struct BoxPoint {
     double x, y, xi, eta, box, heading;
+    double aspect = 1.0; ///< the box's y side over the x side
+
+    PeriodicBox sides() const { return {box, aspect * box}; }
 };
 
 /// The periodic potential G and its derivatives d_x^i d_y^j, i + j <= 4.

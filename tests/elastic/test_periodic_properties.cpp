@@ -22,11 +22,11 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double headings[] = {0.0, 0.3, pi / 4, 1.2, pi / 2, 3.0};
 
-PeriodicField box_of(double ratio, double eta, double heading, double box = 1.0) {
-    return {{.eta = eta, .xi = box / ratio}, box, heading};
+PeriodicField box_of(double ratio, double eta, double heading, const PeriodicBox& box = 1.0) {
+    return {{.eta = eta, .xi = box.shorter() / ratio}, box, heading};
 }
 
-/// |-(1/xi) d_x U - lap U - eta grad div U + xhat/L^2| over the sum of its parts.
+/// |-(1/xi) d_x U - lap U - eta grad div U + xhat/Lx Ly| over the sum of its parts.
 double residual(const PeriodicField& field, double x, double y, double counterforce) {
     const double xi = field.medium().xi, eta = field.medium().eta;
     const FieldValues f = field.at(x, y, plain);
@@ -54,6 +54,15 @@ TEST_CASE("the periodic field solves the equation with the force taken off evenl
         CHECK(residual(field, r * std::cos(angle), r * std::sin(angle), 1.0) < 1e-9);
     }
     CHECK(residual(box_of(1.0, 1.0, 0.3), 0.3, 0.2, 0.0) > 1e-3); // without the counterforce
+    for (int k = 0; k < 120; ++k) {
+        const PeriodicBox box{1.0, random.log_uniform(1.0, 4.0)};
+        const double ratio = random.log_uniform(1e-2, 1e2), eta = random.log_uniform(1e-2, 1e2);
+        const PeriodicField field =
+            box_of(ratio, eta, headings[k % 6], k % 2 ? box : PeriodicBox(box.y, box.x));
+        const double r = random.uniform(0.05, 2.0), angle = random.uniform(-pi, pi);
+        CAPTURE(ratio, eta, box.y, r, angle);
+        CHECK(residual(field, r * std::cos(angle), r * std::sin(angle), 1.0 / box.area()) < 1e-9);
+    }
 }
 
 TEST_CASE("the periodic field repeats") {
@@ -89,29 +98,57 @@ TEST_CASE("the periodic field has no jump where its sums change") {
             }
 }
 
+TEST_CASE("the field of a periodic rectangle has no jump where its sums change") {
+    for (const double aspect : {0.25, 0.6, 4.0})
+        for (const double ratio : {1e-3, 4e-3, 6e-3, 0.019, 0.021, 1.0, 11.9, 12.1, 100.0})
+            for (const double heading : headings)
+                for (int k = 0; k < 40; ++k) { // the near square's edge, the diagonal beyond it, both seams
+                    const double step = 1e-12, x_edge = 0.5 * std::max(1.0, 1.0 / aspect),
+                                 y_edge = 0.5 * std::max(1.0, aspect), t = 0.044 * (k % 10) - 0.2;
+                    const PeriodicField field = box_of(ratio, 3.0, heading, {2.0 * x_edge, 2.0 * y_edge});
+                    const Vector at = k < 10   ? Vector{0.22, t}
+                                      : k < 20 ? Vector{0.3 + 0.4 * t, -0.3 - 0.4 * t}
+                                      : k < 30 ? Vector{x_edge, t}
+                                               : Vector{t, y_edge};
+                    const Vector here = to_rod(heading, at.x - step, at.y - step),
+                                 there = to_rod(heading, at.x + step, at.y + step);
+                    CAPTURE(aspect, ratio, heading, at.x, at.y);
+                    // as for the square
+                    CHECK(worst(distances(field.at(there.x, there.y, plain), field.at(here.x, here.y, plain)),
+                                largest_at(field, std::hypot(at.x, at.y))) <
+                          1e-10 + 2e-11 * std::sqrt(ratio));
+                }
+}
+
 TEST_CASE("the mean of the periodic displacement is zero") {
-    for (const double ratio : {0.1, 5.0, 40.0})
-        for (const double heading : {0.0, 0.7}) {
-            // The row at y offsets of 1/2 from the rod holds no singularity, and the mean over a row obeys
-            // g'' + ... = const: sum midpoints of the box, the singular ln r summed by its grid's own mean.
-            const PeriodicField field = box_of(ratio, 1.3, heading);
-            const auto mean = [&](int n) {
-                Vector sum;
-                for (int i = 0; i < n; ++i)
-                    for (int j = 0; j < n; ++j) {
-                        const Vector at = to_rod(heading, (i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5);
-                        const auto u = field.at(at.x, at.y, {.displacement = true}).displacement;
-                        sum.x += u.x / (n * n);
-                        sum.y += u.y / (n * n);
-                    }
-                return sum;
-            };
-            // The midpoint rule errs as h^2 by the logarithm alone: two grids take that off, h^3 is left.
-            const Vector coarse = mean(30), fine = mean(60);
-            CAPTURE(ratio, heading);
-            CHECK(std::abs((4.0 * fine.x - coarse.x) / 3.0) < 2e-5);
-            CHECK(std::abs((4.0 * fine.y - coarse.y) / 3.0) < 2e-5);
-        }
+    for (const double aspect : {1.0, 2.5, 0.4})
+        for (const double ratio : {0.1, 5.0, 40.0})
+            for (const double heading : {0.0, 0.7}) {
+                // The row at y offsets of 1/2 from the rod holds no singularity, and the mean over a row
+                // obeys g'' + ... = const: sum midpoints of the box, the singular ln r summed by its grid's
+                // own mean.
+                const PeriodicBox box{std::max(1.0, 1.0 / aspect), std::max(1.0, aspect)};
+                const PeriodicField field = box_of(ratio, 1.3, heading, box);
+                const auto mean = [&](int n) {
+                    const int nx = static_cast<int>(std::lround(n * box.x)),
+                              ny = static_cast<int>(std::lround(n * box.y));
+                    Vector sum;
+                    for (int i = 0; i < nx; ++i)
+                        for (int j = 0; j < ny; ++j) {
+                            const Vector at = to_rod(heading, box.x * ((i + 0.5) / nx - 0.5),
+                                                     box.y * ((j + 0.5) / ny - 0.5));
+                            const auto u = field.at(at.x, at.y, {.displacement = true}).displacement;
+                            sum.x += u.x / (nx * ny);
+                            sum.y += u.y / (nx * ny);
+                        }
+                    return sum;
+                };
+                // The midpoint rule errs as h^2 by the logarithm alone: two grids take that off, h^3 is left.
+                const Vector coarse = mean(30), fine = mean(60);
+                CAPTURE(aspect, ratio, heading);
+                CHECK(std::abs((4.0 * fine.x - coarse.x) / 3.0) < 2e-5);
+                CHECK(std::abs((4.0 * fine.y - coarse.y) / 3.0) < 2e-5);
+            }
 }
 
 TEST_CASE("a box of many screening lengths is the infinite plane beside and ahead of the rod") {
@@ -189,7 +226,13 @@ TEST_CASE("bad boxes and places are errors") {
     const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
     for (const double box : {0.0, -1.0, nan, infinite})
         CHECK_THROWS_WITH(PeriodicField({}, box), Catch::Contains("box ="));
+    for (const PeriodicBox& box :
+         {PeriodicBox{2.0, -1.0}, {0.0, 1.0}, {nan, 1.0}, {1.0, nan}, {infinite, 1.0}})
+        CHECK_THROWS_WITH(PeriodicField({}, box), Catch::Contains("> 0 and finite"));
+    CHECK_THROWS_WITH(PeriodicField({}, {2.0, -1.0}), Catch::Contains("box = 2 x -1"));
+    CHECK_THROWS_WITH(PeriodicField({}, {1.0, 1001.0}), Catch::Contains("1000 times"));
     CHECK_THROWS_AS(PeriodicField({}, 1e8), InputError);
+    CHECK_THROWS_WITH(PeriodicField({}, {1e5, 3e6}), Catch::Contains("infinite plane"));
     CHECK_THROWS_WITH(PeriodicField({.eta = 1.0, .xi = 1e30}, 1e-300), Catch::Contains("units"));
     const PeriodicField tiny({.eta = 1e12, .xi = 1e30}, 1e-60);
     CHECK(std::isfinite(worst(distances(tiny.at(1e-61, 2e-61, plain), {}), largest_at(tiny, 2e-61))));

@@ -27,14 +27,14 @@ class MediumTest(unittest.TestCase):
         self.assertEqual(rodwake.Medium(), rodwake.Medium(eta=1.0, xi=1.0))
 
     def test_can_be_copied_and_read_back(self):
-        for medium in (rodwake.Medium(eta=0.1, xi=1 / 3), rodwake.Medium(periodic=12.5)):
+        for medium in (rodwake.Medium(eta=0.1, xi=1 / 3), rodwake.Medium(periodic=12.5), rodwake.Medium(periodic=(12.5, 9.0))):
             self.assertEqual(pickle.loads(pickle.dumps(medium)), medium)
             self.assertEqual(eval(repr(medium), {"Medium": rodwake.Medium}), medium)
             self.assertEqual(hash(pickle.loads(pickle.dumps(medium))), hash(medium))
 
     def test_what_is_no_medium_is_refused(self):
         for given, word in (({"eta": -1.0}, "eta"), ({"xi": 0.0}, "xi"), ({"xi": 1.0, "alpha": 1.0}, "alpha"), ({"eta": float("nan")}, "eta"),
-                            ({"eta": 1.0, "poisson_ratio": 0.3}, "poisson_ratio"), ({"periodic": -1.0}, "periodic")):
+                            ({"eta": 1.0, "poisson_ratio": 0.3}, "poisson_ratio"), ({"periodic": -1.0}, "periodic"), ({"periodic": (3.0, -1.0)}, "periodic")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 rodwake.Medium(**given)
         with self.assertRaises(ValueError):  # it is one

@@ -1,6 +1,7 @@
 // Many rods: pairs that matter are found without looking at all, threads change no bit, far wakes are left
 // out within the tolerance.
 
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/core/rng.hpp"
@@ -145,10 +146,10 @@ TEST_CASE("near pairs are found as by looking at all, on the plane and in a box"
     for (const std::size_t rods : {2U, 16U, 17U, 40U, 90U})
         for (const double lattice : {0.0, 0.25})
             for (const double height : {9.0, 0.5, 400.0})
-                for (const Box box : {Box(), Box(9.0)})
+                for (const Box& box : {Box(), Box(9.0), Box(PeriodicBox(9.0, 14.0))})
                     for (const double h : {0.01, 0.4}) {
                         INFO(rods << " rods, lattice " << lattice << ", height " << height << ", box "
-                                  << box.value_or(0.0) << ", h " << h);
+                                  << (box ? to_string(*box) : "none") << ", h " << h);
                         check_state(random_state(random, rods, 9.0, height, lattice), box, h);
                     }
 }

@@ -61,6 +61,12 @@ TEST_CASE("rods at random, their order and the sums of their wakes fit each othe
          "may cover 0.3: fewer rods, a larger extent or a smaller min_separation");
     says(crowd("", "contact_distance = 0.1\n"), "it must be below rods_random.min_separation = 0");
     says(crowd("", "", box), "rods_random.extent is 9 f/mu, more than the periodic box of 8");
+    says(crowd("", "", "[medium]\neta = 1\nxi = 1\nperiodic = [20, 8]\n"),
+         "more than the periodic box of 20 x 8");
+    says(crowd("", "", "[medium]\neta = 1\nxi = 1\nperiodic = [20, -8]\n"), "medium.periodic");
+    says(crowd("", "", "[medium]\neta = 1\nxi = 1\nperiodic = [20, 18, 8]\n"), "medium.periodic");
+    says(crowd("", "", "[medium]\neta = 1\nxi = 1\nfield = \"table\"\nperiodic = [20, 18]\n"),
+         "tables are of square boxes, and medium.periodic is 20 x 18");
     says(crowd("", "turning_tolerance = 1e-6\n", box),
          "turning_tolerance needs the exact field on the plane");
     says(crowd("", "precision = \"single\"\n", box), "precision needs the exact field on the plane");
@@ -138,7 +144,7 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
                                                            .start = rodwake::medium::Start::rest,
                                                            .evaluation = rodwake::medium::Evaluation::mesh,
                                                            .inertia = 0.5});
-    CHECK(medium.box() == 20.0);
+    CHECK(medium.box()->x == 20.0);
     says(scene("force_width = 0.3\n"),
          "[medium.dynamic]: force_width = 0.3 is below the grid spacing box/modes = 0.4167");
     says(scene("box = 1.9\n"), "[medium.dynamic]: box = 1.9 is less than 4 force_width = 2");

@@ -41,18 +41,32 @@ TEST_CASE("lengths of [fit] are in the profiles' unit, strings become bead radii
     const std::string keys =
         "box = \"31.2 mm\"\ncore = 8.0\nheading = \"90 deg\"\nindependent_spacing = \"4.2 a\"\n";
     const auto fit = *parse(fitted(keys, uy)).fit;
-    CHECK(*fit.box == Approx(78.0)); // 0.4 mm by default
+    CHECK(fit.box->x == Approx(78.0)); // 0.4 mm by default
+    CHECK(fit.box->square());
     CHECK(fit.core == 8.0);
     CHECK(*fit.independent_spacing == Approx(4.2));
     CHECK(fit.profiles[0].at == Approx(4.0));
     CHECK(fit.heading == Approx(1.5707963267948966));
     const std::string si = "units = \"si\"\n[scales]\nf_over_mu = 1e-3\nv0 = 1e-3\nbead_radius = \"1 mm\"\n";
     const auto scaled = *parse(replaced(fitted(keys), "schema = 1\n", "schema = 1\n" + si)).fit;
-    CHECK(*scaled.box == Approx(31.2));
+    CHECK(scaled.box->x == Approx(31.2));
     CHECK(scaled.core == 8.0); // whatever `units` says
     const auto bed_fit = *parse(bed("bead_radius = \"0.5 mm\"\n") + fitted(keys).substr(11)).fit;
-    CHECK(*bed_fit.box == Approx(62.4));
+    CHECK(bed_fit.box->x == Approx(62.4));
     says(fitted("box = \"2 f/mu\"\n"), "unknown unit \"f/mu\"");
+}
+
+TEST_CASE("fit.box is one side or two") {
+    const auto fit = *parse(fitted("box = [\"78 a\", \"31.2 mm\"]\n")).fit;
+    CHECK(fit.box->x == Approx(78.0));
+    CHECK(fit.box->y == Approx(78.0));
+    const std::string both = "box = [\"78 a\", \"77 a\"]\n";
+    survives(fitted(both));
+    CHECK(*parse(bed("") + fitted(both).substr(11)).fit->box == rodwake::PeriodicBox(78.0, 77.0));
+    says(fitted("box = [\"78 a\", \"-77 a\"]\n"), "fit.box");
+    says(fitted("box = [\"78 a\"]\n"), "fit.box");
+    says(fitted("box = [1, 2, 3]\n"), "fit.box");
+    says(fitted("box = \"wide\"\n"), "fit.box");
 }
 
 TEST_CASE("a profile's range goes from low to high") {

@@ -109,6 +109,13 @@ TEST_CASE("keys of [medium] stay in it beside [medium.table]") {
     CHECK(parse(to_toml(scene)) == scene);
 }
 
+TEST_CASE("a rectangle of medium.periodic survives") {
+    const Scene scene = parse("schema = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[medium]\neta = 1\nxi = 1\n"
+                              "periodic = [78.0, 77.0]\n");
+    CHECK(*scene.medium->periodic == rodwake::PeriodicBox(78.0, 77.0));
+    CHECK(parse(to_toml(scene)) == scene);
+}
+
 TEST_CASE("gammas of a figure have the scene's units, whatever the figure before shows") {
     const std::string streams =
                           "[[figures]]\nname = \"s\"\nkind = \"polar_streamlines\"\ngammas = [[1.0, 0.0]]\n",

@@ -62,8 +62,8 @@ struct MeasuredOptions {
 
 /// Throws InputError for lists that are not n^2 long, n odd or below 16, a sigma that is not above 0, options
 /// that leave no place to the measured field or reach beyond the grid, a box in which what was measured would
-/// meet its own image: side <= edge sqrt(2).
-void validate(const MeasuredGrid& grid, const MeasuredOptions& options, std::optional<double> box = {});
+/// meet its own image: a side <= edge sqrt(2).
+void validate(const MeasuredGrid& grid, const MeasuredOptions& options, std::optional<PeriodicBox> box = {});
 
 /// How a component was smoothed.
 struct SmoothingReport {
@@ -78,12 +78,12 @@ public:
     /// Throws InputError as validate does, and for an illegal medium.
     MeasuredDisplacement(const MeasuredGrid& grid, const Medium& theory, const MeasuredOptions& options);
 
-    /// The wakes of rods, in a box of this side or on the plane. No dipole, no derivatives by the medium.
+    /// The wakes of rods, in this box or on the plane. No dipole, no derivatives by the medium.
     /// Throws InputError for a box that is too small.
-    std::shared_ptr<const WakeField> field(std::optional<double> box = {}) const;
+    std::shared_ptr<const WakeField> field(std::optional<PeriodicBox> box = {}) const;
     /// The same from data to which errors were added; the draw depends on seed and sample alone.
     std::shared_ptr<const WakeField> drawn(std::uint64_t seed, std::uint32_t sample,
-                                           std::optional<double> box = {}) const;
+                                           std::optional<PeriodicBox> box = {}) const;
 
     const SmoothingReport& report_x() const;
     const SmoothingReport& report_y() const;

@@ -1,24 +1,26 @@
 #pragma once
-// Steady field of a rod and all its images in an L x L periodic box, the zero Fourier mode removed: what a
+// Steady field of a rod and all its images in an Lx x Ly periodic box, the zero Fourier mode removed: what a
 // displacement measured in a periodic box is compared with (docs/physics.md).
 //
-//   U = (1/2 pi) [ G_T xhat + xi grad (G_T - G_L) ],   lap G_i + 2 c_i d_x G_i = -2 pi (delta_per - 1/L^2)
+//   U = (1/2 pi) [ G_T xhat + xi grad (G_T - G_L) ],   lap G_i + 2 c_i d_x G_i = -2 pi (delta_per - 1/Lx Ly)
 //
 // with c_T = 1/(2 xi), c_L = nu c_T, x along the rod. The box's sides may lie at any angle to the rod. U is
-// relative to its mean over the box, whatever the drift f/(zeta L^2) of the medium as a whole.
+// relative to its mean over the box, whatever the drift f/(zeta Lx Ly) of the medium as a whole.
 //
 // Error: below 1e-10 of the largest value of each quantity at the same distance from the rod, for L/xi in
-// [1e-3, 1e3], every eta and every heading (docs/validation.md); near the rod the field is the infinite
-// plane's, exact to its last digits, and a smooth rest. Derivatives by eta and xi agree with differences to
-// 1e-6, which is as far as those reach. Gradients and derivatives by heading: below 1e-9 of their own largest
-// value at the same distance, the latter plus 1e-13 of the field, as they vanish for L/xi -> 0. Smaller and
-// larger boxes are still right (derivatives by xi lose (xi/L)^2 of 16 digits); L above 2e6 xi or 2e6 xi/nu
-// throws InputError. Domain: finite x, y that are not a place of the rod or an image; InputError otherwise.
+// [1e-3, 1e3] of both sides, Ly/Lx in [1/4, 4], every eta and every heading (docs/validation.md); near the
+// rod the field is the infinite plane's, exact to its last digits, and a smooth rest. Derivatives by eta and
+// xi agree with differences to 1e-6, which is as far as those reach. Gradients and derivatives by heading:
+// below 1e-9 of their own largest value at the same distance, the latter plus 1e-13 of the field, as they
+// vanish for L/xi -> 0. Smaller and larger boxes are still right (derivatives by xi lose (xi/L)^2 of 16
+// digits); a side above 2e6 xi or 2e6 xi/nu, or above 1000 times the other, throws InputError. Domain: finite
+// x, y that are not a place of the rod or an image; InputError otherwise.
 //
-// Cost: 6 to 50 microseconds to construct for L/xi from 0.1 up, 90 at 1e-3; about 1 microsecond a point, 2 at
-// 1e-3. With gradients a point costs 1.2 times as much. The first derivative by heading costs a second
-// construction, each of them 1.5 points (bench/periodic_bench.cpp).
+// Cost of a square: 6 to 50 microseconds to construct for L/xi from 0.1 up, 90 at 1e-3; about 1 microsecond a
+// point, 2 at 1e-3. With gradients a point costs 1.2 times as much. The first derivative by heading costs a
+// second construction, each of them 1.5 points (bench/periodic_bench.cpp).
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/elastic/field.hpp"
 #include "rodwake/elastic/medium_derivatives.hpp"
 
@@ -28,9 +30,9 @@ namespace rodwake::elastic {
 
 class PeriodicField {
 public:
-    /// `box` = L > 0 in the unit of medium.xi; `heading` of the rod against the box's sides, rad. Throws
-    /// InputError.
-    PeriodicField(const Medium& medium, double box, double heading = 0.0);
+    /// Sides of `box` > 0, in the unit of medium.xi; `heading` of the rod against the box's x side, rad.
+    /// Throws InputError.
+    PeriodicField(const Medium& medium, const PeriodicBox& box, double heading = 0.0);
 
     /// The field at (x, y) in the rod's frame (rod at the origin, heading along +x), components in that
     /// frame. All of it as asked for, gradients too.
@@ -51,7 +53,7 @@ public:
     MediumDerivatives own_place_by_medium(FieldRequest request) const;
 
     const Medium& medium() const;
-    double box() const;
+    const PeriodicBox& box() const;
     double heading() const;
 
 private:

@@ -6,6 +6,7 @@
 // +x); units and signs are those of elastic/field.hpp. A WakeField gives the wakes of all rods of a medium.
 // Places and sums over rods are in the lab frame. Everything is thread-safe.
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/elastic/field.hpp"
 #include "rodwake/elastic/medium_derivatives.hpp"
 #include "rodwake/elastic/mutual_wakes.hpp"
@@ -49,8 +50,8 @@ public:
 
     virtual FieldCapabilities capabilities() const { return {}; }
     virtual const Medium& medium() const = 0;
-    /// Side of the periodic box, axes those of the lab; none: infinite plane.
-    virtual std::optional<double> box() const { return {}; }
+    /// The periodic box, axes those of the lab; none: infinite plane.
+    virtual std::optional<PeriodicBox> box() const { return {}; }
 
     /// Cheap on the plane, where all headings share one; in a box it is built for the heading.
     virtual std::shared_ptr<const Wake> wake(double heading) const = 0;
@@ -61,14 +62,14 @@ public:
                         std::span<FieldValues> sums) const;
 };
 
-/// The exact field: elastic/field.hpp on the plane, elastic/periodic.hpp in a box of side `box`. Throws
+/// The exact field: elastic/field.hpp on the plane, elastic/periodic.hpp in a periodic box. Throws
 /// InputError for an illegal medium; for an illegal box when a wake is asked for.
 /// `sums`: how WakeField::mutual works on the plane (8 rods or more); in a box each pair is exact.
-std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional<double> box = {},
+std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional<PeriodicBox> box = {},
                                              const MutualWakesOptions& sums = {});
 
 /// Whether (x, y) in the frame of a rod is the rod's own place, or that of an image to 1e-9 of the box: of
 /// places given in decimal digits and turned by the heading more cannot be asked.
-bool is_singular(double x, double y, std::optional<double> box = {}, double heading = 0.0);
+bool is_singular(double x, double y, std::optional<PeriodicBox> box = {}, double heading = 0.0);
 
 } // namespace rodwake::elastic

@@ -10,6 +10,7 @@
 // Beside profiles (wake.hpp) alpha is the parameter that means the same for both: xi is in reduced units here
 // and in the unit of the profiles there.
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/fitting/problem.hpp"
 #include "rodwake/integrate/ode.hpp"
 
@@ -29,9 +30,9 @@ struct Trajectory {
     std::optional<double> contact_distance; ///< the run stops there; needed by contact_time
     std::optional<double> contact_time;     ///< a datum: when the rods met
     double sigma_contact = 1.0;
-    std::vector<std::string> where; ///< each row's origin for messages
-    std::optional<double> box = {}; ///< side of the periodic box it was measured in, positions unwrapped;
-                                    ///< absent: infinite plane
+    std::vector<std::string> where;      ///< each row's origin for messages
+    std::optional<PeriodicBox> box = {}; ///< the periodic box it was measured in, positions unwrapped;
+                                         ///< absent: infinite plane
     double independent = 1.0; ///< independent rows a row is worth, in (0, 1]: below 1 if neighbours share
                               ///< noise; sigmas of rows are enlarged by 1/sqrt(independent)
 };

@@ -16,6 +16,7 @@
 //   x0           where the force acts, ahead of the rod's centre                         length
 //   offset       constant added to U_x; offset_y: to U_y                                 length
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/fitting/problem.hpp"
 
 #include <optional>
@@ -39,8 +40,8 @@ struct Profile {
 };
 
 struct WakeModel {
-    std::optional<double> box = {}; ///< L of the periodic box; absent: infinite plane
-    double heading = 0.0;           ///< of the rod against the box's sides, rad
+    std::optional<PeriodicBox> box = {}; ///< absent: infinite plane
+    double heading = 0.0;                ///< of the rod against the box's sides, rad
     double core =
         0.0; ///< points closer than this to the rod's centre along the profile (|x| < core) are left out
 };

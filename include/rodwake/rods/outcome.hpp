@@ -5,6 +5,7 @@
 // Of more than most_followed_rods rods (separation_record.hpp) only contact is told.
 
 #include "rodwake/core/encounter.hpp"
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/integrate/ode.hpp"
 
 #include <optional>
@@ -15,6 +16,6 @@ namespace rodwake::rods {
 /// `late` as separation_record.hpp keeps it. In a periodic box of the nearest images (separation.hpp).
 Ending classify_pair(integrate::State y, integrate::State ydot, std::size_t a, std::size_t b,
                      const LatePart& late, const EndingCriteria& criteria = {},
-                     std::optional<double> box = {});
+                     std::optional<PeriodicBox> box = {});
 
 } // namespace rodwake::rods

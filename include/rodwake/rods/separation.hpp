@@ -2,9 +2,10 @@
 // Distances between rods along a trajectory. Rods move at speed 1, so the rate of change of a separation is
 // known exactly from the headings: within a step it is followed by cubic Hermite interpolation of its square.
 //
-// In a periodic box (side `box`, axes of the lab) a separation is that of the nearest images; positions stay
+// In a periodic box (axes of the lab) a separation is that of the nearest images; positions stay
 // unwrapped. Of many rods only the pairs that can matter are looked at: N log N instead of N^2, same bits.
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/integrate/ode.hpp"
 
 #include <cstddef>
@@ -14,8 +15,8 @@
 
 namespace rodwake::rods {
 
-/// Side of the periodic box; none: infinite plane.
-using Box = std::optional<double>;
+/// The periodic box; none: infinite plane.
+using Box = std::optional<PeriodicBox>;
 
 /// A pair (first < second) and how far apart it is. Unit of the positions.
 struct Separation {

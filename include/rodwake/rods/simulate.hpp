@@ -2,6 +2,7 @@
 // One run of N rods: problem, options, result. The result of a failed solve is a value: see
 // RodResult::solution.status.
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/rods/model.hpp"
 #include "rodwake/rods/outcome.hpp"
@@ -33,7 +34,7 @@ struct RodProblem {
     double t_end = 0.0;
     std::vector<double> output_times;       ///< increasing, in [0, t_end]; t_end is added if missing
     std::optional<double> contact_distance; ///< stop when two rods come this close
-    std::optional<double> box = {}; ///< side of the periodic box along x and y; absent: infinite plane
+    std::optional<PeriodicBox> box = {};    ///< axes x and y; absent: infinite plane
     /// How the wakes of this medium in this domain are worked out; absent: exactly.
     std::shared_ptr<const elastic::WakeField> field = nullptr;
     WakeSums sums = {};

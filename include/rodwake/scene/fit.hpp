@@ -3,6 +3,7 @@
 // `units` says; a string with a unit is in bead radii then (what `rodwake measure` writes). Whether a file is
 // there and what it holds is not known here.
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/fitting/method.hpp"
 
 #include <map>
@@ -92,8 +93,8 @@ struct Fit {
     std::map<std::string, double> fixed_errors; ///< standard errors of some of `fixed`
     std::map<std::string, Tie> tied;
     std::vector<std::string> log = {"eta", "xi", "alpha"};
-    std::optional<double> box;
-    double heading = 0.0; ///< rad
+    std::optional<PeriodicBox> box; ///< absent: infinite plane
+    double heading = 0.0;           ///< rad
     double core = 0.0;
     std::optional<double> independent_spacing;
     double rod_length = 0.0, source_width = 1.0; ///< of the source in maps

@@ -7,6 +7,7 @@
 // door (reading: scene/read.hpp; writing results: Scales below). The granular tables are SI
 // (scene/granular.hpp).
 
+#include "rodwake/core/periodic.hpp"
 #include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/integrate/method.hpp"
 #include "rodwake/medium/dynamic_medium.hpp"
@@ -68,13 +69,15 @@ struct Medium {
     std::optional<FieldTable> table;
     std::optional<MeasuredMedium> measured;
     std::optional<medium::DynamicMedium> dynamic; ///< absent: its defaults; only with field = dynamic
-    std::optional<double> periodic; ///< side of the periodic box, f/mu; absent: infinite plane. See box()
-    bool fitted = false;            ///< eta and xi come from [fit]; those here mean nothing until then
+    std::optional<PeriodicBox> periodic;          ///< f/mu; absent: infinite plane. See box()
+    bool fitted = false; ///< eta and xi come from [fit]; those here mean nothing until then
 
     bool is_dynamic() const { return field == FieldBackend::dynamic; }
     medium::DynamicMedium memory() const { return dynamic.value_or(medium::DynamicMedium{}); }
-    /// Side of the periodic box, whichever key gives it; none: infinite plane.
-    std::optional<double> box() const { return is_dynamic() ? std::optional(memory().box) : periodic; }
+    /// The periodic box, whichever key gives it; none: infinite plane.
+    std::optional<PeriodicBox> box() const {
+        return is_dynamic() ? std::optional<PeriodicBox>(memory().box) : periodic;
+    }
 
     bool operator==(const Medium&) const = default;
 };
