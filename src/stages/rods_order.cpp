@@ -1,5 +1,6 @@
 #include "rods_order.hpp"
 
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/store/csv.hpp"
 #include "values_json.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
-// The field of a rod in a periodic square (periodic.hpp) from a table, for rods that turn at every step: a new
-// heading costs nothing here, there 6 to 90 microseconds.
+// The field of a rod in a periodic square (periodic.hpp) from a table, for rods that turn at every step: a
+// new heading costs nothing here, there 6 to 90 microseconds.
 //
 //   u = infinite plane's field of the nearest image (exact) + a smooth rest, tabulated over place and heading
 //
