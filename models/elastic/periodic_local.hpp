@@ -2,8 +2,8 @@
 // Near the rod, for wave numbers c up to 6 over the box's shorter side: what the periodic potential has more
 // than the infinite plane's. It is regular up to the nearest image, one shorter side away:
 //
-//   rest = P/(X Y) + exp(-c.r) [ln(c) psi_0 + Re sum_m A_m psi_m],   psi_m = w^m m! (2/(c r))^m I_m(c r),  w
-//   = x + i y
+//   rest = P/(X Y) + exp(-c.r) [ln(c) psi_0 + Re sum_m A_m psi_m],
+//   psi_m = w^m m! (2/(c r))^m I_m(c r),   w = x + i y
 //
 // P: uniform_part below. The A_m come from the rest's values on a circle of radius 1/2 (discrete Fourier
 // transform); at r <= 0.32 terms beyond the last fall below 1e-13. Unit of length: the shorter side.

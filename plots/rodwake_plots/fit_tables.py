@@ -150,7 +150,8 @@ def search(fit):
         reached = f", of which {words.number(same)} reached the same optimum" if words.is_number(same) else ""
         yield "Starts", words.number(len(fit.starts)) + reached
     if told.get("box") is not None:
-        yield "Periodic box", f"side {words.number(fit.number(told, 'box'))} {fit_words.unit_html(fit.unit)}"
+        sides = told["box"] if isinstance(told["box"], list) else [fit.number(told, "box")]
+        yield "Periodic box", f"{'sides' if len(sides) > 1 else 'side'} {' × '.join(map(words.number, sides))} {fit_words.unit_html(fit.unit)}"
     core, spacing = fit.number(told, "core", 0.0), fit.number(told, "independent_spacing", 0.0)
     if core > 0:
         yield "Core left out", f"places within {words.number(core)} {fit_words.unit_html(fit.unit)}"

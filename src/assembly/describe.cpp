@@ -43,7 +43,7 @@ void add_film_line(const scene::Scene& scene, Lines& lines) {
     const std::size_t frames = medium::film_times(m, scene.rods_run->t_end).size();
     const auto numbers = static_cast<double>(frames * medium::film_frame_size(m, scene.rods.size()));
     lines.push_back({true, fmt::format("film of the medium: {0} frames of {1} x {1} points, {2} in "
-                                       "medium_film.h5",
+                                       "medium_film.h5 (twice that while it is made)",
                                        frames, m.film_grid, size_text(8.0 * numbers))});
 }
 

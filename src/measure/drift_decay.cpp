@@ -111,6 +111,18 @@ Balance balance_of(const DriftCorrelation& c, const Window& w, double interval, 
     return b;
 }
 
+/// Why the error would be none; empty: the header's domain.
+std::string outside_domain(double rate, double length, const DriftDecayOptions& o) {
+    constexpr double block_decays = 10.0, run_decays = 100.0;
+    if (rate * o.block < block_decays)
+        return fmt::format("blocks of {:.3g} s are below {:g} decays, {:.2g} s: lengthen measure.block",
+                           o.block, block_decays, block_decays / rate);
+    if (rate * length < run_decays)
+        return fmt::format("{:.3g} s of drift are below {:g} decays, {:.2g} s: run longer, or more runs",
+                           length, run_decays, run_decays / rate);
+    return {};
+}
+
 double jackknife_error(const Row& without) {
     const double n = static_cast<double>(without.size());
     if (without.size() < 2)
@@ -142,12 +154,14 @@ DriftDecay drift_decay(std::span<const DriftPath> runs, double mass, const Estim
         return balance_of(c, window, blocks.interval, blocks.run_length, mass, drag_rate.value);
     };
     const double rate = window.high == 0 ? 0.0 : balance(all).rate(drag_rate.value);
-    if (!(std::isfinite(rate) && rate > 0.0)) {
+    if (!(std::isfinite(rate) && rate > 0.0))
         result.absence =
             fmt::format("the drift's correlation does not decay between lags of {:.3g} and {:.3g} s",
                         result.lag_low, longest_lag);
+    else
+        result.absence = outside_domain(rate, blocks.run_length * static_cast<double>(runs.size()), options);
+    if (!result.absence.empty())
         return result;
-    }
     const Balance whole = balance(all);
     Row rates, inertias;
     for (std::size_t b = 0; count > 1 && b < count; ++b) {

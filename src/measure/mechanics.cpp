@@ -144,7 +144,7 @@ DriftDecay decay_of(std::span<const MechanicsAccumulator> runs, std::span<const 
 void set_steady(MechanicsResult& result, const Layout& layout, bool rods, double first_time) {
     const double half = 0.5 * layout.box.shorter();
     if (!rods) {
-        result.steady = first_time * result.drag_rate.value >= 3.0;
+        result.steady = result.drag_rate.count == 0 || first_time * result.drag_rate.value >= 3.0;
         return;
     }
     result.wanted = result.screening.count > 0 ? std::min(half, result.screening.value) : half;

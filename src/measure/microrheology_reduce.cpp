@@ -147,7 +147,8 @@ MicrorheologyResult reduce(Runs runs) {
     set_window(result, runs[0].options(), lag.back(), runs[0].interval());
     set_stiffness(result, blocks, lag, runs[0].interval());
     set_stiffness_zero(result, blocks, lag);
-    result.spectrum = stiffness_spectrum(blocks, lag);
+    if (std::ranges::all_of(result.msd, [](double v) { return v > 0.0; })) // beads at rest have no kernel
+        result.spectrum = stiffness_spectrum(blocks, lag);
     set_spring(result, runs);
     return result;
 }

@@ -28,7 +28,7 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
         report("measure.inertia_error",
                "inertia_error is that of inertia_factor: give inertia_factor (1 or a little more), or leave "
                "both out");
-    want_rod(m.from_travel.has_value(), "from_travel");
+    want_rod(m.from_travel.has_value(), "from_travel (or a distance in from)");
     if (m.pairs && count != 2)
         report("measure.pairs", fmt::format("pairs needs two [[granular.rods]]; there are {}", count));
     if (count > 0 && m.rod >= count)

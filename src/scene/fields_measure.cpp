@@ -48,9 +48,8 @@ void what_fields(Visitor& v, Measure& m) {
           .example("true"),
       m.phonons);
     v(key("mechanics")
-          .doc("drift of the bed under the push of its rods or of a uniform body force, drag rate, decay of "
-               "the "
-               "drift and inertia, Peclet number and screening length")
+          .doc("drift of the bed under the push of its rods or of a uniform body force, drag rate, decay "
+               "of the drift and inertia, Peclet number and screening length")
           .example("true"),
       m.mechanics);
     v(key("heading_diffusion")

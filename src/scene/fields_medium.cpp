@@ -265,9 +265,8 @@ void fields(Visitor& v, Medium& medium) {
           .unit(length)
           .above(0.0)
           .absent("infinite plane")
-          .doc("a periodic box for the rods and the field, its side or two, [78.0, 77.0]: each rod acts with "
-               "all "
-               "its images. Tables of the field (field = \"table\") take one side")
+          .doc("a periodic box for the rods and the field, its side or two, [78.0, 77.0]: each rod acts "
+               "with all its images. Tables of the field (field = \"table\") take one side")
           .example("78.0"),
       medium.periodic);
     v(key("fitted")

@@ -206,9 +206,8 @@ constexpr FileKind plain_kinds[] = {
      "with "
      "standard errors"},
     {"medium_film.h5", Stage::rods, result,
-     "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, also "
-     "where "
-     "each rod feels those of the others alone; with the rods' places and headings"},
+     "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
+     "also where each rod feels those of the others alone; with the rods' places and headings"},
     {"medium_film.log", Stage::rods, progress, "frames so far"},
     {"noise_progress.json", Stage::rods, progress, "runs with noise that are done, to go on from"},
     {"checkpoint.json", Stage::rods, progress, "state to go on from"},

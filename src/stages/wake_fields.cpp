@@ -22,6 +22,9 @@ std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& sce
     if (medium.field == scene::FieldBackend::measured)
         return measured(scene)->field(medium.periodic);
     const double tolerance = medium.table.value_or(scene::FieldTable{}).tolerance;
+    if (medium.periodic && !medium.periodic->square())
+        throw InputError(
+            "medium.field = \"table\" takes a square medium.periodic: take \"exact\" in a rectangle");
     if (medium.periodic)
         return elastic::table_field(tables_.periodic(constants, medium.periodic->x, tolerance));
     return elastic::table_field(tables_.plane(medium.eta, tolerance), constants);

@@ -1,6 +1,7 @@
 #include "hdf5_file.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <functional>
 #include <numeric>
 
@@ -132,6 +133,8 @@ void write_part(hid_t file, const std::string& path, std::span<const double> val
     const Hdf5Handle data(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
     const hsize_t row =
         std::accumulate(extent.begin() + 1, extent.end(), hsize_t{1}, std::multiplies<hsize_t>());
+    if (row == 0 || values.size() % row != 0)
+        throw RunError(fmt::format("HDF5: {}: {} values are no whole rows of {}", path, values.size(), row));
     std::vector<hsize_t> start(extent.size(), 0), count = extent;
     start[0] = first;
     count[0] = values.size() / row;

@@ -107,14 +107,15 @@ TEST_CASE("alpha stands for f_over_mu/xi") {
         CHECK(by_alpha.value[i] == Approx(by_xi.value[i]).epsilon(1e-14));
 }
 
-const std::optional<PeriodicBox> in_boxes[] = {std::nullopt, PeriodicBox(78.0), PeriodicBox(78.0, 60.0)};
+const std::optional<rodwake::PeriodicBox> in_boxes[] = {std::nullopt, rodwake::PeriodicBox(78.0),
+                                                        rodwake::PeriodicBox(78.0, 60.0)};
 
 // Central differences with a relative step of 1e-5 are good to about 1e-9.
 TEST_CASE("gradients of the residuals agree with differences") {
     const std::vector<std::string> names = {"f_over_mu", "f2d_over_mu", "eta",     "xi",
                                             "x0",        "offset",      "offset_y"};
     const std::vector<double> truth = {2.2, 0.8, 1.3, 22.0, 0.4, 0.05, -0.02};
-    for (const std::optional<PeriodicBox>& box : in_boxes)
+    for (const std::optional<rodwake::PeriodicBox>& box : in_boxes)
         for (const double heading : {0.0, 0.4}) {
             CAPTURE(to_string(box.value_or(0.0)), heading);
             const WakeModel model{box, heading, 0.0};
@@ -139,7 +140,7 @@ TEST_CASE("a wrong gradient is seen") {
 
 TEST_CASE("the residuals vanish for the parameters the data were made from") {
     const std::vector<double> truth = {2.2, 1.3, 22.0};
-    for (const std::optional<PeriodicBox>& box : in_boxes) {
+    for (const std::optional<rodwake::PeriodicBox>& box : in_boxes) {
         const Problem problem = four_lines({box, 0.0, 0.0}, monopole, truth);
         Eigen::VectorXd r(static_cast<Eigen::Index>(problem.residuals));
         problem.evaluate(truth, r, nullptr);

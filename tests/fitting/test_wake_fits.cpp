@@ -50,9 +50,9 @@ std::array<int, 3> covered(int fits, double width = 1.0) {
 } // namespace
 
 TEST_CASE("exact profiles give the parameters back to rounding") {
-    for (const std::optional<PeriodicBox> box :
-         {std::optional<PeriodicBox>(), std::optional<PeriodicBox>(78.0),
-          std::optional(PeriodicBox(78.0, 60.0))}) {
+    for (const std::optional<rodwake::PeriodicBox> box :
+         {std::optional<rodwake::PeriodicBox>(), std::optional<rodwake::PeriodicBox>(78.0),
+          std::optional(rodwake::PeriodicBox(78.0, 60.0))}) {
         const WakeModel model{box, 0.0, 0.0};
         const Problem problem =
             wake_problem(model, two_profiles(model, 0.01, nullptr), elastic_parameters({1.0, 1.0, 10.0}));

@@ -33,6 +33,10 @@ class ReportTest(FitCase):
             self.assertIn(part, page)
         self.assertNotRegex(page, r"\b(?:nan|inf|None|null)\b")
 
+    def test_both_sides_of_a_rectangle_are_told(self):
+        self.rewrite(box=[78.5, 77.25])
+        self.assertIn("sides 78.5 × 77.25 a", self.words_of_page())
+
     def test_self_contained(self):
         page = self.page()
         self.assertNotIn("http", page)

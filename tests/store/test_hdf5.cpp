@@ -70,14 +70,24 @@ TEST_CASE("Numbers keep their bits") {
 TEST_CASE("A column written in parts is that column") {
     const Scratch scratch;
     store::Hdf5Writer out(scratch / "r.h5");
-    out.part("/points/x", {}, 0, 5);
-    out.part("/points/x", std::vector<double>{3, 4, 5}, 2, 5);
-    out.part("/points/x", std::vector<double>{1, 2}, 0, 5);
-    out.part("/points/none", {}, 0, 0);
-    CHECK_THROWS_AS(out.part("/points/x", std::vector<double>{1, 2}, 4, 5), RunError);
+    out.part("/points/x", {}, 0, {5});
+    out.part("/points/x", std::vector<double>{3, 4, 5}, 2, {5});
+    out.part("/points/x", std::vector<double>{1, 2}, 0, {5});
+    out.part("/points/none", {}, 0, {0});
+    CHECK_THROWS_AS(out.part("/points/x", std::vector<double>{1, 2}, 4, {5}), RunError);
     out.commit();
     CHECK(read_dataset(scratch / "r.h5", "/points/x") == std::vector<double>{1, 2, 3, 4, 5});
     CHECK(read_dataset(scratch / "r.h5", "/points/none").empty());
+}
+
+TEST_CASE("Rows of a table written in parts, of whole rows only, are that table") {
+    const Scratch scratch;
+    store::Hdf5Writer out(scratch / "r.h5");
+    out.part("/frames", std::vector<double>{3, 4, 5, 6}, 1, {3, 2});
+    out.part("/frames", std::vector<double>{1, 2}, 0, {3, 2});
+    CHECK_THROWS(out.part("/frames", std::vector<double>{1, 2, 3}, 0, {3, 2}));
+    out.commit();
+    CHECK(read_dataset(scratch / "r.h5", "/frames") == std::vector<double>{1, 2, 3, 4, 5, 6});
 }
 
 TEST_CASE("The file appears at commit; without it nothing is left and an old one stands") {

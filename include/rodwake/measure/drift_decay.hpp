@@ -1,9 +1,9 @@
 #pragma once
 // How fast the bed's own drift decays on the plates, and with how much inertia it does so.
 //
-//   m* M dV/dt = F(t) - zeta' V + noise      M, mass of the beads; V, velocity of their centre of mass; F,
-//   force
-//                                            of the rods; zeta' = drag_rate M, drag of the plates, N s/m
+//   m* M dV/dt = F(t) - zeta' V + noise      M, mass of the beads; V, velocity of their centre of mass;
+//                                            F, force of the rods; zeta' = drag_rate M, drag of the plates, N
+//                                            s/m
 //   C(t) = <V(t0 + t) V(t0)>,   K(t) = <F(t0 + t) V(t0)>,   deviations from the mean of the run
 //   m* [C(t1) - C(t2)] = drag_rate J - (1/M) int K dt,   J = int C dt,   both from t1 to t2 > t1 > 0
 //   decay_rate = drag_rate/m*;  without F:  decay_rate = [C(t1) - C(t2)]/J, whatever drag_rate is
@@ -24,7 +24,7 @@
 // its share of C. Error: jackknife over blocks of time of all runs, t0 in the block; with that of drag_rate
 // in squares. The least error of a run without rods is sqrt(decay_rate/T) (both components), twice that with
 // the early lags left out. Domain: intervals of at most settle/2 and (with rods) rows of their force as
-// dense; blocks of at least ten decays; T of at least hundred.
+// dense; blocks of at least ten decays and at least hundred in all runs together, else no rate is given.
 
 #include "rodwake/core/estimate.hpp"
 

@@ -2,14 +2,14 @@
 // How rods drag the whole bed along, with how much inertia it moves, and how far their wakes reach.
 //
 //   0         = F - gamma M V             steady: M = n m Lx Ly, mass of the beads; V, velocity of their
-//   centre
-//                                         of mass; F, force of the rods (or of a uniform body force) on them;
-//                                         gamma = zeta/(n m), drag rate of the plates, 1/s
+//                                         centre of mass; F, force of the rods (or of a uniform body force)
+//                                         on them; gamma = zeta/(n m), drag rate of the plates, 1/s
 //   gamma     = sum_b |P_b| / (M sum_b D_b.e_b)   over blocks of time: P_b momentum handed over, e_b its
 //                                         direction, D_b how far the bed came
-//   m*        = gamma/(decay rate of V)   inertia over mass (drift_decay.hpp): what moves has to spin its
-//   beads mu        = m* n m c_T^2              c_T, speed of transverse sound, which has that inertia too xi
-//   = mu/(zeta v) = m* c_T^2/(gamma v)  screening length (physics.md, section 1), v the rod's speed
+//   m*        = gamma/(decay rate of V)   inertia over mass (drift_decay.hpp): beads that move have to spin
+//   mu        = m* n m c_T^2              c_T, speed of transverse sound, which has that inertia too
+//   xi        = mu/(zeta v) = m* c_T^2/(gamma v)
+//                                         screening length (physics.md, section 1), v the rod's speed
 //                                         relative to the bed
 //   Peclet    = L/xi                      drag over elasticity on the scale of the box (L: shorter side)
 //

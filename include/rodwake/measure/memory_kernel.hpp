@@ -14,10 +14,11 @@
 //            change that. The floor spins up a bead only after some impacts; the inertia of its spin is part
 //            of k~(s) and is not removed. (If the energy of the spin counted in T, total and k~ would grow
 //            together by one factor, at most 7/5 for spheres that never slip.)
-//   Gamma s  Only the sum Gamma s + k~ is measured: plates and neighbours brake one bead alike. Gamma has to
-//   be
-//            measured apart, as the drag on a whole bed that drifts, in which neighbours cancel: Gamma = m
-//            times its drag rate. Without it `with_drag` = Gamma s + k~ is all that is known.
+//   Gamma s  Only the sum Gamma s + k~ is measured: plates and neighbours brake one bead alike. Gamma has
+//            to be measured apart, as the drag on a whole bed that drifts, in which neighbours cancel: Gamma
+//            = m times its drag rate. Without it `with_drag` = Gamma s + k~ is all that is known.
+//   T        One temperature at every s, as in equilibrium. Slow modes of a vibrated bed are colder than T_xy
+//            (phonons.hpp): k~ at low s is then too large by T_xy/T, an effective stiffness.
 
 #include "rodwake/core/estimate.hpp"
 

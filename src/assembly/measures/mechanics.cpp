@@ -128,7 +128,7 @@ std::vector<RodPushes> pushes_of(const MeasuredCase& data, const measure::Layout
 std::optional<Estimate> given_inertia(const Measure& m) {
     if (!m.inertia_factor)
         return std::nullopt;
-    return Estimate{*m.inertia_factor, m.inertia_error.value_or(0.0), 1};
+    return Estimate{*m.inertia_factor, m.inertia_error.value_or(0.0), 1}; // without an error: as if exact
 }
 
 Inertia inertia_by(const measure::DriftDecay& decay) {
@@ -156,9 +156,10 @@ Estimate shear_speed_of(const MeasuredCase& data) {
 /// What makes a run too short; nothing if it is long enough.
 std::string shortness(const MechanicsResult& r, double a) {
     if (r.speed.count == 0)
-        return r.steady
-                   ? ""
-                   : "; measured from too early on: the drift takes three times 1/(drag rate) to be steady";
+        return r.steady ? ""
+                        : fmt::format("; measured from too early on: the drift takes {:.2g} s to be steady "
+                                      "(measure.from)",
+                                      3.0 / r.drag_rate.value);
     return r.steady
                ? ""
                : fmt::format("; too short for a steady wake: {:.3g} a before measuring and {:.3g} a after, "
@@ -188,9 +189,10 @@ Value of_rod(const MechanicsResult& r, double value) { return r.speed.count > 0 
 void add_decay(Values& out, const measure::DriftDecay& decay, const Inertia& used) {
     out.push_back({"decay_rate", decay.rate});
     out.push_back({"decay_absence", decay.absence});
-    out.push_back({"decay_lag_low", decay.lag_low});
-    out.push_back({"decay_lag_high", decay.lag_high});
-    out.push_back({"force_coupling", decay.coupling});
+    const bool known = decay.rate.count > 0;
+    out.push_back({"decay_lag_low", known ? Value(decay.lag_low) : Value()});
+    out.push_back({"decay_lag_high", known ? Value(decay.lag_high) : Value()});
+    out.push_back({"force_coupling", decay.inertia.count > 0 ? Value(decay.coupling) : Value()});
     out.push_back({"inertia", decay.inertia});
     out.push_back({"used_inertia", used.factor});
     out.push_back({"inertia_source", used.source});
@@ -269,8 +271,12 @@ Inertia inertia_of(const MeasuredCase& data) {
     std::vector<MechanicsAccumulator> runs;
     for (measure::Measures& run : data.sums)
         runs.push_back(run.find("mechanics")->as<MechanicsAccumulator>());
-    return measures::inertia_by(
-        measure::measured_decay(runs, measures::pushes_of(data, runs.front().layout())));
+    try {
+        return measures::inertia_by(
+            measure::measured_decay(runs, measures::pushes_of(data, runs.front().layout())));
+    } catch (const std::runtime_error& error) { // phonons go on without it
+        return {{}, fmt::format("none, so the bare mass of the beads: {}", error.what())};
+    }
 }
 
 } // namespace rodwake::assembly

@@ -159,7 +159,8 @@ WaySubject field_ways(const scene::Scene& scene, const RunContext& context) {
         throw InputError(scene.path + ": the field of this scene is measured or fitted: there is one way to "
                                       "map it; give eta and xi in [medium] to compare the others");
     std::vector<FieldWay> ways{{}};
-    for (const double tolerance : tolerances)
+    const bool square = !scene.medium->periodic || scene.medium->periodic->square(); // tables know no other
+    for (const double tolerance : square ? std::span(tolerances) : std::span<const double>())
         ways.push_back({FieldBackend::table, tolerance});
     WaySubject subject{stage_key(mapped_by(scene, {}), assembly::Stage::field),
                        "the exact field (docs/validation.md)",

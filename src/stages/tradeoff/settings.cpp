@@ -47,7 +47,8 @@ std::vector<FieldWay> field_ways(const scene::Scene& scene) {
         ways.push_back({.precision = Accuracy::fine, .loosest = 1e-5, .tightest = 1e-9});
         ways.push_back({.precision = Accuracy::single, .loosest = 1e-2, .tightest = 1e-6});
     }
-    if (!scene.scan) // which takes the exact field only
+    const bool square = !scene.medium->periodic || scene.medium->periodic->square(); // tables know no other
+    if (!scene.scan && square) // scans take the exact field only
         for (const double T : {1e-4, 1e-6, 1e-8})
             ways.push_back({FieldBackend::table, T, Accuracy::full, 10.0 * T, 0.1 * T});
     return ways;
