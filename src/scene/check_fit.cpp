@@ -155,6 +155,16 @@ void medium(const Scene& scene, const Report& report) {
                    comma_list(fit_used(fit))));
 }
 
+void box(const Scene& scene, const Report& report) {
+    if (!scene.fit->box || !scene.granular || !scene.fit->box->square())
+        return;
+    const BoxSize& bed = scene.granular->box;
+    if (bed.fit || bed.x != bed.y)
+        report("fit.box",
+               "is one side and granular.box is a rectangle: give its two sides (rodwake check prints "
+               "those that \"fit\" finds), or leave fit.box out (infinite plane)");
+}
+
 } // namespace
 
 void check_fit(const Scene& scene, const Report& report) {
@@ -162,6 +172,7 @@ void check_fit(const Scene& scene, const Report& report) {
     if (!scene.fit)
         return;
     const Fit& fit = *scene.fit;
+    box(scene, report);
     roles(fit, report);
     values(fit, report);
     bounds(fit, report);

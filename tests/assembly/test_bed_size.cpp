@@ -140,5 +140,5 @@ TEST_CASE("what no lattice or box can be is refused with what to do") {
     CHECK_THROWS_WITH(bed("\"fit\"", "phi_b = 0.8\n",
                           "[fit]\nparameters = [\"eta\"]\nbox = \"78 a\"\n"
                           "[[fit.profiles]]\nfile = \"p.csv\"\ncomponent = \"Ux\"\nalong = \"x\"\n"),
-                      Contains("periodic box is a square"));
+                      Contains("give its two sides"));
 }

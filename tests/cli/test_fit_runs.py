@@ -122,7 +122,8 @@ class TrajectoryTest(FitTest):
             self.assertLess(track["rms_position"], 1e-6 * scale[0])
 
     def test_tracks_of_a_rectangle_are_fitted_in_it(self):
-        self.tracks(more=("-s", "medium.periodic=[12.0, 9.0]"))
+        short = ("-s", "rods_run.t_end=8.0", "-s", "rods_run.output_interval=0.8")  # a box costs 100 times the plane
+        self.tracks(more=("-s", "medium.periodic=[12.0, 9.0]", *short))
         found, _ = self.fit(self.TRACKS, "-s", "fit.box=[12.0, 9.0]")
         self.assertEqual(found["box"], [12.0, 9.0])
         self.assertAlmostEqual(found["parameters"]["kappa"]["value"], 0.5, delta=1e-6)

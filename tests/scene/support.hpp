@@ -54,6 +54,7 @@ taper = "stepwise"
 position = ["20 a", "31.5 a"]
 [measure]
 bead_drag = 13.9
+inertia_factor = 1.27
 order = true
 displacement = "phase"
 [fit]

@@ -57,7 +57,7 @@ TEST_CASE("measuring begins at a time or after a distance") {
     says(measured("from = \"20 a\"\nfrom_travel = \"30 a\"\n"), "is a distance, and so is from_travel");
     says(measured("from = \"0 a\"\n"), "must be > 0");
     says(measured("from = \"2 kg\"\n"), "expected a time or length");
-    says(measured("from = \"20 a\"\n", ""), "from_travel needs [[granular.rods]]");
+    says(measured("from = \"20 a\"\n", ""), "from_travel (or a distance in from) needs [[granular.rods]]");
 }
 
 TEST_CASE("times and lengths of [measure] fit the run") {
@@ -90,7 +90,7 @@ TEST_CASE("currents are taken in parts of the interval, and blocks hold their la
     says(measured("mechanics = true\n", rod + gaussian), "kind = \"uniform\"");
     says(measured("inertia_error = 0.1\n"), "give inertia_factor");
     CHECK(error_text(measured("inertia_factor = 1.27\ninertia_error = 0.03\n")) == "");
-    says(measured("from_travel = 1e-3\n", ""), "from_travel needs [[granular.rods]]");
+    says(measured("from_travel = 1e-3\n", ""), "from_travel (or a distance in from) needs [[granular.rods]]");
 }
 
 TEST_CASE("lags of the heading rise and fit into a block and the run") {
