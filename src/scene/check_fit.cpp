@@ -133,8 +133,9 @@ void compare(const Fit& fit, const Report& report) {
             report(path, "give xi or alpha = f_over_mu/xi, not both");
         for (const auto& [name, number] : values)
             if (!known(name))
-                report(path + "." + name, fmt::format("{} is not a parameter of this fit; it has {}", name,
-                                                      comma_list(fit_used(fit))));
+                report(fmt::format("{}.{}", path, name),
+                       fmt::format("{} is not a parameter of this fit; it has {}", name,
+                                   comma_list(fit_used(fit))));
     }
 }
 
