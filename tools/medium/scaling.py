@@ -8,8 +8,9 @@ from . import monopole, push, sound
 from .lab import combined, mean, ratio, table, text
 
 CASES = (("", "2.8"), ("v_5", "5"), ("v_10", "10"), ("v_15", "15"))  # variants of scenes/wake_scaling.toml, a/s
-SECONDS, SOUND_SECONDS = 30.0, 24.0
-SEEDS = {155: 3, 310: 1}          # runs, by the size of the box
+SOUND_SECONDS = 24.0
+SECONDS = {155: 60.0, 310: 30.0}  # of each run, by the size of the box
+SEEDS = {155: 8, 310: 1}          # runs
 SPACING = {155: 2.0, 310: 4.0}    # a, of the maps, and width of the source
 BESIDE = (10.0, 16.0)   # a: |y| of the strips in which profiles along x are taken
 
@@ -17,11 +18,11 @@ BESIDE = (10.0, 16.0)   # a: |y| of the strips in which profiles along x are tak
 def cost(size=155):
     waves = (SOUND_SECONDS + 6) * sound.SOUND_COST * (155 / 78) ** 2
     per_bead = 1.8 if size > 200 else 1.0  # a large bed does not fit into the caches
-    return (SEEDS[size] * len(CASES) * (SECONDS + 2) * (size / 78) ** 2 * per_bead + waves) * 1549
+    return (SEEDS[size] * len(CASES) * (SECONDS[size] + 2) * (size / 78) ** 2 * per_bead + waves) * 1549
 
 
 def run(lab, size, seed):
-    return lab.make(f"scaling_{size}_{seed}", "wake_scaling.toml", f"granular.box=fit {size} a", f"granular.duration={lab.seconds(SECONDS)} s",
+    return lab.make(f"scaling_{size}_{seed}", "wake_scaling.toml", f"granular.box=fit {size} a", f"granular.duration={lab.seconds(SECONDS[size])} s",
                     f"measure.spacing={SPACING[size]} a",
                     *(["measure.from=0.5 s", "measure.block=0.5 s"] if lab.quick else []), seed=seed)
 
@@ -101,7 +102,7 @@ def shown(zeta):
 
 
 def below(zeta, drag):
-    """By how many errors a fitted drag lies below the measured one; with 3 runs 95 % is 4.3 errors."""
+    """By how many errors a fitted drag lies below the measured one; with 8 runs 95 % is 2.4 errors."""
     return f"{(drag[0] - zeta[0]) / math.hypot(zeta[1], drag[1]):.1f}" if math.isfinite(zeta[1]) else "-"
 
 

@@ -77,9 +77,13 @@ def sign_change(folder):
 
 
 def weakens(folder):
-    """|Delta y| at 0.80 against that at 0.78."""
-    (high, high_error), (low, low_error) = (pooled(folder, lambda phi, at=at: abs(phi - at) < 0.005) for at in (0.80, 0.78))
-    return judge.sign(high - low, sqrt(high_error**2 + low_error**2), +1, "a")
+    """|Delta y| at 0.80 against that at 0.78, at each distance by itself: pooled first, the one with the smaller errors would decide."""
+    changes = []
+    for distance in (18, 24):
+        at = {round(phi, 2): (value, error) for phi, value, error in curve(folder, distance)}
+        if {0.78, 0.80} <= at.keys():
+            changes.append((at[0.80][0] - at[0.78][0], sqrt(at[0.80][1] ** 2 + at[0.78][1] ** 2)))
+    return judge.sign(*(judge.weighted(*zip(*changes)) if changes else (nan, nan)), +1, "a")
 
 
 def rests(place):
