@@ -1,5 +1,6 @@
 """tools/medium: what it makes of data whose answer is known."""
 
+import json
 import math
 import sys
 import types
@@ -10,7 +11,7 @@ import rodwake
 from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "tools"))
-from medium import lab, monopole, moving, pairs, scaling, static  # noqa: E402
+from medium import lab, monopole, moving, pairs, scaling, spread, static  # noqa: E402
 
 TRUE = np.array([4.6e4, 4.2e4, 1.5e4, 1.35e4])  # c11, c22, c12, c66, a^2/s^2
 FORCE = 8000.0                                   # a^3/s^2
@@ -98,6 +99,60 @@ class MovingTest(unittest.TestCase):
             self.assertLess(abs(value - true), 4 * error)  # by chance beyond it once in a thousand, with 8 blocks
             self.assertLess(error, 0.2 * true)
         self.assertLess(chi2, 3 * dof)
+
+
+class SpreadTest(rodwake.ProgramTest):
+    X, Y = (np.arange(-n, n, 2.0) + 1.0 for n in (36, 33))
+    ZETA, RHO, VISCOSITY, SPEED, F = 14.0, 1.3, 200.0, 10.0, 4e4
+
+    def medium(self, viscosity=VISCOSITY):
+        return spread.Medium(self.X, self.Y, TRUE, self.ZETA, self.RHO, viscosity, self.SPEED)
+
+    def maps(self, medium, share, sigma, runs=4):
+        """Rod, dipoles of some 40 a f, a share of the force on 20 a ahead, and noise."""
+        half = monopole.ROD_LENGTH / 2
+        p_xx, p_yy = medium.dipoles()
+        U = self.F * ((1 - share) * medium.line(-half, half) + share * medium.line(0, 20) + 40 * p_xx + 50 * p_yy)
+        random, error = np.random.default_rng(5), np.full(U[0].shape, sigma)
+        independent = sigma * math.sqrt(spread.INDEPENDENT)  # chi2 takes bins for worth less than one value
+        found = [U + random.normal(scale=independent, size=U.shape) for _ in range(runs)]
+        return [{"x": self.X, "y": self.Y, "Ux": one[0], "Uy": one[1], "sigma_x": error, "sigma_y": error} for one in found]
+
+    def test_share_of_the_force_and_viscosity_come_back(self):
+        for share in (0.0, 0.3):
+            found = self.maps(self.medium(), share, 0.002)
+            value, error, *_ = spread.with_line(found, self.medium(), self.F, 20.0)
+            self.assertLess(abs(value - share), 6 * error)  # by chance beyond it once in a hundred, with 4 runs
+            self.assertLess(error, 0.1)
+        held = self.VISCOSITY * np.array([0.0, 1.0, 2.0])
+        value, error = spread.best_viscosity(self.maps(self.medium(), 0.0, 0.002), [self.medium(one) for one in held], self.F, held)
+        self.assertLess(abs(value - self.VISCOSITY), 6 * error + 0.02 * self.VISCOSITY)  # chi2 is a parabola to some per cent
+        self.assertLess(error, 0.2 * self.VISCOSITY)
+
+    def test_the_medium_is_that_of_the_program(self):
+        one = self.maps(self.medium(), 0.0, 1e-6, runs=1)[0]
+        rows = [",".join(repr(float(value)) for value in (x, y, one["Ux"][j, i], one["Uy"][j, i], 1e-6, 1e-6))
+                for j, y in enumerate(self.Y) for i, x in enumerate(self.X)]
+        self.write("map.csv", "\n".join(["x,y,Ux,Uy,sigma_x,sigma_y", *rows]) + "\n")
+        constants = ", ".join(f"{name} = {value}" for name, value in zip(("c11", "c22", "c12", "c66"), TRUE))
+        self.write("fit.toml", f"""schema = 1
+[fit]
+parameters = ["amplitude", "p_xx", "p_yy"]
+fixed = {{ force = {self.F}, {constants}, zeta = {self.ZETA}, rho = {self.RHO}, eta_s = {self.VISCOSITY} }}
+rod_length = {monopole.ROD_LENGTH}
+source_width = 2.0
+[[fit.maps]]
+files = ["map.csv"]
+box = [72.0, 66.0]
+speed = {self.SPEED}
+[[fit.masks]]
+strip = 8.0
+radius = 10.0
+""")
+        self.expect(0, "fit", "fit.toml", "-o", "out", "--quiet")
+        found = json.loads((self.folder / "out/fit.json").read_text())["parameters"]
+        for name, true in (("amplitude", 1.0), ("p_xx", 40 * self.F), ("p_yy", 50 * self.F)):
+            self.assertAlmostEqual(found[name]["value"] / true, 1.0, delta=1e-4)  # the noise of 1e-6 a, of displacements of 0.1 a
 
 
 class ShapeTest(unittest.TestCase):
