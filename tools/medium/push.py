@@ -4,8 +4,7 @@
     rho* dV/dt = -zeta V        a slow mode that is left alone decays at zeta/rho*
 
 rho* = m* rho, m* >= 1: beads bounce on the floor and roll, so what moves them has to spin them too, m* = 7/5 for spheres that never
-slip. (The spin that is measured would make it more than is found, so this is not the whole account.) Sound likewise has the speed
-sqrt(C/rho*). So elastic constants are m* rho c^2.
+slip and 1.32 with the spin that is measured. Sound likewise has the speed sqrt(C/rho*). So elastic constants are m* rho c^2.
 """
 
 import numpy as np
