@@ -9,7 +9,7 @@ from . import push, sound, static
 from .lab import A, bed, estimate, table, text, told
 
 FORCE = 24000.0              # a^3/s^2, force over mass per area: that of a rod held at 1 mm/s, four fifths of a free one's
-SEEDS = {2.8: 6, 10.0: 12, 15.0: 12}  # runs at each speed, a/s; at the slowest drag hardly shows
+SEEDS = {2.8: 6, 10.0: 6, 15.0: 6}  # runs at each speed, a/s; at the slowest drag hardly shows
 SECONDS, BLOCKS = 60.0, 8             # blocks of each run
 FRAMES = 0.1997               # s; every phase of the plates
 
