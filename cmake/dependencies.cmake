@@ -55,8 +55,10 @@ if(RODWAKE_PYTHON_PACKAGE)
     set_package_properties(pybind11 PROPERTIES PURPOSE "the Python package" TYPE OPTIONAL)
 endif()
 
-# ccache takes up precompiled headers only if told so.
+# ccache takes up precompiled headers only if told so. Paths below the source tree count as relative ones, so what one clone
+# compiled serves every other.
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+        CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CCACHE_PROGRAM})
 endif()
