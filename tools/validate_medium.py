@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The bed as an elastic medium: every table of docs/validation.md, "The bed as a medium".
 
-    tools/validate_medium.py [--program build/release/rodwake] [--only sound,static,moving,drag,monopole,pairs,scaling,spread,scaling_310] [--quick]
+    tools/validate_medium.py [--program build/release/rodwake] [--only sound,static,strain,moving,drag,monopole,pairs,scaling,spread,scaling_310] [--quick]
                              [-j 2] [--keep DIR]
 
 Prints Markdown, a part at a time, and before each the CPU time that it takes at most. --keep DIR keeps runs and takes up what is
@@ -14,10 +14,11 @@ import subprocess
 import tempfile
 import time
 
-from medium import drag, monopole, moving, pairs, scaling, sound, spread, static
+from medium import drag, monopole, moving, pairs, scaling, sound, spread, static, strain
 from medium.lab import COST, SOURCE, Lab
 
-PARTS = {"sound": (sound.part, sound.cost), "static": (static.part, static.cost), "moving": (moving.part, moving.cost),
+PARTS = {"sound": (sound.part, sound.cost), "static": (static.part, static.cost), "strain": (strain.part, strain.cost),
+         "moving": (moving.part, moving.cost),
          "drag": (drag.part, drag.cost),
          "monopole": (monopole.part, monopole.cost), "pairs": (pairs.part, pairs.cost), "scaling": (scaling.part, scaling.cost),
          "spread": (spread.part, spread.cost),

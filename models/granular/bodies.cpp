@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -32,6 +33,20 @@ void add_rod(Bodies& bodies, const RodSpec& spec, const RodBody& body) {
         bodies.radius.push_back(radius);
         bodies.rod_of.push_back(index);
     }
+}
+
+/// Whole rows, four numbers at a time: they are looked at every few steps.
+Eigen::Map<const Eigen::Array4Xd> bead_velocities(const Bodies& bodies) {
+    return {bodies.velocity.data(), 4, static_cast<Eigen::Index>(bodies.beads)};
+}
+
+/// Of the beads; 0 if there are none.
+Eigen::Array4d mean_velocity(const Bodies& bodies) {
+    const auto v = bead_velocities(bodies);
+    Eigen::Array4d sum = Eigen::Array4d::Zero();
+    for (Eigen::Index i = 0; i < v.cols(); ++i)
+        sum += v.col(i);
+    return sum / std::max(static_cast<double>(bodies.beads), 1.0);
 }
 
 } // namespace
@@ -91,17 +106,33 @@ State to_state(const Bodies& bodies, std::int64_t step) {
 Temperatures bead_temperatures(const Bodies& bodies) {
     if (bodies.beads == 0)
         return {};
-    // whole rows, four numbers at a time: this is done every few steps
-    const Eigen::Map<const Eigen::Array4Xd> v(bodies.velocity.data(), 4,
-                                              static_cast<Eigen::Index>(bodies.beads));
+    const auto v = bead_velocities(bodies);
     const double count = static_cast<double>(bodies.beads);
-    Eigen::Array4d sum = Eigen::Array4d::Zero(), squares = sum;
-    for (Eigen::Index i = 0; i < v.cols(); ++i)
-        sum += v.col(i);
-    const Eigen::Array4d mean = sum / count;
+    const Eigen::Array4d mean = mean_velocity(bodies);
+    Eigen::Array4d squares = Eigen::Array4d::Zero();
     for (Eigen::Index i = 0; i < v.cols(); ++i) // two passes: a difference of squares can come out negative
         squares += (v.col(i) - mean).square();
     return {(squares[0] + squares[1]) / (2.0 * count), squares[2] / count};
+}
+
+PlaneTensor momentum_flux_of(const Bodies& bodies) {
+    const auto v = bead_velocities(bodies);
+    const Eigen::Array4d mean = mean_velocity(bodies);
+    Eigen::Array4d products = Eigen::Array4d::Zero(); // xx, xy, yx, yy
+    for (Eigen::Index i = 0; i < v.cols(); ++i) {
+        const Eigen::Array4d apart = v.col(i) - mean;
+        products += Eigen::Array4d(apart[0], apart[0], apart[1], apart[1]) *
+                    Eigen::Array4d(apart[0], apart[1], apart[0], apart[1]);
+    }
+    PlaneTensor flux{bodies.bead_mass * products[0], bodies.bead_mass * products[1],
+                     bodies.bead_mass * products[3]};
+    for (const MovingRod& rod : bodies.rods) {
+        const double x = rod.body().velocity.x() - mean[0], y = rod.body().velocity.y() - mean[1];
+        flux[0] += rod.clump().mass * x * x;
+        flux[1] += rod.clump().mass * x * y;
+        flux[2] += rod.clump().mass * y * y;
+    }
+    return flux;
 }
 
 Energy total_energy(const Bodies& bodies, double gravity) {

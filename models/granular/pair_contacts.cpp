@@ -63,6 +63,13 @@ Touch touch(const Vector3& r, double radius1, double radius2, const Vector3& off
     return {n, offset1 - lever * n, offset2 + (radius2 - overlap / 2.0) * n, lever};
 }
 
+/// Adds what an impulse P on the first of two bodies carries over r, from the second's centre to the first's.
+void add_virial(PlaneTensor& virial, const Vector3& r, const Vector3& P) {
+    virial[0] += r.x() * P.x();
+    virial[1] += (r.x() * P.y() + r.y() * P.x()) / 2.0;
+    virial[2] += r.y() * P.y();
+}
+
 /// Earlier, or as early and deeper.
 bool first(double back, double length, double other_back, double other_length) {
     return back > other_back || (back == other_back && length < other_length);
@@ -96,7 +103,7 @@ std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies,
     return along < 0.0 ? std::optional(Meeting{pair, 0.0, distance}) : std::nullopt;
 }
 
-void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting) const {
+void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const {
     const auto [one, two] = meeting.pair;
     auto v1 = row(bodies.velocity, one), v2 = row(bodies.velocity, two);
     const Vector3 difference = v1 - v2;
@@ -115,6 +122,7 @@ void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting) const {
         (-arm / bodies.bead_inertia) * n.cross(impulse); // arms -arm n and +arm n, impulses P and -P
     row(bodies.spin, one) += turn;
     row(bodies.spin, two) += turn;
+    add_virial(virial, meeting.length * n, impulse);
 }
 
 void PairContacts::bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
@@ -137,6 +145,7 @@ void PairContacts::bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tal
         push(bodies, bead, impulse, arm1);
         rod.push(-impulse, arm2);
         tallies.impulse_on_beads[index] += impulse;
+        add_virial(tallies.virial, arm2 - arm1, impulse);
         ++tallies.bead_rod;
     }
     fly_both(meeting.back);
@@ -163,6 +172,7 @@ void PairContacts::rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tall
         const Vector3 impulse = impulse_along(n, inverse_mass, relative, setting_.table.rod_rod);
         one.push(impulse, arm1);
         two.push(-impulse, arm2);
+        add_virial(tallies.virial, arm2 - arm1, impulse);
         ++tallies.rod_rod;
     }
     fly_both(meeting.back);
@@ -186,13 +196,14 @@ void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std
     block.left.clear();
     block.worst = {};
     block.impulses = 0;
+    block.virial = {};
     for (const Pair& pair : pairs) {
         if (pair.second >= end) {
             block.left.push_back(pair);
             continue;
         }
         if (const auto found = meeting(bodies, pair, block.worst)) {
-            bead_bead(bodies, *found);
+            bead_bead(bodies, *found, block.virial);
             ++block.impulses;
         }
     }
@@ -205,7 +216,7 @@ void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, Worst
         std::optional<Meeting> found = meeting(bodies, pair, worst);
         if (bodies.is_bead(pair.second)) {
             if (found) {
-                bead_bead(bodies, *found);
+                bead_bead(bodies, *found, tallies.virial);
                 ++tallies.bead_bead;
             }
             continue;
@@ -245,6 +256,8 @@ WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlap
         if (block.worst.radii > worst.radii)
             worst = block.worst;
         tallies.bead_bead += block.impulses;
+        for (std::size_t k = 0; k < tallies.virial.size(); ++k)
+            tallies.virial[k] += block.virial[k];
     }
     for (const Block& block : blocks_)
         one_by_one(bodies, block.left, worst, tallies);

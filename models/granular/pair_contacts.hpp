@@ -50,6 +50,7 @@ private:
         std::vector<Pair> left; ///< pairs with a partner outside
         WorstOverlap worst;
         std::int64_t impulses = 0;
+        PlaneTensor virial{};
     };
     struct RodContact {
         std::uint32_t first_rod, second_rod;
@@ -59,7 +60,7 @@ private:
     Vector3 apart(const Bodies& bodies, const Pair& pair) const;
     void within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end, Block& block) const;
     void one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst, Tallies& tallies);
-    void bead_bead(Bodies& bodies, const Meeting& meeting) const;
+    void bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const;
     void bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
     void rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
     void keep_first(const Bodies& bodies, const Meeting& meeting);

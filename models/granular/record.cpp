@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace rodwake::granular {
@@ -19,7 +20,32 @@ double continued(double angle, double last) {
 
 Eigen::Vector2d along(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
+void add(PlaneTensor& sum, const PlaneTensor& term) {
+    for (std::size_t k = 0; k < sum.size(); ++k)
+        sum[k] += term[k];
+}
+
+/// Over the steps since the virial was `virial_then`, during which the flux was summed over `samples`.
+PlaneTensor pressure_since(const Simulation& simulation, std::int64_t steps, const PlaneTensor& virial_then,
+                           const PlaneTensor& flux, std::int64_t samples) {
+    const GranularProblem& p = simulation.problem();
+    PlaneTensor mean_flux, virial = simulation.tallies().virial;
+    for (std::size_t k = 0; k < virial.size(); ++k) {
+        virial[k] -= virial_then[k];
+        mean_flux[k] = flux[k] / static_cast<double>(samples);
+    }
+    return pressure(mean_flux, virial, static_cast<double>(steps) * p.time_step, p.box.area());
+}
+
 } // namespace
+
+PlaneTensor pressure(const PlaneTensor& momentum_flux, const PlaneTensor& virial, double time, double area) {
+    PlaneTensor p;
+    for (std::size_t k = 0; k < p.size(); ++k)
+        p[k] = time > 0.0 ? (momentum_flux[k] + virial[k] / time) / area
+                          : std::numeric_limits<double>::quiet_NaN();
+    return p;
+}
 
 double neighbour_cutoff(double bead_radius, double phi_b) {
     return 1.4 * 2.0 * bead_radius * std::sqrt(0.9069 / phi_b);
@@ -32,9 +58,14 @@ bool in_absorbing_state(const Temperatures& T, const GranularProblem& problem) {
     return problem.beads > 1 && T.xy < still * speed * speed;
 }
 
-std::array<const char*, 10> TableRow::names() {
-    return {"t",    "energy",   "kinetic",       "T_xy",        "T_z",
-            "psi6", "contacts", "floor_impulse", "lid_impulse", "max_overlap"};
+std::array<const char*, 13> TableRow::names() {
+    return {"t",           "energy",      "kinetic", "T_xy", "T_z", "psi6", "contacts", "floor_impulse",
+            "lid_impulse", "max_overlap", "p_xx",    "p_xy", "p_yy"};
+}
+
+std::array<double, 13> TableRow::values() const {
+    return {t,           energy,      kinetic,     T_xy,        T_z,        psi6, contacts, floor_impulse,
+            lid_impulse, max_overlap, pressure[0], pressure[1], pressure[2]};
 }
 
 std::array<const char*, 7> TrackPoint::names() {
@@ -45,6 +76,8 @@ void Record::begin(const Simulation& simulation) {
     sums_.run = {};
     sums_.psi6 = 0.0;
     sums_.rows = 0;
+    pressure_.run_flux = {};
+    pressure_.run_virial = simulation.tallies().virial;
     for (std::size_t i = 0; i < rods_.size(); ++i) {
         const RodBody& rod = simulation.rod(i);
         const Eigen::Vector3d& impulse_on_beads = simulation.tallies().impulse_on_beads[i];
@@ -103,6 +136,9 @@ void Record::sample(const Simulation& simulation) {
         sums->T_z += T.z;
         ++sums->count;
     }
+    const PlaneTensor flux = simulation.momentum_flux();
+    add(pressure_.run_flux, flux);
+    add(pressure_.row_flux, flux);
     if (simulation.time() > 0.0) {
         follow_rods(simulation);
         follow_pair(simulation);
@@ -125,6 +161,10 @@ TableRow Record::row(const Simulation& simulation) {
     row.floor_impulse = tallies.floor_impulse;
     row.lid_impulse = tallies.lid_impulse;
     row.max_overlap = tallies.max_overlap;
+    row.pressure = pressure_since(simulation, simulation.step() - sums_.row_step, pressure_.row_virial,
+                                  pressure_.row_flux, sums_.row.count);
+    pressure_.row_flux = {};
+    pressure_.row_virial = tallies.virial;
     sums_.row = {};
     sums_.overlaps = tallies.overlaps;
     sums_.row_step = simulation.step();
@@ -152,6 +192,11 @@ std::vector<TrackPoint> Record::track(const Simulation& simulation) {
     return points;
 }
 
+PlaneTensor Record::mean_pressure(const Simulation& simulation) const {
+    const std::int64_t steps = simulation.step() - simulation.problem().equilibration_steps;
+    return pressure_since(simulation, steps, pressure_.run_virial, pressure_.run_flux, sums_.run.count);
+}
+
 double Record::mean_advance() const {
     double sum = 0.0;
     for (const RodProgress& rod : rods_)
@@ -159,8 +204,10 @@ double Record::mean_advance() const {
     return rods_.empty() ? 0.0 : sum / static_cast<double>(rods_.size());
 }
 
-void Record::restore(const RecordSums& sums, std::vector<RodProgress> rods, std::vector<RodThrust> thrust) {
+void Record::restore(const RecordSums& sums, const PressureSums& pressure, std::vector<RodProgress> rods,
+                     std::vector<RodThrust> thrust) {
     sums_ = sums;
+    pressure_ = pressure;
     rods_ = std::move(rods);
     thrust_ = std::move(thrust);
 }

@@ -7,7 +7,7 @@ from . import words
 PAIRS = (("bead_bead", "bead with bead", "particle_particle"), ("bead_rod", "bead with rod", "particle_particle"),
          ("rod_rod", "rod with rod", "particle_particle"), ("bead_wall", "bead with plate", None), ("rod_wall", "rod with plate", None))
 ROUNDING = 1e-9  # degrees
-TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "rods", "beads", "phi_b", "bead_radius", "box", "runs"}
+TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "pressure", "rods", "beads", "phi_b", "bead_radius", "box", "runs"}
 
 
 def headline(run):
@@ -90,6 +90,9 @@ def measured(run):
     for key, name, unit, meaning in known:
         if words.is_number(summary.get(key)) and (key == "simulated_time" or run.granular.need("beads")):
             yield name, f"{words.number(summary[key])} {unit}".strip(), meaning
+    pressure = (summary.get("pressure") or {}).get("mean")
+    if words.is_number(pressure):
+        yield "Pressure", f"{words.number(pressure * 1e3)} mN/m", "in the plane, momentum that crosses a line per time and length"
     for number, rod in enumerate(run.granular.rods):
         yield from rod_measured(number, rod)
 

@@ -40,6 +40,7 @@ KNOWN = {
     "psi6": Quantity(r"\psi_6", "bond order", "", False),
     "T_xy": Quantity("T_{xy}", "horizontal temperature", "m²/s²", False),
     "T_z": Quantity("T_z", "vertical temperature", "m²/s²", False),
+    "pressure": Quantity("p", "pressure", "N/m", False),
     "max_overlap": Quantity("", "largest overlap", "radii", False),
     "last_change": Quantity(r"\Delta y_\mathrm{end}", "change of separation at the end", "a", True),
     "separation": Quantity("", "separation at the start", "a", False),

@@ -57,6 +57,7 @@ std::vector<Observable> observables_of(const scene::Scene& scene) {
         has_pair(scene) ? of_pair() : std::vector{of_summary("time", "simulated_time")};
     for (const char* name : {"T_xy", "T_z", "psi6", "max_overlap"})
         all.push_back(of_summary(name, name));
+    all.push_back(of_summary("pressure", "pressure.mean"));
     for (std::size_t rod = 0; rod < std::min(scene.granular->rods.size(), told_rods); ++rod)
         for (const char* name : {"mean_speed", "force"})
             all.push_back(of_summary(fmt::format("{}{}", name, rod), fmt::format("rods.{}.{}", rod, name)));

@@ -62,7 +62,10 @@ constexpr ColumnInfo table_columns[] = {
     {"contacts", "1", "overlapping pairs a step, mean since the row before"},
     {"floor_impulse", "N s", "upward momentum from the floor since the start"},
     {"lid_impulse", "N s", "upward momentum from the lid since the start; negative"},
-    {"max_overlap", "a", "largest overlap since the start, of the smaller radius"}};
+    {"max_overlap", "a", "largest overlap since the start, of the smaller radius"},
+    {"p_xx", "N/m", "pressure along x in the plane, mean since the row before; empty: no time has passed"},
+    {"p_xy", "N/m", "shear part of the pressure tensor, the same"},
+    {"p_yy", "N/m", "pressure along y, the same"}};
 
 constexpr ColumnInfo track_columns[] = {
     {"t", "s", "time; the rods are held before 0"},
@@ -82,6 +85,9 @@ constexpr ColumnInfo runs_columns[] = {
     {"T_z", "m^2/s^2", "var vz of the beads, mean from t = 0"},
     {"psi6", "1", "mean |psi6| of the beads from t = 0"},
     {"max_overlap", "a", "largest overlap, of the smaller radius"},
+    {"p_xx", "N/m", "pressure along x in the plane, mean from t = 0"},
+    {"p_xy", "N/m", "shear part of the pressure tensor, mean from t = 0"},
+    {"p_yy", "N/m", "pressure along y, mean from t = 0"},
     {"mean_speed<k>", "m/s", "of rod k along its heading, thin end first positive"},
     {"net_turn<k>", "rad", "of rod k from t = 0 to the end"},
     {"force<k>", "N", "of rod k on the beads along its heading, mean from t = 0"},

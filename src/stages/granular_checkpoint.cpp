@@ -95,6 +95,13 @@ Block thrust_block(const GranularCheckpoint& c) {
     return {"thrust", out.take(), layout};
 }
 
+Block pressure_block(const GranularCheckpoint& c) {
+    ByteWriter out;
+    out.put(c.tallies.virial);
+    out.put(c.pressure.value());
+    return {"pressure", out.take(), layout};
+}
+
 Block record_block(const GranularCheckpoint& c) {
     ByteWriter out;
     out.put(c.sums);
@@ -152,6 +159,12 @@ void read_thrust(GranularCheckpoint& c, ByteReader in) {
     in.finish();
 }
 
+void read_pressure(GranularCheckpoint& c, ByteReader in) {
+    c.tallies.virial = in.get<granular::PlaneTensor>();
+    c.pressure = in.get<granular::PressureSums>();
+    in.finish();
+}
+
 void read_measures(GranularCheckpoint& c, ByteReader in) {
     c.measure_keys = in.get_text();
     c.measures = in.get_array<double>();
@@ -173,7 +186,7 @@ void read_record(GranularCheckpoint& c, ByteReader in) {
 
 void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& c) {
     const std::array blocks = {head_block(c),   state_block(c.state), tally_block(c.tallies), record_block(c),
-                               thrust_block(c), measure_block(c),     cost_block(c)};
+                               thrust_block(c), pressure_block(c),    measure_block(c),       cost_block(c)};
     store::write_generation(file, store::encode_blocks(blocks));
 }
 
@@ -191,10 +204,12 @@ std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& fil
     read_state(result.checkpoint.state, block("state"));
     read_tallies(result.checkpoint.tallies, block("tallies"));
     read_record(result.checkpoint, block("record"));
-    // files of earlier versions measure nothing and say nothing of thrust and cost
+    // files of earlier versions measure nothing and say nothing of thrust, pressure and cost
     const auto has = [&](const char* name) { return std::ranges::count(loaded->blocks, name, &Block::name); };
     if (has("thrust"))
         read_thrust(result.checkpoint, block("thrust"));
+    if (has("pressure"))
+        read_pressure(result.checkpoint, block("pressure"));
     if (has("measures"))
         read_measures(result.checkpoint, block("measures"));
     if (has("cost"))

@@ -27,6 +27,7 @@ struct GranularCheckpoint {
     std::vector<double> measures{};
     RunCost cost{};
     std::vector<granular::RodThrust> thrust{}; ///< empty in files of before 0.2: such runs are not taken up
+    std::optional<granular::PressureSums> pressure{}; ///< absent in earlier files: likewise
 };
 
 /// Puts the checkpoint in place as the newest of two generations. Throws RunError.

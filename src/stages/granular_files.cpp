@@ -95,8 +95,8 @@ GranularFiles::GranularFiles(std::filesystem::path folder, const granular::Granu
 }
 
 void GranularFiles::add_row(const granular::TableRow& r, const std::vector<granular::TrackPoint>& track) {
-    std::vector<double> record = {r.t,    r.energy,   r.kinetic,       r.T_xy,        r.T_z,
-                                  r.psi6, r.contacts, r.floor_impulse, r.lid_impulse, r.max_overlap};
+    const auto values = r.values();
+    std::vector<double> record(values.begin(), values.end());
     for (const granular::TrackPoint& p : track)
         record.insert(record.end(), {p.x, p.y, p.z, p.heading, p.pitch, p.speed, p.impulse_on_beads});
     rows_->append(bytes(record));

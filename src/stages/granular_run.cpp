@@ -70,7 +70,7 @@ public:
           wall_start_(Clock::now()), saved_(wall_start_) {
         meter_.mark(&RunCost::start);
         if (loaded_)
-            record_.restore(loaded_->sums, loaded_->progress, loaded_->thrust);
+            record_.restore(loaded_->sums, *loaded_->pressure, loaded_->progress, loaded_->thrust);
         else
             observe(); // the start itself is the first sample, row and, without equilibration, frame
     }
@@ -114,10 +114,11 @@ private:
         if (c.scene != plan_.scene_key || c.seed != bed_.problem.seed || c.run != task_.run)
             throw InputError(checkpoint_file_.string() + ": belongs to another scene, seed or run; choose "
                                                          "another folder with -o, or --force to start anew");
-        if (c.thrust.size() != bed_.problem.rods.size())
+        if (c.thrust.size() != bed_.problem.rods.size() || !c.pressure)
             throw InputError(checkpoint_file_.string() +
-                             ": of a version that did not follow the thrust of rods; finish the run with "
-                             "that version, choose another folder with -o, or --force to start anew");
+                             ": of a version that did not follow the thrust of rods or the pressure; finish "
+                             "the run with that version, choose another folder with -o, or --force to start "
+                             "anew");
         if (!loaded->notice.empty())
             log_->warn("{}", loaded->notice);
         if (c.build != build_name())
@@ -223,6 +224,7 @@ private:
         }
         c.cost = cost();
         c.thrust = record_.thrust();
+        c.pressure = record_.pressure_sums();
         write_checkpoint(checkpoint_file_, c);
         saved_ = Clock::now();
         meter_.mark(&RunCost::output);
@@ -279,6 +281,7 @@ private:
         s.T_z = sums.run.T_z / samples;
         s.max_overlap = simulation_.tallies().max_overlap;
         s.psi6 = sums.rows > 0 ? sums.psi6 / static_cast<double>(sums.rows) : 0.0;
+        s.pressure = record_.mean_pressure(simulation_);
         s.absorbing_state = granular::in_absorbing_state(simulation_.temperatures(), bed_.problem);
         for (std::size_t i = 0; i < bed_.problem.rods.size(); ++i)
             s.rods.push_back(rod_summary(i, s.simulated_time));

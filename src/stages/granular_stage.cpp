@@ -58,9 +58,10 @@ private:
 
 void report_one(const Session& session, const GranularSummary& s) {
     session.log->info(
-        "dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, largest "
-        "overlap {:.4f} a",
-        s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, s.max_overlap);
+        "dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, pressure "
+        "{:.4g} mN/m, largest overlap {:.4f} a",
+        s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, 1e3 * granular::isotropic(s.pressure),
+        s.max_overlap);
     for (std::size_t i = 0; i < s.rods.size(); ++i)
         session.log->info("dem: rod {} ({}): {:.4g} mm/s thin end first, turned by {:.4g} rad", i,
                           s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -45,6 +46,27 @@ ordered_json rods_json(const std::vector<RodSummary>& rods) {
     return list;
 }
 
+/// N/m; JSON has null for NaN.
+constexpr std::array<const char*, 3> pressure_names{"xx", "xy", "yy"};
+
+ordered_json pressure_json(const granular::PlaneTensor& pressure) {
+    ordered_json out = {{"mean", granular::isotropic(pressure)}};
+    for (std::size_t k = 0; k < pressure.size(); ++k)
+        out[pressure_names[k]] = pressure[k];
+    return out;
+}
+
+/// Unknown in files of earlier versions.
+granular::PlaneTensor pressure_of(const json& summary) {
+    granular::PlaneTensor pressure;
+    pressure.fill(std::nan(""));
+    if (summary.contains("pressure"))
+        for (std::size_t k = 0; k < pressure.size(); ++k)
+            if (const json& part = summary.at("pressure").at(pressure_names[k]); !part.is_null())
+                pressure[k] = part;
+    return pressure;
+}
+
 /// null where there is no pair, or it has not come half a box.
 ordered_json pair_json(const granular::PairProgress& pair) {
     const bool there = pair.half_box_time >= 0.0;
@@ -69,6 +91,14 @@ void put_mean(ordered_json& out, const std::string& name, std::span<const Granul
     const Estimate mean = mean_over(runs, get);
     out[name] = mean.value;
     out[name + "_error"] = mean.known() ? ordered_json(mean.error) : ordered_json(nullptr);
+}
+
+ordered_json mean_pressure(std::span<const GranularSummary> runs) {
+    ordered_json out;
+    put_mean(out, "mean", runs, [](const GranularSummary& s) { return granular::isotropic(s.pressure); });
+    for (std::size_t k = 0; k < pressure_names.size(); ++k)
+        put_mean(out, pressure_names[k], runs, [k](const GranularSummary& s) { return s.pressure[k]; });
+    return out;
 }
 
 ordered_json mean_rods(const granular::GranularProblem& problem, std::span<const GranularSummary> runs) {
@@ -128,6 +158,7 @@ GranularSummary summary_of(const json& j, std::uint32_t run) {
     s.T_z = j.at("T_z");
     s.max_overlap = j.at("max_overlap");
     s.psi6 = j.at("psi6");
+    s.pressure = pressure_of(j);
     s.absorbing_state = j.at("absorbing_state");
     for (const json& rod : j.at("rods"))
         s.rods.push_back(
@@ -164,6 +195,7 @@ std::string summary_json(const granular::GranularProblem& problem, const Granula
                         {"T_z", s.T_z},
                         {"max_overlap", s.max_overlap},
                         {"psi6", s.psi6},
+                        {"pressure", pressure_json(s.pressure)},
                         {"absorbing_state", s.absorbing_state},
                         {"rods", rods_json(s.rods)}};
     if (problem.rods.size() == 2)
@@ -188,6 +220,7 @@ std::string ensemble_json(const granular::GranularProblem& problem, std::span<co
     put_mean(out, "T_xy", runs, [](const GranularSummary& s) { return s.T_xy; });
     put_mean(out, "T_z", runs, [](const GranularSummary& s) { return s.T_z; });
     put_mean(out, "psi6", runs, [](const GranularSummary& s) { return s.psi6; });
+    out["pressure"] = mean_pressure(runs);
     double worst = 0.0;
     std::vector<std::uint64_t> hashes;
     for (const GranularSummary& s : runs) {
@@ -208,8 +241,8 @@ std::string ensemble_json(const granular::GranularProblem& problem, std::span<co
 }
 
 std::string ensemble_csv(const granular::GranularProblem& problem, std::span<const GranularSummary> runs) {
-    std::vector<std::string> names = {"run", "simulated_time", "cpu_seconds", "T_xy",
-                                      "T_z", "psi6",           "max_overlap"};
+    std::vector<std::string> names = {"run",  "simulated_time", "cpu_seconds", "T_xy", "T_z",
+                                      "psi6", "max_overlap",    "p_xx",        "p_xy", "p_yy"};
     for (std::size_t i = 0; i < problem.rods.size(); ++i)
         for (const char* name : {"mean_speed", "net_turn", "force", "thrust"})
             names.push_back(fmt::format("{}{}", name, i));
@@ -224,7 +257,10 @@ std::string ensemble_csv(const granular::GranularProblem& problem, std::span<con
                                    s.T_xy,
                                    s.T_z,
                                    s.psi6,
-                                   s.max_overlap};
+                                   s.max_overlap,
+                                   s.pressure[0],
+                                   s.pressure[1],
+                                   s.pressure[2]};
         for (const RodSummary& rod : s.rods)
             row.insert(row.end(), {rod.mean_speed, rod.net_turn, rod.force, rod.thrust});
         const double none = std::nan("");

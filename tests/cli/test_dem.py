@@ -68,13 +68,20 @@ class FilesTest(BedTest):
         self.dem("out")
         table, tracks = columns(self.out("out", "table.csv")), columns(self.out("out", "tracks.csv"))
         self.assertEqual(list(table), ["t", "energy", "kinetic", "T_xy", "T_z", "psi6", "contacts", "floor_impulse",
-                                       "lid_impulse", "max_overlap"])
+                                       "lid_impulse", "max_overlap", "p_xx", "p_xy", "p_yy"])
         self.assertEqual(list(tracks), ["t", "x0", "y0", "z0", "theta0", "pitch0", "speed0", "pushed0"])
         # Rows at whole multiples of 5 ms from -20 ms to 200 ms: 200 steps before t = 0, 2000 after, every 50.
         self.assertEqual(table["t"], [50 * i * 1e-4 for i in range(-4, 41)])
         self.assertEqual(tracks["t"], table["t"])
         self.assertEqual((tracks["x0"][0], tracks["y0"][0], tracks["theta0"][0]), (8 * A, 8 * A, 0.0))
         self.assertEqual(table["max_overlap"][-1], self.summary("out")["max_overlap"])
+        # No time has passed in the first row. Rows count the same impulses as the summary, and the same samples but the first.
+        pressure = self.summary("out")["pressure"]
+        self.assertTrue(math.isnan(table["p_xx"][0]))
+        for name in ("xx", "yy"):
+            rows = [p for t, p in zip(table["t"], table[f"p_{name}"]) if t > 0.0]
+            self.assertAlmostEqual(sum(rows) / len(rows) / pressure[name], 1.0, delta=0.01)
+        self.assertEqual(pressure["mean"], (pressure["xx"] + pressure["yy"]) / 2)
         # Speeds are means between rows, so from t = 0 on their mean is that of the run, to roundings of 41 numbers.
         speeds = [s for t, s in zip(tracks["t"], tracks["speed0"]) if t > 0.0]
         self.assertAlmostEqual(sum(speeds) / len(speeds), self.summary("out")["rods"][0]["mean_speed"],

@@ -178,7 +178,7 @@ TEST_CASE("a record that is stored and restored writes the same rows") {
         go_on(first, begun, all, stop);
         Simulation second(problem, first.state(), first.tallies());
         Record resumed(3.0 * a, 2);
-        resumed.restore(begun.sums(), begun.rods(), begun.thrust());
+        resumed.restore(begun.sums(), begun.pressure_sums(), begun.rods(), begun.thrust());
         go_on(second, resumed, all, 1100);
         CAPTURE(stop);
         REQUIRE(all.table.size() == rows.table.size());
@@ -186,6 +186,7 @@ TEST_CASE("a record that is stored and restored writes the same rows") {
         CHECK(std::memcmp(all.table.data(), rows.table.data(), rows.table.size() * sizeof(TableRow)) == 0);
         CHECK(std::memcmp(all.track.data(), rows.track.data(), rows.track.size() * sizeof(TrackPoint)) == 0);
         CHECK(std::memcmp(&record.sums(), &resumed.sums(), sizeof(RecordSums)) == 0);
+        CHECK(std::memcmp(&record.pressure_sums(), &resumed.pressure_sums(), sizeof(PressureSums)) == 0);
         CHECK(std::memcmp(record.thrust().data(), resumed.thrust().data(), 2 * sizeof(RodThrust)) == 0);
     }
 }

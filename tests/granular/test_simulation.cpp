@@ -33,7 +33,7 @@ bool same(const Tallies& x, const Tallies& y) {
            x.bead_bead == y.bead_bead && x.bead_plate == y.bead_plate && x.bead_rod == y.bead_rod &&
            x.rod_plate == y.rod_plate && x.rod_rod == y.rod_rod && x.overlaps == y.overlaps &&
            x.max_overlap == y.max_overlap && x.impulse_on_beads == y.impulse_on_beads &&
-           x.impulse_from_plates == y.impulse_from_plates;
+           x.impulse_from_plates == y.impulse_from_plates && x.virial == y.virial;
 }
 
 double total(const Simulation& run) { return run.energy().kinetic + run.energy().potential; }

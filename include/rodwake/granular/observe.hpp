@@ -3,6 +3,8 @@
 
 #include "rodwake/granular/problem.hpp"
 
+#include <array>
+
 namespace rodwake::granular {
 
 /// Granular temperatures of the beads, per mass, the motion of their centre of mass removed, m^2/s^2.
@@ -10,6 +12,23 @@ struct Temperatures {
     double xy = 0.0; ///< (var v_x + var v_y)/2
     double z = 0.0;  ///< var v_z
 };
+
+/// Parts xx, xy and yy of a symmetric tensor in the plane.
+using PlaneTensor = std::array<double, 3>;
+
+/// Pressure tensor of the layer in the plane, N/m, as momentum that crosses a line per time and length, mean
+/// over the box and over a time t (Irving & Kirkwood, J. Chem. Phys. 18, 817, 1950); positive: the bed pushes
+/// outwards.
+///
+///   p_ab = (1/(L_x L_y)) [ < sum_i m_i (v_ia - V_a)(v_ib - V_b) > + (1/t) sum_k (r_ka P_kb + r_kb P_ka)/2 ]
+///
+/// i: beads and rods, V the beads' mean velocity. k: impulses between two bodies, r from the centre of mass
+/// of the second to that of the first, P on the first. What the plates do acts on single bodies: it is no
+/// part of it. J, J, s, m^2.
+PlaneTensor pressure(const PlaneTensor& momentum_flux, const PlaneTensor& virial, double time, double area);
+
+/// Mean over the directions.
+inline double isotropic(const PlaneTensor& pressure) { return (pressure[0] + pressure[2]) / 2.0; }
 
 /// Whether the beads have stopped moving sideways between vibrating plates: an absorbing state, in which each
 /// bead bounces in step with the plates, or by itself, and meets no other. T.xy is then at most 1e-6 of the

@@ -16,8 +16,10 @@ struct TableRow {
     double psi6, contacts;                ///< now; overlapping pairs per step over the interval
     double floor_impulse, lid_impulse;    ///< upward momentum given since the start (lid: negative), N s
     double max_overlap;                   ///< since the start, radii
+    PlaneTensor pressure; ///< mean over the interval before the row, N/m; NaN in the first row
 
-    static std::array<const char*, 10> names();
+    static std::array<const char*, 13> names();
+    std::array<double, 13> values() const; ///< in the order of the names
 };
 
 /// Where a rod is in a row of tracks.csv. SI, angles in rad; heading without jumps.
@@ -46,6 +48,12 @@ struct RodProgress {
 struct RodThrust {
     double impulse_at[2]; ///< in-plane Tallies::impulse_from_plates at the last sample
     double impulse;       ///< N s
+};
+
+/// What the pressure is made of (observe.hpp).
+struct PressureSums {
+    PlaneTensor run_flux, row_flux;     ///< sums over the samples of SampleSums
+    PlaneTensor run_virial, row_virial; ///< of the tallies at t = 0 and at the last row
 };
 
 struct SampleSums {
@@ -85,7 +93,11 @@ public:
     const std::vector<RodProgress>& rods() const { return rods_; }
     const std::vector<RodThrust>& thrust() const { return thrust_; }
     const RecordSums& sums() const { return sums_; }
-    void restore(const RecordSums& sums, std::vector<RodProgress> rods, std::vector<RodThrust> thrust);
+    const PressureSums& pressure_sums() const { return pressure_; }
+    /// Mean from t = 0 on, N/m; NaN where no time has passed since.
+    PlaneTensor mean_pressure(const Simulation& simulation) const;
+    void restore(const RecordSums& sums, const PressureSums& pressure, std::vector<RodProgress> rods,
+                 std::vector<RodThrust> thrust);
 
 private:
     void begin(const Simulation& simulation);
@@ -94,6 +106,7 @@ private:
 
     double cutoff_;
     RecordSums sums_{};
+    PressureSums pressure_{};
     std::vector<RodProgress> rods_;
     std::vector<RodThrust> thrust_; ///< a value a rod
 };

@@ -27,6 +27,7 @@ struct Tallies {
     std::int64_t bead_bead = 0, bead_plate = 0, bead_rod = 0, rod_plate = 0, rod_rod = 0; ///< impulses given
     std::int64_t overlaps = 0; ///< pairs found overlapping, summed over steps
     double max_overlap = 0.0;  ///< of a pair or a rod and a plate, in radii of the smaller sphere
+    PlaneTensor virial{};      ///< sum over impulses between bodies, J: pressure() has the definition
     std::vector<Eigen::Vector3d> impulse_on_beads;    ///< momentum each rod gave to the beads, N s
     std::vector<Eigen::Vector3d> impulse_from_plates; ///< momentum each rod got from the plates, N s
 };
@@ -82,6 +83,8 @@ public:
     State state() const;
     const RodBody& rod(std::size_t i) const;
     Temperatures temperatures() const;
+    /// Sum over beads and rods of m (v - V)(v - V)^T in the plane, V the beads' mean velocity, J.
+    PlaneTensor momentum_flux() const;
     Energy energy() const;
     /// |mean of psi_6| of the beads, neighbours nearer in the plane than the cut-off (core/bond_order.hpp).
     double psi6(double cutoff) const;

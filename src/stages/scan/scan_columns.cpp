@@ -24,6 +24,7 @@ constexpr ColumnInfo numbers[] = {
     {"T_xy", "m^2/s^2", "mean over the run"},
     {"T_z", "m^2/s^2", "mean over the run"},
     {"psi6", "1", "mean over the run"},
+    {"pressure", "N/m", "of the bed in the plane, mean over directions and the run"},
     {"max_overlap", "radii", "largest overlap of two bodies since the start"},
     {"mean_speed<k>", "m/s", "of rod k along its heading, thin end first positive"},
     {"force<k>", "N", "of rod k on the beads along its heading, mean from t = 0"}};
