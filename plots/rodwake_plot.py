@@ -58,11 +58,14 @@ def plot(options):
         if run.holds_tradeoff_alone:
             return
         figures = draw.figures_of(run, film=options.film)
+        failures = []
         if not options.report_only:
-            draw.write_all(run, figures, pdf=options.pdf, look=look)
+            figures, failures = draw.write_all(run, figures, pdf=options.pdf, look=look)
         report.write(run, figures)
         if run.has_scan:
             scan_page.write(run)
+        if failures:  # told last: what could be drawn is there
+            raise PlotError("; ".join(failures))
 
 
 def main(argv=None):

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace rodwake::granular {
@@ -32,7 +31,7 @@ PlaneTensor pressure_since(const Simulation& simulation, std::int64_t steps, con
     PlaneTensor mean_flux, virial = simulation.tallies().virial;
     for (std::size_t k = 0; k < virial.size(); ++k) {
         virial[k] -= virial_then[k];
-        mean_flux[k] = flux[k] / static_cast<double>(samples);
+        mean_flux[k] = flux[k] / static_cast<double>(std::max<std::int64_t>(samples, 1));
     }
     return pressure(mean_flux, virial, static_cast<double>(steps) * p.time_step, p.box.area());
 }
@@ -42,8 +41,7 @@ PlaneTensor pressure_since(const Simulation& simulation, std::int64_t steps, con
 PlaneTensor pressure(const PlaneTensor& momentum_flux, const PlaneTensor& virial, double time, double area) {
     PlaneTensor p;
     for (std::size_t k = 0; k < p.size(); ++k)
-        p[k] = time > 0.0 ? (momentum_flux[k] + virial[k] / time) / area
-                          : std::numeric_limits<double>::quiet_NaN();
+        p[k] = (momentum_flux[k] + (time > 0.0 ? virial[k] / time : 0.0)) / area;
     return p;
 }
 

@@ -67,12 +67,16 @@ def first(specs, kind):
 
 
 def write_all(run, figures, pdf, look=Look(SETTINGS)):
+    """Those that could be drawn, and why the others could not."""
     run.figures_dir.mkdir(exist_ok=True)
+    drawn, failures = [], []
     for figure in figures:
         try:
             write_one(run, figure, (".png", ".pdf") if pdf else (".png",), look)
+            drawn.append(figure)
         except PlotError as error:
-            raise PlotError(f'figure "{figure.name}": {error}') from error
+            failures.append(f'figure "{figure.name}": {error}')
+    return drawn, failures
 
 
 def write_one(run, figure, endings, look):

@@ -41,7 +41,7 @@ struct GranularSummary {
     std::uint32_t run = 0;
     double simulated_time = 0.0, cpu_seconds = 0.0, wall_seconds = 0.0;
     double T_xy = 0.0, T_z = 0.0, max_overlap = 0.0, psi6 = 0.0;
-    granular::PlaneTensor pressure{}; ///< mean from t = 0, N/m; NaN: unknown
+    granular::PlaneTensor pressure{}; ///< mean from t = 0, N/m; NaN: of an earlier version
     bool absorbing_state = false;     ///< at the end
     std::vector<RodSummary> rods;
     granular::PairProgress pair{};

@@ -234,6 +234,23 @@ Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t thr
     return one;
 }
 
+/// Half of an interval is what noise.capture_error asks for.
+void report_capture(const Session& session, const Work& one, const rods::NoiseSums& sums) {
+    const scan::Proportion captures = captured(sums, one.problem.rods.size());
+    if (captures.of == 0) // a single rod
+        return;
+    const auto [low, high] = captures.wilson(capture_quantile);
+    session.log->info(
+        "noise{}: {} of {} runs end in contact or pursuit, capture probability {:.3g} ({:.3g} to "
+        "{:.3g} with 95 % confidence)",
+        one.of().suffix(), captures.count, captures.of, captures.value(), low, high);
+    const assembly::NoisePlan& plan = *one.plan->noise;
+    if (plan.capture_error && (high - low) / 2.0 > *plan.capture_error)
+        session.log->warn(
+            "noise{}: noise.most_runs = {} ended it before noise.capture_error = {:g} was reached",
+            one.of().suffix(), plan.most_runs, *plan.capture_error);
+}
+
 /// One case after the other, each over all threads.
 StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
     StageEnd end = StageEnd::finished;
@@ -249,6 +266,7 @@ StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
                                sums.ends.size(), sums.failure);
             end = StageEnd::failed; // the folder stays open for another try
         }
+        report_capture(session, one, sums);
         one.noisy = std::move(sums);
     }
     return end;

@@ -30,7 +30,8 @@ std::string worst(const StageRecords& records) {
 
 /// The seed of everything random; 0 where nothing is.
 std::uint64_t used_seed(const RunContext& context, const scene::Scene& scene) {
-    const std::uint64_t of_scan = scene.scan ? static_cast<std::uint64_t>(scene.scan->seed) : 0,
+    const std::uint64_t of_noise = scene.noise ? static_cast<std::uint64_t>(scene.noise->seed) : 0,
+                        of_scan = scene.scan ? static_cast<std::uint64_t>(scene.scan->seed) : of_noise,
                         of_fit = scene.fit ? scene.fit->search.seed : of_scan;
     return context.seed.value_or(scene.granular ? static_cast<std::uint64_t>(scene.granular->seed) : of_fit);
 }

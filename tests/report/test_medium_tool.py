@@ -12,7 +12,7 @@ import rodwake
 from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "tools"))
-from medium import lab, monopole, moving, pairs, scaling, spread, static  # noqa: E402
+from medium import lab, monopole, moving, pairs, scaling, spread, static, strain  # noqa: E402
 
 TRUE = np.array([4.6e4, 4.2e4, 1.5e4, 1.35e4])  # c11, c22, c12, c66, a^2/s^2
 FORCE = 8000.0                                   # a^3/s^2
@@ -66,6 +66,20 @@ class PushTest(unittest.TestCase):
         after = static.response(pair, q, 0, 0.1)
         scale = (after * before.conj()).sum().real / (np.abs(before) ** 2).sum()
         self.assertLess(abs(scale - 1), 0.02)  # what the beads left out carry differs from a tenth by sqrt(0.1/1512) = 0.8 %
+
+    def test_constants_come_back_from_the_pressure_of_strained_boxes(self):
+        """p = p0 - C e with noise between runs, and curvature, which two strains of opposite sign take out."""
+        random, e, runs, noise = np.random.default_rng(3), 0.004, 40, 1e-6
+        stiffness = np.array([[9.8e-3, 2.7e-3], [2.9e-3, 9.9e-3]])  # of xx and yy, by strain along x and y
+        def pressures(axis, sign):
+            return 8e-4 - sign * e * stiffness[:, axis] + 0.05 * e * e + noise * random.normal(size=(runs, 2))
+        found = [strain.slopes(pressures(axis, 1), pressures(axis, -1), e) for axis in (0, 1)]
+        for axis in (0, 1):
+            for part, (value, error) in enumerate(found[axis]):
+                self.assertLess(abs(value - stiffness[part, axis]), 4 * error)
+                self.assertAlmostEqual(error, noise / np.sqrt(2 * runs) / e, delta=0.3 * error)  # of 40 runs an error is known to 11 %
+        (c11, c21), (c12, c22) = found
+        self.assertAlmostEqual(strain.shear(c11, c22, c12, c21)[0], 3.525e-3, delta=4 * noise / np.sqrt(8 * runs) / e)
 
     def test_a_drag_is_told_with_its_side(self):
         self.assertEqual(scaling.shown((-144.0, 37.0)), "< 0")

@@ -13,7 +13,7 @@ import numpy as np
 from .lab import HEAD, bed, mean, table, text
 
 STRAINS = (0.004, 0.008)
-SECONDS, RUNS = 30.0, 8
+SECONDS, RUNS = 20.0, 6
 
 
 def cost():

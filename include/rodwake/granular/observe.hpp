@@ -24,7 +24,7 @@ using PlaneTensor = std::array<double, 3>;
 ///
 /// i: beads and rods, V the beads' mean velocity. k: impulses between two bodies, r from the centre of mass
 /// of the second to that of the first, P on the first. What the plates do acts on single bodies: it is no
-/// part of it. J, J, s, m^2.
+/// part of it. J, J, s, m^2; where no time has passed (0 s) the first part alone.
 PlaneTensor pressure(const PlaneTensor& momentum_flux, const PlaneTensor& virial, double time, double area);
 
 /// Mean over the directions.

@@ -16,7 +16,7 @@ struct TableRow {
     double psi6, contacts;                ///< now; overlapping pairs per step over the interval
     double floor_impulse, lid_impulse;    ///< upward momentum given since the start (lid: negative), N s
     double max_overlap;                   ///< since the start, radii
-    PlaneTensor pressure; ///< mean over the interval before the row, N/m; NaN in the first row
+    PlaneTensor pressure; ///< mean over the interval before the row, N/m; in the first row the kinetic part
 
     static std::array<const char*, 13> names();
     std::array<double, 13> values() const; ///< in the order of the names
@@ -94,7 +94,7 @@ public:
     const std::vector<RodThrust>& thrust() const { return thrust_; }
     const RecordSums& sums() const { return sums_; }
     const PressureSums& pressure_sums() const { return pressure_; }
-    /// Mean from t = 0 on, N/m; NaN where no time has passed since.
+    /// Mean from t = 0 on, N/m.
     PlaneTensor mean_pressure(const Simulation& simulation) const;
     void restore(const RecordSums& sums, const PressureSums& pressure, std::vector<RodProgress> rods,
                  std::vector<RodThrust> thrust);
