@@ -4,7 +4,8 @@
 //   HOW eta alpha kappa gamma1 gamma2 box width modes t_end contact x0 y0 heading0 x1 y1 heading1
 //
 // HOW: plane, box (steady wakes of point forces there), steady, first_order (closures of the dynamic medium),
-// memory (the medium itself). Answers each with a line of JSON: ending, time, cpu_seconds, smallest
+// memory (the medium itself, with the wakes of rods that have always walked straight), rest (undeformed at
+// t = 0). Answers each with a line of JSON: ending, time, cpu_seconds, smallest
 // separation, poses every 0.25 f/(mu v0) and at the end.
 //
 //   build/release/bench/bench_closure < cases.txt
@@ -26,7 +27,7 @@ using namespace rodwake;
 
 constexpr double interval = 0.25, rtol = 1e-7;
 constexpr long most_steps = 1000; // a first order that runs away is no result
-constexpr std::array<std::string_view, 5> ways{"plane", "box", "steady", "first_order", "memory"};
+constexpr std::array<std::string_view, 6> ways{"plane", "box", "steady", "first_order", "memory", "rest"};
 
 struct Case {
     std::string how;
@@ -72,6 +73,8 @@ rods::RodResult run(Case encounter) {
     p.medium.closure = encounter.how == "steady"        ? medium::Closure::steady
                        : encounter.how == "first_order" ? medium::Closure::first_order
                                                         : medium::Closure::none;
+    if (encounter.how == "rest")
+        p.medium.start = medium::Start::rest;
     return medium::simulate(p, options());
 }
 

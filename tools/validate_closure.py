@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 """The error of the quasi-static closure, which gives each rod its steady wake, turned to its heading at once.
 
-    tools/validate_closure.py [--quick] [--dry-run] [--only circle,map,width] [-o results/closure]
+    tools/validate_closure.py [--quick] [--dry-run] [--only circle,map,rest,width] [-o results/closure]
 
 circle: the strain around a rod that has always walked a circle, exact against steady wakes and against wakes to first order in the
 turning rate (tools/circle_wake.py). map: encounters with the paper's starts over kappa, gamma and alpha, in steady wakes, to first order
-and with memory, in one box with one force. width: what the force's width, the modes and the box change. Writes closure_*.csv, closure.md
-(the tables of docs/validation.md) and closure_*.png into -o. Encounters are made by build/release/bench/bench_closure and kept, so that
+and with memory, in one box with one force. rest: the same in steady wakes and in a medium that is undeformed at t = 0. width: what the
+force's width, the modes and the box change. Writes closure_*.csv, closure.md (the tables of docs/validation.md) and closure_*.png into
+-o. Encounters are made by build/release/bench/bench_closure and kept, so that
 the same command goes on where it was stopped. --dry-run says what is left and what it costs; --quick is a reduced variant of a minute.
 """
 
@@ -26,12 +27,14 @@ SOURCE = Path(__file__).resolve().parent.parent
 ETA, BOX, WIDTH, MODES, CONTACT = 1.0, 40.0, 0.5, 96, 1.0
 NEAR = 2.0  # f/mu: headings are not compared below; closer than 4 widths the force's shape matters
 CLOSURES = ("steady", "first_order")
-COST = {"plane": 0.01, "box": 0.05, "steady": 0.1, "first_order": 1.0, "memory": 0.7}  # CPU s at 96 modes to t = 16
+COST = {"plane": 0.01, "box": 0.05, "steady": 0.1, "first_order": 1.0, "memory": 0.7, "rest": 0.7}  # CPU s at 96 modes to t = 16
 RIGHT = np.pi / 2
-STARTS = {"abreast": ((0, 2.5, 0), (0, -2.5, 0), 30.0), "crossing, dx = 1": ((0, 0, 0), (1, -5, RIGHT), 16.0),
-          "crossing, dx = 3": ((0, 0, 0), (3, -5, RIGHT), 16.0)}
+STARTS = {"abreast": ((0, 2.5, 0), (0, -2.5, 0), 30.0)} | {
+    f"crossing, dx = {dx}": ((0, 0, 0), (dx, -5, RIGHT), 16.0) for dx in (-3, 0, 1, 3)}
+POLAR_STARTS = ("abreast", "crossing, dx = 1", "crossing, dx = 3")
+REST_STARTS = ("abreast", "crossing, dx = 1")
 KAPPAS, ALPHAS = (1, 3, 10, 30, 100), (0.1, 0.3, 1, 3, 10)
-POLAR = tuple((0, one, two) for one in (10, -10) for two in (10, -10))
+POLAR, OTHER_ALPHAS = tuple((0, one, two) for one in (10, -10) for two in (10, -10)), (0.1, 1, 10)
 
 
 class Runs:
@@ -71,17 +74,25 @@ def case(how, start, couplings, alpha, box=BOX, width=WIDTH, modes=MODES):
 
 def cost(spec):
     how, modes, end = spec.split()[0], float(spec.split()[8]), float(spec.split()[9])
-    return COST[how] * end / 16.0 * ((modes / 96) ** 2 if how in CLOSURES + ("memory",) else 1.0)
+    return COST[how] * end / 16.0 * ((modes / 96) ** 2 if how in CLOSURES + ("memory", "rest") else 1.0)
 
 
 def encounters(quick):
     """(start, couplings, alpha) of the map."""
-    starts, kappas, alphas = (("abreast",), (1, 10, 100), (0.1, 1)) if quick else (tuple(STARTS), KAPPAS, ALPHAS)
-    apolar = [(start, (kappa, 0, 0), alpha) for start in starts for alpha in alphas for kappa in kappas]
     if quick:
-        return apolar
-    away = [(start, (-100, 0, 0), alpha) for start in starts[1:] for alpha in (0.1, 1, 10)]
-    return apolar + away + [(starts[1], polar, alpha) for alpha in (0.1, 1, 10) for polar in POLAR]
+        return over(("abreast",), quick)
+    away = [(start, (-100, 0, 0), alpha) for start in STARTS if start != "abreast" for alpha in OTHER_ALPHAS]
+    return over(STARTS, quick) + away + [(start, polar, alpha) for start in POLAR_STARTS for alpha in OTHER_ALPHAS for polar in POLAR]
+
+
+def rests(quick):
+    """Those from rest."""
+    return over(REST_STARTS[:1] if quick else REST_STARTS, quick)
+
+
+def over(starts, quick):
+    kappas, alphas = ((1, 10, 100), (0.1, 1)) if quick else (KAPPAS, ALPHAS)
+    return [(start, (kappa, 0, 0), alpha) for start in starts for alpha in alphas for kappa in kappas]
 
 
 SETTINGS = {"box 40, w = 0.5, 96 modes": (40.0, 0.5, 96), "128 modes": (40.0, 0.5, 128),
@@ -91,7 +102,10 @@ WIDTH_CASES = (("abreast", (10, 0, 0), 0.1), ("abreast", (10, 0, 0), 1), ("cross
 
 
 def heading_difference(one, other):
-    """The largest of any rod, rad, at the times of output that both have, while the rods are farther than NEAR apart in both."""
+    """The largest of any rod, rad, at the times of output that both have, while the rods are farther than NEAR apart in both. None of a run that
+    failed: it stopped before it could go astray."""
+    if "failed" in (one["ending"], other["ending"]):
+        return float("nan")
     a, b = (np.array(run["poses"][:-1]).reshape(-1, 6) for run in (one, other))
     both = min(len(a), len(b))
     a, b = a[:both], b[:both]
@@ -114,24 +128,37 @@ def memory_number(run, alpha):
     return float((rates * alpha * apart[1:until] ** 2 / 4).max())
 
 
+def spreading_time(row):
+    """What a field takes from rod to rod at the start, alpha r^2/4."""
+    one, two, _ = STARTS[row["start"]]
+    return row["alpha"] * ((one[0] - two[0])**2 + (one[1] - two[1])**2) / 4
+
+
 def same_ending(row, how):
     """Escaped, and undecided at the end, are both: not captured."""
     one, other = ("apart" if row[way] in ("escape", "undecided") else row[way] for way in (how, "memory"))
     return one == other != "failed"
 
 
-def compared(runs, start, couplings, alpha):
-    memory = runs.known[case("memory", start, couplings, alpha)]
+def compared(runs, start, couplings, alpha, medium="memory", closures=CLOSURES):
+    """Closures against the medium, from the wakes of straight rods (memory) or from rest."""
+    memory = runs.known[case(medium, start, couplings, alpha)]
     row = {"start": start, "kappa": couplings[0], "gamma1": couplings[1], "gamma2": couplings[2], "alpha": alpha,
            "memory": memory["ending"], "memory_time": memory["time"]}
-    for how in CLOSURES:
+    for how in closures:
         run = runs.known[case(how, start, couplings, alpha)]
         both = run["ending"] == memory["ending"] == "contact"
         row |= {how: run["ending"], f"{how}_time": run["time"], f"{how}_heading": heading_difference(run, memory),
                 f"{how}_time_error": run["time"] / memory["time"] - 1 if both else float("nan")}
     row["memory_number"] = memory_number(runs.known[case("steady", start, couplings, alpha)], alpha)
+    return row
+
+
+def on_points(runs, row):
+    """How the encounter of a row ends in steady wakes of point forces."""
+    couplings = row["kappa"], row["gamma1"], row["gamma2"]
     for how in ("box", "plane"):
-        run = runs.known[case(how, start, couplings, alpha)]
+        run = runs.known[case(how, row["start"], couplings, row["alpha"])]
         row |= {how: run["ending"], f"{how}_time": run["time"]}
     return row
 
@@ -144,22 +171,56 @@ def cell(row, how):
     return f"{time}{row[f'{how}_heading']:.2g}"
 
 
-def map_tables(rows):
+def grid(rows, down, across):
+    """A table of the steady closure: alpha and what else `down` tells, over what `across` tells; both make headed cells of a row."""
+    columns = list(dict.fromkeys(across(row) for row in rows))
+    lines = {}
+    for row in rows:
+        lines.setdefault(down(row), {})[across(row)] = cell(row, "steady")
+    titles = [name for name, _ in next(iter(lines))] + columns
+    body = [[text for _, text in left] + [cells.get(column, "") for column in columns] for left, cells in lines.items()]
+    return ["", "| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"] + ["| " + " | ".join(line) + " |" for line in body]
+
+
+def by_alpha(row):
+    return (("alpha", f"{row['alpha']:g}"),)
+
+
+def by_start_and_alpha(row):
+    return (("start", row["start"]), *by_alpha(row))
+
+
+def by_spreading_time(row):
+    return (*by_alpha(row), ("alpha r^2/4", f"{spreading_time(row):.2g}"))
+
+
+def by_kappa(row):
+    return f"kappa = {row['kappa']:g}"
+
+
+def by_gamma(row):
+    return f"gamma1 = {row['gamma1']:g}, gamma2 = {row['gamma2']:g}"
+
+
+def tables_by_start(rows, title, down):
     lines = []
-    for how in CLOSURES:
-        for start in dict.fromkeys(row["start"] for row in rows):
-            apolar = [row for row in rows if row["start"] == start and row["kappa"] > 0]
-            kappas, alphas = (sorted({row[key] for row in apolar}) for key in ("kappa", "alpha"))
-            lines += ["", f"{how}, {start}:", "", "| alpha | " + " | ".join(f"kappa = {kappa:g}" for kappa in kappas) + " |",
-                      "|---" * (len(kappas) + 1) + "|"]
-            lines += [f"| {alpha:g} | " + " | ".join(cell(row, how) for kappa in kappas for row in apolar
-                                                     if (row["kappa"], row["alpha"]) == (kappa, alpha)) + " |" for alpha in alphas]
-    others = [row for row in rows if row["kappa"] <= 0]
-    if others:
-        lines += ["", "| start | couplings | alpha | steady | first order |", "|---|---|---|---|---|"]
-    lines += [f"| {row['start']} | {row['kappa']:g}, {row['gamma1']:g}, {row['gamma2']:g} | {row['alpha']:g} | {cell(row, 'steady')} | "
-              f"{cell(row, 'first_order')} |" for row in others]
+    for start in dict.fromkeys(row["start"] for row in rows):
+        lines += ["", f"{title}{start}:"] + grid([row for row in rows if row["start"] == start], down, by_kappa)
+    return lines
+
+
+def map_tables(rows):
+    lines = tables_by_start([row for row in rows if row["kappa"] > 0], "Steady wakes, ", by_alpha)
+    away, polar = ([row for row in rows if row["kappa"] < 0], [row for row in rows if row["kappa"] == 0])
+    if away:
+        lines += ["", "Steady wakes, kappa = -100:"] + grid(away, by_alpha, lambda row: row["start"])
+    if polar:
+        lines += ["", "Steady wakes, polar couplings alone:"] + grid(polar, by_start_and_alpha, by_gamma)
     return lines + summary(rows)
+
+
+def rest_tables(rows):
+    return tables_by_start(rows, "Steady wakes against a medium at rest at t = 0, ", by_spreading_time)
 
 
 BINS = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, np.inf)
@@ -178,8 +239,13 @@ def summary(rows):
         late = f"{np.median(times):.3g} % ({times.max():.3g} %)" if len(times) else "no contacts"
         off = [np.array([row[f"{how}_heading"] for row in here]) for how in CLOSURES]
         lines.append(f"| {low:g} to {high:g} | {len(here)} | {same[0]} | {same[1]} | {late} | " +
-                     " | ".join(f"{np.median(one):.2g} ({one.max():.2g})" for one in off) + f" | {(off[1] < off[0]).sum()} |")
+                     " | ".join(heading_words(one) for one in off) + f" | {(off[1] < off[0]).sum()} |")
     return lines
+
+
+def heading_words(off):
+    off = off[np.isfinite(off)]
+    return f"{np.median(off):.2g} ({off.max():.2g})" if len(off) else "none"
 
 
 def width_table(runs):
@@ -232,14 +298,14 @@ def write_csv(path, rows):
 def read_options():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", type=Path, default=SOURCE / "build/release/bench/bench_closure")
-    parser.add_argument("--only", default="circle,map,width")
+    parser.add_argument("--only", default="circle,map,rest,width")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--dry-run", action="store_true")
     parser.add_argument("-o", "--output", type=Path, default=SOURCE / "results/closure")
     options = parser.parse_args()
     options.only = options.only.split(",")
-    if set(options.only) - {"circle", "map", "width"}:
-        parser.error("--only takes circle, map, width")
+    if set(options.only) - {"circle", "map", "rest", "width"}:
+        parser.error("--only takes circle, map, rest, width")
     return options
 
 
@@ -247,6 +313,8 @@ def wanted(options):
     cases = []
     if "map" in options.only:
         cases += [case(how, *one) for one in encounters(options.quick) for how in ("memory", *CLOSURES, "box", "plane")]
+    if "rest" in options.only:
+        cases += [case(how, *one) for one in rests(options.quick) for how in ("rest", "steady")]
     if "width" in options.only and not options.quick:
         cases += [case(how, *one, *setting) for one in WIDTH_CASES for setting in SETTINGS.values() for how in ("memory", "steady")]
         cases += [case("box", *one) for one in WIDTH_CASES]
@@ -263,17 +331,24 @@ def main():
     if options.dry_run:
         return
     runs.make(cases)
-    lines = []
+    lines, maps = [], {}
     if "circle" in options.only:
         rows = circles(options.quick)
         write_csv(options.output / "closure_circle.csv", rows)
         lines += circle_table(rows)
         draw_circle(rows, options.output / "closure_circle.png")
     if "map" in options.only:
-        rows = [compared(runs, *one) for one in encounters(options.quick)]
+        rows = [on_points(runs, compared(runs, *one)) for one in encounters(options.quick)]
         write_csv(options.output / "closure_map.csv", rows)
         lines += map_tables(rows)
-        draw_map(rows, options.output / "closure_map.png")
+        maps |= panels_of(rows, "")
+    if "rest" in options.only:
+        rows = [compared(runs, *one, medium="rest", closures=("steady",)) for one in rests(options.quick)]
+        write_csv(options.output / "closure_rest.csv", rows)
+        lines += rest_tables(rows)
+        maps |= panels_of(rows, "from rest: ")
+    if maps:
+        draw_maps(maps, options.output / "closure_map.png")
     if "width" in options.only and not options.quick:
         lines += width_table(runs)
     (options.output / "closure.md").write_text("\n".join(lines[1:]) + "\n", encoding="utf-8")
@@ -305,34 +380,46 @@ def draw_circle(rows, path):
     canvas.save(figure, path)
 
 
-def draw_map(rows, path):
+def panels_of(rows, title):
+    """Apolar rods of each start, by the title of their panel."""
+    starts = dict.fromkeys(row["start"] for row in rows)
+    return {title + start: [row for row in rows if row["start"] == start and row["kappa"] > 0] for start in starts}
+
+
+def draw_maps(maps, path):
+    """The steady closure's error over kappa and alpha: a panel a start, four in a row, crossing ones first; the bar of colours follows the last."""
     canvas, style = drawing()
-    starts = list(dict.fromkeys(row["start"] for row in rows))
-    figure = canvas.figure(style.WIDE, 4.6)
-    panels = figure.subplots(2, len(starts), sharex=True, sharey=True, squeeze=False)
-    for line, how, title in zip(panels, CLOSURES, ("steady", "first order")):
-        for axes, start in zip(line, starts):
-            here = [row for row in rows if row["start"] == start and row["kappa"] > 0]
-            kappas, alphas = (sorted({row[key] for row in here}) for key in ("kappa", "alpha"))
-            off = np.full((len(alphas), len(kappas)), np.nan)
-            for row in here:
-                i, j = alphas.index(row["alpha"]), kappas.index(row["kappa"])
-                off[i, j] = row[f"{how}_heading"]
-                if not same_ending(row, how):
-                    axes.plot(j, i, "kx", markersize=7)
-            image = axes.imshow(np.log10(np.maximum(off, 1e-12)), origin="lower", aspect="auto", vmin=-3, vmax=0.5, cmap="YlOrRd")
-            axes.set_title(f"{title}: {start}", fontsize=9)
-            axes.set_xticks(range(len(kappas)), [f"{kappa:g}" for kappa in kappas])
-            axes.set_yticks(range(len(alphas)), [f"{alpha:g}" for alpha in alphas])
-            axes.tick_params(length=0)
-    for axes in panels[-1]:
-        axes.set_xlabel(r"$\kappa f/(\mu v_0)$")
+    lines = len(maps) // 4 + 1
+    figure = canvas.figure(style.WIDE, 0.3 + 2.0 * lines)
+    panels = figure.subplots(lines, 4, sharex=True, sharey=True, squeeze=False)
+    for axes, (title, rows) in zip(panels.flat, sorted(maps.items(), key=lambda item: not item[0].startswith("crossing"))):
+        image = draw_panel(axes, rows)
+        axes.set_title(title, fontsize=9)
     for axes in panels[:, 0]:
         axes.set_ylabel(r"$\alpha$")
-    bar = figure.colorbar(image, ax=panels, shrink=0.8, ticks=[-3, -2, -1, 0])
+    for axes in panels.flat[len(maps):]:
+        axes.set_axis_off()
+    for axes in panels.flat[max(len(maps) - 4, 0):len(maps)]:
+        axes.set_xlabel(r"$\kappa f/(\mu v_0)$")
+        axes.tick_params(labelbottom=True)
+    bar = figure.colorbar(image, cax=panels.flat[len(maps)].inset_axes((0.1, 0.0, 0.1, 1.0)), ticks=[-3, -2, -1, 0])
     bar.set_ticklabels(["0.001", "0.01", "0.1", "1"])
-    bar.set_label("largest difference in heading (rad)")
+    bar.set_label("largest difference\nin heading (rad)")
     canvas.save(figure, path)
+
+
+def draw_panel(axes, rows):
+    kappas, alphas = (sorted({row[key] for row in rows}) for key in ("kappa", "alpha"))
+    off = np.full((len(alphas), len(kappas)), np.nan)
+    for row in rows:
+        i, j = alphas.index(row["alpha"]), kappas.index(row["kappa"])
+        off[i, j] = row["steady_heading"]
+        if not same_ending(row, "steady"):
+            axes.plot(j, i, "kx", markersize=6)
+    axes.set_xticks(range(len(kappas)), [f"{kappa:g}" for kappa in kappas])
+    axes.set_yticks(range(len(alphas)), [f"{alpha:g}" for alpha in alphas])
+    axes.tick_params(length=0)
+    return axes.imshow(np.log10(np.maximum(off, 1e-12)), origin="lower", aspect="auto", vmin=-3, vmax=0.5, cmap="YlOrRd")
 
 
 if __name__ == "__main__":

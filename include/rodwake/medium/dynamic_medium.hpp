@@ -40,7 +40,7 @@ enum class Closure {
     none,       ///< all of it: the medium is integrated with the rods
     steady,     ///< nothing: it is that of a rod that has always walked straight along its present heading
     first_order ///< its turning rate: it is, to first order in theta', that of a rod that turns
-                ///< (turning_wake.hpp). No better for encounters (docs/validation.md), so not a choice of
+                ///< (turning_wake.hpp). Better in slow turns only (docs/validation.md), so not a choice of
                 ///< scenes
 };
 
