@@ -227,9 +227,9 @@ bool Walk::may_go_on(const Node& node) {
     status.cause = many    ? "the steps allowed were used up"
                    : asked ? "noise.time_step is below 2^-30 of the time between two outputs"
                            : "headings turn too fast for any step";
-    status.advice = many    ? "raise max_steps, or noise.time_step"
+    status.advice = many    ? "raise rods_run.max_steps, or noise.time_step"
                     : asked ? "choose a longer noise.time_step, or more output times"
-                            : "set rods_run.contact_distance";
+                            : "set rods_run.contact_distance, or a longer one";
     return stop(node.start, Termination::failed);
 }
 

@@ -74,9 +74,12 @@ class NoiseTest(ProgramTest):
     def test_capture_and_threads(self):
         self.write("pair.toml", PAIR.format(runs=40))
         for threads in ("1", "2"):
-            self.expect(0, "rods", "pair.toml", "-o", f"out{threads}", "-j", threads)
+            done = self.expect(0, "rods", "pair.toml", "-o", f"out{threads}", "-j", threads)
         self.assertEqual(self.results("out1"), self.results("out2"))
+        self.assertEqual(json.loads((self.folder / "out1/provenance.json").read_text())["seed"], 1)
         told = self.told("out1")
+        captures = sum(told["endings"][one] for one in ("contact", "pursuit"))
+        self.assertIn(f"noise: {captures} of 40 runs end in contact or pursuit, capture probability", done.stdout + done.stderr)
         with open(self.folder / "out1/ensemble.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         captured = sum(row["outcome"] in ("0", "1") for row in rows)
@@ -89,6 +92,11 @@ class NoiseTest(ProgramTest):
         self.assertEqual(told["first_contact_time"]["runs"], len(contacts))
         outcome = json.loads((self.folder / "out1/outcome.json").read_text())
         self.assertEqual((outcome["time"], outcome["outcome"] == "contact"), (float(rows[0]["time"]), rows[0]["outcome"] == "0"))
+
+    def test_too_few_runs_for_the_error_asked_for_are_told(self):
+        self.write("pair.toml", PAIR.format(runs=8).replace("runs = 8", "runs = 8\ncapture_error = 0.01\nmost_runs = 20"))
+        done = self.expect(0, "rods", "pair.toml", "-o", "out")
+        self.assertIn("noise.most_runs = 20 ended it before noise.capture_error = 0.01 was reached", done.stdout + done.stderr)
 
     def test_a_seed_makes_other_runs(self):
         self.write("pair.toml", PAIR.format(runs=3))

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rodwake::assembly::measures {
@@ -129,6 +130,10 @@ Values values_of(const HeadingDiffusion& r, double a, double unit) {
 }
 
 std::string line_of(const HeadingDiffusion& r, double a, double unit) {
+    constexpr double rounding = 1e-24; // rad^2; of headings near 1 it is 1e-32
+    if (!r.square.empty() && std::ranges::all_of(r.square, [](double square) { return square < rounding; }))
+        return fmt::format("the rod never turns: no heading diffusion; speed {} a/s",
+                           text(r.speed.scaled(1.0 / a)));
     const std::string noise = noise_of(r, a, unit);
     return fmt::format("heading diffusion {} rad^2/s over {:.3g} to {:.3g} s, speed {} a/s{}",
                        text(r.diffusion), r.lag_low, r.lag_high, text(r.speed.scaled(1.0 / a)),
