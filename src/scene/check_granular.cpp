@@ -17,7 +17,7 @@ void start(const Granular& bed, const Report& report) {
     if (bed.start == GranularStart::restart && bed.box.fit)
         report("granular.box",
                "box = \"fit\" is made for a lattice and the rods in it, and the stored bed has a box: "
-               "give its two sides, `box` in its summary.json (m)");
+               "give its two sides and its beads, `box` (m) and `beads` in its summary.json");
     if (bed.start != GranularStart::restart && !bed.restart_from.empty())
         report("granular.restart_from", "restart_from belongs to start = \"restart\" only");
     if (bed.beads == 0 && bed.rods.empty())
