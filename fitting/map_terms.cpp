@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <ranges>
 
 namespace rodwake::fitting {
 
@@ -18,6 +19,9 @@ enum Term : std::size_t {
     force,
     p_xx,
     p_yy,
+    q_xxx,
+    q_xyy,
+    q_yxy,
     c11,
     c22,
     c12,
@@ -29,8 +33,10 @@ enum Term : std::size_t {
     offset_y
 };
 
-constexpr std::array<OrthotropicParameter, 3> unit_sources = {
-    OrthotropicParameter::force, OrthotropicParameter::p_xx, OrthotropicParameter::p_yy};
+/// In the order of the terms from force on.
+constexpr std::array unit_sources = {OrthotropicParameter::force, OrthotropicParameter::p_xx,
+                                     OrthotropicParameter::p_yy,  OrthotropicParameter::q_xxx,
+                                     OrthotropicParameter::q_xyy, OrthotropicParameter::q_yxy};
 
 /// Of the terms from c11 to eta_s.
 OrthotropicParameter constant(std::size_t term) {
@@ -66,8 +72,9 @@ void require(const MapTerms& t) {
     const auto has = [&](std::size_t term) { return t.index[term] >= 0; };
     if (!has(c11) || !has(c22) || !has(c12) || !has(c66))
         throw InputError("a map needs c11, c22, c12 and c66, as parameters or with fixed values");
-    if (!has(force) && !has(p_xx) && !has(p_yy))
-        throw InputError("a map needs force, p_xx or p_yy: without a source there is no displacement");
+    if (std::ranges::none_of(std::views::iota(std::size_t{force}, std::size_t{c11}), has))
+        throw InputError("a map needs force, p_xx, p_yy, q_xxx, q_xyy or q_yxy: without a source there is no "
+                         "displacement");
     if (has(amplitude) && !has(force))
         throw InputError("amplitude is the monopole over its prediction: give force, which it multiplies");
 }
@@ -75,8 +82,8 @@ void require(const MapTerms& t) {
 } // namespace
 
 std::vector<std::string> map_parameter_names() {
-    return {"amplitude", "force", "p_xx", "p_yy",  "c11",    "c22",     "c12",
-            "c66",       "zeta",  "rho",  "eta_s", "offset", "offset_y"};
+    return {"amplitude", "force", "p_xx", "p_yy", "q_xxx", "q_xyy", "q_yxy",  "c11",
+            "c22",       "c12",   "c66",  "zeta", "rho",   "eta_s", "offset", "offset_y"};
 }
 
 MapTerms map_terms(const std::vector<Parameter>& parameters) {
@@ -110,8 +117,13 @@ MapField::Basis MapField::basis(std::span<const double> p) const {
 }
 
 RodSource MapField::source(std::span<const double> p) const {
-    return {terms_.value(p, amplitude, 1.0) * terms_.value(p, force, 0.0), terms_.value(p, p_xx, 0.0),
-            terms_.value(p, p_yy, 0.0)};
+    const auto value = [&](std::size_t term) { return terms_.value(p, term, 0.0); };
+    return {terms_.value(p, amplitude, 1.0) * value(force),
+            value(p_xx),
+            value(p_yy),
+            value(q_xxx),
+            value(q_xyy),
+            value(q_yxy)};
 }
 
 DisplacementMap MapField::unit(std::span<const double> p, std::size_t k) const {
@@ -121,8 +133,10 @@ DisplacementMap MapField::unit(std::span<const double> p, std::size_t k) const {
 DisplacementMap MapField::at(std::span<const double> p) const {
     DisplacementMap out = constants(bins_, terms_.value(p, offset, 0.0), terms_.value(p, offset_y, 0.0));
     const RodSource s = source(p);
-    const double strength[] = {s.force, s.p_xx, s.p_yy};
-    const Basis whole = held_ ? Basis{} : Basis{field_.displacement(medium(terms_, p), s), {}, {}};
+    const double strength[] = {s.force, s.p_xx, s.p_yy, s.q_xxx, s.q_xyy, s.q_yxy};
+    Basis whole;
+    if (!held_)
+        whole[0] = field_.displacement(medium(terms_, p), s);
     for (std::size_t k = 0; k < unit_sources.size(); ++k) {
         const DisplacementMap& part = held_ ? (*held_)[k] : whole[k];
         if (part.Ux.empty())

@@ -10,7 +10,7 @@ namespace rodwake::fitting {
 
 /// Index of each among the parameters; -1: absent. In the order of map_parameter_names.
 struct MapTerms {
-    std::array<long, 13> index;
+    std::array<long, 16> index;
 
     double value(std::span<const double> p, std::size_t term, double absent) const {
         return index[term] < 0 ? absent : p[static_cast<std::size_t>(index[term])];
@@ -32,7 +32,7 @@ public:
     elastic::DisplacementMap derivative(std::span<const double> p, std::size_t term) const;
 
 private:
-    using Basis = std::array<elastic::DisplacementMap, 3>;
+    using Basis = std::array<elastic::DisplacementMap, 6>;
     Basis basis(std::span<const double> p) const;
     elastic::RodSource source(std::span<const double> p) const;
     elastic::DisplacementMap unit(std::span<const double> p, std::size_t k) const;
@@ -40,7 +40,7 @@ private:
     MapTerms terms_;
     elastic::AnisotropicField field_;
     std::size_t bins_;
-    std::optional<Basis> held_; ///< of unit force, p_xx and p_yy
+    std::optional<Basis> held_; ///< of unit sources, from force to q_yxy
 };
 
 } // namespace rodwake::fitting

@@ -58,21 +58,20 @@ OrthotropicMedium unit_constant(OrthotropicParameter parameter) {
     return m;
 }
 
-bool is_source(OrthotropicParameter p) {
-    using enum OrthotropicParameter;
-    return p == force || p == p_xx || p == p_yy;
-}
+bool is_source(OrthotropicParameter p) { return p <= OrthotropicParameter::q_yxy; }
 
 RodSource unit_source(OrthotropicParameter p) {
     using enum OrthotropicParameter;
-    return {p == force ? 1.0 : 0.0, p == p_xx ? 1.0 : 0.0, p == p_yy ? 1.0 : 0.0};
+    const auto one = [p](OrthotropicParameter name) { return p == name ? 1.0 : 0.0; };
+    return {one(force), one(p_xx), one(p_yy), one(q_xxx), one(q_xyy), one(q_yxy)};
 }
 
 Mode driving(const RodSource& source, const RodFrame& frame, double qx, double qy) {
     const double half = 0.5 * qx * frame.length, sinc = half == 0.0 ? 1.0 : std::sin(half) / half;
     const double smooth = std::exp(-0.5 * (qx * qx + qy * qy) * frame.width * frame.width);
-    return {smooth * Complex(source.force * sinc, -source.p_xx * qx),
-            Complex(0.0, -smooth * source.p_yy * qy)};
+    const double along = source.force * sinc - source.q_xxx * qx * qx - source.q_xyy * qy * qy;
+    return {smooth * Complex(along, -source.p_xx * qx),
+            Complex(0.0 - 2.0 * smooth * source.q_yxy * qx * qy, -smooth * source.p_yy * qy)};
 }
 
 void check_frame(const RodFrame& f) {

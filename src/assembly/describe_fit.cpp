@@ -91,6 +91,9 @@ void add_map_terms(const scene::Fit& keys, Lines& lines) {
     add_term(keys, "force", "monopole in an orthotropic medium", lines);
     add_term(keys, "p_xx", "dipole along the rod", lines);
     add_term(keys, "p_yy", "dipole across the rod", lines);
+    add_term(keys, "q_xxx", "second moment of the force along the rod by x^2", lines);
+    add_term(keys, "q_xyy", "second moment of the force along the rod by y^2", lines);
+    add_term(keys, "q_yxy", "second moment of the force across the rod by xy", lines);
     add_term(keys, "zeta", "drag of the medium", lines);
     add_term(keys, "rho", "inertia of the medium", lines);
     add_term(keys, "eta_s", "viscosity of the medium", lines);

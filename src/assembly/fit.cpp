@@ -255,8 +255,9 @@ namespace {
 /// F and T: whatever force and time the scene's constants are given in.
 std::string map_unit(const std::string& parameter, const std::string& length) {
     static const std::map<std::string, std::string> units = {
-        {"amplitude", "1"},    {"force", "F"},         {"p_xx", "F {0}"},   {"p_yy", "F {0}"},
-        {"zeta", "F T/{0}^3"}, {"rho", "F T^2/{0}^3"}, {"eta_s", "F T/{0}"}};
+        {"amplitude", "1"},     {"force", "F"},       {"p_xx", "F {0}"},    {"p_yy", "F {0}"},
+        {"q_xxx", "F {0}^2"},   {"q_xyy", "F {0}^2"}, {"q_yxy", "F {0}^2"}, {"zeta", "F T/{0}^3"},
+        {"rho", "F T^2/{0}^3"}, {"eta_s", "F T/{0}"}};
     const auto at = units.find(parameter);
     return fmt::format(fmt::runtime(at == units.end() ? "F/{0}" : at->second), length);
 }

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <numbers>
 
 namespace rodwake::scene {
@@ -31,8 +33,9 @@ void needed(const Fit& fit, const Report& report) {
         if (!there)
             report("fit.parameters", std::string(text) + " (in fit.parameters, fit.fixed or fit.tied)");
     };
-    need(fit_has(fit, "force") || fit_has(fit, "p_xx") || fit_has(fit, "p_yy"),
-         "maps need force, p_xx or p_yy: without a source there is no displacement");
+    constexpr std::array sources = {"force", "p_xx", "p_yy", "q_xxx", "q_xyy", "q_yxy"};
+    need(std::ranges::any_of(sources, [&](const char* name) { return fit_has(fit, name); }),
+         "maps need force, p_xx, p_yy, q_xxx, q_xyy or q_yxy: without a source there is no displacement");
     need(!fit_has(fit, "amplitude") || fit_has(fit, "force"),
          "amplitude is the monopole over its prediction: it needs force, which it multiplies");
     for (const char* name : {"c11", "c22", "c12", "c66"})

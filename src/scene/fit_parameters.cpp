@@ -28,6 +28,9 @@ const std::vector<FitParameter>& fit_parameter_list() {
         {"force", "f", "of maps: force of the rod on the medium along its heading"},
         {"p_xx", "P_{xx}", "of maps: force dipole along the rod, positive if it pushes outward"},
         {"p_yy", "P_{yy}", "of maps: force dipole across the rod, the inclusion that its slot is"},
+        {"q_xxx", "Q_{xxx}", "of maps: second moment of the force along the rod, by x^2"},
+        {"q_xyy", "Q_{xyy}", "of maps: second moment of the force along the rod, by y^2"},
+        {"q_yxy", "Q_{yxy}", "of maps: second moment of the force across the rod, by xy"},
         {"c11", "C_{11}", "of maps: elastic constant along the heading"},
         {"c22", "C_{22}", "of maps: elastic constant across the heading"},
         {"c12", "C_{12}", "of maps: elastic constant that couples both"},
@@ -55,8 +58,9 @@ std::span<const std::string_view> fit_parameter_names() {
 }
 
 bool is_map_parameter(std::string_view parameter) {
-    static const std::vector<std::string_view> names = {"amplitude", "force", "p_xx", "p_yy", "c11",  "c22",
-                                                        "c12",       "c66",   "zeta", "rho",  "eta_s"};
+    static const std::vector<std::string_view> names = {"amplitude", "force", "p_xx", "p_yy", "q_xxx",
+                                                        "q_xyy",     "q_yxy", "c11",  "c22",  "c12",
+                                                        "c66",       "zeta",  "rho",  "eta_s"};
     return std::ranges::find(names, parameter) != names.end();
 }
 

@@ -29,7 +29,7 @@ def places(count, side):
     return side * (np.arange(count) / count - 0.5)
 
 
-def field(x, y, amplitude, force, p_xx, p_yy, c11, c22, c12, c66, zeta, rho, eta_s):
+def field(x, y, amplitude, force, p_xx, p_yy, c11, c22, c12, c66, zeta, rho, eta_s, q_xxx=0.0, q_xyy=0.0, q_yxy=0.0):
     """The equation mode by mode, all four quadrants, by complex exponentials: [component][y][x]."""
     modes = [2 * np.pi * np.arange(-60, 61) / side for side in BOX]
     qx, qy = modes[0][:, None], modes[1][None, :]
@@ -37,8 +37,8 @@ def field(x, y, amplitude, force, p_xx, p_yy, c11, c22, c12, c66, zeta, rho, eta
     motion = -1j * zeta * v * qx - rho * v**2 * qx**2 - 1j * eta_s * v * qx * square
     xx, yy, xy = c11 * qx**2 + c66 * qy**2 + motion, c66 * qx**2 + c22 * qy**2 + motion, (c12 + c66) * qx * qy
     smooth = np.exp(-square * WIDTH**2 / 2)
-    sx = smooth * (amplitude * force * np.sinc(qx * LENGTH / 2 / np.pi) - 1j * p_xx * qx)
-    sy = smooth * (-1j * p_yy * qy)
+    sx = smooth * (amplitude * force * np.sinc(qx * LENGTH / 2 / np.pi) - 1j * p_xx * qx - q_xxx * qx**2 - q_xyy * qy**2)
+    sy = smooth * (-1j * p_yy * qy - 2 * q_yxy * qx * qy)
     determinant = xx * yy - xy**2
     determinant[60, 60] = np.inf  # the zero mode
     found = []
@@ -107,6 +107,21 @@ class RecoveryTest(MapTest):
         self.assertGreater(found["chi2"], 10 * found["dof"])
         self.assertIsNone(found["systematics"])
         self.assertIn("poor chi2", done.stderr)
+
+    def test_second_moments_come_back_in_size_sign_and_unit(self):
+        moments = {"q_xxx": 150.0, "q_xyy": -80.0, "q_yxy": 30.0}
+        for index in range(3):
+            self.make_run(f"run{index}.csv", index, **moments)
+        keys = KEYS.replace('"offset"]', '"q_xxx", "q_xyy", "offset"]').replace("eta_s = 0.15", "eta_s = 0.15, q_yxy = 30.0")
+        found, done = self.fit(keys + MAPS + MASKS)
+        for name, true in (TRUE | moments).items():
+            if name in found["systematics"]["errors"]:
+                one, error = found["parameters"][name]["value"], found["systematics"]["errors"][name]["curvature"]
+                self.assertLess(abs(one - true), 4 * error, name)  # by chance once in 16 000
+        for name in ("q_xxx", "q_xyy"):
+            self.assertLess(found["systematics"]["errors"][name]["curvature"], 0.2 * abs(moments[name]), name)  # so that its sign shows
+            self.assertEqual(found["parameters"][name]["unit"], "F a^2")
+        self.assertLess(abs(found["chi2"] - found["dof"]), 4 * np.sqrt(2 * found["dof"]))
 
     def test_bins_that_share_data_count_less(self):
         self.make_run("run0.csv", 0)

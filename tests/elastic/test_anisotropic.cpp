@@ -8,6 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 using namespace rodwake;
@@ -70,6 +73,44 @@ double largest(const std::vector<double>& values) {
     return out;
 }
 
+void add(DisplacementMap& sum, const DisplacementMap& more, double factor) {
+    for (std::size_t i = 0; i < sum.Ux.size(); ++i) {
+        sum.Ux[i] += factor * more.Ux[i];
+        sum.Uy[i] += factor * more.Uy[i];
+    }
+}
+
+/// A source of the kind and strength at (x, y), the field at `places`.
+struct PointSource {
+    RodSource source;
+    double x = 0.0, y = 0.0;
+};
+
+const RodFrame point{.lx = side, .ly = 72.0, .speed = 1.7, .length = 0.0, .width = 1.5};
+
+DisplacementMap field_of(const std::vector<PointSource>& sources) {
+    DisplacementMap sum{std::vector<double>(places.size() * places.size()),
+                        std::vector<double>(places.size() * places.size())};
+    for (const PointSource& s : sources) {
+        std::vector<double> x(places), y(places);
+        for (double& place : x)
+            place -= s.x;
+        for (double& place : y)
+            place -= s.y;
+        add(sum, AnisotropicField(point, x, y).displacement(crystal, s.source), 1.0);
+    }
+    return sum;
+}
+
+/// Largest difference between the field of a source and that of others, over the largest value of the first.
+double relative_difference(const RodSource& one, const std::vector<PointSource>& others) {
+    const DisplacementMap expected = field_of({{one}});
+    DisplacementMap difference = field_of(others);
+    add(difference, expected, -1.0);
+    return std::max(largest(difference.Ux), largest(difference.Uy)) /
+           std::max(largest(expected.Ux), largest(expected.Uy));
+}
+
 double* constant(OrthotropicMedium& m, OrthotropicParameter by) {
     double* all[] = {&m.c11, &m.c22, &m.c12, &m.c66, &m.zeta, &m.rho, &m.eta_s};
     return all[static_cast<int>(by) - static_cast<int>(OrthotropicParameter::c11)];
@@ -105,8 +146,10 @@ TEST_CASE("a rod that moves backwards makes the mirror image") {
     std::vector<double> mirrored(places);
     for (double& x : mirrored)
         x = -x;
-    const auto ahead = AnisotropicField(moving, places, places).displacement(crystal, {1.0, 0.3, -2.0});
-    const auto behind = AnisotropicField(back, mirrored, places).displacement(crystal, {-1.0, 0.3, -2.0});
+    const auto ahead =
+        AnisotropicField(moving, places, places).displacement(crystal, {1.0, 0.3, -2.0, 6.0, -11.0, 8.0});
+    const auto behind =
+        AnisotropicField(back, mirrored, places).displacement(crystal, {-1.0, 0.3, -2.0, -6.0, 11.0, -8.0});
     for (std::size_t i = 0; i < ahead.Ux.size(); ++i) {
         CHECK(behind.Ux[i] == Approx(-ahead.Ux[i]).margin(1e-14));
         CHECK(behind.Uy[i] == Approx(ahead.Uy[i]).margin(1e-14));
@@ -148,13 +191,17 @@ TEST_CASE("the equation of motion holds away from the sources") {
 
 TEST_CASE("maps are linear in the sources, and derivatives those of differences") {
     const AnisotropicField field(moving, places, places);
-    const RodSource source{1.4, 0.7, -2.2};
+    const RodSource source{1.4, 0.7, -2.2, 13.0, -9.0, 5.0};
     const DisplacementMap whole = field.displacement(crystal, source);
     using enum OrthotropicParameter;
-    const auto fx = field.derivative(crystal, source, force), px = field.derivative(crystal, source, p_xx),
-               py = field.derivative(crystal, source, p_yy);
-    for (std::size_t i = 0; i < whole.Ux.size(); ++i)
-        CHECK(whole.Uy[i] == Approx(1.4 * fx.Uy[i] + 0.7 * px.Uy[i] - 2.2 * py.Uy[i]).margin(1e-14));
+    DisplacementMap sum{std::vector<double>(whole.Ux.size()), std::vector<double>(whole.Uy.size())};
+    for (const auto& [by, strength] :
+         {std::pair{force, 1.4}, {p_xx, 0.7}, {p_yy, -2.2}, {q_xxx, 13.0}, {q_xyy, -9.0}, {q_yxy, 5.0}})
+        add(sum, field.derivative(crystal, source, by), strength);
+    for (std::size_t i = 0; i < whole.Ux.size(); ++i) {
+        CHECK(whole.Ux[i] == Approx(sum.Ux[i]).margin(1e-13));
+        CHECK(whole.Uy[i] == Approx(sum.Uy[i]).margin(1e-13));
+    }
     for (const auto by : {c11, c22, c12, c66, zeta, rho, eta_s}) {
         CAPTURE(static_cast<int>(by));
         OrthotropicMedium up = crystal, down = crystal;
@@ -186,6 +233,67 @@ TEST_CASE("a crystal turned by a right angle swaps c11, c22 and the sides") {
         for (std::size_t k = 0; k < n; ++k) {
             CHECK(a.Ux[j * n + k] == Approx(b.Uy[k * n + j]).margin(1e-14));
             CHECK(a.Uy[j * n + k] == Approx(b.Ux[k * n + j]).margin(1e-14));
+        }
+}
+
+TEST_CASE("second moments are those of point sources close together") {
+    // Forces 1/h^2 at +-h and -2/h^2 between them have q = 1/2 * 2 * h^2/h^2 = 1; dipoles p_yy = +-1/h at
+    // x = +-h have int f_y x y = 2, so q_yxy = 1. The next terms are of order (h/w)^2: 2 % at h = 0.2.
+    const auto beside = [](double h, double dx, double dy) {
+        const double f = 1.0 / (h * h);
+        return std::vector<PointSource>{
+            {{.force = f}, dx * h, dy * h}, {{.force = -2.0 * f}}, {{.force = f}, -dx * h, -dy * h}};
+    };
+    const auto along = [&](double h) { return relative_difference({.q_xxx = 1.0}, beside(h, 1.0, 0.0)); };
+    const auto across = [&](double h) { return relative_difference({.q_xyy = 1.0}, beside(h, 0.0, 1.0)); };
+    const auto couple = [](double h) {
+        return relative_difference({.q_yxy = 1.0},
+                                   {{{.p_yy = 1.0 / h}, h, 0.0}, {{.p_yy = -1.0 / h}, -h, 0.0}});
+    };
+    for (const std::function<double(double)>& difference :
+         {std::function<double(double)>(along), std::function<double(double)>(across),
+          std::function<double(double)>(couple)}) {
+        const double wide = difference(0.2), narrow = difference(0.1);
+        CHECK(wide < 0.02); // a wrong sign makes it 2, a wrong factor of 2 makes it 0.5 or 1
+        CHECK(wide / narrow == Approx(4.0).margin(0.1)); // second order in h; the next term is (h/w)^2 of it
+    }
+}
+
+TEST_CASE("fields of moments at rest have the parity of the force's, along x and across") {
+    RodFrame rest = moving;
+    rest.speed = 0.0;
+    const std::vector<double> at = {-24.0, -9.0, 9.0, 24.0};
+    const std::size_t n = at.size();
+    for (const RodSource& source : {RodSource{.q_xxx = 1.0}, {.q_xyy = 1.0}, {.q_yxy = 1.0}}) {
+        const DisplacementMap u = AnisotropicField(rest, at, at).displacement(crystal, source);
+        CHECK(std::min(largest(u.Ux), largest(u.Uy)) > 1e-6); // of about q/r^2 at 13
+        for (std::size_t j = 0; j < n; ++j)
+            for (std::size_t k = 0; k < n; ++k) {
+                const std::size_t here = j * n + k, left = j * n + n - 1 - k, below = (n - 1 - j) * n + k;
+                CHECK(u.Ux[left] == Approx(u.Ux[here]).margin(1e-15));
+                CHECK(u.Ux[below] == Approx(u.Ux[here]).margin(1e-15));
+                CHECK(u.Uy[left] == Approx(-u.Uy[here]).margin(1e-15));
+                CHECK(u.Uy[below] == Approx(-u.Uy[here]).margin(1e-15));
+            }
+    }
+}
+
+TEST_CASE("one combination of moments shows nowhere but at the rod") {
+    OrthotropicMedium medium = crystal;
+    medium.eta_s = 0.0;
+    const double v = moving.speed, w = moving.width, area = moving.lx * moving.ly;
+    const RodSource hidden{.p_xx = medium.zeta * v,
+                           .q_xxx = medium.rho * v * v - medium.c11,
+                           .q_xyy = -medium.c66,
+                           .q_yxy = -0.5 * (medium.c12 + medium.c66)};
+    const DisplacementMap u = AnisotropicField(moving, places, places).displacement(medium, hidden);
+    for (std::size_t j = 0; j < places.size(); ++j)
+        for (std::size_t k = 0; k < places.size(); ++k) {
+            const double square = places[k] * places[k] + places[j] * places[j],
+                         gauss = std::exp(-0.5 * square / (w * w)) / (2.0 * std::numbers::pi * w * w);
+            // modes beyond the cutoff of 6.5/w: exp(-6.5^2/2) of the largest value, 7e-10
+            CHECK(u.Ux[j * places.size() + k] == Approx(gauss - 1.0 / area).margin(1e-9));
+            CHECK(u.Uy[j * places.size() + k] == Approx(0.0).margin(1e-9));
         }
 }
 

@@ -42,7 +42,8 @@ TEST_CASE("lengths of maps and masks are bead radii, angles radians") {
 
 TEST_CASE("maps need a source and all four constants") {
     says(fitted("", maps, "\"p_yy\"", "c11 = 3.0, c22 = 3.0, c66 = 1.0"), "maps need c12");
-    says(fitted("", maps, "\"offset\""), "maps need force, p_xx or p_yy");
+    says(fitted("", maps, "\"offset\""), "maps need force, p_xx, p_yy, q_xxx, q_xyy or q_yxy");
+    CHECK_NOTHROW(parse(fitted("", maps, "\"q_xyy\"")));
     says(fitted("", maps, "\"amplitude\", \"p_yy\""), "it needs force, which it multiplies");
     says(fitted("", maps, "\"force\"", "c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = -1.0"), "c66 must be above 0");
     says(fitted("", maps, "\"force\", \"kappa\""), "no data depend on kappa");

@@ -3,24 +3,31 @@
 //
 // In the frame of a rod that moves along +x at speed v against the medium, with e^{+i q.r},
 //
-//   [C(q) - i zeta v q_x - rho v^2 q_x^2 - i eta_s v q_x q^2] U_q = g(q) [f xhat sinc(q_x l/2) - i P.q]
+//   [C(q) - i zeta v q_x - rho v^2 q_x^2 - i eta_s v q_x q^2] U_q = g(q) F(q)
+//   F_x = f sinc(q_x l/2) - i p_xx q_x - q_xxx q_x^2 - q_xyy q_y^2,   F_y = - i p_yy q_y - 2 q_yxy q_x q_y
 //   C_xx = c11 q_x^2 + c66 q_y^2,   C_yy = c66 q_x^2 + c22 q_y^2,   C_xy = (c12 + c66) q_x q_y
 //   U(r) = 1/(Lx Ly) sum over q of U_q e^{i q.r},   q = 2 pi (m/Lx, n/Ly),   q = 0 left out
 //
 // from rho d_tt u + zeta d_t u = div stress + eta_s lap d_t u + forces with u = U(x - v t, y), so d_t = -v
-// d_x. The force f is spread evenly over the rod's length l; P = diag(p_xx, p_yy) is a force dipole (an
-// inclusion) at the origin, positive if it pushes outward; g = exp(-q^2 w^2/2) smooths every source, and so
-// the field, by a Gaussian of width w. The zero mode is the drift of the medium as a whole: U is relative to
-// its mean over the box, as in elastic/periodic.hpp, which this is for c11 = c22 = mu + lambda, c66 = mu,
-// c12 + c66 = lambda, rho = eta_s = 0, l = w = 0 and zeta v = mu/xi.
+// d_x. F is the multipole expansion of a force density f_i(r) that is mirror symmetric in y, about the
+// origin: the force f, spread evenly over the rod's length l; the dipoles p_ii = int f_i r_i d2r (an
+// inclusion), positive if they push outward; the second moments q_ijk = 1/2 int f_i r_j r_k d2r, of which
+// symmetry leaves three, q_yxy = q_yyx. q_xxx comes on top of the f l^2/24 that sinc has. g = exp(-q^2 w^2/2)
+// smooths every source, and so the field, by a Gaussian of width w. The zero mode is the drift of the medium
+// as a whole: U is relative to its mean over the box, as in elastic/periodic.hpp, which this is for c11 = c22
+// = mu + lambda, c66 = mu, c12 + c66 = lambda, rho = eta_s = 0, l = w = 0 and zeta v = mu/xi.
 //
 // The axes of the crystal are those of the box and of the rod: c11 is the constant along the heading
 // whichever row of the crystal that is. For a crystal turned by 90 degrees swap c11 with c22 and Lx with Ly.
 // Then U_x is even and U_y odd in y, which the sums use.
 //
+// Outside the rod second moments show only two of their three combinations: the source q_xxx = rho v^2 - c11,
+// q_xyy = -c66, q_yxy = -(c12 + c66)/2, p_xx = zeta v is the left side times xhat if eta_s = 0, so its field
+// is the Gaussian g alone, and a constant for the zero mode. Hold one of q_xxx, q_xyy, q_yxy in a fit.
+//
 // Units: any coherent ones. c: force/length; zeta: force time/length^3; rho: mass/length^2; eta_s: force
-// time/length; p: force length. Only ratios matter, so with c/rho = (sound speed)^2, zeta/rho = drag rate
-// and f/rho the density may be 1.
+// time/length; p: force length; q_ijk: force length^2. Only ratios matter, so with c/rho = (sound speed)^2,
+// zeta/rho = drag rate and f/rho the density may be 1.
 //
 // Error: modes up to q w = 6.5, which leaves out less than 1e-8 of the largest displacement (tests). Within a
 // few w of the rod the field is the smoothed one; beyond, smoothing adds w^2/2 lap U. Domain: strongly
@@ -48,7 +55,7 @@ struct OrthotropicMedium {
 void validate(const OrthotropicMedium& medium, double speed);
 
 struct RodSource {
-    double force = 0.0, p_xx = 0.0, p_yy = 0.0;
+    double force = 0.0, p_xx = 0.0, p_yy = 0.0, q_xxx = 0.0, q_xyy = 0.0, q_yxy = 0.0;
 };
 
 /// Box, rod and smoothing: what stays as the medium is varied.
@@ -59,7 +66,22 @@ struct RodFrame {
     double width = 0.0;        ///< w; at least 1/1000 of the longer side
 };
 
-enum class OrthotropicParameter { force, p_xx, p_yy, c11, c22, c12, c66, zeta, rho, eta_s };
+/// Sources first, then what the medium is made of.
+enum class OrthotropicParameter {
+    force,
+    p_xx,
+    p_yy,
+    q_xxx,
+    q_xyy,
+    q_yxy,
+    c11,
+    c22,
+    c12,
+    c66,
+    zeta,
+    rho,
+    eta_s
+};
 
 /// Values at places (x_k, y_j), [row y][column x].
 struct DisplacementMap {
@@ -73,8 +95,8 @@ public:
 
     DisplacementMap displacement(const OrthotropicMedium& medium, const RodSource& source) const;
 
-    /// d U/d parameter at fixed others. Those by force, p_xx and p_yy are the maps of unit sources, which is
-    /// the basis that U is a linear combination of.
+    /// d U/d parameter at fixed others. Those by force, dipoles and moments are the maps of unit sources,
+    /// which is the basis that U is a linear combination of.
     DisplacementMap derivative(const OrthotropicMedium& medium, const RodSource& source,
                                OrthotropicParameter by) const;
 

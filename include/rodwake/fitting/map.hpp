@@ -1,16 +1,18 @@
 #pragma once
 // Residuals of a measured displacement map against the steady field of a rod in an orthotropic medium.
 //
-//   model(x, y) = amplitude force U_f + p_xx U_xx + p_yy U_yy + offset         (elastic/anisotropic.hpp)
+//   model(x, y) = amplitude force U_f + p_xx U_xx + p_yy U_yy + q_xxx U_xxx + q_xyy U_xyy + q_yxy U_yxy
+//                 + offset                                                     (elastic/anisotropic.hpp)
 //
 // at every bin that the mask leaves, both components, in the rod's frame (x along the heading) with the
-// crystal's axes along x and y. U_f, U_xx, U_yy depend on c11, c22, c12, c66 and, where they are parameters,
+// crystal's axes along x and y. The fields U depend on c11, c22, c12, c66 and, where they are parameters,
 // on zeta, rho and eta_s together with the map's speed. Only the ratios of forces to constants matter.
 //
 //   name                  meaning                                                  unit, for a length l
 //   amplitude             monopole over its prediction `force`; absent: 1          1
 //   force                 of the rod on the medium, along +x                       force
 //   p_xx, p_yy            force dipoles of the rod, positive: outward              force l
+//   q_xxx, q_xyy, q_yxy   second moments of the force density; fit two at most     force l^2
 //   c11, c22, c12, c66    elastic constants; c11 along the heading                 force/l
 //   zeta, rho, eta_s      drag, mass, viscosity per area; absent: 0                as in anisotropic.hpp
 //   offset, offset_y      constants added to U_x and U_y                           l
@@ -62,8 +64,8 @@ std::vector<std::string> map_parameter_names();
 /// Bins that are fitted.
 std::vector<std::size_t> used_bins(const Map& map, const MapMask& mask);
 
-/// Throws InputError for unknown or missing parameters (the four constants; force, p_xx or p_yy; force with
-/// an amplitude), lists of wrong length, numbers that are not finite, sigma <= 0, maps with and without
+/// Throws InputError for unknown or missing parameters (the four constants; a source; force with an
+/// amplitude), lists of wrong length, numbers that are not finite, sigma <= 0, maps with and without
 /// sigma, a mask that leaves a map no bin, fewer data than free parameters, an illegal box, length or width.
 /// Constants that are all fixed are worked out once, so that the problem is linear and an evaluation costs a
 /// pass over the bins; a medium that has no steady field then throws here.
