@@ -15,6 +15,7 @@ from PIL import Image
 from rodwake import SOURCE, ProgramTest
 
 sys.path.insert(0, str(SOURCE / "tools"))
+import closure_tables as tables  # noqa: E402
 import validate_closure as tool  # noqa: E402
 
 BENCH = Path(os.environ.get("RODWAKE_BINARY_DIR", SOURCE / "build/dev")) / "bench/bench_closure"
@@ -57,7 +58,7 @@ for line in sys.stdin:
 def row(start="abreast", couplings=(1, 0, 0), alpha=1, number=0.05, **changed):
     kappa, gamma1, gamma2 = couplings
     made = {"start": start, "kappa": kappa, "gamma1": gamma1, "gamma2": gamma2, "alpha": alpha, "memory": "contact", "memory_time": 10.0,
-            "memory_number": number}
+            "spreading_time": tool.spreading_time(start, alpha), "memory_number": number}
     for how in tool.CLOSURES:
         made |= {how: "contact", f"{how}_time": 10.0, f"{how}_heading": 0.01 * kappa, f"{how}_time_error": 0.012}
     return made | changed
@@ -148,7 +149,7 @@ class BenchTest(ProgramTest):
 class TablesTest(unittest.TestCase):
     def test_one_table_a_start_of_steady_wakes_alone(self):
         rows = [row(start, (kappa, 0, 0), alpha) for start in tool.STARTS for alpha in (0.1, 3) for kappa in (1, 10)]
-        text = "\n".join(tool.map_tables(rows))
+        text = "\n".join(tables.map_tables(rows))
         self.assertEqual([line for line in text.splitlines() if line.startswith("Steady wakes")],
                          [f"Steady wakes, {start}:" for start in tool.STARTS])
         self.assertEqual(text.count("| 0.1 | +1.2 %, 0.01 | +1.2 %, 0.1 |"), len(tool.STARTS))
@@ -156,19 +157,19 @@ class TablesTest(unittest.TestCase):
     def test_polar_rods_and_those_that_turn_away_have_tables_of_their_own(self):
         polar = [row("abreast", couplings, alpha) for alpha in (0.1, 1) for couplings in tool.POLAR]
         away = [row("crossing, dx = 0", (-100, 0, 0), 10, steady="contact", memory="undecided")]
-        text = "\n".join(tool.map_tables([*away, *polar]))
+        text = "\n".join(tables.map_tables([*away, *polar]))
         self.assertIn("| start | alpha | gamma1 = 10, gamma2 = 10 | gamma1 = 10, gamma2 = -10 |", text)
         self.assertIn("| abreast | 1 | +1.2 %, 0 | +1.2 %, 0 | +1.2 %, 0 | +1.2 %, 0 |", text)
         self.assertIn("| alpha | crossing, dx = 0 |\n|---|---|\n| 10 | **contact, not undecided** |", text)
 
     def test_a_rest_table_has_the_time_that_a_wake_takes(self):
-        lines = tool.rest_tables([row("abreast", alpha=3), row("crossing, dx = 1", alpha=10)])
+        lines = tables.rest_tables([row("abreast", alpha=3), row("crossing, dx = 1", alpha=10)])
         self.assertIn("| 3 | 19 | +1.2 %, 0.01 |", lines)  # 3 5^2/4
         self.assertIn("| 10 | 65 | +1.2 %, 0.01 |", lines)  # 10 (1 + 5^2)/4
 
     def test_the_summary_counts_every_encounter_once(self):
         rows = [row(number=number) for number in (0.0, 0.03, 0.05, 0.2, 0.5, 2.0, 200.0)]
-        counts = [int(line.split("|")[2]) for line in tool.summary(rows)[3:]]
+        counts = [int(line.split("|")[2]) for line in tables.summary(rows)[3:]]
         self.assertEqual(counts, [1, 2, 1, 1, 1, 1])
 
     def test_a_run_that_failed_is_not_near(self):
@@ -177,7 +178,7 @@ class TablesTest(unittest.TestCase):
         self.assertAlmostEqual(tool.heading_difference(steady, memory), 0.2)
         self.assertTrue(math.isnan(tool.heading_difference(failed, memory)))
         rows = [row(), row(first_order="failed", first_order_heading=math.nan), row(first_order_heading=0.005)]
-        cells = [cell.strip() for cell in tool.summary(rows)[3].split("|")]
+        cells = [cell.strip() for cell in tables.summary(rows)[3].split("|")]
         self.assertEqual(cells[2:5], ["3", "3", "2"])
         self.assertEqual(cells[6:9], ["0.01 (0.01)", "0.0075 (0.01)", "1"])
 
