@@ -63,7 +63,8 @@ constexpr ColumnInfo table_columns[] = {
     {"floor_impulse", "N s", "upward momentum from the floor since the start"},
     {"lid_impulse", "N s", "upward momentum from the lid since the start; negative"},
     {"max_overlap", "a", "largest overlap since the start, of the smaller radius"},
-    {"p_xx", "N/m", "pressure along x in the plane, mean since the row before; in the first row the kinetic part"},
+    {"p_xx", "N/m",
+     "pressure along x in the plane, mean since the row before; in the first row the kinetic part"},
     {"p_xy", "N/m", "shear part of the pressure tensor, the same"},
     {"p_yy", "N/m", "pressure along y, the same"}};
 

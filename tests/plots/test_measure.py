@@ -336,14 +336,6 @@ class BadFilesTest(MeasureCase):
             self.ask(figure(kind, **{axis: [1.0, 2.0]}))
             self.assert_fails('figure "fig"', "nothing to draw")
 
-    def test_a_figure_that_cannot_be_drawn_stops_no_other(self):
-        name, heads = self.CSV["bond_order"]
-        self.spoil(name, f"{heads}\n5,-0.1,0.1,3\n")
-        self.ask(figure("bond_order") + figure("msd", "second"))
-        self.assert_fails('figure "fig"', "nothing to draw")
-        self.assertEqual([path.name for path in (self.folder / "figures").iterdir()], ["second.png"])
-        self.assertIn('alt="', (self.folder / "report.html").read_text())
-
     def test_results(self):
         self.ask(figure("bond_order"))
         for text, told in (("{", "JSON"), ("[]", "not a JSON object"), ('{"order": 1}', "order is not a table"),

@@ -57,6 +57,13 @@ class MemoryKernelTest(PlotCase):
         self.spoil([".", "variants/v1"])
         self.assert_fails('figure "fig"', "memory_kernel.csv", "good to 2 % at no s")
 
+    def test_a_figure_that_cannot_be_drawn_stops_no_other(self):
+        self.spoil([".", "variants/v1"])
+        (self.folder / "scene.toml").write_text(SCENE + variants(["v1"]) + FIGURE + FIGURE.replace("fig\"", "second\"").replace("memory_kernel", "msd"))
+        self.assert_fails('figure "fig"', "good to 2 % at no s")
+        self.assertEqual([path.name for path in (self.folder / "figures").iterdir()], ["second.png"])
+        self.assertIn("second", (self.folder / "report.html").read_text())
+
     def test_kernels_below_zero_cannot_be_drawn(self):
         for part in (".", "variants/v1"):
             (self.folder / part / "memory_kernel.csv").write_text("s,total,total_error,bias,with_drag,kernel,kernel_error\n1,1,1,1,-1,-2,1\n")

@@ -12,7 +12,7 @@ import rodwake
 from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "tools"))
-from medium import lab, monopole, moving, pairs, scaling, spread, static, strain  # noqa: E402
+from medium import lab, moments, monopole, moving, pairs, scaling, spread, static, strain  # noqa: E402
 
 TRUE = np.array([4.6e4, 4.2e4, 1.5e4, 1.35e4])  # c11, c22, c12, c66, a^2/s^2
 FORCE = 8000.0                                   # a^3/s^2
@@ -116,6 +116,13 @@ class MovingTest(unittest.TestCase):
         self.assertLess(chi2, 3 * dof)
 
 
+def noisy(U, x, y, sigma, runs):
+    """Maps of runs alike, whose chi2 takes bins for worth less than one value."""
+    random, error = np.random.default_rng(5), np.full(U[0].shape, sigma)
+    found = [U + random.normal(scale=sigma * math.sqrt(spread.INDEPENDENT), size=U.shape) for _ in range(runs)]
+    return [{"x": x, "y": y, "Ux": one[0], "Uy": one[1], "sigma_x": error, "sigma_y": error} for one in found]
+
+
 class SpreadTest(rodwake.ProgramTest):
     X, Y = (np.arange(-n, n, 2.0) + 1.0 for n in (36, 33))
     ZETA, RHO, VISCOSITY, SPEED, F = 14.0, 1.3, 200.0, 10.0, 4e4
@@ -123,15 +130,13 @@ class SpreadTest(rodwake.ProgramTest):
     def medium(self, viscosity=VISCOSITY):
         return spread.Medium(self.X, self.Y, TRUE, self.ZETA, self.RHO, viscosity, self.SPEED)
 
-    def maps(self, medium, share, sigma, runs=4):
+    def maps(self, medium, share, sigma, runs=4, second=(0.0, 0.0)):
         """Rod, dipoles of some 40 a f, a share of the force on 20 a ahead, and noise."""
         half = monopole.ROD_LENGTH / 2
         p_xx, p_yy = medium.dipoles()
-        U = self.F * ((1 - share) * medium.line(-half, half) + share * medium.line(0, 20) + 40 * p_xx + 50 * p_yy)
-        random, error = np.random.default_rng(5), np.full(U[0].shape, sigma)
-        independent = sigma * math.sqrt(spread.INDEPENDENT)  # chi2 takes bins for worth less than one value
-        found = [U + random.normal(scale=independent, size=U.shape) for _ in range(runs)]
-        return [{"x": self.X, "y": self.Y, "Ux": one[0], "Uy": one[1], "sigma_x": error, "sigma_y": error} for one in found]
+        q_xxx, q_xyy = medium.moments(2)
+        U = self.F * ((1 - share) * medium.line(-half, half) + share * medium.line(0, 20) + 40 * p_xx + 50 * p_yy + second[0] * q_xxx + second[1] * q_xyy)
+        return noisy(U, self.X, self.Y, sigma, runs)
 
     def test_share_of_the_force_comes_back_and_chi2_knows_the_viscosity(self):
         for share in (0.0, 0.3):
@@ -145,14 +150,14 @@ class SpreadTest(rodwake.ProgramTest):
             self.assertGreater(without, 1.5 * with_viscosity)
 
     def test_the_medium_is_that_of_the_program(self):
-        one = self.maps(self.medium(), 0.0, 1e-6, runs=1)[0]
+        one = self.maps(self.medium(), 0.0, 1e-6, runs=1, second=(700.0, -400.0))[0]
         rows = [",".join(repr(float(value)) for value in (x, y, one["Ux"][j, i], one["Uy"][j, i], 1e-6, 1e-6))
                 for j, y in enumerate(self.Y) for i, x in enumerate(self.X)]
         self.write("map.csv", "\n".join(["x,y,Ux,Uy,sigma_x,sigma_y", *rows]) + "\n")
         constants = ", ".join(f"{name} = {value}" for name, value in zip(("c11", "c22", "c12", "c66"), TRUE))
         self.write("fit.toml", f"""schema = 1
 [fit]
-parameters = ["amplitude", "p_xx", "p_yy"]
+parameters = ["amplitude", "p_xx", "p_yy", "q_xxx", "q_xyy"]
 fixed = {{ force = {self.F}, {constants}, zeta = {self.ZETA}, rho = {self.RHO}, eta_s = {self.VISCOSITY} }}
 rod_length = {monopole.ROD_LENGTH}
 source_width = 2.0
@@ -166,8 +171,74 @@ radius = 10.0
 """)
         self.expect(0, "fit", "fit.toml", "-o", "out", "--quiet")
         found = json.loads((self.folder / "out/fit.json").read_text())["parameters"]
-        for name, true in (("amplitude", 1.0), ("p_xx", 40 * self.F), ("p_yy", 50 * self.F)):
+        for name, true in (("amplitude", 1.0), ("p_xx", 40 * self.F), ("p_yy", 50 * self.F), ("q_xxx", 700 * self.F), ("q_xyy", -400 * self.F)):
             self.assertAlmostEqual(found[name]["value"] / true, 1.0, delta=1e-4)  # the noise of 1e-6 a, of displacements of 0.1 a
+
+
+class MomentsTest(unittest.TestCase):
+    X, Y = (np.arange(-n, n, 2.0) + 1.0 for n in (72, 66))
+    ZETA, RHO, SPEED, F = 14.0, 1.3, 10.0, 4e4
+    TRUE_MOMENTS = (4.0, 5.0, -6.0, 3.0)  # P_xx and P_yy over 10 a f, Q_xxx and Q_xyy over 100 a^2 f
+
+    def medium(self, drag):
+        return spread.Medium(self.X, self.Y, TRUE, drag, self.RHO, 0.0, self.SPEED)
+
+    def mean(self):
+        fields = moments.sources(self.medium(self.ZETA), self.F, 2)
+        U = sum(strength * field for strength, field in zip((1.0, *self.TRUE_MOMENTS), fields))
+        return moments.Mean(noisy(U, self.X, self.Y, 0.05, runs=6), self.medium, self.ZETA, self.F, spread.INDEPENDENT)
+
+    def test_a_compact_source_is_known_by_amplitude_drag_and_chi2(self):
+        mean = self.mean()
+        value, error = mean.amplitude(2)
+        self.assertLess(abs(value - 1.0), 5 * error)  # by chance beyond it once in 250, with 6 runs
+        self.assertLess(np.ptp(mean.over_masks(2)), 10 * error)
+        best, chi2, dof = mean.fit(2)
+        for found, true in zip(best[1:], self.TRUE_MOMENTS):
+            self.assertAlmostEqual(found, true, delta=0.05)  # some ten errors, and less than what a wrong factor or sign would make
+        self.assertLess(abs(chi2 / spread.INDEPENDENT - dof), 6 * math.sqrt(2 * dof))  # as in SpreadTest
+        drag, error = mean.drag(2)
+        self.assertLess(abs(drag - self.ZETA), 5 * error)
+        self.assertLess(error, 0.2 * self.ZETA)
+        self.assertLess(mean.gain(2), 20.0)  # chi2 of one degree of freedom
+
+    def test_dipoles_alone_do_not_pass_for_it(self):
+        mean = self.mean()
+        _, chi2, dof = mean.fit(1)
+        self.assertGreater(chi2, 1.5 * dof)
+        self.assertGreater(np.ptp(mean.over_masks(1)), 3 * np.ptp(mean.over_masks(2)))
+        drag, error = mean.drag(1)
+        self.assertGreater(abs(drag - self.ZETA), 5 * error)
+
+    def test_second_moments_left_out_turn_the_drag_negative_as_in_the_bed(self):
+        """At 2.8 a/s, with the moments found there; the made-up map of the fit says the same as the data."""
+        self.SPEED, self.TRUE_MOMENTS = 2.8, (3.9, 6.0, -1.8, -2.3)
+        mean = self.mean()
+        drag, error = mean.drag(1)
+        self.assertLess(drag, -5 * error)
+        made_up, _ = mean.made_up().drag(1)
+        self.assertLess(abs(made_up - drag), 5 * error)
+        self.assertLess(abs(mean.made_up().drag(2)[0] - self.ZETA), 0.1 * self.ZETA)  # chi2 is a parabola to some per cent
+        drag, error = mean.drag(2)
+        self.assertLess(abs(drag - self.ZETA), 5 * error)
+
+    def test_scatter_of_the_runs_is_what_no_model_can_fit(self):
+        maps = noisy(np.ones((2, 66, 72)), self.X, self.Y, 0.01, runs=5)
+        for one in maps:
+            one["used"] = np.ones(one["Ux"].shape)
+        maps[0]["used"][:20] = 0.0
+        chi2, dof = moments.scatter(maps, spread.INDEPENDENT)
+        self.assertAlmostEqual(dof, spread.INDEPENDENT * 2 * 46 * 72 * 4)
+        # noise of variance INDEPENDENT sigma^2, so chi2 is INDEPENDENT times that of so many values
+        self.assertLess(abs(chi2 - dof), 4 * math.sqrt(2 * dof * spread.INDEPENDENT))
+
+    def test_moments_are_those_of_a_rod_that_walks_along_x(self):
+        found = {"systematics": {"errors": {name: {"value": -30.0, "jackknife": 3.0} for name in ("p_xx", "q_xxx")}}}
+        for sign in (1.0, -1.0):
+            force = sign * 10.0 * lab.A**3, 0.0
+            for name, expected in (("p_xx", -3.0), ("q_xxx", -3.0 * sign)):
+                for value, wanted in zip(moments.over_force(found, name, force, 1.0), (expected, 0.3)):
+                    self.assertAlmostEqual(value, wanted)
 
 
 class SlipTest(rodwake.ProgramTest):

@@ -60,10 +60,10 @@ def signed(folders_of, speed):
     return (sign * force, error), combined(folders_of, "mechanics", "speed")[0]
 
 
-def fit(lab, name, files_of, speed, constants, inertia, density, width=1.0):
+def fit(lab, name, files_of, speed, constants, inertia, density, width=1.0, parameters=MONOPOLE):
     force, through = signed(files_of, speed)
     keys = held(constants, inertia, force, density)
-    return lab.fit(name, scene([folder / "measure.h5" for folder in files_of], through, keys, MONOPOLE, width=width)), force, through
+    return lab.fit(name, scene([folder / "measure.h5" for folder in files_of], through, keys, parameters, width=width)), force, through
 
 
 def heard(lab, speed):

@@ -45,14 +45,15 @@ def largest_displacement(folder):
     return np.nanmax(np.abs(u[beyond]))
 
 
+def columns(path):
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    values = np.array([[float(v or "nan") for v in line.split(",")] for line in lines[1:]])
+    return {key: values[:, i] for i, key in enumerate(lines[0].split(","))}
+
+
 def maps_mean(lab, name, folders, component):
     """Over the runs: each has its own fit_map file."""
-    found = []
-    for k in range(len(folders)):
-        lines = [line for line in (lab.folder / name / f"fit_map_{k}.csv").read_text().splitlines() if not line.startswith("#")]
-        names = lines[0].split(",")
-        values = np.array([[float(v or "nan") for v in line.split(",")] for line in lines[1:]])
-        found.append({key: values[:, i] for i, key in enumerate(names)})
+    found = [columns(lab.folder / name / f"fit_map_{k}.csv") for k in range(len(folders))]
     inside = (np.abs(found[0]["y"]) >= BESIDE[0]) & (np.abs(found[0]["y"]) <= BESIDE[1])
     x = np.unique(found[0]["x"][inside])
     return x, np.array([[np.nanmean(one[component][inside & (one["x"] == place)]) for place in x] for one in found])
@@ -90,14 +91,14 @@ def slope(x, profiles, low=12.0, high=40.0):
     return of(whole), leave_one_out(of, len(profiles))
 
 
-def fitted_drag(lab, name, folders, through, constants, inertia, force, density, width):
+def fitted_drag(lab, name, folders, through, constants, inertia, force, density, width, parameters=monopole.MONOPOLE):
     """The drag rate at which chi2 is least, which may be below 0: from a parabola through three held values, for each run by itself."""
     found = []
     for k, folder in enumerate(folders):
         chi2, held = [], constants["zeta"][0] * np.array([0.0, 1.0, 2.0])
         for step, zeta in enumerate(held):
             keys = monopole.held(constants | {"zeta": (zeta, 1.0)}, inertia, force, density, ("force",))
-            scene = monopole.scene([folder / "measure.h5"], through, keys, monopole.MONOPOLE, pairs=monopole.MASKS[:1], width=width)
+            scene = monopole.scene([folder / "measure.h5"], through, keys, parameters, pairs=monopole.MASKS[:1], width=width)
             chi2.append(lab.fit(f"{name}_drag_{k}_{step}", scene)["chi2"])
         found.append(vertex(held, chi2))
     return mean(found)

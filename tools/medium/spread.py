@@ -52,6 +52,12 @@ class Medium:
         nothing = 0 * self.X * self.Y
         return [self.field(-1j * self.X + nothing, nothing), self.field(nothing, -1j * self.Y + nothing)]
 
+    def moments(self, order):
+        """Of the two moments of an order from 2 on that show outside the rod: f_x by x^n/n! and by x^(n-2) y^2/(n-2)!/2!, over their signs.
+        The stiffness matrix times any (a_x, a_y) q_x^j q_y^k is a source that shows nowhere, which takes all other moments off."""
+        nothing = 0 * self.X * self.Y
+        return [self.field((-1j) ** order * self.X ** (order - across) * self.Y**across + nothing, nothing) for across in (0, 2)]
+
 
 def maps(folders):
     found = []
@@ -64,14 +70,15 @@ def maps(folders):
 class Data:
     """Means over runs of the bins that the mask leaves."""
 
-    def __init__(self, found):
+    def __init__(self, found, mask=monopole.MASKS[0], independent=INDEPENDENT):
         self.x, self.y = found[0]["x"], found[0]["y"]
         X, Y = np.meshgrid(self.x, self.y)
-        strip, radius = monopole.MASKS[0]
+        strip, radius = mask
+        self.independent = independent
         self.kept = (np.abs(Y) >= strip) & (np.hypot(X, Y) >= radius)
         self.kept &= np.all([np.isfinite(one[name]) for one in found for name in ("Ux", "Uy", "sigma_x", "sigma_y")], axis=0)
         self.values = self.column([np.mean([one[name] for one in found], axis=0) for name in ("Ux", "Uy")])
-        self.sigma = self.column([np.sqrt(np.mean([one[name] ** 2 for one in found], axis=0) / len(found) / INDEPENDENT)
+        self.sigma = self.column([np.sqrt(np.mean([one[name] ** 2 for one in found], axis=0) / len(found) / independent)
                                   for name in ("sigma_x", "sigma_y")])
 
     def column(self, pair):
@@ -83,7 +90,7 @@ class Data:
         matrix = np.stack([self.column(one) for one in (*fields, offset)], axis=1) / self.sigma[:, None]
         found = np.linalg.lstsq(matrix, self.values / self.sigma, rcond=None)[0]
         left = self.values / self.sigma - matrix @ found
-        return found, left @ left, INDEPENDENT * len(left) - len(found)
+        return found, left @ left, self.independent * len(left) - len(found)
 
 
 def with_line(found, medium, force, length):
