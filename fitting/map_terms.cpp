@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ranges>
 
 namespace rodwake::fitting {
 
@@ -72,7 +71,8 @@ void require(const MapTerms& t) {
     const auto has = [&](std::size_t term) { return t.index[term] >= 0; };
     if (!has(c11) || !has(c22) || !has(c12) || !has(c66))
         throw InputError("a map needs c11, c22, c12 and c66, as parameters or with fixed values");
-    if (std::ranges::none_of(std::views::iota(std::size_t{force}, std::size_t{c11}), has))
+    const auto asked = [](auto parameter) { return parameter >= 0; };
+    if (std::none_of(t.index.begin() + force, t.index.begin() + c11, asked)) // the sources
         throw InputError("a map needs force, p_xx, p_yy, q_xxx, q_xyy or q_yxy: without a source there is no "
                          "displacement");
     if (has(amplitude) && !has(force))
