@@ -234,7 +234,8 @@ Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t thr
     return one;
 }
 
-/// Half of an interval is what noise.capture_error asks for.
+/// What the runs say of capture; a warning where noise.most_runs, not a failed run, left the interval too
+/// wide.
 void report_capture(const Session& session, const Work& one, const rods::NoiseSums& sums) {
     const scan::Proportion captures = captured(sums, one.problem.rods.size());
     if (captures.of == 0) // a single rod
@@ -245,7 +246,8 @@ void report_capture(const Session& session, const Work& one, const rods::NoiseSu
         "{:.3g} with 95 % confidence)",
         one.of().suffix(), captures.count, captures.of, captures.value(), low, high);
     const assembly::NoisePlan& plan = *one.plan->noise;
-    if (plan.capture_error && (high - low) / 2.0 > *plan.capture_error)
+    const bool wide = plan.capture_error && (high - low) / 2.0 > *plan.capture_error;
+    if (wide && sums.ends.size() >= plan.most_runs)
         session.log->warn(
             "noise{}: noise.most_runs = {} ended it before noise.capture_error = {:g} was reached",
             one.of().suffix(), plan.most_runs, *plan.capture_error);
