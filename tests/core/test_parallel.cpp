@@ -24,14 +24,14 @@ std::vector<int> calls(std::size_t count, std::size_t threads) {
 
 } // namespace
 
-TEST_CASE("Each index is called once") {
+TEST_CASE("Each index is called once", "[threads]") {
     const auto threads = GENERATE(as<std::size_t>{}, 0, 1, 2, 3, 8, 100);
     const auto count = GENERATE(as<std::size_t>{}, 0, 1, 2, 7, 1000);
     CAPTURE(threads, count);
     CHECK(calls(count, threads) == std::vector<int>(count, 1));
 }
 
-TEST_CASE("Tasks run at the same time") {
+TEST_CASE("Tasks run at the same time", "[threads]") {
     // Each waits until the other has begun: with one thread this would time out.
     std::atomic<int> begun{0};
     std::atomic<bool> met{true};
@@ -46,7 +46,7 @@ TEST_CASE("Tasks run at the same time") {
     CHECK(met);
 }
 
-TEST_CASE("The exception of the lowest index is rethrown after all tasks have ended") {
+TEST_CASE("The exception of the lowest index is rethrown after all tasks have ended", "[threads]") {
     const auto threads = GENERATE(as<std::size_t>{}, 1, 2, 8);
     std::atomic<int> done{0};
     std::string caught;

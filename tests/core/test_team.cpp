@@ -9,7 +9,7 @@
 
 using rodwake::Team;
 
-TEST_CASE("a team does every task of every round once") {
+TEST_CASE("a team does every task of every round once", "[threads]") {
     for (const std::size_t threads : {1u, 2u, 3u, 8u}) {
         Team team(threads);
         for (std::size_t round = 0; round < 3000; ++round) {
@@ -23,7 +23,7 @@ TEST_CASE("a team does every task of every round once") {
     }
 }
 
-TEST_CASE("a team with more threads than tasks, or with none to do, ends") {
+TEST_CASE("a team with more threads than tasks, or with none to do, ends", "[threads]") {
     Team team(6);
     int once = 0;
     team.run(0, [&](std::size_t) { ++once; });
@@ -35,7 +35,7 @@ TEST_CASE("a team with more threads than tasks, or with none to do, ends") {
     CHECK(done == std::vector<int>{1, 2});
 }
 
-TEST_CASE("what one round writes the next one reads, whoever does it") {
+TEST_CASE("what one round writes the next one reads, whoever does it", "[threads]") {
     Team team(3);
     std::vector<long> value(100, 1), next(100, 0);
     for (int round = 0; round < 500; ++round) {
@@ -52,13 +52,13 @@ TEST_CASE("what one round writes the next one reads, whoever does it") {
     CHECK(value == alone);
 }
 
-TEST_CASE("a team that never worked goes away quietly") {
+TEST_CASE("a team that never worked goes away quietly", "[threads]") {
     for (int k = 0; k < 200; ++k)
         Team team(4);
     SUCCEED();
 }
 
-TEST_CASE("the work is shared out among the threads") {
+TEST_CASE("the work is shared out among the threads", "[threads]") {
     Team team(2);
     std::vector<std::thread::id> who(2);
     std::atomic<int> waiting{0};

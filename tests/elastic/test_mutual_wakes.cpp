@@ -117,7 +117,7 @@ TEST_CASE("strains alone are those that come with polar vectors") {
         CHECK(alone.part[k] == both.part[k]);
 }
 
-TEST_CASE("all pairs have the same bits for any number of threads and every instruction set") {
+TEST_CASE("all pairs have the same bits for any number of threads and every instruction set", "[threads]") {
     RandomStream random(73);
     std::vector<Source> rods = random_rods(random, 600, 1500.0);
     rods[300] = {0.0, 0.0, 2.0};

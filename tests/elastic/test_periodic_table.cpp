@@ -166,7 +166,7 @@ TEST_CASE("the table knows what the images do to their own rod") {
     }
 }
 
-TEST_CASE("the table is the same for any number of threads") {
+TEST_CASE("the table is the same for any number of threads", "[threads]") {
     const PeriodicTable one(medium_of(10.0, 1.3), box, 1e-6, 1), two(medium_of(10.0, 1.3), box, 1e-6, 2);
     RandomStream random(124);
     for (int k = 0; k < 50; ++k) {

@@ -89,7 +89,7 @@ TEST_CASE("the core and the far field are exact") {
     CHECK_THROWS_AS(wake->at(1.0, std::numeric_limits<double>::infinity(), {.strain = true}), InputError);
 }
 
-TEST_CASE("a table is the same whatever the threads, and is made for one eta") {
+TEST_CASE("a table is the same whatever the threads, and is made for one eta", "[threads]") {
     CHECK(make_plane_table(0.5, 1e-2, 1) == make_plane_table(0.5, 1e-2, 3));
     CHECK_THROWS_WITH(table_field(table_of(0.5, 1e-2), {.eta = 0.6, .xi = 1.0}), Catch::Contains("eta"));
     CHECK_THROWS_WITH(make_plane_table(1.0, 0.0), Catch::Contains("tolerance"));

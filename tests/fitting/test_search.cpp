@@ -232,7 +232,7 @@ TEST_CASE("starts keep the sign where a bound allows no other") {
     CHECK(below);
 }
 
-TEST_CASE("threads change no bit, the seed does") {
+TEST_CASE("threads change no bit, the seed does", "[threads]") {
     for (const Algorithm algorithm : {Algorithm::slsqp, Algorithm::nelder_mead, Algorithm::mlsl,
                                       Algorithm::crs, Algorithm::isres, Algorithm::direct_l}) {
         CAPTURE(to_string(algorithm));

@@ -121,7 +121,8 @@ TEST_CASE("beds start without overlap in rectangles, rods across both edges") {
         }
 }
 
-TEST_CASE("a run in a rectangle has the same bits for any number of threads, and misses no overlap") {
+TEST_CASE("a run in a rectangle has the same bits for any number of threads, and misses no overlap",
+          "[threads]") {
     GranularProblem problem = dense_bed({130 * a, 95 * a}, 0.78, Start::lattice); // 3066 beads: two blocks
     problem.rods.push_back(beds::long_rod(0.5 * a, 0.5 * a, 0.7));
     const State start = make_start(problem, 0);

@@ -105,7 +105,7 @@ TEST_CASE("threads do not change a bit") {
     CHECK(hash_with(problem, start, 1, 1999) != one);
 }
 
-TEST_CASE("threads do not change a bit of a short run") { // small enough for ThreadSanitizer
+TEST_CASE("threads do not change a bit of a short run", "[threads]") { // small enough for ThreadSanitizer
     GranularProblem problem = shaken(220, 10000);
     const State start = make_start(problem, 0);
     const std::uint64_t one = hash_with(problem, start, 1, 60);

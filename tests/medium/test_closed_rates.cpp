@@ -64,7 +64,7 @@ TEST_CASE("steady closure: rates are those of point forces but for w^2") {
     CHECK(narrow < 0.02 * std::abs(exact[2]));
 }
 
-TEST_CASE("threads change no bit of a closure's rates") {
+TEST_CASE("threads change no bit of a closure's rates", "[threads]") {
     for (const bool self_field : {false, true}) {
         DynamicMedium medium = closed(0.5, Closure::first_order);
         medium.self_field = self_field;

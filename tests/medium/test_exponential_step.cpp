@@ -102,7 +102,7 @@ TEST_CASE("the method is of order 4") {
     }
 }
 
-TEST_CASE("threads change no bit of a step") {
+TEST_CASE("threads change no bit of a step", "[threads]") {
     for (const bool self_field : {false, true}) {
         const DynamicMedium medium{.box = 12.0, .force_width = 0.5, .modes = 48, .self_field = self_field};
         std::vector<Coupled> ends;

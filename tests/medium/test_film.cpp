@@ -147,7 +147,7 @@ TEST_CASE("a film changes no bit of its run, and has the poses of the outputs") 
     }
 }
 
-TEST_CASE("the film of a resumed run, and of one on two threads, is the same to the bit") {
+TEST_CASE("the film of a resumed run, and of one on two threads, is the same to the bit", "[threads]") {
     MediumProblem problem = pair();
     const Film whole = film_of(problem, 1e-8);
     problem.rods.sums.threads = 2;

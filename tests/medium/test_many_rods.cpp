@@ -68,7 +68,7 @@ TEST_CASE("without a rod's own field the mesh is nearer to separate fields than 
     CHECK(off < 0.1 * with_own);
 }
 
-TEST_CASE("a run on the mesh is taken up again to the bit, on any number of threads") {
+TEST_CASE("a run on the mesh is taken up again to the bit, on any number of threads", "[threads]") {
     MediumProblem problem = crowd(false, Evaluation::mesh, 3.0);
     const rods::RodResult whole = run(problem, 1e-6);
     rods::RodOptions options;

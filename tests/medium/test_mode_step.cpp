@@ -154,7 +154,7 @@ TEST_CASE("free modes with inertia go on as damped waves, and lose energy") {
     CHECK(after > 0.0);
 }
 
-TEST_CASE("threads change no bit of such a step") {
+TEST_CASE("threads change no bit of such a step", "[threads]") {
     for (const Evaluation way : {Evaluation::sums, Evaluation::mesh})
         for (const double inertia : {0.0, 0.2}) {
             const DynamicMedium medium{.box = 12.0,

@@ -122,7 +122,7 @@ TEST_CASE("sums over points and over modes are exact to 1e-12") {
     }
 }
 
-TEST_CASE("threads change no bit of a transform") {
+TEST_CASE("threads change no bit of a transform", "[threads]") {
     std::vector<std::vector<double>> ends;
     for (const std::size_t threads : {1, 2, 3}) {
         Team team(threads);

@@ -80,7 +80,7 @@ TEST_CASE("a run stops at contact, at the contact distance") {
     CHECK(y[1] == Approx(-y[4]).epsilon(1e-10));
 }
 
-TEST_CASE("a run that is taken up again goes on to the bit, on any number of threads") {
+TEST_CASE("a run that is taken up again goes on to the bit, on any number of threads", "[threads]") {
     MediumProblem problem = meeting();
     rods::RodOptions options = tolerance(1e-8);
     options.ode.segment_steps = 10;

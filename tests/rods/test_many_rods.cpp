@@ -174,7 +174,7 @@ TEST_CASE("a place that is not finite hides no pair") {
     CHECK(std::isfinite(encounter_step(y)));
 }
 
-TEST_CASE("threads change no bit of a run of many rods") {
+TEST_CASE("threads change no bit of a run of many rods", "[threads]") {
     const Couplings couplings{.kappa = 3.0, .gamma1 = 0.01};
     for (const double tolerance : {0.0, 1e-3}) {
         RodProblem problem = crowd(200, 60.0, couplings, {.turning_tolerance = tolerance});

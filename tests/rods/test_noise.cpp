@@ -171,7 +171,7 @@ TEST_CASE("a run depends on seed and number alone, and rods are independent") {
     CHECK(std::abs(product.value()) < 3.0 * product.error());
 }
 
-TEST_CASE("an ensemble is the same on any number of threads, and in parts") {
+TEST_CASE("an ensemble is the same on any number of threads, and in parts", "[threads]") {
     RodProblem problem = wakes(2.5, 10.0);
     problem.contact_distance = 0.5;
     problem.output_times = {0.0, 2.0};

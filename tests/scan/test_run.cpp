@@ -106,7 +106,7 @@ TEST_CASE("Stopped scans tell what is left, and progress does not go back") {
     CHECK(forward);
 }
 
-TEST_CASE("Four threads make the ledger of one") {
+TEST_CASE("Four threads make the ledger of one", "[threads]") {
     const Scratch scratch;
     for (const Design& design : {busy(), grid(40, 40)}) {
         const std::string name = to_string(design.kind);

@@ -105,7 +105,7 @@ TEST_CASE("Runs that cannot be counted are refused") {
     CHECK_THROWS_AS(size(design), rodwake::InputError);
 }
 
-TEST_CASE("More runs go on with those that are known, on any number of threads") {
+TEST_CASE("More runs go on with those that are known, on any number of threads", "[threads]") {
     const Scratch scratch;
     Tally tally;
     CHECK(run_runs(repeated(2), scratch / "l", by_run(&tally)).complete);

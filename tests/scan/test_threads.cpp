@@ -40,7 +40,7 @@ Taken taken(const Execute& execute, const std::vector<Point>& points) {
 
 } // namespace
 
-TEST_CASE("All points are evaluated once, to the same results, by any number of threads") {
+TEST_CASE("All points are evaluated once, to the same results, by any number of threads", "[threads]") {
     const auto points = points_of(grid(37, 29));
     Tally one;
     const Taken alone = taken(on_threads(evaluate(circle(0.5), &one), 1, nullptr), points);
@@ -57,14 +57,14 @@ TEST_CASE("All points are evaluated once, to the same results, by any number of 
     }
 }
 
-TEST_CASE("More threads than points, and no points") {
+TEST_CASE("More threads than points, and no points", "[threads]") {
     const auto points = points_of(grid(2, 1));
     CHECK(taken(on_threads(evaluate(circle(0.5)), 8, nullptr), points).rows.size() == 2);
     CHECK(taken(on_threads(evaluate(circle(0.5)), 8, nullptr), {}).complete);
     CHECK(taken(on_threads(evaluate(circle(0.5)), 2, [] { return true; }), {}).complete);
 }
 
-TEST_CASE("A stop is heard between chunks; what was evaluated until then is kept") {
+TEST_CASE("A stop is heard between chunks; what was evaluated until then is kept", "[threads]") {
     const auto points = points_of(grid(40, 40));
     for (const std::size_t threads : {1, 4}) {
         Tally tally;
@@ -79,7 +79,7 @@ TEST_CASE("A stop is heard between chunks; what was evaluated until then is kept
     CHECK(taken(on_threads(evaluate(circle(0.5)), 2, [] { return true; }), points).rows.empty());
 }
 
-TEST_CASE("A stop after the last point changes nothing") {
+TEST_CASE("A stop after the last point changes nothing", "[threads]") {
     const auto points = points_of(grid(3, 3));
     std::atomic<std::size_t> evaluated = 0;
     const Evaluate one = [&](std::span<const Point> some, std::span<Result> results) {
@@ -91,7 +91,7 @@ TEST_CASE("A stop after the last point changes nothing") {
     CHECK(all.rows.size() == points.size());
 }
 
-TEST_CASE("Points that were stopped in the middle are as if they had not been begun") {
+TEST_CASE("Points that were stopped in the middle are as if they had not been begun", "[threads]") {
     const auto points = points_of(grid(20, 20));
     std::atomic<bool> stopping = false;
     const Evaluate one = [&](std::span<const Point> some, std::span<Result> results) {
@@ -113,7 +113,7 @@ TEST_CASE("Points that were stopped in the middle are as if they had not been be
     }
 }
 
-TEST_CASE("Results are taken by one thread at a time") {
+TEST_CASE("Results are taken by one thread at a time", "[threads]") {
     const auto points = points_of(grid(50, 50));
     std::atomic<int> inside = 0, most = 0;
     on_threads(evaluate(circle(0.5)), 4, nullptr)(points, [&](std::span<const Result>) {
@@ -124,7 +124,7 @@ TEST_CASE("Results are taken by one thread at a time") {
     CHECK(most == 1);
 }
 
-TEST_CASE("If results cannot be taken, the error comes out and nobody goes on") {
+TEST_CASE("If results cannot be taken, the error comes out and nobody goes on", "[threads]") {
     const auto points = points_of(grid(100, 100));
     for (const std::size_t threads : {1, 4}) {
         Tally tally;
@@ -140,7 +140,7 @@ TEST_CASE("If results cannot be taken, the error comes out and nobody goes on") 
     }
 }
 
-TEST_CASE("Chunks follow the cost of points, and leave work for all at the end") {
+TEST_CASE("Chunks follow the cost of points, and leave work for all at the end", "[threads]") {
     ChunkSize size(4);
     CHECK(size.next(1000) == 1); // nothing is known
     size.learn(1, 1e-3);

@@ -106,7 +106,7 @@ TEST_CASE("A run of a point is that of the ensemble of its scene") {
           Approx(std::abs(separation[0] - separation[1]) / 2.0).epsilon(1e-12));
 }
 
-TEST_CASE("Threads do not change a byte of a scan of beds") {
+TEST_CASE("Threads do not change a byte of a scan of beds", "[threads]") {
     const Scratch scratch;
     run(pairs(), scratch / "one", on(1));
     run(pairs(), scratch / "two", on(2));
@@ -115,7 +115,7 @@ TEST_CASE("Threads do not change a byte of a scan of beds") {
     CHECK(tables(scratch / "one") != tables(scratch / "three")); // the comparison can fail
 }
 
-TEST_CASE("A scan of beds that is stopped inside its runs goes on to the same bytes") {
+TEST_CASE("A scan of beds that is stopped inside its runs goes on to the same bytes", "[threads]") {
     const Scratch scratch;
     run(pairs(), scratch / "whole", on(1));
     int stops = 0;

@@ -96,7 +96,8 @@ stages::CaseResults case_of(const std::string& name) {
 
 } // namespace
 
-TEST_CASE("The kinds of measures tell of every file, column and value of a measured run", "[measured]") {
+TEST_CASE("The kinds of measures tell of every file, column and value of a measured run",
+          "[measured][threads]") {
     const Scratch scratch;
     const std::vector<Stage> both = {Stage::granular, Stage::measure};
     const auto plan = stages::plan_run(measured_bed(), both, scratch / "run", {});

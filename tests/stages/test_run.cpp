@@ -45,7 +45,7 @@ TEST_CASE("The search for files and columns that the manifest does not tell of c
     CHECK(untold(scratch / "run") == std::set<std::string>{"rods.csv:t", "stray.csv"});
 }
 
-TEST_CASE("Stages add up in one folder to what one run makes") {
+TEST_CASE("Stages add up in one folder to what one run makes", "[threads]") {
     const Scratch scratch;
     run(stages_test::pair(), {Stage::field, Stage::rods}, scratch / "whole");
     run(stages_test::pair(), {Stage::rods}, scratch / "parts");

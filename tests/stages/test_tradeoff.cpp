@@ -183,7 +183,8 @@ TEST_CASE("tradeoff.json is read as it was written") {
     CHECK_THROWS_AS(read_tradeoff(folder.path()), InputError);
 }
 
-TEST_CASE("a scan's settings are measured against a reference, and taken up where they were left") {
+TEST_CASE("a scan's settings are measured against a reference, and taken up where they were left",
+          "[threads]") {
     const store_test::Scratch folder;
     const scene::Scene scene = small_scan(folder.path());
     const auto out = folder.path() / "out";

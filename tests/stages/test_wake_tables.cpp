@@ -49,7 +49,7 @@ void damage(const std::filesystem::path& name) {
 
 } // namespace
 
-TEST_CASE("a table is made once and read afterwards") {
+TEST_CASE("a table is made once and read afterwards", "[threads]") {
     const Folder folder;
     Listener first, second;
     WakeTables making(first.context, folder.path);
