@@ -7,7 +7,7 @@ import os
 import sys
 import warnings
 
-from rodwake_plots.errors import PlotError
+from rodwake_plots.errors import PlotError, UsageError
 
 
 def arguments(argv):
@@ -70,9 +70,12 @@ def plot(options):
 
 def main(argv=None):
     options = arguments(argv)
+    code = 1
     try:
         with contextlib.redirect_stdout(None if options.quiet else Listing(sys.stdout)):
             plot(options)
+    except UsageError as error:
+        code, message = 2, str(error)
     except PlotError as error:
         message = str(error)
     except ImportError as error:
@@ -86,7 +89,7 @@ def main(argv=None):
     else:
         return 0
     print("rodwake plot: " + " ".join(message.split()), file=sys.stderr)
-    return 1
+    return code
 
 
 if __name__ == "__main__":

@@ -1,5 +1,9 @@
-"""The one exception that means: tell the user in a line and stop."""
+"""The exceptions that mean: tell the user in a line and stop."""
 
 
 class PlotError(Exception):
     pass
+
+
+class UsageError(PlotError):
+    """An option that cannot be."""

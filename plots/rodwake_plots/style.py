@@ -8,7 +8,7 @@ import matplotlib
 from matplotlib.colors import ListedColormap
 from matplotlib.mathtext import MathTextParser
 
-from .errors import PlotError
+from .errors import UsageError
 
 SINGLE, WIDE = 4.2, 7.0  # inches: one and a half columns, two columns
 
@@ -49,9 +49,9 @@ def width_of(text):
     try:
         inches = WIDTHS[text] if text in WIDTHS else float(found[1]) / {"mm": 25.4, "cm": 2.54, "in": 1.0}[found[2]]
     except (TypeError, ValueError):
-        raise PlotError(f'--width {text}: neither column, page nor a length such as 86mm, 8.6cm or 3.4in') from None
+        raise UsageError(f'--width {text}: neither column, page nor a length such as 86mm, 8.6cm or 3.4in') from None
     if not 1.0 <= inches <= 40.0:
-        raise PlotError(f"--width {text}: figures are 1 in (25.4 mm) to 40 in wide")
+        raise UsageError(f"--width {text}: figures are 1 in (25.4 mm) to 40 in wide")
     return inches
 
 
@@ -60,12 +60,12 @@ def settings_of(style):
     if style in STYLES:
         return STYLES[style]
     if not Path(style).is_file():
-        raise PlotError(f"--style {style}: neither paper, slides nor a file")
+        raise UsageError(f"--style {style}: neither paper, slides nor a file")
     text = Path(style).read_text(encoding="utf-8", errors="replace")
     for number, line in enumerate(text.splitlines(), 1):
         key = line.partition("#")[0].partition(":")[0].strip()
         if key and key not in matplotlib.rcParams:
-            raise PlotError(f"{style}:{number}: matplotlib has no setting {key}")
+            raise UsageError(f"{style}:{number}: matplotlib has no setting {key}")
     return dict(matplotlib.rc_params_from_file(style, use_default_template=False))
 
 

@@ -46,7 +46,7 @@ int describe_run(const fs::path& folder) {
         fmt::print("  {:<40} {}\n", file.name, file.what);
     for (const stages::FileEntry& file : files)
         if (file.name.ends_with(".json") && file.name.find('/') == std::string::npos &&
-            file.name != "manifest.json") {
+            file.name != "manifest.json" && !file.progress) {
             fmt::print("\n{}\n", file.name);
             print_file(folder / file.name);
         }

@@ -26,6 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int usage_error = 2; ///< of the plotting program
+
 /// Passes a signal that asks us to stop on to the child; Ctrl-C reaches it anyway, SIGTERM does not.
 int wait_for(pid_t child) {
     int status = 0;
@@ -75,7 +77,10 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
     if (quiet)
         command.emplace_back("--quiet");
     command.insert(command.end(), looks.begin(), looks.end());
-    if (run(command) != 0 && !stop_signal())
+    const int code = run(command);
+    if (code == usage_error)
+        throw InputError("nothing was drawn (see above)");
+    if (code != 0 && !stop_signal())
         throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "
                                    "{0}, and rodwake plot {0} tries again",
                                    run_directory.string()));

@@ -208,10 +208,8 @@ constexpr FileKind plain_kinds[] = {
      ensemble_columns},
     {"noise.json", Stage::rods, result,
      "ensemble of runs with noise: probability of capture (contact or pursuit) with the ends of its interval "
-     "of "
-     "95 %, endings, first contact; by time, of each rod: mean-square displacement and heading correlation "
-     "with "
-     "standard errors"},
+     "of 95 %, endings, first contact; by time, of each rod: mean-square displacement and heading "
+     "correlation with standard errors"},
     {"medium_film.h5", Stage::rods, result,
      "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
      "also where each rod feels those of the others alone; with the rods' places and headings"},

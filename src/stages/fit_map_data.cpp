@@ -65,6 +65,11 @@ fitting::Map of_measure(const fs::path& file) {
     return map;
 }
 
+/// The sides to the digits that a person writes.
+bool is_of_box(const fitting::Map& map, std::span<const double> box) {
+    return std::abs(box[0] / map.lx - 1.0) < 1e-2 && std::abs(box[1] / map.ly - 1.0) < 1e-2;
+}
+
 /// The different values, increasing.
 Column places_of(Column values) {
     std::ranges::sort(values);
@@ -125,6 +130,10 @@ FitMapData read_fit_map(const scene::FitMap& keys, const fs::path& file,
         refuse(file, "zeta, rho and eta_s go with the rod's speed, which a table does not say: give "
                      "fit.maps.speed");
     map.speed = keys.speed.value_or(map.speed);
+    if (!table && !keys.box.empty() && !is_of_box(map, keys.box))
+        refuse(file,
+               fmt::format("it was measured in a box of {:g} x {:g}, not {:g} x {:g}: leave fit.maps.box out",
+                           map.lx, map.ly, keys.box[0], keys.box[1]));
     if (!keys.box.empty()) {
         map.lx = keys.box[0];
         map.ly = keys.box[1];

@@ -109,7 +109,7 @@ std::vector<FileEntry> files_of_run(const fs::path& folder) {
         if (entry.is_regular_file() && name.starts_with("figures/"))
             files.push_back({name, "figure"});
         else if (entry.is_regular_file() && kind && name != "rodwake.lock") // gone when the run ends
-            files.push_back({name, std::string(kind->what)});
+            files.push_back({name, std::string(kind->what), kind->lifetime == Lifetime::progress});
     }
     std::ranges::sort(files, {}, &FileEntry::name);
     return files;

@@ -151,6 +151,11 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
                    });
     if (stopped)
         return std::nullopt;
+    if (measures.frames() == 0 && measures.from_travel() > 0.0)
+        throw InputError(fmt::format(
+            "{}: the rod does not come measure.from = {:g} a in its {:g} s; run longer "
+            "(granular.duration), or let measure.from be shorter",
+            file.string(), measures.from_travel() / measures.layout().bead_radius, info.time.back()));
     if (measures.frames() == 0)
         throw InputError(fmt::format("{}: no frame from measure.from = {:g} s on; the last one is at {:g} s",
                                      file.string(), plan.sums.from(), info.time.back()));

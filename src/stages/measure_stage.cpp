@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rodwake::stages {
@@ -21,6 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+[[noreturn]] void refuse_unrecorded(const fs::path& run) {
+    throw InputError(run.string() + ": this run recorded nothing for these [measure] keys, and it stored no "
+                                    "trajectory (granular.output.formats without \"h5md\"); run it again");
+}
+
 /// What the run recorded on its way if it is of these keys, else its trajectory measured now.
 std::optional<measure::Measures> measures_of(const RunFiles& run, const assembly::MeasurePlan& plan,
                                              const std::function<bool(double)>& on_progress) {
@@ -28,10 +34,23 @@ std::optional<measure::Measures> measures_of(const RunFiles& run, const assembly
         if (auto recorded = read_records(run.folder / "measure.rwc", plan))
             return recorded;
     if (run.own && !fs::exists(run.trajectory))
-        throw InputError(run.folder.string() +
-                         ": this run recorded nothing for these [measure] keys, and it stored no "
-                         "trajectory (granular.output.formats without \"h5md\"); run it again");
+        refuse_unrecorded(run.folder);
     return measure_trajectory(run.trajectory, plan, on_progress);
+}
+
+/// Runs that recorded on their way nothing from where the measures begin.
+void require_frames(std::span<const measure::Measures> runs) {
+    if (std::ranges::any_of(runs, [](const measure::Measures& run) { return run.frames() > 0; }))
+        return;
+    const measure::Measures& first = runs.front();
+    if (first.from_travel() > 0.0)
+        throw InputError(fmt::format("measure: no run has a frame to measure: the rod did not come "
+                                     "measure.from = {:g} a in any; run longer (granular.duration), or let "
+                                     "measure.from be shorter",
+                                     first.from_travel() / first.layout().bead_radius));
+    throw InputError(fmt::format("measure: no run has a frame from measure.from = {:g} s on; run longer "
+                                 "(granular.duration), or measure from an earlier time",
+                                 first.from()));
 }
 
 /// Of all runs; nothing if a signal stopped it.
@@ -49,7 +68,10 @@ sums_of(const std::vector<RunFiles>& runs, const assembly::MeasurePlan& plan, co
     for (auto& one : found)
         if (one)
             all.push_back(std::move(*one));
-    return all.size() == found.size() ? std::optional(std::move(all)) : std::nullopt;
+    if (all.size() != found.size())
+        return std::nullopt;
+    require_frames(all);
+    return all;
 }
 
 /// One measure that cannot be had does not take the others with it: its reason is kept.
@@ -158,6 +180,19 @@ void require_trajectory(const assembly::Plan& plan) {
                          ": measure.trajectory is given, but nothing that is measured in frames: " +
                          names_where([](const assembly::MeasureKind& kind) { return kind.include; }));
     check_trajectory(plan.scene.measure->trajectory, *frames);
+}
+
+void require_recorded(const assembly::Plan& plan, const fs::path& folder) {
+    for (const assembly::BedPlan& bed : plan.beds)
+        for (const GranularTask& task : granular_tasks(bed.of, folder)) {
+            const fs::path trajectory = task.folder / "trajectory.h5md";
+            if (!bed.measures || !fs::exists(task.folder / "summary.json") ||
+                read_records(task.folder / "measure.rwc", *bed.measures))
+                continue;
+            if (!fs::exists(trajectory))
+                refuse_unrecorded(task.folder);
+            check_trajectory(trajectory, *bed.measures);
+        }
 }
 
 StageEnd measure_folder(const assembly::Plan& plan, const RunContext& context, const fs::path& folder,

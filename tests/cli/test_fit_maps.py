@@ -2,6 +2,7 @@
 
 import json
 
+import h5py
 import numpy as np
 import rodwake
 from fits import FitTest, columns
@@ -147,6 +148,19 @@ class RefusalTest(MapTest):
         self.assert_refused(KEYS + MAPS.replace("box = [72.0, 66.0]\n", ""), "fit.maps.box")
         self.assert_refused(KEYS + MAPS.replace("speed = 1.7\n", ""), "fit.maps.speed")
         self.assert_refused(KEYS + MAPS.replace("72.0", "40.0"), "larger than the box")
+
+    def test_a_measured_map_knows_its_own_box(self):
+        x, y = places(30, BOX[0]), places(28, BOX[1])
+        U = field(x, y, **TRUE)
+        with h5py.File(self.folder / "measure.h5", "w") as file:
+            layers = {"Ux": U[0], "Uy": U[1], "sigma_x": U[0] * 0 + SIGMA, "sigma_y": U[0] * 0 + SIGMA, "count": U[0] * 0 + 5, "x": x, "y": y}
+            for name, values in layers.items():
+                file["displacement/" + name] = values
+                file["displacement/" + name].attrs["unit"] = "a"
+            file["displacement"].attrs["mean_speed_a_per_s"] = SPEED
+        of = '[[fit.maps]]\nfiles = ["measure.h5"]\n'
+        self.assertEqual(self.fit(KEYS + of + "box = [72.0, 66.0]\n" + MASKS)[0]["maps"][0]["box"], list(BOX))
+        self.assert_refused(KEYS + of + "box = [78.0, 66.0]\n", "measured in a box of 72 x 66, not 78 x 66: leave fit.maps.box out")
 
     def test_tables_that_are_no_map_are_refused(self):
         one = MAPS.replace(', "run1.csv", "run2.csv"', "")

@@ -305,6 +305,23 @@ class RefusalTest(MeasureTest):
                            "measure.order_cutoff=2.5 a")
         self.assertRegex(done.stderr, "stored no trajectory")
 
+    def test_force_keeps_what_is_there_until_the_new_keys_can_be_measured(self):
+        run = self.made("run", "-s", "granular.output.formats=[]")
+        self.measured("run", "-s", "granular.output.formats=[]")
+        done = self.expect(2, "measure", "bed.toml", "-o", "run", "--force", "-s", "granular.output.formats=[]", "-s",
+                           "measure.order_cutoff=2.5 a")
+        self.assertRegex(done.stderr, "stored no trajectory")
+        self.assertTrue((run / "measure.json").exists())
+        self.measured("run", "--force", "-s", "granular.output.formats=[]")
+
+    def test_a_distance_that_the_rod_does_not_come(self):
+        far = ("-s", "measure.from=1000 a")
+        self.made("stored")
+        self.made("recorded", *far)
+        for run, told in (("stored", "trajectory.h5md: the rod does not come measure.from = 1000 a in its"),
+                          ("recorded", "the rod did not come measure.from = 1000 a in any; run longer")):
+            self.assertIn(told, self.expect(2, "measure", "bed.toml", "-o", run, "--quiet", *far).stderr)
+
     def test_truncated(self):
         run = self.made()
         (run / "measure.rwc").unlink()

@@ -48,7 +48,7 @@ class CommandTest(PlotCase):
         file.write_text("# own\nlines.width: 4\n")
         for wrong, told in ((str(file), "own.mplstyle:2: matplotlib has no setting lines.width"), ("fancy", "neither paper, slides nor a file")):
             done = self.plot("--style", wrong)
-            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.returncode, 2)
             self.assertIn(told, done.stderr)
 
     def test_a_film_on_request_stays_in_the_report(self):

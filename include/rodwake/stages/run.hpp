@@ -54,6 +54,7 @@ void serve(const assembly::Plan& plan, const std::filesystem::path& folder, cons
 /// A file of a run folder, with its folder, and what it is.
 struct FileEntry {
     std::string name, what;
+    bool progress = false; ///< to go on from; gone when its stage has ended
 };
 /// The files in a run folder that rodwake made, in the order of their names.
 std::vector<FileEntry> files_of_run(const std::filesystem::path& folder);
