@@ -164,7 +164,7 @@ class PlotTest(ProgramTest):
     def test_figures_of_a_run(self):
         self.expect(0, "rods", "pair.toml", "-o", "out")
         self.expect(0, "plot", "out/result.h5", "--pdf", "--width", "column", "--style", "slides")
-        self.refuse(1, "neither column, page nor a length", "plot", "out", "--width", "broad")
+        self.refuse(2, "neither column, page nor a length", "plot", "out", "--width", "broad")
         figures = sorted(path.suffix for path in (self.folder / "out/figures").iterdir())
         self.assertEqual(figures, [".pdf", ".png"])
         self.assertTrue((self.folder / "out/report.html").is_file())
