@@ -135,7 +135,7 @@ int serve(const Options& options, const scene::Scene& scene, std::span<const Sta
         stages::serve(plan, output_folder(options), context, job);
     } catch (const std::exception& error) {
         job.fail(describe(error));
-        return 1;
+        return 0; // rank 0 ends the job: at an error here mpiexec might kill it before it has told why
     }
     return stop_signal() ? signal_exit_code(stop_signal()) : 0;
 }
