@@ -78,7 +78,7 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
         command.emplace_back("--quiet");
     command.insert(command.end(), looks.begin(), looks.end());
     const int code = run(command);
-    if (code == usage_error)
+    if (code == usage_error && !looks.empty()) // Python itself ends with that code, too
         throw InputError("nothing was drawn (see above)");
     if (code != 0 && !stop_signal())
         throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "

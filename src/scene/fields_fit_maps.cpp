@@ -28,7 +28,8 @@ void fields(Visitor& v, FitMap& map) {
           .unit(length)
           .items(2, 2)
           .absent("that of measure.h5; needed with CSV")
-          .doc("sides of the periodic box along and across the heading")
+          .doc("sides of the periodic box along and across the heading; a measure.h5 knows its own, "
+               "from which these may differ by 1 % and no more")
           .example("[\"78 a\", \"78 a\"]"),
       map.box);
     v(key("name").absent("from the files").doc("name in reports").example("\"free rod\""), map.name);

@@ -65,7 +65,7 @@ fitting::Map of_measure(const fs::path& file) {
     return map;
 }
 
-/// The sides to the digits that a person writes.
+/// A person may give the box that a scene asked for, from which that of box = "fit" differs by up to 1 %.
 bool is_of_box(const fitting::Map& map, std::span<const double> box) {
     return std::abs(box[0] / map.lx - 1.0) < 1e-2 && std::abs(box[1] / map.ly - 1.0) < 1e-2;
 }
@@ -134,7 +134,7 @@ FitMapData read_fit_map(const scene::FitMap& keys, const fs::path& file,
         refuse(file,
                fmt::format("it was measured in a box of {:g} x {:g}, not {:g} x {:g}: leave fit.maps.box out",
                            map.lx, map.ly, keys.box[0], keys.box[1]));
-    if (!keys.box.empty()) {
+    if (table) {
         map.lx = keys.box[0];
         map.ly = keys.box[1];
     }

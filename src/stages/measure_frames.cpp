@@ -135,6 +135,17 @@ void check_trajectory(const std::filesystem::path& file, const assembly::Measure
     stride_of(file, reader.info(), plan);
 }
 
+std::string why_no_frames(const measure::Measures& measures) {
+    if (measures.from_travel() > 0.0)
+        return fmt::format("no frame to measure: the rod travels less than measure.from = {:g} a; run longer "
+                           "(granular.duration), or make measure.from shorter",
+                           measures.from_travel() / measures.layout().bead_radius);
+    return fmt::format(
+        "no frame to measure from measure.from = {:g} s on; run longer (granular.duration), or make "
+        "measure.from shorter",
+        measures.from());
+}
+
 std::optional<measure::Measures> measure_trajectory(const std::filesystem::path& file,
                                                     const assembly::MeasurePlan& plan,
                                                     const std::function<bool(double)>& on_progress) {
@@ -151,14 +162,9 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
                    });
     if (stopped)
         return std::nullopt;
-    if (measures.frames() == 0 && measures.from_travel() > 0.0)
-        throw InputError(fmt::format(
-            "{}: the rod does not come measure.from = {:g} a in its {:g} s; run longer "
-            "(granular.duration), or let measure.from be shorter",
-            file.string(), measures.from_travel() / measures.layout().bead_radius, info.time.back()));
     if (measures.frames() == 0)
-        throw InputError(fmt::format("{}: no frame from measure.from = {:g} s on; the last one is at {:g} s",
-                                     file.string(), plan.sums.from(), info.time.back()));
+        throw InputError(fmt::format("{}: {}; the last frame is at {:g} s", file.string(),
+                                     why_no_frames(measures), info.time.back()));
     return measures;
 }
 

@@ -7,6 +7,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 namespace rodwake::stages {
 
@@ -21,6 +23,9 @@ void for_each_frame(const std::filesystem::path& file, const measure::Layout& la
 
 /// Throws InputError if the file cannot be read, is of another bed, or its frames do not fit the interval.
 void check_trajectory(const std::filesystem::path& file, const assembly::MeasurePlan& plan);
+
+/// What a user is told of a run, recorded or stored, that has no frame to measure.
+std::string why_no_frames(const measure::Measures& measures);
 
 /// Measures of a stored trajectory at the plan's interval. `on_progress` hears the fraction done and may
 /// return false to stop; then nothing is returned. Throws InputError if the file is of another bed, has no

@@ -38,21 +38,6 @@ std::optional<measure::Measures> measures_of(const RunFiles& run, const assembly
     return measure_trajectory(run.trajectory, plan, on_progress);
 }
 
-/// Runs that recorded on their way nothing from where the measures begin.
-void require_frames(std::span<const measure::Measures> runs) {
-    if (std::ranges::any_of(runs, [](const measure::Measures& run) { return run.frames() > 0; }))
-        return;
-    const measure::Measures& first = runs.front();
-    if (first.from_travel() > 0.0)
-        throw InputError(fmt::format("measure: no run has a frame to measure: the rod did not come "
-                                     "measure.from = {:g} a in any; run longer (granular.duration), or let "
-                                     "measure.from be shorter",
-                                     first.from_travel() / first.layout().bead_radius));
-    throw InputError(fmt::format("measure: no run has a frame from measure.from = {:g} s on; run longer "
-                                 "(granular.duration), or measure from an earlier time",
-                                 first.from()));
-}
-
 /// Of all runs; nothing if a signal stopped it.
 std::optional<std::vector<measure::Measures>>
 sums_of(const std::vector<RunFiles>& runs, const assembly::MeasurePlan& plan, const RunContext& context) {
@@ -68,15 +53,20 @@ sums_of(const std::vector<RunFiles>& runs, const assembly::MeasurePlan& plan, co
     for (auto& one : found)
         if (one)
             all.push_back(std::move(*one));
-    if (all.size() != found.size())
-        return std::nullopt;
-    require_frames(all);
-    return all;
+    return all.size() == found.size() ? std::optional(std::move(all)) : std::nullopt;
+}
+
+/// Of a kind that is made in frames. Runs that recorded on their way may have ended before the first one.
+void require_frames(std::span<const measure::Measures> runs) {
+    if (std::ranges::all_of(runs, [](const measure::Measures& run) { return run.frames() == 0; }))
+        throw InputError(why_no_frames(runs.front()));
 }
 
 /// One measure that cannot be had does not take the others with it: its reason is kept.
 void report(const assembly::MeasureKind& kind, const assembly::MeasuredCase& data, CaseResults& results) {
     try {
+        if (kind.include)
+            require_frames(data.sums);
         results.reports.emplace_back(kind.name, kind.report(data));
     } catch (const InputError& error) {
         results.not_measured.emplace_back(kind.name, error.what());
@@ -101,6 +91,23 @@ std::string names_where(const Holds& holds) {
         if (holds(kind))
             names.push_back(kind.name);
     return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::vector<RunFiles> finished(std::span<const GranularTask> tasks) {
+    std::vector<RunFiles> found;
+    for (const GranularTask& task : tasks)
+        if (fs::exists(task.folder / "summary.json"))
+            found.push_back({task.folder, task.folder / "trajectory.h5md", true});
+    return found;
+}
+
+/// Before an earlier measurement makes room for one of this run.
+void require_recorded(const RunFiles& run, const assembly::MeasurePlan& plan) {
+    if (read_records(run.folder / "measure.rwc", plan))
+        return;
+    if (!fs::exists(run.trajectory))
+        refuse_unrecorded(run.folder);
+    check_trajectory(run.trajectory, plan);
 }
 
 CaseResults facts_of(const assembly::BedPlan& plan) {
@@ -158,11 +165,8 @@ std::vector<RunFiles> finished_runs(const assembly::Case& one, const fs::path& f
     const std::string foreign = one.scene.measure ? one.scene.measure->trajectory : "";
     if (!foreign.empty())
         return {{fs::path(foreign).parent_path(), foreign, false}};
-    std::vector<RunFiles> found;
     const std::vector<GranularTask> tasks = granular_tasks(one, folder);
-    for (const GranularTask& task : tasks)
-        if (fs::exists(task.folder / "summary.json"))
-            found.push_back({task.folder, task.folder / "trajectory.h5md", true});
+    std::vector<RunFiles> found = finished(tasks);
     if (found.empty())
         throw InputError(
             (folder / one.folder).string() +
@@ -184,15 +188,9 @@ void require_trajectory(const assembly::Plan& plan) {
 
 void require_recorded(const assembly::Plan& plan, const fs::path& folder) {
     for (const assembly::BedPlan& bed : plan.beds)
-        for (const GranularTask& task : granular_tasks(bed.of, folder)) {
-            const fs::path trajectory = task.folder / "trajectory.h5md";
-            if (!bed.measures || !fs::exists(task.folder / "summary.json") ||
-                read_records(task.folder / "measure.rwc", *bed.measures))
-                continue;
-            if (!fs::exists(trajectory))
-                refuse_unrecorded(task.folder);
-            check_trajectory(trajectory, *bed.measures);
-        }
+        if (bed.measures)
+            for (const RunFiles& run : finished(granular_tasks(bed.of, folder)))
+                require_recorded(run, *bed.measures);
 }
 
 StageEnd measure_folder(const assembly::Plan& plan, const RunContext& context, const fs::path& folder,

@@ -318,9 +318,12 @@ class RefusalTest(MeasureTest):
         far = ("-s", "measure.from=1000 a")
         self.made("stored")
         self.made("recorded", *far)
-        for run, told in (("stored", "trajectory.h5md: the rod does not come measure.from = 1000 a in its"),
-                          ("recorded", "the rod did not come measure.from = 1000 a in any; run longer")):
-            self.assertIn(told, self.expect(2, "measure", "bed.toml", "-o", run, "--quiet", *far).stderr)
+        told = "no frame to measure: the rod travels less than measure.from = 1000 a; run longer"
+        self.assertIn("trajectory.h5md: " + told, self.expect(2, "measure", "bed.toml", "-o", "stored", "--quiet", *far).stderr)
+        self.assertIn("order: " + told, self.expect(1, "measure", "bed.toml", "-o", "recorded", "--quiet", *far).stderr)
+        found = json.loads((self.folder / "recorded/measure.json").read_text())
+        self.assertIn("force", found)  # what needs no frames is kept
+        self.assertIn(told, found["not_measured"]["order"])
 
     def test_truncated(self):
         run = self.made()

@@ -107,6 +107,11 @@ def text_of(path, root=SOURCE):
     return (root / path).read_text(encoding="utf-8", errors="replace")
 
 
+def test_cases(text):
+    """Name and tags of each C++ test."""
+    return re.findall(r'TEST_CASE\(\s*"((?:[^"\\]|\\.)*)"(?:,\s*"([^"]*)")?\s*\)', text)
+
+
 def part_files(root=SOURCE):
     """Sources of the parts, and the list of targets that each part links."""
     inside = [p for p in tracked(root) if p.parts[0] in ("include", "src", "models", "fitting")]
@@ -242,6 +247,15 @@ class TestsTest(unittest.TestCase):
         for path in tracked():
             if path.parts[0] == "tests" and path.suffix == ".cpp":
                 self.assertEqual(path.name.startswith("test_"), "TEST_CASE(" in text_of(path), path)
+
+    def test_tests_with_threads_have_their_tag(self):
+        """ThreadSanitizer runs the tagged ones. Named here: too long for it, and a short run beside it is tagged."""
+        cases = [case for path in tracked() if path.parts[0] == "tests" and path.suffix == ".cpp" for case in test_cases(text_of(path))]
+        untagged = [name for name, tags in cases if re.search(r"\bthreads?\b", name) and "[threads]" not in tags]
+        self.assertEqual(untagged, ["threads do not change a bit"])
+        self.assertGreater(sum("[threads]" in tags for _, tags in cases), 30)
+        self.assertEqual(test_cases('TEST_CASE("two threads",\n    "[a][threads]") {\nTEST_CASE("one thread") {'),
+                         [("two threads", "[a][threads]"), ("one thread", "")])
 
     def test_every_test_script_has_tests(self):
         scripts = [p for p in tracked() if p.name.startswith("test_") and p.suffix == ".py"]
