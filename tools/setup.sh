@@ -1,14 +1,19 @@
-# Shared by tools/quickstart, tools/test, tools/tidy and .ci/run: installs the packages that are missing, then configures and builds a preset.
+# Shared by tools/quickstart, tools/test, tools/bench, tools/tidy, tools/site and .ci/run: installs the packages that are missing, then
+# configures, builds and installs a preset.
 # Sourced, not run. Needs bash and, on Debian, apt.
 
 rodwake_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 say() { printf '\n==> %s\n' "$*"; }
 
-wanted_packages() { sed 's/#.*//' "$rodwake_root/tools/packages.txt" | tr -s ' \n' '\n' | sed '/^$/d'; }
+# wanted_packages SECTION...
+wanted_packages() {
+    awk -v wanted=" $* " '/^\[/ { on = index(wanted, " " substr($1, 2, length($1) - 2) " "); next } on && NF && !/^#/ { print $1 }' \
+        "$rodwake_root/tools/packages.txt" | sort -u
+}
 
 missing_packages() {
-    wanted_packages | while read -r package; do
+    wanted_packages "$@" | while read -r package; do
         status=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
         [ "$status" = "install ok installed" ] || echo "$package"
     done
@@ -25,14 +30,15 @@ as_root() {
     fi
 }
 
+# install_packages SECTION... of packages.txt
 install_packages() {
     if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
         say "this is not a Debian system: install the counterparts of these Debian 12 packages, then build with cmake --preset release"
-        wanted_packages
+        wanted_packages "$@"
         exit 1
     fi
     local missing
-    missing=$(missing_packages)
+    missing=$(missing_packages "$@")
     if [ -z "$missing" ]; then
         say "packages: all present"
         return
@@ -46,4 +52,19 @@ install_packages() {
 build_preset() {
     say "build: preset $*"
     (cd "$rodwake_root" && cmake --preset "$1" >/dev/null && cmake --build --preset "$@")
+}
+
+# The program and the benchmarks, in build/release.
+build_benchmarks() {
+    say "build: preset release with benchmarks"
+    (cd "$rodwake_root" && cmake --preset release -DRODWAKE_BENCH=ON >/dev/null && cmake --build --preset release --target rodwake benchmarks)
+}
+
+# Where CMake, shells and Python look without being told.
+default_prefix() { if [ "$(id -u)" -eq 0 ]; then echo /usr/local; else echo "$HOME/.local"; fi; }
+
+# install_preset PRESET PREFIX
+install_preset() {
+    say "install: $2"
+    cmake --install "$rodwake_root/build/$1" --prefix "$2" >/dev/null
 }

@@ -97,8 +97,8 @@ class CommonOptionsTest(ProgramTest):
         plain = self.expect(0, "rods", "pair.toml", "-o", "a").stderr
         verbose = self.expect(0, "rods", "pair.toml", "-o", "b", "-v").stderr
         self.assertIn("rods: contact", plain)
-        self.assertNotIn("rods pair.toml", plain)
-        self.assertIn("rods pair.toml -o b -v", verbose)
+        self.assertNotIn("pair.toml -o a", plain)
+        self.assertIn("rods -j 1 pair.toml -o b -v", verbose)
 
     def test_json_log(self):
         self.write('p"ir.toml', PAIR)

@@ -54,6 +54,15 @@ class PagesTest(unittest.TestCase):
             if page != "docs/scene.md":  # made by the program
                 self.assertEqual(long_lines(text), [], page)
 
+    def test_one_count_of_the_papers_rows(self):
+        """docs/paper.md has them; its own first line, README and FAQ repeat how many match, differ and cannot be told."""
+        paper = (SOURCE / "docs/paper.md").read_text()
+        rows = tuple(paper.count(f"| **{verdict}**") for verdict in ("matches", "differs", "cannot tell"))
+        self.assertGreater(min(rows), 10)
+        for page, words in (("docs/paper.md", "{} matches, {} differs, {} cannot tell"), ("README.md", "{} match, {} differ, {} cannot be told"),
+                            ("docs/faq.md", "{} of its statements yes, {} no, {} cannot be told")):
+            self.assertIn(words.format(*rows), " ".join((SOURCE / page).read_text().split()), page)
+
     def test_one_version(self):
         """CMakeLists.txt has it; the record to cite and the changelog repeat it."""
         version = re.search(r"^project\(rodwake VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text(), re.MULTILINE)[1]

@@ -1,5 +1,6 @@
 """Rules of the source tree: the order of the parts, one place for each library, no machine paths, no empty test."""
 
+import json
 import os
 import re
 import subprocess
@@ -202,6 +203,13 @@ class OrderTest(unittest.TestCase):
         for part, allowed in ALLOWED.items():
             self.assertEqual([other for other in allowed - {part} if part in ALLOWED[other]], [], part)
 
+    def test_headers_of_ours_are_in_the_tree(self):
+        """A compiler that misses one there looks into /usr/local, where an earlier rodwake may be installed."""
+        for path in tracked():
+            if path.suffix in (".hpp", ".cpp"):
+                for name in INCLUDE.findall(text_of(path)):
+                    self.assertTrue(not name.startswith("rodwake/") or (SOURCE / "include" / name).is_file(), f"{path}: {name}")
+
     def test_public_headers_show_no_library_that_is_private(self):
         """SUNDIALS, HDF5, JSON, fmt and the rest are how, not what: only Eigen is part of the interface."""
         for path in tracked():
@@ -241,6 +249,20 @@ class TestsTest(unittest.TestCase):
         for program in programs:
             listed = subprocess.run([program, "--list-test-names-only"], capture_output=True, text=True).stdout.split("\n")
             self.assertGreater(len([name for name in listed if name]), 0, program)
+
+    def test_every_test_is_alone(self):
+        """Run by tests/support/alone, after its home was emptied; but for what empties it, and for the build of the rest."""
+        ctest = Path(os.environ["RODWAKE_CMAKE"]).with_name("ctest")
+        told = subprocess.run([ctest, "--show-only=json-v1"], cwd=os.environ["RODWAKE_BINARY_DIR"], capture_output=True, text=True, check=True)
+        tests = [test for test in json.loads(told.stdout)["tests"] if "_NOT_BUILT-" not in test["name"]]
+        self.assertGreater(len(tests), 100)
+        own = {test["name"] for test in tests if not test["command"][0].endswith("/tests/support/alone")}
+        self.assertEqual(own, {"home", "compile"})
+        for test in tests:
+            properties = {one["name"]: one["value"] for one in test["properties"]}
+            self.assertNotIn("ENVIRONMENT", properties, test["name"])
+            self.assertEqual(properties.get("FIXTURES_REQUIRED", ["home"]), ["home"], test["name"])
+            self.assertEqual("FIXTURES_REQUIRED" in properties, test["name"] not in own, test["name"])
 
     def test_sources_with_tests_are_named_alike(self):
         """test_*.cpp has tests, and nothing else has; helpers are named for what they give."""

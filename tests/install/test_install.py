@@ -11,6 +11,9 @@ import rodwake
 
 CMAKE = os.environ.get("RODWAKE_CMAKE", "cmake")
 EXAMPLES = rodwake.SOURCE / "examples"
+# Searches only what it is told: not /usr/local, where tools/quickstart has put rodwake, nor PATH, environment and registries.
+ALONE = "".join(f"set(CMAKE_FIND_USE_{place} OFF)\n" for place in ("CMAKE_SYSTEM_PATH", "SYSTEM_ENVIRONMENT_PATH", "CMAKE_ENVIRONMENT_PATH",
+                                                                  "PACKAGE_ROOT_PATH", "PACKAGE_REGISTRY", "SYSTEM_PACKAGE_REGISTRY"))
 
 
 def run(*command, **options):
@@ -24,6 +27,8 @@ class InstallTest(unittest.TestCase):
         cls.addClassCleanup(keeper.cleanup)
         cls.folder = Path(keeper.name)
         cls.prefix = cls.folder / "prefix"
+        (cls.folder / "alone.cmake").write_text(ALONE)
+        cls.alone = f"-DCMAKE_PROJECT_INCLUDE={cls.folder / 'alone.cmake'}"
         cls.installed = run(CMAKE, "--install", os.environ["RODWAKE_BINARY_DIR"], "--prefix", cls.prefix)
 
     def setUp(self):
@@ -126,9 +131,28 @@ class InstallTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_without_the_install_tree_nothing_builds(self):
-        done = self.build("own_ode_alone", source=EXAMPLES / "own_ode", prefix=self.folder / "nowhere")
+        done = self.build("own_ode_alone", self.alone, source=EXAMPLES / "own_ode", prefix=self.folder / "nowhere")
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("rodwake", done.stderr)
+
+    def test_what_is_installed_elsewhere_is_not_seen(self):
+        """A package in each place that CMake looks at by itself: found there if nothing is said, and not found alone."""
+        package, registry = self.folder / "elsewhere/lib/cmake/rodwake", self.folder / "home/.cmake/packages/rodwake"
+        for path in (package, registry, self.folder / "elsewhere/bin", self.folder / "asks"):
+            path.mkdir(parents=True)
+        (package / "rodwakeConfig.cmake").touch()
+        prefix = self.folder / "elsewhere"
+        (registry / "there").write_text(str(prefix))
+        (self.folder / "asks/CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(asks LANGUAGES NONE)\nfind_package(rodwake)\n"
+                                                         "message(STATUS \"found: ${rodwake_FOUND}\")\n")
+        places = {"system": ({}, [f"-DCMAKE_INSTALL_PREFIX={prefix}"]),  # stands in one list with /usr/local
+                  "path": ({"PATH": f"{prefix / 'bin'}:{os.environ['PATH']}"}, []), "registry": ({"HOME": str(self.folder / "home")}, []),
+                  "environment": ({"CMAKE_PREFIX_PATH": str(prefix)}, []), "root": ({"rodwake_ROOT": str(prefix)}, [])}
+        for name, (environment, options) in places.items():
+            for found, alone in (("1", []), ("0", [self.alone])):
+                done = run(CMAKE, "-S", self.folder / "asks", "-B", self.folder / f"asked-{name}-{found}", "-G", "Ninja", *options, *alone,
+                           env={**os.environ, **environment})
+                self.assertIn(f"found: {found}\n", done.stdout, (name, done.stderr))
 
     def test_the_installed_program_makes_its_own_figures(self):
         program = self.prefix / "bin/rodwake"

@@ -1,6 +1,7 @@
 """tools/quickstart: the steps it takes, with stand-ins for apt, cmake and the program that record what they are asked."""
 
 import os
+import re
 import shutil
 import subprocess
 
@@ -55,6 +56,21 @@ class QuickstartTest(ProgramTest):
 
     def test_packages_only(self):
         self.assertEqual(self.quickstart("--deps-only")[1], [])
+
+    def test_it_installs_what_program_figures_and_package_need(self):
+        self.write("bin/dpkg-query", "#!/bin/sh\n")  # nothing is there
+        done, steps = self.quickstart("--deps-only", user=0)
+        self.assertEqual((done.returncode, steps[0]), (0, "apt-get update -qq"), done.stderr)
+        asked = set(steps[1].split("--no-install-recommends ")[1].split())
+        self.assertLessEqual({"g++", "libsundials-dev", "python3-matplotlib", "pybind11-dev"}, asked)
+        self.assertEqual(asked & {"chromium", "doxygen", "mkdocs", "mypy", "catch2", "ccache", "libbenchmark-dev", "clang-tidy"}, set())
+
+    def test_each_section_of_packages_is_installed_by_ci_and_by_another(self):
+        sections = set(re.findall(r"(?m)^\[(\w+)\]$", (SOURCE / "tools/packages.txt").read_text()))
+        asked = {path.name: set(" ".join(re.findall(r"install_packages ([\w ]+)", path.read_text())).split())
+                 for path in (*(SOURCE / "tools").iterdir(), SOURCE / ".ci/run") if path.is_file() and path.name != "setup.sh"}
+        self.assertEqual(asked.pop("run"), sections)
+        self.assertEqual(set().union(*asked.values()), sections)
 
     def test_usage(self):
         for options in (["--prefix"], ["--prefix", ""], ["--nonsense"], ["--deps-only", "x"]):

@@ -217,10 +217,10 @@ class GranularPlotsTest(PlotCase):
         self.assert_fails("trajectory.h5md", "0 frames", "nothing to draw")
         for place in ("particles/trajectory/radius", "particles/trajectory/box", "parameters/rod_of_sphere",
                       "particles/trajectory_rods/orientation"):
-            self.build()
+            self.build(figures=figure("snapshot"))
             self.edit(lambda file: file.pop(place))
             self.assert_fails("trajectory.h5md", place, "missing")
-        self.build()
+        self.build(figures=figure("snapshot"))
         self.edit(lambda file: file["parameters"].attrs.pop("order_cutoff"))
         self.assert_fails("trajectory.h5md", "parameters/order_cutoff", "missing")
         self.build(figures=figure("snapshot", frame=3))
@@ -244,11 +244,12 @@ class GranularPlotsTest(PlotCase):
 
     def test_wrong_tables(self):
         table, tracks = self.folder / "table.csv", self.folder / "tracks.csv"
+        self.build(figures=figure("granular_table"))
         for text, words in (("t,energy\n0,1\n", ("column kinetic",)), ("t,energy\n", ("no rows",)), ("t,energy\n0,x\n", ("numbers",)),
                             ("t,energy\n0\n", ("2 names", "1 numbers")), ("", ("column t",))):
             table.write_text(text)
             self.assert_fails("table.csv", *words)
-        self.build()
+        self.build(figures=figure("rod_tracks"))
         for text, words in (("t\n0\n", ("no rods",)), ("t,x0,y0,theta0,speed0\n-1,0,0,0,0\n", ("no rows", "t = 0")),
                             ("t,x0,y0\n0,0,0\n", ("column theta0",))):
             tracks.write_text(text)
@@ -266,6 +267,7 @@ class GranularPlotsTest(PlotCase):
             self.assert_fails(*words)
         self.build(figures=figure("movie", fps=0))
         self.assert_fails("fps", "0")
+        self.build(figures=figure("snapshot"))
         for text, words in (("{", ("JSON",)), ("[]", ("object",)), ("{}", ("bead_radius", "missing")),
                             ('{"bead_radius": "x"}', ("bead_radius", "not a number"))):
             (self.folder / "summary.json").write_text(text)

@@ -25,5 +25,5 @@ def run_scene(test, scene, *changes, verb="run"):
     settings = [word for change in changes for word in ("-s", change)]
     # No figures: they are not compared.
     verb = {"run": "rods"}.get(verb, verb)
-    subprocess.run([PROGRAM, verb, scene, "-o", folder, "--quiet", *settings], check=True)
+    subprocess.run([PROGRAM, verb, scene, "-o", folder, "--quiet", "-j", "1", *settings], check=True)
     return rodwake.open_run(folder)

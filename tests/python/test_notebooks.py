@@ -2,13 +2,9 @@
 
 import unittest
 
+import nbformat
+from nbclient import NotebookClient
 from program import SOURCE, new_folder
-
-try:
-    import nbformat
-    from nbclient import NotebookClient
-except ImportError as error:
-    raise unittest.SkipTest(f"notebooks are run by nbclient (python3-nbclient, python3-ipykernel): {error}") from error
 
 BOOKS = sorted((SOURCE / "examples/notebooks").glob("*.ipynb"))
 

@@ -5,6 +5,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import rodwake
+from distributed import Client, LocalCluster
 from program import SCENES, new_folder, run_scene
 
 AXES = {"coupling.kappa": np.geomspace(0.1, 10, 5), "rods.1.position.0": np.linspace(-6, 6, 7)}
@@ -40,10 +41,6 @@ class ScanTest(unittest.TestCase):
                 self.assertEqual(ours, self.csv_of(executor, chunk=3), pool)
 
     def test_dask(self):
-        try:
-            from distributed import Client, LocalCluster
-        except ImportError as error:
-            self.skipTest(f"Dask is not installed (python3-distributed): {error}")
         with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=str(new_folder(self))) as cluster:
             with Client(cluster) as client:
                 self.assertEqual(self.csv_of(threads=2), self.csv_of(client))

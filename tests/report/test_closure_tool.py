@@ -18,7 +18,7 @@ sys.path.insert(0, str(SOURCE / "tools"))
 import closure_tables as tables  # noqa: E402
 import validate_closure as tool  # noqa: E402
 
-BENCH = Path(os.environ.get("RODWAKE_BINARY_DIR", SOURCE / "build/dev")) / "bench/bench_closure"
+BENCH = os.environ.get("RODWAKE_BENCH_CLOSURE")
 SCENE = """schema = 1
 [medium]
 eta = 1.0
@@ -130,7 +130,7 @@ class RunsTest(unittest.TestCase):
         self.assertEqual(self.made().known, known)
 
 
-@unittest.skipUnless(BENCH.is_file(), "bench_closure is not built: the test `compile` does")
+@unittest.skipUnless(BENCH, "a build without benchmarks")
 class BenchTest(ProgramTest):
     def test_memory_and_rest_are_the_two_starts_of_a_scene(self):
         words = "1 0.5 20 2 -1 16 0.6 30 10 1 0 2 0 1 -2 0.5"

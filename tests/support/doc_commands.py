@@ -21,7 +21,6 @@ from shorter import LONG, shorter
 COMMAND = re.compile(r"\s*\$?\s*(rodwake|mpiexec|tools/\w+|build/\S+/rodwake|cmake|ctest|sbatch) ")
 NOT_RUN = re.compile(r"<!-- not run: (\S.*?) -->")
 RUN_WITH = re.compile(r'<!-- run with ("[^"]*" for "[^"]+"(?:, "[^"]*" for "[^"]+")*): \S.*? -->')
-STAGE_VERBS = {"field", "rods", "dem", "measure", "fit", "scan", "tradeoff", "run"}
 
 
 @dataclass
@@ -71,7 +70,7 @@ def block(place, lines, comment):
 def extra_arguments(arguments):
     """What a test adds to a command line of the program."""
     scenes = [Path(word).stem for word in arguments[1:] if word.endswith(".toml") and "=" not in word]
-    if not scenes or arguments[0] not in STAGE_VERBS:
+    if not scenes or arguments[0] not in rodwake.STAGE_VERBS:
         return []
     return ["--dry-run"] if scenes[0] in LONG else shorter(scenes[0])
 
@@ -91,4 +90,4 @@ def run(block, folder):
 
 if __name__ == "__main__":  # in place of the program
     words = sys.argv[1:]
-    os.execv(rodwake.PROGRAM, [rodwake.PROGRAM, *words, *(extra_arguments(words) if words else [])])
+    os.execv(rodwake.PROGRAM, rodwake.command(*words, *(extra_arguments(words) if words else [])))

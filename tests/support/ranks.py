@@ -20,7 +20,7 @@ ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_R
 
 def has_ranks():
     told = subprocess.run([PROGRAM, "info"], capture_output=True, text=True, check=False).stdout
-    return shutil.which("mpiexec") is not None and not any(line.split() == ["MPI", "none"] for line in told.splitlines())
+    return not any(line.split() == ["MPI", "none"] for line in told.splitlines())
 
 
 def command(ranks, *arguments):
@@ -45,7 +45,7 @@ def processes_below(parent):
     return found
 
 
-@unittest.skipUnless(has_ranks(), "built without MPI, or no mpiexec")
+@unittest.skipUnless(has_ranks(), "built without MPI")
 class RanksTest(ProgramTest):
     def on_ranks(self, count, *arguments):
         """The finished job."""

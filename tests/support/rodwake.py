@@ -32,6 +32,14 @@ output_interval = 10.0
 contact_distance = 0.1
 """
 
+STAGE_VERBS = {"field", "rods", "dem", "measure", "fit", "scan", "tradeoff", "run"}
+
+
+def command(*arguments):
+    """The program with these arguments, on one thread if they do not say how many: tests run beside each other."""
+    words = [str(word) for word in arguments]
+    told = any(word.startswith(("-j", "--threads", "--points")) for word in words)  # points of a field make no use of threads
+    return [PROGRAM, *words[:1], *(["-j", "1"] if words and words[0] in STAGE_VERBS and not told else []), *words[1:]]
 
 
 def crowd(count, spacing=3.0):
@@ -75,7 +83,7 @@ class ProgramTest(unittest.TestCase):
 
     def run_program(self, *arguments, env=None, **options):
         """The finished process; never raises for an exit code."""
-        return subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True, capture_output=True, timeout=120,
+        return subprocess.run(command(*arguments), cwd=self.folder, text=True, capture_output=True, timeout=120,
                               env={**os.environ, **(env or {})}, **options)
 
     def expect(self, code, *arguments, **options):
@@ -104,7 +112,7 @@ class ProgramTest(unittest.TestCase):
     @contextlib.contextmanager
     def started(self, *arguments, **options):
         """The running process; killed if the block leaves it running."""
-        process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True, stdout=subprocess.PIPE,
+        process = subprocess.Popen(command(*arguments), cwd=self.folder, text=True, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, **options)
         try:
             yield process
@@ -124,7 +132,7 @@ class ProgramTest(unittest.TestCase):
 
     def interrupt(self, number, seconds, *arguments):
         """Signals the program after this time; whether it still ran. One that ended before must have ended well."""
-        with subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, stdout=subprocess.DEVNULL,
+        with subprocess.Popen(command(*arguments), cwd=self.folder, stdout=subprocess.DEVNULL,
                               stderr=subprocess.PIPE, text=True) as process:
             try:
                 time.sleep(seconds)

@@ -1,7 +1,10 @@
 """The helpers of the tests of the program must be able to fail."""
 
+import os
 import signal
+import subprocess
 import time
+from pathlib import Path
 
 import rodwake
 from rodwake import PAIR, ProgramTest, snapshot, wait_until
@@ -51,6 +54,35 @@ class SupportTest(ProgramTest):
             with self.assertRaisesRegex(self.failureException, "SIGTERM"):
                 self.stop(process, signal.SIGTERM, 0.3)
         self.assertIsNotNone(process.returncode)
+
+
+class AloneTest(ProgramTest):
+    def alone(self, *words, **environment):
+        done = subprocess.run([Path(__file__).parent / "alone", self.folder, *words], capture_output=True, text=True,
+                              env={"PATH": os.environ["PATH"], **environment})
+        return done.returncode, done.stdout, done.stderr
+
+    def test_the_environment_is_named(self):
+        strange = {name: "strange" for name in ("CMAKE_PREFIX_PATH", "rodwake_ROOT", "OMP_NUM_THREADS", "MPLBACKEND", "XDG_CACHE_HOME", "LANG",
+                                                "PYTHONPATH", "PYTHONSTARTUP", "RODWAKE_PROGRAM", "ZDOTDIR", "HOME", "LC_ALL", "TZ")}
+        code, out, _ = self.alone("GIVEN=1", "env", **strange, TMPDIR="/dev/shm", RODWAKE_TEST_SEED="7")
+        seen = dict(line.split("=", 1) for line in out.splitlines())
+        self.assertEqual((code, seen.pop("PATH").split(":")[1:]), (0, os.environ["PATH"].split(":")))
+        self.assertEqual(seen, {"HOME": str(self.folder), "LC_ALL": "C.UTF-8", "TZ": "UTC0", "TMPDIR": "/dev/shm", "RODWAKE_TEST_SEED": "7", "GIVEN": "1"})
+
+    def test_the_rodwake_of_the_path_is_none(self):
+        self.write("bin/rodwake", "#!/bin/sh\nexit 0\n").chmod(0o755)
+        code, _, said = self.alone("sh", "-c", "rodwake info", PATH=f"{self.folder / 'bin'}:{os.environ['PATH']}")
+        self.assertEqual(code, 70)
+        self.assertIn("the rodwake of the PATH", said)
+
+
+class CommandTest(ProgramTest):
+    def test_one_thread_where_none_is_asked_for(self):
+        for words, expected in ((("rods", "x.toml"), ["rods", "-j", "1", "x.toml"]), (("scan", "-j2"), ["scan", "-j2"]), ((), []),
+                                (("dem", "--threads", 3), ["dem", "--threads", "3"]), (("field", "--points", "-"), ["field", "--points", "-"]),
+                                (("check", "x.toml"), ["check", "x.toml"])):
+            self.assertEqual(rodwake.command(*words)[1:], expected)
 
 
 if __name__ == "__main__":
