@@ -1,9 +1,11 @@
 # Warnings, and arithmetic that does not depend on the compiler's contraction choices. GCC 12 at -O3 sees overlapping copies
-# in std::string that are none (GCC bug 105329), hence no -Wrestrict.
+# in std::string that are none (GCC bug 105329), hence no -Wrestrict. In a batch it takes sources for headers, whose classes should have
+# no hidden members (-Wsubobject-linkage).
 # Position-independent functions of a part are its own: nobody replaces them, so they may be inlined. The compiler collects its
 # garbage from 400 MB on instead of 130, a tenth of its time on the largest sources.
 set(RODWAKE_FLAGS -fno-semantic-interposition -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
     $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=200>
     $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>
     $<$<BOOL:${RODWAKE_WERROR}>:-Werror>)
@@ -14,14 +16,29 @@ rodwake_precompile(rodwake_numbers PIC LINK fmt::fmt Eigen3::Eigen
 rodwake_precompile(rodwake_text PIC LINK fmt::fmt
                    HEADERS algorithm array cmath functional map memory optional set span string vector fmt/format.h)
 
-# rodwake_part(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...])
+# The presets compile sources eight at a time (CMAKE_UNITY_BUILD): most of a source's time goes into its headers. Two hidden
+# helpers of one name and parameters in a batch are a "redefinition": share them, or rename one. Compiled alone are sources
+# that Highway includes once an instruction set, and those whose place says so (rodwake_part's ALONE): all files of a folder hide
+# the same names, or a header brings a function that others' calls would find (std::quoted).
+function(rodwake_compile_alone)
+    foreach(source IN LISTS ARGN)
+        file(STRINGS ${source} by_target REGEX "foreach_target\\.h" LIMIT_COUNT 1)
+        if(by_target)
+            set_property(SOURCE ${source} PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
+        endif()
+    endforeach()
+endfunction()
+
+# rodwake_part(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...] [ALONE <sources of these that are compiled alone>])
 # One static library per part of the pipeline. A part links only what it lists, so a call the wrong way does not link;
 # tests/house checks the includes as well.
 function(rodwake_part name)
-    cmake_parse_arguments(PART "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+    cmake_parse_arguments(PART "" "" "SOURCES;PUBLIC;PRIVATE;ALONE" ${ARGN})
     set(target rodwake_${name})
     add_library(${target} STATIC ${PART_SOURCES})
     add_library(rodwake::${name} ALIAS ${target})
+    rodwake_compile_alone(${PART_SOURCES})
+    set_property(SOURCE ${PART_ALONE} PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
     set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}
         PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>

@@ -43,7 +43,6 @@ Stationarity stationarity(const Evaluator& evaluator, const Point& point) {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double takes_part = 1e-6; // component of a unit vector; far above the rounding errors of the SVD
 
 std::vector<bool> at_bounds(const SearchSpace& space, const Point& point, const Eigen::VectorXd& gradient) {

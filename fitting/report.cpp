@@ -12,8 +12,6 @@ namespace rodwake::fitting {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
 /// Errors in coordinates of the search, what they are multiplied by, and how many make the 95 % interval.
 struct Errors {
     const SearchSpace& space;

@@ -7,11 +7,7 @@
 
 namespace rodwake::fitting {
 
-namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
-} // namespace
+namespace {} // namespace
 
 double natural_scale(const Parameter& p) {
     if (p.scale > 0.0)

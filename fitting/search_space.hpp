@@ -7,6 +7,9 @@
 
 namespace rodwake::fitting {
 
+inline constexpr double infinite =
+    std::numeric_limits<double>::infinity(); // bounds and errors of what is open
+
 class SearchSpace {
 public:
     explicit SearchSpace(const Problem& problem);

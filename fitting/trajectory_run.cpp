@@ -13,18 +13,18 @@ namespace rodwake::fitting {
 namespace {
 
 using Column = Eigen::Index;
-using rods::Parameter;
 
 const std::map<std::string, Role>& physical_roles() {
     static const std::map<std::string, Role> roles = {
-        {"kappa", {Parameter::kappa}}, {"gamma1", {Parameter::gamma1}}, {"gamma2", {Parameter::gamma2}},
-        {"eta", {Parameter::eta}},     {"xi", {Parameter::xi}},         {"alpha", {Parameter::xi, true}}};
+        {"kappa", {rods::Parameter::kappa}},   {"gamma1", {rods::Parameter::gamma1}},
+        {"gamma2", {rods::Parameter::gamma2}}, {"eta", {rods::Parameter::eta}},
+        {"xi", {rods::Parameter::xi}},         {"alpha", {rods::Parameter::xi, true}}};
     return roles;
 }
 
 /// What the sensitivities are taken by, and which parameter of the fit each column is.
 struct Columns {
-    std::vector<Parameter> physical;
+    std::vector<rods::Parameter> physical;
     std::vector<std::size_t> headings;
     std::vector<std::size_t> parameter;
     std::vector<double> factor; ///< d physical / d parameter

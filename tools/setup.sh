@@ -43,7 +43,7 @@ install_packages() {
         say "packages: all present"
         return
     fi
-    say "packages: installing" $missing
+    say "packages: installing these and what they need; some minutes, and no word until it is done:" $missing
     as_root apt-get update -qq
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq -o DPkg::Lock::Timeout=300 --no-install-recommends $missing >/dev/null
 }

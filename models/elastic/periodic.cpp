@@ -64,7 +64,7 @@ void add_gradients(FieldValues& f, const Parts& p, FieldRequest request, double 
     }
 }
 
-void check(FieldRequest request) {
+void refuse_gradients(FieldRequest request) {
     if (request.gradients)
         throw InputError(
             "gradients of the derivatives by the medium are not available; use finite differences");
@@ -189,7 +189,7 @@ FieldValues PeriodicField::at(double x, double y, FieldRequest request) const {
 FieldValues PeriodicField::at_own_place(FieldRequest request) const { return impl_->rest(0.0, 0.0, request); }
 
 MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldRequest request) const {
-    check(request);
+    refuse_gradients(request);
     const NearestImage p = impl_->nearest(x, y);
     MediumDerivatives d = impl_->rest_derivatives(p.x, p.y, request);
     if (is_near(p.x, p.y)) {
@@ -202,7 +202,7 @@ MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldReq
 }
 
 MediumDerivatives PeriodicField::own_place_by_medium(FieldRequest request) const {
-    check(request);
+    refuse_gradients(request);
     return impl_->rest_derivatives(0.0, 0.0, request);
 }
 

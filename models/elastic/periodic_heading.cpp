@@ -32,7 +32,7 @@ std::array<Vector, 2> dipole_gradient(const Medium& medium, const FieldValues& f
                                        medium.nu() / medium.xi * (f.strain.xx + f.strain.yy)}};
 }
 
-void check(FieldRequest request) {
+void refuse_turned_gradients(FieldRequest request) {
     if (request.gradients)
         throw InputError("gradients of the derivative by heading are not available");
 }
@@ -85,7 +85,7 @@ FieldValues PeriodicField::Impl::rest_by_heading(const NearestImage& p, FieldReq
 }
 
 FieldValues PeriodicField::by_heading(double x, double y, FieldRequest request) const {
-    check(request);
+    refuse_turned_gradients(request);
     const NearestImage p = impl_->nearest(x, y);
     FieldValues f = impl_->rest_by_heading(p, request);
     if (is_near(p.x, p.y) && (p.shift.x != 0.0 || p.shift.y != 0.0))
@@ -94,7 +94,7 @@ FieldValues PeriodicField::by_heading(double x, double y, FieldRequest request) 
 }
 
 FieldValues PeriodicField::own_place_by_heading(FieldRequest request) const {
-    check(request);
+    refuse_turned_gradients(request);
     return impl_->rest_by_heading({0.0, 0.0, {}, {}}, request);
 }
 

@@ -100,11 +100,11 @@ Mean mean_of_others(double z, double x) {
     return z > 0.0 ? closed(z, x - 0.5, x + 1.0) : closed(z, x + 0.5, x);
 }
 
-constexpr double cutoff = 37.0;
+constexpr double row_cutoff = 37.0;
 
 /// 1 - e^a for Re a < 0, accurate for small a.
 Complex one_minus_exp(Complex a) {
-    if (a.real() < -cutoff)
+    if (a.real() < -row_cutoff)
         return 1.0;
     const double less = std::expm1(a.real());
     if (a.imag() == 0.0)
@@ -171,7 +171,7 @@ Rows::Rows(const WaveVector& c, const PeriodicBox& box, double nearest)
         const Complex minus = cx_ >= 0.0 ? -large : -small, plus = cx_ >= 0.0 ? small : large;
         behind_.push_back(term(minus, s, q, -1.0));
         ahead_.push_back(term(plus, s, q, 1.0));
-        if (small.real() * nearest > cutoff)
+        if (small.real() * nearest > row_cutoff)
             return;
     }
 }
@@ -181,7 +181,7 @@ void Rows::add_side(Jets& sum, const std::vector<Term>& terms, double u, double 
     Complex phase = turn;
     double q = wave_;
     for (const Term& one : terms) {
-        if (std::abs(one.k.real() * u) > cutoff)
+        if (std::abs(one.k.real() * u) > row_cutoff)
             break;
         const Complex e = times(phase, exponential(one.k * u)), t = times(one.weight, e);
         const Complex tx = times(one.k, t), txx = times(one.k, tx);
@@ -220,7 +220,7 @@ Rows::Mirrored Rows::values(double x, double y) const {
         const double u = front ? x - box_.x : x;
         Complex phase = turn;
         for (const Term& one : front ? ahead_ : behind_) {
-            if (std::abs(one.k.real() * u) > cutoff)
+            if (std::abs(one.k.real() * u) > row_cutoff)
                 break;
             const Complex e = exponential(one.k * u), t = times(one.weight, e);
             const Complex f = times(one.weight_c, e) + u * times(one.k_c, t);

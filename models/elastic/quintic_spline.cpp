@@ -8,12 +8,12 @@ namespace rodwake::elastic {
 namespace {
 
 constexpr std::size_t degree = QuinticKnots::degree, pieces = degree + 1;
-using Pieces = std::array<double, pieces>;
+using Weights = std::array<double, pieces>;
 
 /// B_p(u + j) for j = 0 ... p, where B_p is the B-spline of degree p with knots 0, 1, ..., p + 1:
 /// p B_p(t) = t B_{p-1}(t) + (p + 1 - t) B_{p-1}(t - 1) (de Boor, A Practical Guide to Splines, ch. IX).
-std::array<Pieces, pieces> all_degrees(double u) {
-    std::array<Pieces, pieces> b{};
+std::array<Weights, pieces> all_degrees(double u) {
+    std::array<Weights, pieces> b{};
     b[0][0] = 1.0;
     for (std::size_t p = 1; p <= degree; ++p)
         for (std::size_t j = 0; j <= p; ++j) {
@@ -26,8 +26,8 @@ std::array<Pieces, pieces> all_degrees(double u) {
 }
 
 /// B_p' (t) = B_{p-1}(t) - B_{p-1}(t - 1).
-Pieces difference(const Pieces& b) {
-    Pieces d{};
+Weights difference(const Weights& b) {
+    Weights d{};
     for (std::size_t j = 0; j < pieces; ++j)
         d[j] = b[j] - (j > 0 ? b[j - 1] : 0.0);
     return d;
@@ -43,7 +43,7 @@ QuinticValues values_at(const QuinticKnots& knots, double x) {
     values.first = static_cast<std::size_t>(interval);
     double scale = 1.0;
     for (std::size_t k = 0; k < values.by.size(); ++k, scale /= knots.width) {
-        Pieces d = b[degree - k];
+        Weights d = b[degree - k];
         for (std::size_t times = 0; times < k; ++times)
             d = difference(d);
         for (std::size_t i = 0; i < pieces; ++i) // function first + i began degree - i intervals before

@@ -8,7 +8,7 @@ namespace rodwake::granular {
 
 namespace {
 
-constexpr std::size_t chunk = 2048; // spheres a task; does not change results
+constexpr std::size_t spheres_a_task = 2048; // spheres a task; does not change results
 
 /// Columns of the packed rows.
 std::vector<double> column(const Rows& position, std::size_t count, std::size_t k) {
@@ -56,9 +56,10 @@ void near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team&
     const double widest = *std::max_element(bodies.radius.begin(), bodies.radius.end());
     const std::vector<double> x = column(bodies.position, count, 0), y = column(bodies.position, count, 1);
     const CellList cells(x, y, box, 2.0 * widest + skin);
-    std::vector<PairList> found((count + chunk - 1) / chunk);
+    std::vector<PairList> found((count + spheres_a_task - 1) / spheres_a_task);
     team.run(found.size(), [&](std::size_t c) {
-        pairs_of(bodies, cells, box, skin, c * chunk, std::min(count, (c + 1) * chunk), found[c]);
+        pairs_of(bodies, cells, box, skin, c * spheres_a_task, std::min(count, (c + 1) * spheres_a_task),
+                 found[c]);
     });
     gather(found, team, list);
 }

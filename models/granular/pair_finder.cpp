@@ -9,14 +9,14 @@ namespace rodwake::granular {
 
 namespace {
 
-constexpr std::size_t chunk = 4096; // pairs a task; does not change results
+constexpr std::size_t pairs_a_task = 4096; // pairs a task; does not change results
 constexpr double window = 12.0; // steps an inner list should last; half or twice as much costs a few per cent
 constexpr double first_skin = 0.5; // of a radius, as are the limits
 constexpr double least_skin = 0.2, most_skin = 1.5;
 constexpr double most_allowance = 0.5;
 constexpr std::int64_t short_life = 400, long_life = 4000; // steps of an outer list
 
-std::size_t chunks_of(std::size_t count) { return (count + chunk - 1) / chunk; }
+std::size_t chunks_of(std::size_t count) { return (count + pairs_a_task - 1) / pairs_a_task; }
 
 } // namespace
 
@@ -52,9 +52,10 @@ template<class Test>
 void PairFinder::collect(std::size_t pairs, Team& team, const Test& test) {
     const std::size_t chunks = chunks_of(pairs);
     while (found_.size() < chunks)
-        found_.push_back({std::vector<std::uint32_t>(chunk + 8), 0});
+        found_.push_back({std::vector<std::uint32_t>(pairs_a_task + 8), 0});
     team.run(chunks, [&](std::size_t c) {
-        found_[c].count = test(c * chunk, std::min(pairs, (c + 1) * chunk), found_[c].index.data());
+        found_[c].count =
+            test(c * pairs_a_task, std::min(pairs, (c + 1) * pairs_a_task), found_[c].index.data());
     });
 }
 

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double rest_share = 1.0 / 8.0; // of a step, between two impulses on a contact that rests
 constexpr double touching = 1e-7;        // of a radius: nearer than that is in contact
-constexpr int most_bounces = 1000;       // within one step; later ones do not rebound
+constexpr int most_rod_bounces = 1000;   // within one step; later ones do not rebound
 
 /// Distance between a sphere of a freely flying rod and a plate as time goes on.
-class Approach {
+class RodApproach {
 public:
-    Approach(const MovingRod& rod, std::size_t sphere, const Plate& plate, double left)
+    RodApproach(const MovingRod& rod, std::size_t sphere, const Plate& plate, double left)
         : plate_(plate), left_(left), radius_(rod.clump().radius[sphere]), z_(rod.body().position.z()),
           vz_(rod.body().velocity.z()), arm_(rod.clump().offset[sphere]) {
         const Vector3 turning = rod.axis_turning();
@@ -59,27 +59,27 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 /// A lower bound of the gap for all times that count: rotation and plates change the acceleration little
 /// within a step.
-double least_gap(const Approach& approach, double left) {
+double least_gap(const RodApproach& approach, double left) {
     return approach.gap(0.0) + std::min(approach.opening(0.0), 0.0) * left -
            std::max(approach.pressing(), 0.0) * left * left;
 }
 
 /// Whether a sphere in contact stays there: what it moves by is what falling for `rest` adds.
-bool stays(const Approach& approach, double rest, bool lossless) {
+bool stays(const RodApproach& approach, double rest, bool lossless) {
     const double opening = approach.opening(0.0);
     const double slowest = std::max(approach.pressing(), approach.gravity()) * rest;
     return lossless ? opening == 0.0 : -slowest <= opening && 2.0 * opening <= slowest;
 }
 
 /// When the gap, widened by `lift`, closes between a time outside and one inside.
-double closing(const Approach& approach, double lift, double clear, double inside) {
+double closing(const RodApproach& approach, double lift, double clear, double inside) {
     return touch_time([&](double time) { return approach.gap(time) + lift; },
                       [&](double time) { return approach.opening(time); }, clear, inside,
                       (clear + inside) / 2.0, 1e-15 * inside);
 }
 
 /// Of a sphere in contact on its way out: it comes back after the top of its hop, if at all within `left`.
-double end_of_hop(const Approach& approach, double left) {
+double end_of_hop(const RodApproach& approach, double left) {
     const double lift = std::max(-approach.gap(0.0), 0.0), pressing = approach.pressing();
     if (!(pressing > 0.0) || approach.gap(left) + lift >= 0.0)
         return never;
@@ -87,7 +87,7 @@ double end_of_hop(const Approach& approach, double left) {
 }
 
 /// Of a sphere outside: within `left`, be it that it grazes the plate on the way.
-double first_touch(const Approach& approach, double left) {
+double first_touch(const RodApproach& approach, double left) {
     if (approach.gap(left) < 0.0)
         return closing(approach, 0.0, 0.0, left);
     const double pressing = approach.pressing();
@@ -97,7 +97,7 @@ double first_touch(const Approach& approach, double left) {
 
 /// When the sphere touches the plate next within `left`; a contact that rests is looked at again after
 /// `rest`.
-double next_touch(const Approach& approach, double left, double rest, bool lossless) {
+double next_touch(const RodApproach& approach, double left, double rest, bool lossless) {
     const double contact = touching * approach.radius();
     if (least_gap(approach, left) > contact)
         return never;
@@ -113,7 +113,7 @@ Plate plate_at(const PlateStep& step, int side) { return {side == 0 ? 1.0 : -1.0
 /// One impulse where the sphere touches, if it is in contact and approaches: the impulse.
 std::optional<Vector3> bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left,
                               double rest, const Surface& surface, PlateTally& tally) {
-    const Approach now(rod, sphere, plate, left);
+    const RodApproach now(rod, sphere, plate, left);
     const double gap = now.gap(0.0);
     if (!(gap <= touching * now.radius()))
         return {};
@@ -157,9 +157,9 @@ Vector3 fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, P
     for (int bounces = 0; left > 0.0;) {
         double next = never;
         for_each_place(rod, step, [&](std::size_t sphere, const Plate& plate) {
-            next = std::min(next, next_touch(Approach(rod, sphere, plate, left), left, rest, lossless));
+            next = std::min(next, next_touch(RodApproach(rod, sphere, plate, left), left, rest, lossless));
         });
-        if (!acted || bounces >= most_bounces)
+        if (!acted || bounces >= most_rod_bounces)
             next = std::max(next, std::min(rest, left));
         rod.move(std::min(next, left), step.gravity);
         if (next == never)

@@ -86,7 +86,7 @@ OutlineIntegrals integrate(const std::vector<OutlinePiece>& pieces) {
 }
 
 constexpr std::size_t most_spheres = 10000;
-constexpr double rounding = 1e-9; // of the length: two ways to write the same number
+constexpr double length_rounding = 1e-9; // of the length: two ways to write the same number
 
 /// 0 where the rod is thick, 1 where it is thin.
 double taper_at(const RodShape& shape, std::size_t k) {
@@ -128,7 +128,7 @@ void check_proportions(const RodShape& shape, Checks& checks) {
     checks.require(shape.thin_diameter <= shape.thick_diameter,
                    fmt::format("thin_diameter = {} m: must be at most thick_diameter = {} m",
                                shape.thin_diameter, shape.thick_diameter));
-    checks.require(shape.length >= shape.thick_diameter * (1.0 - rounding),
+    checks.require(shape.length >= shape.thick_diameter * (1.0 - length_rounding),
                    fmt::format("length = {} m: must be at least thick_diameter = {} m", shape.length,
                                shape.thick_diameter));
     checks.require(shape.kind != RodKind::apolar || shape.spheres % 2 == 1,
@@ -137,7 +137,7 @@ void check_proportions(const RodShape& shape, Checks& checks) {
                                shape.spheres, shape.spheres + 1));
     const double longest = std::max(shape.length, shape.thick_diameter);
     checks.require(
-        shape.spheres > 1 || longest - shape.thin_diameter <= rounding * longest,
+        shape.spheres > 1 || longest - shape.thin_diameter <= length_rounding * longest,
         fmt::format("spheres = 1: one sphere needs length = thick_diameter = thin_diameter, but they "
                     "are {}, {} and {} m; make them equal or spheres >= 2",
                     shape.length, shape.thick_diameter, shape.thin_diameter));
@@ -166,7 +166,7 @@ void check_row(const RodShape& shape, const Clump& row) {
         const double out =
             std::max(row.offset[k] + row.radius[k] - shape.length, row.radius[k] - row.offset[k]);
         checks.require(
-            out <= rounding * shape.length,
+            out <= length_rounding * shape.length,
             fmt::format("sphere {} of radius {} m sticks out of the end of the rod by {} m: make the rod "
                         "longer, the taper weaker or the segments more",
                         k, row.radius[k], out));

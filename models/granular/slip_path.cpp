@@ -12,18 +12,18 @@ namespace rodwake::granular {
 
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double endless = std::numeric_limits<double>::infinity();
 
 double impulse_to_turn(const NormalMotion& motion, double rate) {
     if (motion.velocity >= 0.0)
         return 0.0;
-    return rate > 0.0 ? -motion.velocity / rate : never;
+    return rate > 0.0 ? -motion.velocity / rate : endless;
 }
 
 /// Smallest p >= 0 with velocity p + rate p^2/2 = wanted, without cancellation for either sign of rate.
 double impulse_to_regain(const NormalMotion& motion, double rate, double wanted) {
     const double square = motion.velocity * motion.velocity + 2.0 * rate * wanted;
-    return square < 0.0 ? never : 2.0 * wanted / (motion.velocity + std::sqrt(square));
+    return square < 0.0 ? endless : 2.0 * wanted / (motion.velocity + std::sqrt(square));
 }
 
 void advance(NormalMotion& motion, double rate, double impulse) {
@@ -143,7 +143,7 @@ bool is_straight(const ContactTerms& contact, ImpactProgress& at) {
 
 void add_piece(const ContactTerms& contact, ImpactProgress& at, const Eigen::Vector2d& pull, double rate,
                double length) {
-    if (!(length < never || rate > 0.0))
+    if (!(length < endless || rate > 0.0))
         refuse_singular();
     const Piece piece = follow_straight(at.normal, rate, length, contact.restitution);
     at.tangential_impulse += piece.impulse * pull;
@@ -175,7 +175,7 @@ void slide_curved(const ContactTerms& contact, ImpactProgress& at) {
 
 void slide_straight(const ContactTerms& contact, ImpactProgress& at) {
     const double growth = at.direction.dot(contact.slip_rate(at.direction));
-    const double to_stop = growth < 0.0 ? -at.speed / growth : never;
+    const double to_stop = growth < 0.0 ? -at.speed / growth : endless;
     add_piece(contact, at, -contact.friction * at.direction, contact.normal_rate(at.direction), to_stop);
     at.speed = 0.0;
 }
@@ -183,11 +183,11 @@ void slide_straight(const ContactTerms& contact, ImpactProgress& at) {
 void go_on_from_rest(const ContactTerms& contact, ImpactProgress& at) {
     const Eigen::Vector2d hold = solve(contact.tangential, contact.coupling);
     if (hold.norm() <= contact.friction) {
-        add_piece(contact, at, -hold, 1.0 - contact.coupling.dot(hold), never);
+        add_piece(contact, at, -hold, 1.0 - contact.coupling.dot(hold), endless);
         return;
     }
     const Eigen::Vector2d s = resumed_direction(contact);
-    add_piece(contact, at, -contact.friction * s, contact.normal_rate(s), never);
+    add_piece(contact, at, -contact.friction * s, contact.normal_rate(s), endless);
 }
 
 void follow_impact(const ContactTerms& contact, ImpactProgress& at) {

@@ -159,7 +159,7 @@ py::tuple solve(const py::object& rhs, const Array& y0, const Array& times, doub
     return told(std::move(solution));
 }
 
-constexpr const char* about =
+constexpr const char* about_equations =
     R"(Equations of motion of rods as a function: call it with (t, y), integrate it, or add terms of your own to it.
 
 RodEquations(poses, medium=None, kappa=0, gamma1=0, gamma2=0): poses (N, 3) as simulate has them. y is x, y and heading of
@@ -168,7 +168,7 @@ each rod in turn, 3 N numbers. Integrated as it is, it runs without Python, and 
 } // namespace
 
 void bind_integrate(py::module_& module) {
-    py::class_<RodEquations>(module, "RodEquations", about)
+    py::class_<RodEquations>(module, "RodEquations", about_equations)
         .def(py::init(&equations), py::arg("poses"), py::arg("medium") = py::none(), py::kw_only(),
              py::arg("kappa") = 0.0, py::arg("gamma1") = 0.0, py::arg("gamma2") = 0.0)
         .def_property_readonly(

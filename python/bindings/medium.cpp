@@ -63,7 +63,7 @@ std::string text_of(const Medium& m) {
 
 py::tuple values_of(const Medium& m) { return py::make_tuple(m.elastic.eta, m.elastic.xi, sides_of(m)); }
 
-constexpr const char* about = R"(The elastic medium that rods move in.
+constexpr const char* about_medium = R"(The elastic medium that rods move in.
 
 eta       lambda/mu, compression over shear modulus K/mu; above -1
 xi        screening length mu/(zeta v0) in f/mu; above 0. Or alpha = 1/xi
@@ -75,7 +75,7 @@ poisson_ratio gives eta = (1 + p)/(1 - p) instead. Without arguments eta = 1, xi
 
 void bind_medium(py::module_& module) {
     const py::none none;
-    py::class_<Medium>(module, "Medium", about)
+    py::class_<Medium>(module, "Medium", about_medium)
         .def(py::init(&make_medium), py::kw_only(), py::arg("eta") = none, py::arg("xi") = none,
              py::arg("alpha") = none, py::arg("poisson_ratio") = none, py::arg("periodic") = none)
         .def_property_readonly(

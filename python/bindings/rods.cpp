@@ -96,7 +96,7 @@ std::string text_of(const Run& run) {
            " rods, " + std::to_string(arrays_of(run).first.size()) + " times>";
 }
 
-constexpr const char* about =
+constexpr const char* about_run =
     "Motion of rods and how it ended. Lengths in f/mu, times in f/(mu v0), angles in rad.";
 
 } // namespace
@@ -104,7 +104,7 @@ constexpr const char* about =
 void bind_rods(py::module_& module) {
     const auto outcome = [](const Run& run) { return to_string(run.result.outcome.ending); };
     const auto message = [](const Run& run) { return run.result.solution.status.message(); };
-    py::class_<Run>(module, "RodResult", about)
+    py::class_<Run>(module, "RodResult", about_run)
         .def_property_readonly(
             "t", [](const Run& run) { return arrays_of(run).first; },
             "(T,): the output times, then the end if it is another time")

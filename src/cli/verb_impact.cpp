@@ -17,7 +17,7 @@ namespace {
 
 using granular::Impact;
 
-constexpr const char* header = "Px,Py,Pz,wx,wy,wz\n";
+constexpr const char* impact_header = "Px,Py,Pz,wx,wy,wz\n";
 
 struct Case {
     Eigen::Matrix3d inverse_mass;
@@ -101,7 +101,7 @@ int verb_impact(const Options& options) {
         check(c, problems);
     problems.throw_if_any();
     fmt::memory_buffer out; // every row before the first is printed: a bad one leaves nothing half-written
-    out.append(std::string_view(header));
+    out.append(std::string_view(impact_header));
     for (const Case& c : cases)
         try {
             add_row(c, problems, out);

@@ -22,7 +22,8 @@ namespace rodwake::cli {
 
 namespace {
 
-constexpr const char* header = "x,y,xi,eta,Ux,Uy,exx,exy,eyy,lapx,lapy,gradx_tr,grady_tr,dipUx,dipUy\n";
+constexpr const char* points_header =
+    "x,y,xi,eta,Ux,Uy,exx,exy,eyy,lapx,lapy,gradx_tr,grady_tr,dipUx,dipUy\n";
 
 struct Point {
     double x, y;
@@ -130,7 +131,7 @@ std::string name_of(const std::string& file) { return file == "-" ? "standard in
 int verb_field_points(const Options& options) {
     const std::vector<Point> points = read_points(options.points);
     fmt::memory_buffer out;
-    out.append(std::string_view(header));
+    out.append(std::string_view(points_header));
     Wakes wakes(options, points);
     std::vector<std::string> failed;
     for (const Point& point : points) {

@@ -50,7 +50,7 @@ void decide(DecayClass& c, double zero_chance, double farthest) {
 }
 
 constexpr double flattest = -1.0, steepest = 16.0; // exponents
-constexpr std::size_t least_points = 4;
+constexpr std::size_t fewest_points = 4;
 
 struct Fits {
     ShapeFit algebraic, exponential;
@@ -191,9 +191,9 @@ DecayClass classify(const DecayPoints& points, double from) {
     const Chosen chosen = choose(points, from);
     DecayClass c;
     c.points = static_cast<long>(chosen.r.size());
-    if (chosen.r.size() < least_points) {
+    if (chosen.r.size() < fewest_points) {
         c.reason = fmt::format("{} points with known errors from {:.3g} m on: at least {} are needed",
-                               c.points, from, least_points);
+                               c.points, from, fewest_points);
         return c;
     }
     const std::vector<double> g = pick(points.g_B, chosen);

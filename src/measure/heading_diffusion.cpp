@@ -133,7 +133,7 @@ Sums sum_of(std::span<const Sums> all, std::size_t without) {
 }
 
 /// What is fitted, the same for all parts and for all but one.
-struct Window {
+struct FitWindow {
     Row lag;                     // s, all lags
     std::size_t first = 0;       // of the fits, the last is that of all
     std::size_t middle = 0;      // first of the upper half
@@ -148,9 +148,9 @@ LineFit line(const Row& lag, const Row& value, std::size_t first, std::size_t la
     return fit_line(part(lag), part(value), part(lag));
 }
 
-Window window_of(const Sums& all, double step, std::span<const std::size_t> lags,
-                 const HeadingOptions& options) {
-    Window w;
+FitWindow window_of(const Sums& all, double step, std::span<const std::size_t> lags,
+                    const HeadingOptions& options) {
+    FitWindow w;
     for (const std::size_t k : lags)
         w.lag.push_back(static_cast<double>(k) * step);
     const auto at = [&](double lag) {
@@ -187,7 +187,7 @@ Row cosines_of(const Sums& s) {
 }
 
 /// Line through ln <cos d>; nothing without 3 lags. NaN where a mean is not positive.
-LineFit cosine_line(const Row& cosine, const Window& w) {
+LineFit cosine_line(const Row& cosine, const FitWindow& w) {
     Row logs;
     for (std::size_t k = 0; k < w.cosine_last; ++k)
         logs.push_back(k < w.first ? 0.0 : std::log(cosine[k]));
@@ -198,7 +198,7 @@ LineFit cosine_line(const Row& cosine, const Window& w) {
 }
 
 /// The numbers, then <d^2>, then <cos d>.
-Row row_of(const Sums& s, const Window& w) {
+Row row_of(const Sums& s, const FitWindow& w) {
     const Row square = squares_of(s), cosine = cosines_of(s);
     const std::size_t end = w.lag.size();
     Row row(numbers);
@@ -215,7 +215,7 @@ Row row_of(const Sums& s, const Window& w) {
 }
 
 /// Jackknife; unknown for one part.
-Row errors_of(std::span<const Sums> parts, const Window& w) {
+Row errors_of(std::span<const Sums> parts, const FitWindow& w) {
     const std::size_t n = parts.size();
     if (n < 2)
         return Row(numbers + 2 * w.lag.size(), unknown_error);
@@ -234,7 +234,7 @@ Row errors_of(std::span<const Sums> parts, const Window& w) {
     return errors;
 }
 
-HeadingDiffusion result_of(const Sums& all, std::span<const Sums> parts, const Window& w) {
+HeadingDiffusion result_of(const Sums& all, std::span<const Sums> parts, const FitWindow& w) {
     const Row row = row_of(all, w), errors = errors_of(parts, w);
     const auto estimate = [&](Number i) {
         return std::isfinite(row[i]) ? Estimate{row[i], errors[i], parts.size()} : Estimate{};

@@ -101,8 +101,8 @@ void LagrangianAccumulator::load(StateReader& in) {
 
 namespace {
 
-using Accumulator = LagrangianAccumulator;
-using Sums = std::array<double, Accumulator::channels>;
+using Lagrangian = LagrangianAccumulator;
+using Sums = std::array<double, Lagrangian::channels>;
 
 struct Sources {
     std::vector<const BlockSums*> blocks;
@@ -113,7 +113,7 @@ Sources sources_of(std::span<const DisplacementAccumulator> runs) {
     Sources sources;
     for (const DisplacementAccumulator& run : runs)
         for (const BlockSums* before = nullptr;
-             const BlockSums& block : std::get<Accumulator>(DisplacementSums::of(run).sums).blocks()) {
+             const BlockSums& block : std::get<Lagrangian>(DisplacementSums::of(run).sums).blocks()) {
             sources.follows.push_back(follows_of(before, block));
             sources.blocks.push_back(&block);
             before = &block;
@@ -125,11 +125,11 @@ Sources sources_of(std::span<const DisplacementAccumulator> runs) {
 Sums sums_of(const BlockSums& block, const std::vector<CellPart>& parts) {
     Sums total{};
     for (const CellPart& part : parts) {
-        const double* from = &block.sums[part.bin * Accumulator::channels];
-        for (std::size_t c = 0; c < Accumulator::channels; ++c)
+        const double* from = &block.sums[part.bin * Lagrangian::channels];
+        for (std::size_t c = 0; c < Lagrangian::channels; ++c)
             total[c] += part.weight * from[c];
-        total[Accumulator::along] -= part.weight * from[Accumulator::beads] * part.difference.x;
-        total[Accumulator::across] -= part.weight * from[Accumulator::beads] * part.difference.y;
+        total[Lagrangian::along] -= part.weight * from[Lagrangian::beads] * part.difference.x;
+        total[Lagrangian::across] -= part.weight * from[Lagrangian::beads] * part.difference.y;
     }
     return total;
 }
@@ -141,29 +141,29 @@ void put(const Sources& sources, std::size_t bin, const std::vector<CellPart>& p
     Sums total{};
     for (const BlockSums* block : sources.blocks) {
         blocks.push_back(sums_of(*block, parts));
-        for (std::size_t c = 0; c < Accumulator::channels; ++c)
+        for (std::size_t c = 0; c < Lagrangian::channels; ++c)
             total[c] += blocks.back()[c];
     }
-    const double beads = total[Accumulator::beads];
-    const Vector2 mean{total[Accumulator::along] / beads, total[Accumulator::across] / beads};
+    const double beads = total[Lagrangian::beads];
+    const Vector2 mean{total[Lagrangian::along] / beads, total[Lagrangian::across] / beads};
     std::vector<Vector2> pulls;
     std::vector<bool> present;
     for (const Sums& block : blocks) {
-        pulls.push_back({(block[Accumulator::along] - block[Accumulator::beads] * mean.x) / beads,
-                         (block[Accumulator::across] - block[Accumulator::beads] * mean.y) / beads});
-        present.push_back(block[Accumulator::beads] > 0.0);
+        pulls.push_back({(block[Lagrangian::along] - block[Lagrangian::beads] * mean.x) / beads,
+                         (block[Lagrangian::across] - block[Lagrangian::beads] * mean.y) / beads});
+        present.push_back(block[Lagrangian::beads] > 0.0);
     }
     samples.value[bin] = mean;
     samples.coherence[bin] = 1.0;
-    samples.place[bin].x += total[Accumulator::place_x] / beads;
-    samples.place[bin].y += total[Accumulator::place_y] / beads;
+    samples.place[bin].x += total[Lagrangian::place_x] / beads;
+    samples.place[bin].y += total[Lagrangian::place_y] / beads;
     scatter.add(bin, pulls, present, sources.follows);
 }
 
 double beads_in(const Sources& sources, std::size_t bin) {
     double beads = 0.0;
     for (const BlockSums* block : sources.blocks)
-        beads += block->sums[bin * Accumulator::channels + Accumulator::beads];
+        beads += block->sums[bin * Lagrangian::channels + Lagrangian::beads];
     return beads;
 }
 

@@ -19,10 +19,11 @@ namespace rodwake::measure {
 
 namespace {
 
-constexpr double window = 0.75, cut = 4.0; // standard deviation in lattice spacings; its reach in itself
+constexpr double window_width = 0.75,
+                 cut = 4.0; // standard deviation in lattice spacings; its reach in itself
 constexpr std::size_t channels = PhaseAccumulator::channels;
 
-using Sums = std::vector<double>;
+using BinSums = std::vector<double>;
 
 /// Adds w times the sums of a bin `apart` away along one axis.
 void add_bin(double* to, const double* from, double w, double apart, std::size_t place) {
@@ -32,8 +33,8 @@ void add_bin(double* to, const double* from, double w, double apart, std::size_t
 }
 
 /// Weighted means along x or y of the periodic grid.
-Sums blurred(const Sums& sums, const RodGrid& grid, double width, bool along_x) {
-    Sums result(sums.size(), 0.0);
+BinSums blurred(const BinSums& sums, const RodGrid& grid, double width, bool along_x) {
+    BinSums result(sums.size(), 0.0);
     const double spacing = along_x ? grid.width : grid.height;
     const long n = static_cast<long>(grid.columns), m = static_cast<long>(grid.rows),
                reach = std::min(static_cast<long>(cut * width / spacing), (along_x ? n : m) / 2 - 1);
@@ -53,7 +54,7 @@ Sums blurred(const Sums& sums, const RodGrid& grid, double width, bool along_x) 
     return result;
 }
 
-std::complex<double> far_sum(const Sums& sums, std::size_t k, const RodGrid& grid, double far_from) {
+std::complex<double> far_sum(const BinSums& sums, std::size_t k, const RodGrid& grid, double far_from) {
     std::complex<double> total = 0.0;
     for (std::size_t j = 0; j < grid.bins(); ++j)
         if (std::hypot(grid.x_of(j), grid.y_of(j)) > far_from)
@@ -61,7 +62,7 @@ std::complex<double> far_sum(const Sums& sums, std::size_t k, const RodGrid& gri
     return total;
 }
 
-void take_off(Sums& sums, std::size_t k, const std::complex<double>& phase) {
+void take_off(BinSums& sums, std::size_t k, const std::complex<double>& phase) {
     for (std::size_t at = 2 * k; at < sums.size(); at += channels) {
         const auto z = times({sums[at], sums[at + 1]}, phase);
         sums[at] = z.real();
@@ -73,8 +74,8 @@ void take_off(Sums& sums, std::size_t k, const std::complex<double>& phase) {
 /// phases taken off.
 std::vector<double> windowed_density(const BlockSums& block, const RodGrid& grid, double lattice_spacing,
                                      double far_from) {
-    const double width = window * lattice_spacing;
-    Sums sums = blurred(blurred(block.sums, grid, width, true), grid, width, false);
+    const double width = window_width * lattice_spacing;
+    BinSums sums = blurred(blurred(block.sums, grid, width, true), grid, width, false);
     for (std::size_t k = 0; k < 3; ++k) {
         const auto far = far_sum(sums, k, grid, far_from);
         if (far != 0.0)

@@ -10,7 +10,6 @@ namespace rodwake::measure {
 namespace {
 
 constexpr int newton_steps = 8;
-constexpr std::size_t channels = PhaseAccumulator::channels;
 
 } // namespace
 
@@ -22,7 +21,7 @@ PhaseCell::PhaseCell(const std::vector<PhaseBlock>& blocks, const std::vector<Ce
 }
 
 void PhaseCell::add(const PhaseBlock& block, const CellPart& part, Sums& to) {
-    const double* from = &block.sums[part.bin * channels];
+    const double* from = &block.sums[part.bin * PhaseAccumulator::channels];
     if (from[PhaseAccumulator::beads] == 0.0)
         return;
     const bool moved = part.difference != Vector2{};

@@ -72,14 +72,14 @@ double correlation_factor(double r) {
 
 namespace {
 
-using Row = std::span<const double>;
+using Values = std::span<const double>;
 
-void want_finite(const char* what, Row values) {
+void want_finite(const char* what, Values values) {
     if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); }))
         throw InputError(fmt::format("measure: {} of a line fit that are not all finite", what));
 }
 
-void check_points(Row x, Row y, Row error) {
+void check_points(Values x, Values y, Values error) {
     if (x.size() != y.size() || x.size() != error.size())
         throw InputError(fmt::format("measure: a line fit of {} x, {} y and {} errors: must be as many",
                                      x.size(), y.size(), error.size()));
@@ -99,7 +99,7 @@ void check_points(Row x, Row y, Row error) {
 }
 
 /// Weights over the largest, so that their squares neither overflow nor vanish.
-std::vector<double> relative_weights(Row error, double smallest) {
+std::vector<double> relative_weights(Values error, double smallest) {
     std::vector<double> weights;
     for (const double e : error)
         weights.push_back((smallest / e) * (smallest / e));
@@ -112,7 +112,7 @@ void want_lever(double xx) {
                          "errors so large that they have no weight");
 }
 
-double chi2_of(Row x, Row y, Row error, const LineFit& fit) {
+double chi2_of(Values x, Values y, Values error, const LineFit& fit) {
     double chi2 = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
         const double off = (y[i] - fit.intercept.value - fit.slope.value * x[i]) / error[i];
@@ -123,7 +123,7 @@ double chi2_of(Row x, Row y, Row error, const LineFit& fit) {
 
 } // namespace
 
-LineFit fit_line(Row x, Row y, Row error) {
+LineFit fit_line(Values x, Values y, Values error) {
     check_points(x, y, error);
     const double unit = *std::ranges::min_element(error);
     const std::vector<double> w = relative_weights(error, unit);
@@ -151,7 +151,7 @@ LineFit fit_line(Row x, Row y, Row error) {
     return fit;
 }
 
-LineFit fit_proportional(Row x, Row y, Row error) {
+LineFit fit_proportional(Values x, Values y, Values error) {
     check_points(x, y, error);
     const double unit = *std::ranges::min_element(error);
     const std::vector<double> w = relative_weights(error, unit);

@@ -26,7 +26,7 @@ void belongs_to_maps(const Fit& fit, const Report& report) {
     only(!fit.masks.empty(), "masks");
 }
 
-void needed(const Fit& fit, const Report& report) {
+void needed_by_maps(const Fit& fit, const Report& report) {
     if (fit.maps.empty())
         return;
     const auto need = [&](bool there, const char* text) {
@@ -77,7 +77,7 @@ void map(const FitMap& one, const std::string& path, const Report& report) {
 
 void check_fit_maps(const Fit& fit, const Report& report) {
     belongs_to_maps(fit, report);
-    needed(fit, report);
+    needed_by_maps(fit, report);
     fixed_errors(fit, report);
     for (std::size_t i = 0; i < fit.masks.size(); ++i)
         mask(fit.masks[i], fmt::format("fit.masks.{}", i), report);

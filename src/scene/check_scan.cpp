@@ -116,7 +116,7 @@ void check_design(const Scan& scan, const Report& report) {
         report("scan.refine", "[[scan.refine]] needs design = \"adaptive\"");
 }
 
-void check_rods(const Scene& scene, const Report& report) {
+void check_scanned_rods(const Scene& scene, const Report& report) {
     if (!scene.rods_run)
         report("scan", "[scan] needs [[rods]] with [rods_run], or [granular]");
     else if (scene.rods.size() < 2)
@@ -148,7 +148,7 @@ void check_subject(const Scene& scene, const Report& report) {
     if (scan_subject(scene) == ScanSubject::beds)
         check_beds(scene, report);
     else
-        check_rods(scene, report);
+        check_scanned_rods(scene, report);
     if (!scene.variants.empty())
         report("scan", "[scan] and [[variants]] do not go together: make the variants an axis");
 }

@@ -96,12 +96,13 @@ RunCost CostMeter::cost() const {
     return all;
 }
 
-std::vector<std::string> cost_lines(const RunCost& cost) {
+std::vector<std::string> cost_lines(const RunCost& cost, std::size_t runs) {
     const double all = cost.start + cost.of_steps_and_records();
     std::vector<std::string> lines = {
-        fmt::format("{} of wall clock, {:.3g} particle steps a second without the start; of these (steps: "
+        fmt::format("{} of wall clock{}, {:.3g} particle steps a second without the start; of these (steps: "
                     "every {}th timed)",
-                    duration_text(all), cost.particle_steps_per_second(), timed_every)};
+                    duration_text(all), runs > 1 ? fmt::format(" summed over {} runs", runs) : "",
+                    cost.particle_steps_per_second(), timed_every)};
     for (const CostPart& part : cost_parts)
         if (const double seconds = cost.*part.seconds; seconds > 0.0)
             lines.push_back(fmt::format("  {:<30} {:>8} {:>8}", part.words, duration_text(seconds),

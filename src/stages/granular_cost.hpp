@@ -60,7 +60,8 @@ private:
     std::int64_t steps_ = 0;
 };
 
-/// A table for the end of a command, line by line.
-std::vector<std::string> cost_lines(const RunCost& cost);
+/// A table for the end of a command, line by line; `cost` is the sum of so many runs, which may have run side
+/// by side.
+std::vector<std::string> cost_lines(const RunCost& cost, std::size_t runs);
 
 } // namespace rodwake::stages

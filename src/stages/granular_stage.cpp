@@ -70,12 +70,15 @@ void report_one(const Session& session, const GranularSummary& s) {
 /// Of all finished runs, whichever command made them.
 void report_cost(const Session& session, const std::vector<BedWork>& all) {
     RunCost sum;
+    std::size_t runs = 0;
     for (const BedWork& bed : all)
         for (const GranularResult& result : bed.results)
-            if (result.end == StageEnd::finished)
+            if (result.end == StageEnd::finished) {
                 sum += result.summary.cost;
+                ++runs;
+            }
     if (sum.particle_steps > 0.0)
-        for (const std::string& line : cost_lines(sum))
+        for (const std::string& line : cost_lines(sum, runs))
             session.log->info("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
 }
 

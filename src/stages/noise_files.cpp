@@ -1,6 +1,7 @@
 // What an ensemble of rods that diffuse leaves: noise.json and ensemble.csv.
 
 #include "noise_runs.hpp"
+#include "rods_ensemble.hpp"
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/store/csv.hpp"
 
@@ -19,8 +20,6 @@ using nlohmann::ordered_json;
 using rods::NoiseSums;
 using rods::NoisyEnd;
 
-constexpr std::array endings = {Ending::contact, Ending::pursuit, Ending::escape, Ending::undecided};
-
 ordered_json known(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
 
 /// Numbers of [time][rod] as such a table.
@@ -36,7 +35,7 @@ ordered_json table_of(const std::vector<double>& values, std::size_t rods, doubl
 
 ordered_json endings_json(const NoiseSums& sums) {
     ordered_json json;
-    for (const Ending ending : endings)
+    for (const Ending ending : all_endings)
         json[to_string(ending)] = std::ranges::count_if(
             sums.ends, [&](const NoisyEnd& end) { return !end.failed && end.ending == ending; });
     json["failed"] = std::ranges::count_if(sums.ends, &NoisyEnd::failed);
@@ -106,7 +105,7 @@ std::string noise_csv(const NoiseSums& sums, std::size_t rods, const OutputUnits
     const auto of_pair = [&](double value) { return rods > 1 ? value : std::nan(""); };
     for (std::size_t i = 0; i < sums.ends.size(); ++i) {
         const NoisyEnd& end = sums.ends[i];
-        const auto ending = std::ranges::find(endings, end.ending) - endings.begin();
+        const auto ending = std::ranges::find(all_endings, end.ending) - all_endings.begin();
         const double row[] = {static_cast<double>(i),
                               end.failed ? std::nan("") : static_cast<double>(ending),
                               end.time * units.time,

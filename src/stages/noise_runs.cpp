@@ -2,6 +2,7 @@
 
 #include "progress.hpp"
 #include "rodwake/core/build_info.hpp"
+#include "values_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,21 +19,18 @@ using nlohmann::json;
 using rods::NoiseSums;
 
 /// What must be the same for the runs so far to count.
-std::string key_of(const scene::Scene& scene, const std::string& field) {
+std::string runs_key_of(const scene::Scene& scene, const std::string& field) {
     const BuildInfo build = build_info();
     // max_steps is no part of the stage's key, but of what makes a run fail
     return build.version + " " + build.git + "\n" + stage_key(scene, assembly::Stage::rods) + "\n" + field +
            fmt::format("\nmax_steps {}", scene.rods_run->max_steps);
 }
 
-/// JSON has no infinity; null stands for it.
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
 json to_json(const NoiseSums& sums) {
     json ends = json::array();
     for (const rods::NoisyEnd& end : sums.ends)
-        ends.push_back({end.failed, static_cast<int>(end.ending), end.time, number(end.min_separation),
-                        end.first, end.second});
+        ends.push_back({end.failed, static_cast<int>(end.ending), end.time,
+                        finite_or_null(end.min_separation), end.first, end.second});
     return {{"ends", ends},
             {"failure", sums.failure},
             {"reached", sums.reached},
@@ -110,7 +108,7 @@ private:
 
 bool run_noise(const Session& session, const assembly::RodsPlan& plan, const rods::RodProblem& problem,
                const std::string& field, NoiseSums& sums) {
-    const std::string name = plan.of.folder + "noise_progress.json", key = key_of(plan.of.scene, field);
+    const std::string name = plan.of.folder + "noise_progress.json", key = runs_key_of(plan.of.scene, field);
     const assembly::NoisePlan& of = *plan.noise;
     sums = rods::no_runs(problem);
     const auto file = session.directory.file(name);

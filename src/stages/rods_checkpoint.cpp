@@ -4,6 +4,7 @@
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/stages/run_folder.hpp"
+#include "values_json.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -18,8 +19,6 @@ namespace {
 using nlohmann::json;
 
 /// Numbers are written with as many digits as their bits need; JSON has no infinity, null stands for it.
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
 double number(const json& value) {
     return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
 }
@@ -33,9 +32,10 @@ std::string key_of(const scene::Scene& scene, const std::string& field) {
 json to_json(const rods::SeparationRecord& record) {
     json late = json::array();
     for (const LatePart& range : record.late)
-        late.push_back({number(range.min_separation), number(range.max_separation), range.max_turning});
+        late.push_back(
+            {finite_or_null(range.min_separation), finite_or_null(range.max_separation), range.max_turning});
     const rods::Separation& pair = record.smallest;
-    return {{"smallest", {pair.first, pair.second, number(pair.distance), record.smallest_time}},
+    return {{"smallest", {pair.first, pair.second, finite_or_null(pair.distance), record.smallest_time}},
             {"late_from", record.late_from},
             {"late", late}};
 }

@@ -19,8 +19,6 @@ using assembly::OutputUnits;
 using nlohmann::ordered_json;
 using rods::RodResult;
 
-constexpr std::array endings = {Ending::contact, Ending::pursuit, Ending::escape, Ending::undecided};
-
 bool is_ok(const RodResult& one) { return one.solution.status.ok(); }
 
 double final_separation(const RodResult& one, rods::Box box) {
@@ -63,7 +61,7 @@ std::string ensemble_csv(const std::vector<RodResult>& samples, rods::Box box, c
     std::vector<std::vector<double>> columns(names.size());
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const RodResult& one = samples[i];
-        const auto ending = std::ranges::find(endings, one.outcome.ending) - endings.begin();
+        const auto ending = std::ranges::find(all_endings, one.outcome.ending) - all_endings.begin();
         const double row[] = {static_cast<double>(i),
                               is_ok(one) ? static_cast<double>(ending) : std::nan(""),
                               one.outcome.time * units.time,
@@ -78,7 +76,7 @@ std::string ensemble_csv(const std::vector<RodResult>& samples, rods::Box box, c
 
 ordered_json ensemble_json(const std::vector<RodResult>& samples, rods::Box box, const OutputUnits& units) {
     ordered_json json = {{"samples", samples.size()}};
-    for (const Ending ending : endings)
+    for (const Ending ending : all_endings)
         json[to_string(ending)] = std::ranges::count_if(
             samples, [&](const RodResult& one) { return is_ok(one) && one.outcome.ending == ending; });
     json["failed"] = std::ranges::count_if(samples, [](const RodResult& one) { return !is_ok(one); });

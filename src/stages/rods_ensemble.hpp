@@ -8,10 +8,14 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <string>
 #include <vector>
 
 namespace rodwake::stages {
+
+inline constexpr std::array all_endings = {Ending::contact, Ending::pursuit, Ending::escape,
+                                           Ending::undecided};
 
 /// Runs `samples` draws over the threads; results do not depend on their number. Empty if stopped on the way.
 std::vector<rods::RodResult> run_ensemble(const rods::RodProblem& problem, const rods::RodOptions& options,

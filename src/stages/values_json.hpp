@@ -5,7 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+
 namespace rodwake::stages {
+
+/// JSON has no infinity and no NaN; null stands for them.
+inline nlohmann::json finite_or_null(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
 
 /// Where "rods.0.force" stands in a document: the text of a JSON pointer.
 std::string pointer_to(const std::string& name);

@@ -13,9 +13,9 @@ namespace rodwake::store {
 
 namespace {
 
-constexpr std::string_view magic = "RWKBLOC\n";
-constexpr std::uint32_t version = 2, byte_order = 0x01020304, other_order = 0x04030201;
-constexpr std::size_t header_size = 40, block_overhead = 24;
+constexpr std::string_view block_magic = "RWKBLOC\n";
+constexpr std::uint32_t block_version = 2, block_order = 0x01020304, other_order = 0x04030201;
+constexpr std::size_t block_header_size = 40, block_overhead = 24;
 
 template<class Integer>
 void put(std::string& out, Integer value) {
@@ -41,7 +41,7 @@ void put_block(std::string& out, const Block& block) {
 }
 
 std::size_t encoded_size(std::span<const Block> blocks) {
-    std::size_t size = header_size + 8;
+    std::size_t size = block_header_size + 8;
     for (const Block& block : blocks)
         size += block_overhead + block.name.size() + block.content.size();
     return size;
@@ -75,11 +75,12 @@ private:
     void check_magic() const {
         if (bytes_.empty())
             fail("not a checkpoint: the file is empty");
-        const std::size_t common = std::min(bytes_.size(), magic.size());
-        if (bytes_.substr(0, common) != magic.substr(0, common))
+        const std::size_t common = std::min(bytes_.size(), block_magic.size());
+        if (bytes_.substr(0, common) != block_magic.substr(0, common))
             fail("not a checkpoint, or its first bytes are damaged");
-        if (bytes_.size() < header_size + 8)
-            fail("truncated checkpoint: {} bytes, at least {} expected", bytes_.size(), header_size + 8);
+        if (bytes_.size() < block_header_size + 8)
+            fail("truncated checkpoint: {} bytes, at least {} expected", bytes_.size(),
+                 block_header_size + 8);
     }
 
     void check_header() {
@@ -87,12 +88,12 @@ private:
             fail("written on a machine of the other byte order; it can be taken up only on such a machine");
         if (peek<std::uint64_t>(bytes_, 32) != xxh3(bytes_.substr(0, 32)))
             fail("damaged header");
-        if (const auto found = peek<std::uint32_t>(bytes_, 8); found != version)
-            fail("checkpoint of format version {}; this program reads version {}", found, version);
-        if (peek<std::uint32_t>(bytes_, 12) != byte_order)
+        if (const auto found = peek<std::uint32_t>(bytes_, 8); found != block_version)
+            fail("checkpoint of format version {}; this program reads version {}", found, block_version);
+        if (peek<std::uint32_t>(bytes_, 12) != block_order)
             fail("checkpoint of an unknown byte order");
         check_length(peek<std::uint64_t>(bytes_, 16));
-        at_ = header_size;
+        at_ = block_header_size;
     }
 
     void check_length(std::uint64_t wanted) const {
@@ -138,10 +139,10 @@ private:
 } // namespace
 
 std::string encode_blocks(std::span<const Block> blocks) {
-    std::string out(magic);
+    std::string out(block_magic);
     out.reserve(encoded_size(blocks));
-    put(out, version);
-    put(out, byte_order);
+    put(out, block_version);
+    put(out, block_order);
     put(out, std::uint64_t{encoded_size(blocks)});
     put(out, std::uint64_t{blocks.size()});
     put(out, xxh3(out));

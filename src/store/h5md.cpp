@@ -1,5 +1,6 @@
 #include "rodwake/store/h5md.hpp"
 
+#include "h5md_places.hpp"
 #include "hdf5_file.hpp"
 
 #include <limits>
@@ -9,7 +10,6 @@ namespace rodwake::store {
 
 namespace {
 
-const std::string spheres = "particles/trajectory/", rods = "particles/trajectory_rods/";
 constexpr hsize_t rows_of_numbers = 1024; ///< in a chunk
 
 FrameLayout checked(FrameLayout layout) {

@@ -1,5 +1,6 @@
 #include "rodwake/store/h5md_reader.hpp"
 
+#include "h5md_places.hpp"
 #include "hdf5_input.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +13,6 @@ namespace rodwake::store {
 
 namespace {
 
-const std::string spheres = "particles/trajectory/", rods = "particles/trajectory_rods/";
 constexpr hsize_t rows_at_once = 1024;
 
 /// Box edges of one frame.
@@ -139,7 +139,7 @@ TrajectoryInfo read_trajectory_info(const Hdf5Input& file) {
     return info;
 }
 
-const std::string advice =
+const std::string trajectory_advice =
     "give a trajectory.h5md as rodwake dem writes it, or repeat the run if this should be one";
 
 /// Position and number of the box of one kind of bodies.
@@ -202,7 +202,7 @@ struct H5mdReader::Impl {
     std::optional<Rods> rods;
 
     explicit Impl(const std::filesystem::path& path)
-        : file(path, advice), info(read_trajectory_info(file)),
+        : file(path, trajectory_advice), info(read_trajectory_info(file)),
           places(file, "particles/trajectory/", info.frames(), info.particles),
           velocity(file, "particles/trajectory/velocity/value", {info.frames(), info.particles, 3}) {
         if (info.rods > 0)

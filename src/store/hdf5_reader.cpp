@@ -10,7 +10,8 @@ namespace rodwake::store {
 
 namespace {
 
-const std::string advice = "give a result file as rodwake writes it, or repeat the run if this should be one";
+const std::string result_advice =
+    "give a result file as rodwake writes it, or repeat the run if this should be one";
 
 std::string one_text(const Hdf5Input& file, const std::string& owner, const std::string& name) {
     const auto texts = text_attribute(file, owner, name);
@@ -22,7 +23,7 @@ std::string one_text(const Hdf5Input& file, const std::string& owner, const std:
 } // namespace
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& path)
-    : file_((Hdf5Guard(), std::make_unique<Hdf5Input>(path, advice))) {}
+    : file_((Hdf5Guard(), std::make_unique<Hdf5Input>(path, result_advice))) {}
 
 Hdf5Reader::~Hdf5Reader() {
     const Hdf5Guard guard;

@@ -20,8 +20,6 @@ namespace {
 using assembly::ScanPlan;
 using nlohmann::ordered_json;
 
-bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
-
 const char* spacing_name(scan::Spacing spacing) {
     static constexpr const char* names[] = {"linear", "log", "listed"};
     return names[static_cast<std::size_t>(spacing)];

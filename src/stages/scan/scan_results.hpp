@@ -10,6 +10,8 @@
 
 namespace rodwake::stages {
 
+inline bool of_beds(const assembly::ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
+
 /// scan.csv, scan.h5 (with the sample of trajectories), scan.json; cells.csv and boundary.csv where there are
 /// cells and boundaries; of beds what scan_bed_results.hpp says. Throws RunError.
 void write_scan(const std::filesystem::path& folder, const assembly::ScanPlan& plan, const scene::Scan& keys,

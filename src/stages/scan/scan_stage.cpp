@@ -21,8 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using assembly::ScanPlan;
 
-bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
-
 scan::Evaluate evaluate_of(const ScanPlan& plan, const fs::path& folder, const RunContext& context,
                            const Logger& log) {
     return of_beds(plan) ? evaluate_beds(plan, folder, context, log) : evaluate_rods(plan, context.stop);

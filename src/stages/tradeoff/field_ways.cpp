@@ -21,9 +21,9 @@ using scene::FieldBackend;
 constexpr double budget = 0.1; ///< s, of repeats of a map
 /// What the exact field keeps to (docs/validation.md, "The exact field"): no smaller error is quoted.
 constexpr double least_error = 2e-13;
-constexpr double tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10};
+constexpr double table_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10};
 
-struct FieldWay {
+struct MappedWay {
     FieldBackend field = FieldBackend::exact;
     double tolerance = 0.0;
 };
@@ -53,7 +53,7 @@ std::vector<Place> places_of(const scene::Scene& scene) {
     return all;
 }
 
-scene::Scene mapped_by(scene::Scene scene, const FieldWay& way) {
+scene::Scene mapped_by(scene::Scene scene, const MappedWay& way) {
     scene.medium->field = way.field;
     scene.medium->table.reset();
     if (way.field == FieldBackend::table)
@@ -104,7 +104,7 @@ double error_of(const std::vector<FieldValues>& map, const std::vector<FieldValu
 
 class FieldTrials {
 public:
-    FieldTrials(scene::Scene scene, std::vector<FieldWay> ways, const RunContext& context)
+    FieldTrials(scene::Scene scene, std::vector<MappedWay> ways, const RunContext& context)
         : scene_(std::move(scene)), ways_(std::move(ways)), places_(places_of(scene_)), context_(context),
           fields_(context, {}, make_silent_logger()) {}
 
@@ -125,7 +125,7 @@ public:
     }
 
 private:
-    std::vector<FieldValues> map_of(const FieldWay& way, double* seconds) {
+    std::vector<FieldValues> map_of(const MappedWay& way, double* seconds) {
         const auto field = fields_.of(mapped_by(scene_, way));
         const auto wake = field->wake(0.0);
         std::vector<FieldValues> map(places_.size());
@@ -142,7 +142,7 @@ private:
     }
 
     scene::Scene scene_;
-    std::vector<FieldWay> ways_;
+    std::vector<MappedWay> ways_;
     std::vector<Place> places_;
     const RunContext& context_;
     WakeFields fields_;
@@ -158,15 +158,15 @@ WaySubject field_ways(const scene::Scene& scene, const RunContext& context) {
     if (scene.medium->fitted || scene.medium->field == FieldBackend::measured)
         throw InputError(scene.path + ": the field of this scene is measured or fitted: there is one way to "
                                       "map it; give eta and xi in [medium] to compare the others");
-    std::vector<FieldWay> ways{{}};
+    std::vector<MappedWay> ways{{}};
     const bool square = !scene.medium->periodic || scene.medium->periodic->square(); // tables know no other
-    for (const double tolerance : square ? std::span(tolerances) : std::span<const double>())
+    for (const double tolerance : square ? std::span(table_tolerances) : std::span<const double>())
         ways.push_back({FieldBackend::table, tolerance});
     WaySubject subject{stage_key(mapped_by(scene, {}), assembly::Stage::field),
                        "the exact field (docs/validation.md)",
                        {},
                        {}};
-    for (const FieldWay& way : ways)
+    for (const MappedWay& way : ways)
         subject.ways.push_back(
             {.keys =
                  way.field == FieldBackend::exact

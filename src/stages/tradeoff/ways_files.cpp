@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr assembly::ColumnInfo columns[] = {
+constexpr assembly::ColumnInfo columns_of_ways[] = {
     {"way", "1", "number of the way, from 0, which is the reference where there is one among them"},
     {"keys", "1", "its keys"},
     {"seconds", "s", "CPU time of one run"},
@@ -33,27 +33,31 @@ constexpr assembly::ColumnInfo columns[] = {
     {"status", "1", "ok, or why there is no result"}};
 
 /// JSON has no infinity and no NaN: those are null, and infinite here.
-ordered_json number(double value) {
+ordered_json number_or_null(double value) {
     return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
-double number(const ordered_json& value) { return value.is_null() ? HUGE_VAL : value.get<double>(); }
+double number_or_null(const ordered_json& value) { return value.is_null() ? HUGE_VAL : value.get<double>(); }
 
 ordered_json found_json(const Found& f) {
     return {{"quantity", f.name},
             {"unit", f.unit},
-            {"value", number(f.value)},
-            {"error", number(f.error)},
-            {"scatter", number(f.scatter)},
-            {"bias", number(f.bias)},
-            {"bias_error", number(f.bias_error)},
+            {"value", number_or_null(f.value)},
+            {"error", number_or_null(f.error)},
+            {"scatter", number_or_null(f.scatter)},
+            {"bias", number_or_null(f.bias)},
+            {"bias_error", number_or_null(f.bias_error)},
             {"scale", f.scale}};
 }
 
 Found found_of(const ordered_json& json) {
-    return {json.at("quantity"),           json.at("unit"),
-            number(json.at("value")),      number(json.at("error")),
-            number(json.at("scatter")),    number(json.at("bias")),
-            number(json.at("bias_error")), json.at("scale")};
+    return {json.at("quantity"),
+            json.at("unit"),
+            number_or_null(json.at("value")),
+            number_or_null(json.at("error")),
+            number_or_null(json.at("scatter")),
+            number_or_null(json.at("bias")),
+            number_or_null(json.at("bias_error")),
+            json.at("scale")};
 }
 
 ordered_json way_json(const Way& way) {
@@ -61,14 +65,14 @@ ordered_json way_json(const Way& way) {
     for (const Found& one : way.found)
         found.push_back(found_json(one));
     return {{"keys", way.keys},
-            {"seconds", number(way.seconds)},
+            {"seconds", number_or_null(way.seconds)},
             {"runs", way.runs},
             {"found", found},
             {"status", way.status}};
 }
 
 Way way_of(const ordered_json& json) {
-    Way way{json.at("keys"), number(json.at("seconds")), json.at("runs"), {}, json.at("status")};
+    Way way{json.at("keys"), number_or_null(json.at("seconds")), json.at("runs"), {}, json.at("status")};
     for (const ordered_json& found : json.at("found"))
         way.found.push_back(found_of(found));
     return way;
@@ -82,7 +86,7 @@ Part part_named(const std::string& name) {
 }
 
 /// Words of a cell, which may have commas and line breaks.
-std::string quoted(std::string text) {
+std::string in_quotes(std::string text) {
     std::ranges::replace(text, '\n', ' ');
     std::ranges::replace(text, '"', '\'');
     return '"' + text + '"';
@@ -90,7 +94,7 @@ std::string quoted(std::string text) {
 
 } // namespace
 
-std::span<const assembly::ColumnInfo> ways_columns() { return columns; }
+std::span<const assembly::ColumnInfo> ways_columns() { return columns_of_ways; }
 
 std::string ways_json(const Ways& ways, const std::string& command) {
     ordered_json json;
@@ -111,19 +115,19 @@ std::string ways_json(const Ways& ways, const std::string& command) {
 
 std::string ways_csv(const Ways& ways) {
     std::string text;
-    for (const assembly::ColumnInfo& column : columns)
+    for (const assembly::ColumnInfo& column : columns_of_ways)
         text += (text.empty() ? "" : ",") + std::string(column.name);
     for (std::size_t k = 0; k < ways.ways.size(); ++k) {
         const Way& way = ways.ways[k];
         const std::string head =
-            fmt::format("\n{},{},{:.6g},{}", k, quoted(fmt::format("{}", fmt::join(way.keys, " "))),
+            fmt::format("\n{},{},{:.6g},{}", k, in_quotes(fmt::format("{}", fmt::join(way.keys, " "))),
                         way.seconds, way.runs);
         for (const Found& f : way.found)
             text += fmt::format("{},{},{},{:.9g},{:.6g},{:.6g},{:.6g},{:.6g},{:.9g},{}", head, f.name,
-                                quoted(f.unit), f.value, f.error, f.scatter, f.bias, f.bias_error, f.scale,
-                                quoted(way.status));
+                                in_quotes(f.unit), f.value, f.error, f.scatter, f.bias, f.bias_error, f.scale,
+                                in_quotes(way.status));
         if (way.found.empty())
-            text += fmt::format("{},,,,,,,,,{}", head, quoted(way.status));
+            text += fmt::format("{},,,,,,,,,{}", head, in_quotes(way.status));
     }
     return text + "\n";
 }
