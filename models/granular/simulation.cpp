@@ -274,6 +274,12 @@ struct Simulation::Impl {
     }
 };
 
+std::size_t worthwhile_threads(const GranularProblem& problem, std::size_t threads) {
+    // TODO
+    constexpr std::size_t beads_per_thread = 15'000;
+    return threads_for(problem.beads, beads_per_thread, threads);
+}
+
 Simulation::Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies,
                        std::size_t threads) {
     validate(problem);
