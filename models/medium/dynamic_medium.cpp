@@ -1,7 +1,6 @@
 #include "rodwake/medium/dynamic_medium.hpp"
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/parallel.hpp"
 
 #include <fmt/format.h>
 
@@ -71,14 +70,6 @@ double bytes_needed(const DynamicMedium& medium, std::size_t rods) {
     // amplitudes: four numbers a mode in each of eight states of the fields; weights: ten complex numbers a
     // rod, or with inertia four forces
     return 8.0 * modes * (32.0 * parts * fields + 20.0 * static_cast<double>(rods));
-}
-
-std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, std::size_t threads) {
-    // TODO
-    constexpr std::size_t modes_per_thread = 2000, modes_of_a_rod = 9;
-    const std::size_t modes = medium.modes * medium.modes / 2;
-    const bool mesh = evaluation_of(medium, rods) == Evaluation::mesh;
-    return threads_for(mesh ? modes + modes_of_a_rod * rods : modes * rods / 2, modes_per_thread, threads);
 }
 
 void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::size_t rods) {

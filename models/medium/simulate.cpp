@@ -4,6 +4,7 @@
 #include "closed_rates.hpp"
 #include "film_reel.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/modal_field.hpp"
 #include "rodwake/rods/conclude.hpp"
 #include "step_control.hpp"
@@ -298,6 +299,14 @@ private:
 };
 
 } // namespace
+
+std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, std::size_t threads) {
+    // TODO
+    constexpr std::size_t modes_per_thread = 2000, modes_of_a_rod = 9;
+    const std::size_t modes = medium.modes * medium.modes / 2;
+    const bool mesh = evaluation_of(medium, rods) == Evaluation::mesh;
+    return threads_for(mesh ? modes + modes_of_a_rod * rods : modes * rods / 2, modes_per_thread, threads);
+}
 
 void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods) {
     if (rods.size() < 2)

@@ -11,8 +11,8 @@ namespace rodwake {
 
 namespace {
 
-// The gate of a team: the lowest bit is set while a round takes in workers, then come 15 bits for how many are
-// inside, then the number of the round, which may wrap.
+// The gate of a team: the lowest bit is set while a round takes in workers, then come 15 bits for how many
+// are inside, then the number of the round, which may wrap.
 //
 // A worker comes in by one exchange of the whole gate, from open with n inside to open with n + 1, so never
 // into a closed round. The caller writes what a round needs before it opens the gate and again only after it
@@ -20,11 +20,15 @@ namespace {
 // in sees the next round and is not waited for.
 constexpr std::uint32_t open = 1, one_inside = 2, one_round = 1U << 16;
 
+// Tasks that are taken, of a round: the lower half of a number counts those from the first on, the upper half
+// those from the last on. Who adds one and finds that not all were taken has got a task.
+constexpr std::uint64_t from_first = 1, from_last = std::uint64_t{1} << 32;
+
 std::uint32_t inside(std::uint32_t gate) { return gate % one_round / one_inside; }
 std::uint32_t round_of(std::uint32_t gate) { return gate / one_round; }
 
-/// To send a thread to sleep and wake it takes 10 to 50 us, so a longer watch saves nothing; and beside another
-/// program the processor may be wanted.
+/// To send a thread to sleep and wake it takes 10 to 50 us, so a longer watch saves nothing; and beside
+/// another program the processor may be wanted.
 constexpr auto watch = std::chrono::microseconds(50);
 
 void pause() {
@@ -70,25 +74,30 @@ void Team::start() {
         workers_.emplace_back([this] { work(); });
 }
 
-void Team::take_tasks() {
-    for (std::size_t i = next_++; i < count_; i = next_++)
-        call_(context_, i);
+void Team::take_tasks(std::uint64_t one) {
+    for (;;) {
+        const std::uint64_t taken = taken_.fetch_add(one), first = taken % from_last,
+                            last = taken / from_last;
+        if (first + last >= count_)
+            return;
+        call_(context_, one == from_first ? first : count_ - 1 - last);
+    }
 }
 
-/// False if it is in use.
+/// False if it is in use, or has too many tasks to count.
 bool Team::share(std::size_t count, Call call, void* context) {
-    if (in_use_.test_and_set())
+    if (count >= from_last / 2 || in_use_.test_and_set())
         return false;
     const Claim claim{in_use_};
     start();
     call_ = call;
     context_ = context;
     count_ = count;
-    next_ = 0;
+    taken_ = 0;
     all_left_ = 0;
     gate_ = (round_of(gate_) + 1) * one_round + open;
     gate_.notify_all();
-    take_tasks();
+    take_tasks(from_first);
     if (inside(gate_.fetch_sub(open)) > 0)
         wait_until([this] { return all_left_ == 1; }, all_left_);
     return true;
@@ -109,7 +118,7 @@ void Team::work() {
         if (gate % 2 != open || !gate_.compare_exchange_strong(gate, gate + one_inside))
             continue; // it closed, or another came in
         seen = round_of(gate);
-        take_tasks();
+        take_tasks(from_last);
         leave();
     }
 }

@@ -16,8 +16,8 @@ std::size_t threads_for(std::size_t work, std::size_t least, std::size_t threads
 
 /// Threads that stay together through very many short loops. They start with the first loop that is shared.
 /// Between loops they wait awake for a while that is about the price of a sleep, and asleep after that. A
-/// loop ends when its tasks are done: nobody waits for a thread that has not begun by then, which beside other
-/// programs may be long.
+/// loop ends when its tasks are done: nobody waits for a thread that has not begun by then, which beside
+/// other programs may be long.
 class Team {
 public:
     /// `threads` in all, the caller among them; 1: no thread is started.
@@ -29,8 +29,9 @@ public:
     Team& operator=(Team&&) = delete;
 
     /// Calls task(i) once for each i in [0, count) and returns when all are done. Which thread does which is
-    /// left open. Tasks must not throw. Called while it runs, by a task or by another thread: that caller does
-    /// its tasks alone.
+    /// left open, but in every loop the caller begins at the first and the others at the last, so that data
+    /// tends to stay in a processor's cache. Tasks must not throw. Called while it runs, by a task or by
+    /// another thread: that caller does its tasks alone.
     template<class Task>
     void run(std::size_t count, Task&& task) {
         const Call call = [](void* context, std::size_t i) {
@@ -47,7 +48,7 @@ private:
     void start();
     void work();
     bool opened(std::uint32_t seen) const;
-    void take_tasks();
+    void take_tasks(std::uint64_t one);
     void leave();
 
     std::size_t threads_;
@@ -58,14 +59,14 @@ private:
     void* context_ = nullptr;
     std::size_t count_ = 0;
     static constexpr std::size_t line = 64; // of the cache: waiting for one must not slow down another
-    alignas(line) std::atomic<std::size_t> next_{0};
-    alignas(line) std::atomic<std::uint32_t> gate_{0}; ///< see parallel.cpp
+    alignas(line) std::atomic<std::uint64_t> taken_{0}; ///< this and the gate: see parallel.cpp
+    alignas(line) std::atomic<std::uint32_t> gate_{0};
     std::atomic<std::uint32_t> all_left_{0};
     std::atomic<bool> ending_{false};
 };
 
-/// Calls task(i) once for each i in [0, count) by the team, or on up to `threads` threads. If tasks throw, the
-/// exception of the lowest index is rethrown after all have ended.
+/// Calls task(i) once for each i in [0, count) by the team, or on up to `threads` threads. If tasks throw,
+/// the exception of the lowest index is rethrown after all have ended.
 void parallel_for(std::size_t count, Team& team, const std::function<void(std::size_t)>& task);
 void parallel_for(std::size_t count, std::size_t threads, const std::function<void(std::size_t)>& task);
 

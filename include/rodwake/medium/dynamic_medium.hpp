@@ -74,9 +74,6 @@ Evaluation evaluation_of(const DynamicMedium& medium, std::size_t rods);
 /// Bytes that `rods` rods take in this medium while they are integrated.
 double bytes_needed(const DynamicMedium& medium, std::size_t rods);
 
-/// As many of `threads` as repay what they cost the loops of a step.
-std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, std::size_t threads);
-
 /// Throws InputError for what is outside the domain above, for an illegal elastic medium, and for more rods
 /// than can be held.
 void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::size_t rods);
