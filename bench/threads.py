@@ -21,7 +21,7 @@ from pathlib import Path
 
 import measure
 
-BEDS = {500: 6.0, 1549: 4.5, 6110: 0.9, 24440: 0.2, 100000: 0.05}  # beads: simulated s, about a second on one thread each
+BEDS = {500: 6.0, 1549: 4.5, 6110: 0.9, 24440: 0.2, 100000: 0.1}  # beads: simulated s, about a second on one thread each
 RODS = {100: 10.0, 1000: 0.6}  # rods: f/(mu v0)
 
 
@@ -91,7 +91,7 @@ def main():
         for case, command in cases(Path(name), 0.1 if options.quick else 1.0).items():
             if options.only not in case:
                 continue
-            command = [str(program), *command, "--quiet", "--force", "-o", str(Path(name) / "run")]
+            command = [str(program), *command, "--quiet", "--force", "-o", str(Path(name) / command[0])]
             alone = compare(command, options.rounds)
             with busy(max(1, os.cpu_count() - 1)):
                 beside = compare(command, options.rounds)
