@@ -31,6 +31,7 @@ struct Task {
     const KernelMedium& medium;
     const Field& field;
     const MutualWakesOptions& options;
+    Team& team;
     bool polar;
     std::span<const KernelSource> rods;
     std::array<double*, all_parts> sum; ///< one number a rod, zero to begin with
@@ -54,12 +55,13 @@ struct BlockWork {
     BlockSums sum_a, sum_b;
 };
 
-/// All pairs. Blocks two by two on threads, some hundred at a time; their sums are added up in one order.
+/// All pairs. Blocks two by two on threads, some hundred at a time; their sums are added up in one order. Two
+/// blocks take 0.1 ms and more, which repays a thread; fewer than 128 rods are one block and start none.
 void add_all_pairs(const Task& task) {
     constexpr std::size_t at_a_time = 256;
     std::vector<BlockWork> work;
     const auto finish = [&] {
-        parallel_for(work.size(), task.options.threads, [&](std::size_t k) {
+        parallel_for(work.size(), task.team, [&](std::size_t k) {
             BlockWork& one = work[k];
             const std::span<const KernelSource> none;
             add_block_pair(
@@ -130,7 +132,7 @@ void add_tile(const Task& task, const FeltTile& tile) {
 /// Shows each tile to use(), blocks on threads.
 template<class Use>
 void each_tile(const Task& task, const WakeCutoff& cutoff, const Use& use) {
-    parallel_for(task.blocks(), task.options.threads, [&](std::size_t block) {
+    parallel_for(task.blocks(), task.team, [&](std::size_t block) {
         const std::vector<std::uint32_t> felt = felt_in(task, cutoff, task.block(block));
         for (std::size_t i = 0; i < task.block(block).size(); i += tile_rods)
             use(felt_tile(task, cutoff, felt, block * block_rods + i));
@@ -167,7 +169,7 @@ std::size_t add_sorted(const Task& task) {
     for (const std::uint32_t k : order)
         rods.push_back(task.rods[k]);
     std::vector<double> part(static_cast<std::size_t>(task.parts()) * n);
-    Task sorted{task.medium, task.field, task.options, task.polar, rods, {}};
+    Task sorted{task.medium, task.field, task.options, task.team, task.polar, rods, {}};
     for (int k = 0; k < task.parts(); ++k)
         sorted.sum[k] = part.data() + static_cast<std::size_t>(k) * n;
     const std::size_t done = add_felt_pairs(sorted, cutoff);
@@ -178,8 +180,8 @@ std::size_t add_sorted(const Task& task) {
     return done;
 }
 
-std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, std::span<const Source> rods,
-                const StrainSums& strain, const PolarSums* polar) {
+std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team,
+                std::span<const Source> rods, const StrainSums& strain, const PolarSums* polar) {
     require_lengths(rods.size(), strain);
     if (polar != nullptr)
         require_lengths(rods.size(), *polar);
@@ -187,8 +189,13 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, std
     const std::vector<KernelSource> sources = kernel_sources(rods);
     const Field field(kernel.medium());
     const KernelMedium medium = KernelInternals::constants(field);
-    Task task{medium,           field,   options,
-              polar != nullptr, sources, {strain.xx.data(), strain.xy.data(), strain.yy.data()}};
+    Task task{medium,
+              field,
+              options,
+              team,
+              polar != nullptr,
+              sources,
+              {strain.xx.data(), strain.xy.data(), strain.yy.data()}};
     if (polar != nullptr)
         std::ranges::copy(std::array{polar->laplacian_x.data(), polar->laplacian_y.data(),
                                      polar->gradient_x.data(), polar->gradient_y.data()},
@@ -205,7 +212,7 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, std
 } // namespace
 
 MutualWakes::MutualWakes(const Medium& medium, const MutualWakesOptions& options)
-    : kernel_(medium, options.accuracy), options_(options) {
+    : kernel_(medium, options.accuracy), options_(options), team_(std::make_shared<Team>(options.threads)) {
     require(options.threads > 0, "threads = 0: give at least one");
     for (const double tolerance : {options.strain_tolerance, options.polar_tolerance})
         require(tolerance >= 0.0 && std::isfinite(tolerance),
@@ -213,12 +220,12 @@ MutualWakes::MutualWakes(const Medium& medium, const MutualWakesOptions& options
 }
 
 std::size_t MutualWakes::strain(std::span<const Source> rods, const StrainSums& sums) const {
-    return run(kernel_, options_, rods, sums, nullptr);
+    return run(kernel_, options_, *team_, rods, sums, nullptr);
 }
 
 std::size_t MutualWakes::strain_and_polar(std::span<const Source> rods, const StrainSums& strain,
                                           const PolarSums& polar) const {
-    return run(kernel_, options_, rods, strain, &polar);
+    return run(kernel_, options_, *team_, rods, strain, &polar);
 }
 
 } // namespace rodwake::elastic

@@ -21,7 +21,7 @@ class Bed {
 public:
     Bed(const scene::Scene& scene, std::uint32_t run, std::size_t threads)
         : plan_(plan_of(scene)), simulation_(plan_.problem, granular::make_start(plan_.problem, run), {},
-                                             std::max<std::size_t>(threads, 1)) {}
+                                             granular::worthwhile_threads(plan_.problem, threads)) {}
 
     /// Up to so many steps; fewer if the run is over. Looks for Ctrl-C now and then, which changes no bit.
     void advance(std::int64_t steps) {

@@ -46,7 +46,7 @@ void add_dry_run(CLI::App& verb, Options& options) {
 }
 
 void add_run(CLI::App& verb, Options& options) {
-    verb.add_option("-j,--threads", options.threads, "threads [one for each core]")
+    verb.add_option("-j,--threads", options.threads, "threads, at most [one for each core]")
         ->check(whole_number_from(1, 1024));
     add_force(verb, options);
     add_dry_run(verb, options);

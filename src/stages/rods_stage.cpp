@@ -223,13 +223,17 @@ StageEnd report(const Session& session, const Work& one) {
 /// Threads that the cases leave over add up the wakes of each.
 Work work_of(const assembly::RodsPlan& plan, WakeFields& fields, std::size_t threads) {
     Work one{&plan, plan.problem, plan.options, {}, {}, nullptr, {}, {}, nullptr};
-    one.problem.sums.threads = threads;
     const rods::RodProblem& problem = plan.problem;
+    const auto& medium = plan.of.scene.medium;
+    one.problem.sums.threads =
+        medium && medium->is_dynamic()
+            ? medium::worthwhile_threads(medium->memory(), problem.rods.size(), threads)
+            : threads;
     if (!(problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box)))
         return one;
-    if (plan.of.scene.medium->field != scene::FieldBackend::exact && !plan.of.scene.medium->is_dynamic())
+    if (medium->field != scene::FieldBackend::exact && !medium->is_dynamic())
         one.problem.field = fields.of(plan.of.scene);
-    if (plan.of.scene.medium->field == scene::FieldBackend::measured)
+    if (medium->field == scene::FieldBackend::measured)
         one.measured = fields.measured(plan.of.scene);
     return one;
 }

@@ -4,22 +4,41 @@
 
 #include <catch2/catch.hpp>
 
-#include <numeric>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <ctime>
+#include <stdexcept>
+#include <thread>
 #include <vector>
 
 using rodwake::Team;
 
+namespace {
+
+using namespace std::chrono_literals;
+
+/// How often each task of a round was done. Not atomic: no task runs twice, and all is seen when run returns.
+std::vector<int> round_of(Team& team, std::size_t count) {
+    std::vector<int> done(count, 0);
+    team.run(count, [&](std::size_t i) { ++done[i]; });
+    return done;
+}
+
+bool once_each(const std::vector<int>& done) {
+    return std::ranges::all_of(done, [](int times) { return times == 1; });
+}
+
+} // namespace
+
 TEST_CASE("a team does every task of every round once", "[threads]") {
     for (const std::size_t threads : {1u, 2u, 3u, 8u}) {
         Team team(threads);
-        for (std::size_t round = 0; round < 3000; ++round) {
-            const std::size_t count = round % 17;
-            std::vector<int> done(count,
-                                  0); // not atomic: no task runs twice, and all is seen when run returns
-            team.run(count, [&](std::size_t i) { ++done[i]; });
-            for (const int times : done)
-                REQUIRE(times == 1);
-        }
+        for (std::size_t round = 0; round < 3000; ++round)
+            REQUIRE(once_each(round_of(team, round % 17)));
     }
 }
 
@@ -69,4 +88,95 @@ TEST_CASE("the work is shared out among the threads", "[threads]") {
             std::this_thread::yield();
     });
     CHECK(who[0] != who[1]);
+}
+
+TEST_CASE("a team that fell asleep between rounds wakes up, and ends asleep", "[threads]") {
+    for (int k = 0; k < 10; ++k) {
+        Team team(3);
+        for (int round = 0; round < 10; ++round) {
+            REQUIRE(once_each(round_of(team, 7)));
+            std::this_thread::sleep_for(200us); // they watch for 50
+        }
+    }
+}
+
+TEST_CASE("a round does not wait for a thread that never begins", "[threads]") {
+    Team team(3);
+    round_of(team, 50);
+    const pid_t child = fork(); // which has the caller's thread alone
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        alarm(20); // the end of one that waits
+        bool all = true;
+        for (std::size_t round = 0; round < 100; ++round)
+            all = once_each(round_of(team, 20)) && all;
+        _exit(all ? 0 : 1);
+    }
+    int status = -1;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    CHECK(status == 0);
+}
+
+TEST_CASE("a team that waits leaves the processor to others", "[threads]") {
+    Team team(4);
+    const auto idle = [&] {
+        round_of(team, 100);
+        const std::clock_t before = std::clock(); // processor time of all threads
+        std::this_thread::sleep_for(50ms);
+        return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+    };
+    CHECK(idle() < 0.010); // three watch for 50 us each; spinning they would take 50 ms and more
+
+    std::atomic<int> begun{0};
+    const std::thread::id caller = std::this_thread::get_id();
+    const std::clock_t before = std::clock();
+    team.run(2, [&](std::size_t) { // so that the caller waits for the other
+        for (++begun; begun < 2;)
+            std::this_thread::sleep_for(100us);
+        if (std::this_thread::get_id() != caller)
+            std::this_thread::sleep_for(50ms);
+    });
+    CHECK(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC < 0.010);
+}
+
+TEST_CASE("a team in use by one caller lets others do their tasks alone", "[threads]") {
+    Team team(3);
+    std::atomic<int> wrong{0}, inner{0};
+    const auto call = [&] {
+        for (int round = 0; round < 200; ++round) {
+            std::vector<int> done(9, 0);
+            team.run(9, [&](std::size_t i) {
+                ++done[i];
+                team.run(2, [&](std::size_t) { ++inner; });
+            });
+            wrong += once_each(done) ? 0 : 1;
+        }
+    };
+    std::thread other(call);
+    call();
+    other.join();
+    CHECK(wrong == 0);
+    CHECK(inner == 2 * 200 * 9 * 2);
+}
+
+TEST_CASE("a team's loops hand on the exception of the lowest index", "[threads]") {
+    Team team(2);
+    std::atomic<int> done{0};
+    const auto task = [&](std::size_t i) {
+        ++done;
+        if (i % 10 == 3)
+            throw std::runtime_error(std::to_string(i));
+    };
+    CHECK_THROWS_WITH(rodwake::parallel_for(100, team, task), "3");
+    CHECK(done == 100);
+    CHECK(once_each(round_of(team, 5))); // and goes on
+}
+
+TEST_CASE("threads by the work there is") {
+    CHECK(rodwake::threads_for(0, 10, 8) == 1);
+    CHECK(rodwake::threads_for(19, 10, 8) == 1);
+    CHECK(rodwake::threads_for(20, 10, 8) == 2);
+    CHECK(rodwake::threads_for(1000, 10, 8) == 8);
+    CHECK(rodwake::threads_for(1000, 10, 1) == 1);
+    CHECK(rodwake::threads_for(1000, 10, 0) == 1);
 }

@@ -113,6 +113,19 @@ TEST_CASE("threads do not change a bit of a short run", "[threads]") { // small 
     CHECK(hash_with(problem, start, 3, 60) == one);
 }
 
+TEST_CASE("small beds get one thread, large ones as many as have work") {
+    const auto threads = [](std::size_t beads, std::size_t most) {
+        GranularProblem problem;
+        problem.beads = beads;
+        return worthwhile_threads(problem, most);
+    };
+    for (const std::size_t beads : {0U, 1U, 500U, 1549U, 6110U, 24440U})
+        CHECK(threads(beads, 64) == 1);
+    CHECK(threads(100'000, 1) == 1);
+    CHECK(threads(100'000, 2) == 2);
+    CHECK(threads(100'000, 64) < 10);
+}
+
 TEST_CASE("a run that is interrupted anywhere goes on with the same bits") {
     GranularProblem problem = shaken(36, 220);
     problem.rods = {beds::long_rod(18 * a, 8 * a, 0.2), beds::long_rod(18 * a, 18 * a, 1.0),

@@ -104,6 +104,21 @@ TEST_CASE("a run that is taken up again goes on to the bit, on any number of thr
     CHECK(rest.outcome.min_separation == whole.outcome.min_separation);
 }
 
+TEST_CASE("few modes get one thread, many as many as have work") {
+    const auto threads = [](std::size_t modes, std::size_t rods, Evaluation evaluation, std::size_t most) {
+        DynamicMedium medium;
+        medium.modes = modes;
+        medium.evaluation = evaluation;
+        return worthwhile_threads(medium, rods, most);
+    };
+    CHECK(threads(32, 2, Evaluation::sums, 8) == 1);
+    CHECK(threads(32, 100, Evaluation::mesh, 8) == 1);
+    CHECK(threads(384, 2, Evaluation::sums, 2) == 2);
+    CHECK(threads(384, 100, Evaluation::mesh, 2) == 2);
+    CHECK(threads(384, 100, Evaluation::mesh, 1) == 1);
+    CHECK(threads(32, 10'000, Evaluation::mesh, 2) == 2); // here the rods are the work
+}
+
 TEST_CASE("a single rod turns in its own memory alone") {
     MediumProblem problem = pair(false, Start::rest);
     problem.rods.rods.resize(1);

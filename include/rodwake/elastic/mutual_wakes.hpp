@@ -13,9 +13,11 @@
 // N^2/128 comparisons. Where more than half of the pairs stay, nothing is left out: pairs that share K0 and
 // K1 are then faster.
 
+#include "rodwake/core/parallel.hpp"
 #include "rodwake/elastic/wake_kernel.hpp"
 
 #include <cstddef>
+#include <memory>
 
 namespace rodwake::elastic {
 
@@ -46,6 +48,7 @@ public:
 private:
     WakeKernel kernel_;
     MutualWakesOptions options_;
+    std::shared_ptr<Team> team_; ///< of all copies; calls at one time share it as Team::run says
 };
 
 } // namespace rodwake::elastic

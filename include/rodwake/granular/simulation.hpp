@@ -55,6 +55,9 @@ struct StepTimes {
     StepTimes& operator+=(const StepTimes& other);
 };
 
+/// As many of `threads` as repay what they cost one run.
+std::size_t worthwhile_threads(const GranularProblem& problem, std::size_t threads);
+
 /// Name of the vector instructions in use, "AVX3".
 const char* vector_target();
 

@@ -47,6 +47,9 @@ struct MediumResult : rods::RodResult {
 MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& options,
                       const FilmSink& film = nullptr);
 
+/// As many of `threads` as repay what they cost the loops of a step.
+std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, std::size_t threads);
+
 /// Throws InputError if two rods are closer than force_width, through the box's sides too: there the field is
 /// that of the Gaussian, not of a rod.
 void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods);
