@@ -148,17 +148,15 @@ void require_like(const std::string& file, const granular::GranularProblem& stor
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
     require(near(stored.box.x, wanted.box.x) && near(stored.box.y, wanted.box.y), "the box is",
             text_of(stored.box), text_of(wanted.box));
-    require(near(stored.bead_radius, wanted.bead_radius), "bead_radius in m is", stored.bead_radius,
-            wanted.bead_radius);
-    require(stored.beads >= wanted.beads, "beads can be taken out but not added; their number is",
-            stored.beads, wanted.beads);
-    if (stored.rods.empty())
-        return;
-    require(stored.rods.size() == wanted.rods.size(), "the number of rods is", stored.rods.size(),
-            wanted.rods.size());
-    for (std::size_t i = 0; i < stored.rods.size(); ++i)
+    require(near(stored.bead_radius, wanted.bead_radius), "bead_radius is",
+            fmt::format("{:.10g} m", stored.bead_radius), fmt::format("{:.10g} m", wanted.bead_radius));
+    const std::size_t rods = stored.rods.size();
+    require(rods == 0 || rods == wanted.rods.size(), "the number of rods is", rods, wanted.rods.size());
+    for (std::size_t i = 0; i < rods; ++i)
         require(stored.rods[i].shape == wanted.rods[i].shape, "a rod is", text_of(stored.rods[i].shape),
                 text_of(wanted.rods[i].shape));
+    require(stored.beads >= wanted.beads, "beads can be taken out but not added; their number is",
+            stored.beads, wanted.beads);
 }
 
 void announce(const Session& session, const std::vector<BedWork>& all) {

@@ -112,8 +112,9 @@ void Session::tell_lost() const {
     const StageRecords records = directory.records("made");
     for (const auto& [stage, files] : directory.lost()) {
         const auto record = records.find(stage);
-        const bool made = stage.empty() ? context.draws || directory.stages().empty()
-                                        : record != records.end() && record->second == "made";
+        const bool made =
+            stage.empty() ? context.draws || files.back().ends_with(".json") || files.back().ends_with(".h5")
+                          : record != records.end() && record->second == "made";
         log->info("{}{}{} {} gone; {}", stage.empty() ? "" : stage + ": ", files.front(),
                   files.size() == 1 ? "" : fmt::format(" and {} more files", files.size() - 1),
                   files.size() == 1 ? "is" : "are", made ? "made again" : "left so by this command");
