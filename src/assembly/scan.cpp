@@ -45,6 +45,20 @@ Value value_at(const VariedKey& key, double at) {
     return at * key.scale;
 }
 
+/// `at`: the value on each axis.
+std::optional<std::string> set_values(const ScanPlan& plan, scene::Scene& scene, std::span<const double> at) {
+    std::array<Value, 16> values;
+    std::vector<Value> many;
+    std::span<Value> all = values;
+    if (plan.keys.size() > values.size()) {
+        many.resize(plan.keys.size());
+        all = many;
+    }
+    for (std::size_t k = 0; k < plan.keys.size(); ++k)
+        all[k] = value_at(plan.keys[k], at[plan.keys[k].axis]);
+    return plan.setter.set(scene, all.first(plan.keys.size()));
+}
+
 class Planner {
 public:
     explicit Planner(const scene::Scene& scene)
@@ -80,9 +94,6 @@ public:
 
 private:
     void take_list(scan::Design& design, const ScanList& list) {
-        if (list.keys.size() > scan::max_axes)
-            throw InputError(fmt::format("{}: scan.file has {} columns, and a scan has at most {} axes",
-                                         base_.path, list.keys.size(), scan::max_axes));
         for (std::size_t k = 0; k < list.keys.size(); ++k) {
             scan::Axis axis;
             axis.name = list.keys[k];
@@ -296,15 +307,15 @@ private:
 
     /// Ranges of keys are intervals: if both ends of an axis are legal, so is what lies between.
     void try_ends(const ScanPlan& plan) const {
-        scan::Point first, last;
+        std::vector<double> first, last;
         for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
             try_axis(plan, k);
-            first.at[k] = plan.design.axes[k].from;
-            last.at[k] = plan.design.axes[k].to;
+            first.push_back(plan.design.axes[k].from);
+            last.push_back(plan.design.axes[k].to);
         }
         scene::Scene scene = plan.base;
-        for (const scan::Point& point : {first, last})
-            if (const auto wrong = set_point(plan, scene, point))
+        for (const std::vector<double>& at : {first, last})
+            if (const auto wrong = set_values(plan, scene, at))
                 throw InputError(fmt::format("{}: scan: {}", base_.path, *wrong));
     }
 
@@ -352,16 +363,7 @@ ScanPlan plan_scan(const scene::Scene& scene, const std::optional<ScanList>& lis
 }
 
 std::optional<std::string> set_point(const ScanPlan& plan, scene::Scene& scene, const scan::Point& point) {
-    std::array<Value, 16> values;
-    std::vector<Value> many;
-    std::span<Value> all = values;
-    if (plan.keys.size() > values.size()) {
-        many.resize(plan.keys.size());
-        all = many;
-    }
-    for (std::size_t k = 0; k < plan.keys.size(); ++k)
-        all[k] = value_at(plan.keys[k], point.at[plan.keys[k].axis]);
-    return plan.setter.set(scene, all.first(plan.keys.size()));
+    return set_values(plan, scene, values_of(plan.design, point));
 }
 
 } // namespace rodwake::assembly

@@ -56,8 +56,9 @@ const rods::RodProblem& PointProblem::at(const scan::Point& point) {
             throw InputError(*wrong);
         problem_ = rod_problem(*scene_);
     }
+    const std::span<const double> at = values_of(plan_.design, point);
     for (std::size_t k = 0; k < direct_.size(); ++k) // the axes' ends were tried, and ranges are intervals
-        *direct_[k] = point.at[plan_.keys[k].axis] * plan_.keys[k].scale;
+        *direct_[k] = at[plan_.keys[k].axis] * plan_.keys[k].scale;
     return problem_;
 }
 

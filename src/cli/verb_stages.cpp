@@ -148,7 +148,8 @@ int verb_stages(const Options& options) {
     if (options.dry_run)
         return verb_check(options);
     const auto job = job_of(options);
-    const stages::RunContext context = context_of(options, job.get());
+    stages::RunContext context = context_of(options, job.get());
+    context.draws = options.verb == Verb::run;
     if (job && job->rank() > 0)
         return serve(options, scene, stages, context, *job);
     const assembly::Plan plan = stages::plan_run(scene, stages, output_folder(options), context);

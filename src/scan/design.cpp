@@ -138,7 +138,10 @@ Point PointList::at_place(std::int64_t place) const {
     Point point{place, {}};
     const std::size_t axes = design_.axes.size(), row = static_cast<std::size_t>(place);
     if (design_.kind == Kind::list) {
-        std::ranges::copy(design_.rows[row], point.at.begin());
+        if (is_long_list(design_))
+            point.at[0] = static_cast<double>(row);
+        else
+            std::ranges::copy(design_.rows[row], point.at.begin());
         return point;
     }
     std::int64_t rest = place;

@@ -169,6 +169,12 @@ public:
         }
     }
 
+    void remove(std::span<const std::int64_t> ids) {
+        chunks_->remove(ids);
+        for (const std::int64_t id : ids)
+            causes_->remove(id);
+    }
+
     Connection connection;
 
 private:
@@ -178,12 +184,6 @@ private:
         } catch (const InputError& error) {
             throw InputError(connection.file().string() + ": " + error.what());
         }
-    }
-
-    void remove(std::span<const std::int64_t> ids) {
-        chunks_->remove(ids);
-        for (const std::int64_t id : ids)
-            causes_->remove(id);
     }
 
     std::int64_t version() {
@@ -291,6 +291,15 @@ std::int64_t Ledger::forget_failed() {
     database_->connection.run("DELETE FROM crossings WHERE outcome_low < 0 OR outcome_high < 0");
     change.commit();
     return forgotten;
+}
+
+void Ledger::forget(std::span<const std::int64_t> ids) {
+    if (ids.empty())
+        return;
+    Transaction change(database_->connection);
+    database_->forget_known();
+    database_->remove(ids);
+    change.commit();
 }
 
 void Ledger::for_each(const std::function<void(const Result&)>& each) const { database_->for_each(each); }

@@ -185,8 +185,8 @@ constexpr FileKind plain_kinds[] = {
 
     {"ledger.sqlite", Stage::scan, kept,
      "the points of the scan, of beds the runs, as it goes on: tables chunks and causes"},
-    {"ledger.sqlite-wal", Stage::scan, kept, "the newest rows of the ledger while it is open"},
-    {"ledger.sqlite-shm", Stage::scan, kept, "for who reads the ledger while it is open"},
+    {"ledger.sqlite-wal", Stage::scan, progress, "the newest rows of the ledger while it is open"},
+    {"ledger.sqlite-shm", Stage::scan, progress, "for who reads the ledger while it is open"},
     {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},
     {"scan.json", Stage::scan, result, "axes, counts, causes of failures, rate of what was missed"},
     {"scan.html", Stage::scan, result, "the scan to explore in a browser"},

@@ -111,6 +111,17 @@ void unwrap_places(std::vector<std::vector<double>>& states, const PeriodicBox& 
                                  nearest_image(states[row][k] - states[row - 1][k], k % 3 ? box.y : box.x);
 }
 
+/// Rows before t = 0 in which the rods are held where they are then, as tracks.csv of a bed has them.
+std::size_t held_rows(const std::vector<double>& t, const std::vector<const std::vector<double>*>& columns) {
+    const auto first = std::ranges::find_if(t, [](double time) { return time >= -1e-12; }) - t.begin();
+    const auto moves = [&](const std::vector<double>* column) {
+        return std::any_of(column->begin(), column->begin() + first,
+                           [&](double value) { return value != column->begin()[first]; });
+    };
+    const bool held = first < std::ssize(t) && std::ranges::none_of(columns, moves);
+    return held ? static_cast<std::size_t>(first) : 0;
+}
+
 void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
     out.sigma_known = keys.sigma_position.has_value();
     out.data.name = out.name;
@@ -225,15 +236,13 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
                                      out.rods, out.rods, out.rods, out.rods));
     take_keys(keys, out);
     const auto& t = *table.find("t");
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-        if (t[i] < -1e-12)
-            continue;
+    for (std::size_t i = held_rows(t, columns); i < table.rows(); ++i) {
         out.data.times.push_back(t[i] / out.time);
         out.data.states.push_back(state(columns, i, out.length));
         out.data.where.push_back(where(file, table.lines[i]));
     }
     if (out.data.times.size() < 2)
-        throw InputError(file.string() + ": a trajectory needs at least two rows from t = 0 on");
+        throw InputError(file.string() + ": a trajectory needs at least two rows");
     out.unwrapped = unwrap(out.data.states);
     if (box) {
         out.data.box = *box / out.length;

@@ -7,7 +7,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
+#include <optional>
+#include <string_view>
 
 namespace rodwake::stages {
 
@@ -23,13 +27,68 @@ using Column = std::vector<double>;
 
 double spacing(const Column& places) { return places[1] - places[0]; }
 
-void require_even(const fs::path& file, const Column& places, const char* axis) {
+/// Half the last decimal of all places, or the last digit of each, whichever is larger: programs write as
+/// many of the one or of the other. Single precision rounds, too.
+Column roundings(const Column& places) {
+    constexpr double single = 6e-8; // 2^-24, of the place
+    std::vector<int> exponents;
+    int decimals = -400, digits = 1;
+    for (const double place : places) {
+        std::array<char, 32> text{}; // "1.2346e-01"
+        std::to_chars(text.data(), text.data() + text.size(), std::abs(place), std::chars_format::scientific);
+        const std::string_view shown(text.data());
+        const auto e = shown.find('e');
+        exponents.push_back(place == 0.0 ? -400 : std::stoi(text.data() + e + 1));
+        const int own = std::max(1, static_cast<int>(e) - 1);
+        digits = std::max(digits, own);
+        decimals = place == 0.0 ? decimals : std::max(decimals, own - 1 - exponents.back());
+    }
+    Column half(places.size());
+    for (std::size_t k = 0; k < half.size(); ++k)
+        half[k] =
+            std::max({0.5001 * std::pow(10.0, -decimals), 0.5001 * std::pow(10.0, exponents[k] - digits + 1),
+                      single * std::abs(places[k])});
+    return half;
+}
+
+/// From place to place, if there is an even grid of which all of them are roundings; nothing if there is
+/// none, or if the rounding might hide that a place is missing.
+std::optional<double> rounded_step(const Column& places) {
+    const Column half = roundings(places);
+    double least = 0.0, most = HUGE_VAL;
+    for (std::size_t j = 1; j < places.size(); ++j)
+        for (std::size_t i = 0; i < j; ++i) {
+            const double apart = places[j] - places[i], slack = half[i] + half[j];
+            least = std::max(least, (apart - slack) / static_cast<double>(j - i));
+            most = std::min(most, (apart + slack) / static_cast<double>(j - i));
+            if (least > most)
+                return std::nullopt;
+        }
+    const double step = 0.5 * (least + most);
+    return std::ranges::max(half) <= step / 8.0 ? std::optional(step) : std::nullopt;
+}
+
+/// The places, or the even ones of which they are roundings.
+Column even(const fs::path& file, Column places, const char* axis) {
     if (places.size() < 2)
         refuse(file, fmt::format("a map needs two {} or more; it has {}", axis, places.size()));
-    for (std::size_t k = 1; k < places.size(); ++k)
-        if (std::abs(places[k] - places[k - 1] - spacing(places)) > 1e-6 * std::abs(spacing(places)))
-            refuse(file, fmt::format("its {} are not evenly spaced: {:g} follows {:g}", axis, places[k],
-                                     places[k - 1]));
+    const auto uneven = std::ranges::adjacent_find(places, [&](double a, double b) {
+        return std::abs(b - a - spacing(places)) > 1e-6 * std::abs(spacing(places));
+    });
+    if (uneven == places.end())
+        return places;
+    const auto step = rounded_step(places);
+    if (!step)
+        refuse(file, fmt::format(
+                         "its {} are not evenly spaced: {:g} follows {:g}, and the first two are {:g} apart; "
+                         "are rows of the table missing?",
+                         axis, uneven[1], uneven[0], spacing(places)));
+    double start = 0.0;
+    for (std::size_t k = 0; k < places.size(); ++k)
+        start += (places[k] - static_cast<double>(k) * *step) / static_cast<double>(places.size());
+    for (std::size_t k = 0; k < places.size(); ++k)
+        places[k] = start + static_cast<double>(k) * *step;
+    return places;
 }
 
 Column layer(const store::Hdf5Reader& h5, const fs::path& file, const char* name, const fitting::Map& map,
@@ -57,8 +116,8 @@ fitting::Map of_measure(const fs::path& file) {
     map.sigma_y = layer(h5, file, "sigma_y", map, true);
     for (const double count : layer(h5, file, "count", map, false))
         map.known.push_back(count > 0.0);
-    require_even(file, map.x, "columns x");
-    require_even(file, map.y, "rows y");
+    map.x = even(file, map.x, "columns x");
+    map.y = even(file, map.y, "rows y");
     map.lx = spacing(map.x) * static_cast<double>(map.x.size());
     map.ly = spacing(map.y) * static_cast<double>(map.y.size());
     map.speed = h5.real("/displacement", "mean_speed_a_per_s");
@@ -70,15 +129,23 @@ bool is_of_box(const fitting::Map& map, std::span<const double> box) {
     return std::abs(box[0] / map.lx - 1.0) < 1e-2 && std::abs(box[1] / map.ly - 1.0) < 1e-2;
 }
 
+/// Places of one column or row may differ in their last bits.
+double same_place(const Column& sorted) {
+    return sorted.empty() ? 0.0 : 1e-6 * (sorted.back() - sorted.front());
+}
+
 /// The different values, increasing.
 Column places_of(Column values) {
     std::ranges::sort(values);
-    values.erase(std::unique(values.begin(), values.end()), values.end());
+    const double apart = same_place(values);
+    values.erase(
+        std::unique(values.begin(), values.end(), [&](double a, double b) { return b - a <= apart; }),
+        values.end());
     return values;
 }
 
 std::size_t slot(const Column& places, double at) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(places, at) - places.begin());
+    return static_cast<std::size_t>(std::ranges::upper_bound(places, at) - places.begin()) - 1;
 }
 
 fitting::Map of_table(const fs::path& file) {
@@ -90,15 +157,14 @@ fitting::Map of_table(const fs::path& file) {
     if ((sigma_x == nullptr) != (sigma_y == nullptr))
         refuse(file, "columns sigma_x and sigma_y come together");
     fitting::Map map;
-    map.x = places_of(x);
-    map.y = places_of(y);
-    require_even(file, map.x, "columns x");
-    require_even(file, map.y, "rows y");
+    const Column columns = places_of(x), rows = places_of(y);
+    map.x = even(file, columns, "columns x");
+    map.y = even(file, rows, "rows y");
     map.known.assign(map.bins(), false);
     for (Column* values : {&map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y})
         values->assign(map.bins(), std::nan(""));
     for (std::size_t i = 0; i < table.rows(); ++i) {
-        const std::size_t bin = slot(map.y, y[i]) * map.x.size() + slot(map.x, x[i]);
+        const std::size_t bin = slot(rows, y[i]) * map.x.size() + slot(columns, x[i]);
         if (map.known[bin])
             throw InputError(fmt::format("{}:{}: x = {:g}, y = {:g} is there twice", file.string(),
                                          table.lines[i], x[i], y[i]));

@@ -136,6 +136,9 @@ std::vector<BedWork> beds_of(const assembly::Plan& plan, const std::filesystem::
         const scene::Granular& keys = *bed.of.scene.granular;
         if (keys.start == scene::GranularStart::restart)
             work.plan.restart = stored_state(keys.restart_from, log);
+        if (const auto& from = work.plan.restart; from && from->beads.size() > bed.problem.beads)
+            log->info("dem{}: {} of the {} beads of {} are taken out", bed.of.suffix(),
+                      from->beads.size() - bed.problem.beads, from->beads.size(), keys.restart_from);
         work.results.resize(work.tasks.size(), {StageEnd::interrupted, {}, {}});
         all.push_back(std::move(work));
     }

@@ -59,14 +59,15 @@ struct LastPeriod {
 class Run {
 public:
     Run(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
-        std::size_t threads)
+        std::size_t threads, bool is_over = false)
         : context_(context), requests_seen_(requests()), plan_(plan), bed_(plan.bed), task_(task), log_(log),
-          checkpoint_file_(task.folder / "checkpoint.rwc"), meter_(plan.bed.problem),
-          one_thread_(threads == 1), loaded_(load()),
+          checkpoint_file_(task.folder / (is_over ? "final.rwc" : "checkpoint.rwc")),
+          meter_(plan.bed.problem), one_thread_(threads == 1), loaded_(load()),
           simulation_(plan.bed.problem, first_state(), first_tallies(),
                       granular::worthwhile_threads(plan.bed.problem, threads)),
           record_(plan.bed.schedule.order_cutoff, plan.bed.problem.rods.size()),
-          files_(task.folder, plan.bed.problem, plan.bed.schedule, loaded_ ? loaded_->logs : LogLengths{}),
+          files_(task.folder, plan.bed.problem, plan.bed.schedule,
+                 loaded_ && !is_over ? loaded_->logs : LogLengths{}),
           period_(plan.bed.problem), measures_(first_measures()), cpu_start_(cpu_now(one_thread_)),
           wall_start_(Clock::now()), saved_(wall_start_) {
         meter_.mark(&RunCost::start);
@@ -93,6 +94,14 @@ public:
                 checkpoint();
         }
         return finish();
+    }
+
+    /// Of a run that is over.
+    GranularSummary restore_summary() {
+        files_.remove_logs();
+        GranularSummary done = summary();
+        write_summary(done);
+        return done;
     }
 
 private:
@@ -250,11 +259,15 @@ private:
             write_records(task_.folder / "measure.rwc", *bed_.measures, *measures_);
         meter_.mark(&RunCost::output);
         done.cost = cost();
-        store::write_atomically(task_.folder / "summary.json", summary_json(bed_.problem, done));
+        write_summary(done);
         std::filesystem::rename(checkpoint_file_, task_.folder / "final.rwc");
         store::remove_generations(checkpoint_file_);
         files_.remove_logs();
         return {StageEnd::finished, {}, std::move(done)};
+    }
+
+    void write_summary(const GranularSummary& done) const {
+        store::write_atomically(task_.folder / "summary.json", summary_json(bed_.problem, done));
     }
 
     RodSummary rod_summary(std::size_t i, double time) const {
@@ -343,6 +356,14 @@ run_granular(const GranularPlan& plan, const GranularTask& task, const RunContex
              std::size_t threads,
              const std::function<void(const Simulation&, const granular::TableRow*)>& on_progress) {
     return Run(plan, task, context, log, threads).go(on_progress);
+}
+
+GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& task) {
+    GranularPlan bare = plan;
+    bare.bed.measures.reset(); // the keys may be others by now
+    const RunContext context;
+    const Logger log = make_silent_logger();
+    return Run(bare, task, context, log, 1, true).restore_summary();
 }
 
 } // namespace rodwake::stages

@@ -55,6 +55,9 @@ struct GranularResult {
     GranularSummary summary;
 };
 
+/// Writes summary.json of a run that is over once more, from its last state.
+GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& task);
+
 /// `on_progress`: called every few steps; with the row where one was just added to the table.
 GranularResult
 run_granular(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,

@@ -3,9 +3,13 @@
 #include "progress.hpp"
 #include "rodwake/assembly/describe.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
 #include "stage_list.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace rodwake::stages {
 
@@ -127,6 +131,37 @@ StageEnd worse(StageEnd a, StageEnd b) {
     return a == StageEnd::finished ? b : a;
 }
 
+std::string text_of(const PeriodicBox& box) { return fmt::format("{:.10g} x {:.10g} m", box.x, box.y); }
+
+std::string text_of(const granular::RodShape& s) {
+    return fmt::format("{:.10g} m long, {:.10g} and {:.10g} m thick, of {} spheres and {:g} kg/m^3", s.length,
+                       s.thick_diameter, s.thin_diameter, s.spheres, s.density);
+}
+
+/// A stored bed goes on in its own box only, and where its rods were it has holes of their shape.
+void require_like(const std::string& file, const granular::GranularProblem& stored,
+                  const granular::GranularProblem& wanted) {
+    const auto require = [&](bool alike, const char* what, const auto& there, const auto& here) {
+        if (!alike)
+            throw InputError(fmt::format(
+                "{}: granular.start = \"restart\": {} {} there and {} in the scene: make the scene like "
+                "the stored bed, or take another one or start = \"lattice\" or \"random\"",
+                file, what, there, here));
+    };
+    const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
+    require(near(stored.box.x, wanted.box.x) && near(stored.box.y, wanted.box.y), "the box is",
+            text_of(stored.box), text_of(wanted.box));
+    require(near(stored.bead_radius, wanted.bead_radius), "bead_radius is",
+            fmt::format("{:.10g} m", stored.bead_radius), fmt::format("{:.10g} m", wanted.bead_radius));
+    const std::size_t rods = stored.rods.size();
+    require(rods == 0 || rods == wanted.rods.size(), "the number of rods is", rods, wanted.rods.size());
+    for (std::size_t i = 0; i < rods; ++i)
+        require(stored.rods[i].shape == wanted.rods[i].shape, "a rod is", text_of(stored.rods[i].shape),
+                text_of(wanted.rods[i].shape));
+    require(stored.beads >= wanted.beads, "beads can be taken out but not added; their number is",
+            stored.beads, wanted.beads);
+}
+
 void announce(const Session& session, const std::vector<BedWork>& all) {
     for (const BedWork& one : all) {
         const granular::GranularProblem& p = one.plan.bed.problem;
@@ -155,7 +190,9 @@ void require_granular(const assembly::Plan& plan, const std::filesystem::path& f
         const scene::Granular& bed = *one.of.scene.granular;
         if (bed.start != scene::GranularStart::restart)
             continue;
-        stored_checkpoint(bed.restart_from);
+        const std::string stored = stored_checkpoint(bed.restart_from).checkpoint.scene;
+        require_like(bed.restart_from,
+                     assembly::granular_problem(scene::parse_scene(stored, bed.restart_from)), one.problem);
         if (within(bed.restart_from, folder))
             throw InputError(bed.restart_from + ": granular.restart_from lies in " + folder.string() +
                              ", where this run would replace it; choose another folder with -o");

@@ -1,6 +1,7 @@
 #include "granular_task.hpp"
 
 #include "granular_summary.hpp"
+#include "measure_records.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/first_difference.hpp"
 #include "rodwake/scene/write.hpp"
@@ -44,9 +45,41 @@ std::vector<GranularTask> granular_tasks(const assembly::Case& one, const fs::pa
     return tasks;
 }
 
+namespace {
+
+/// Whether the files are there that cannot be made of the last state. An ensemble that grows may grow out of
+/// XYZ.
+bool has_files(const GranularPlan& plan, const fs::path& folder, const GranularCheckpoint& last) {
+    const assembly::GranularSchedule& s = plan.bed.schedule;
+    const auto there = [&](bool made, const char* name) { return !made || fs::exists(folder / name); };
+    return there(true, "table.csv") && there(!plan.bed.problem.rods.empty(), "tracks.csv") &&
+           there(s.h5md, "trajectory.h5md") &&
+           there(s.xyz && plan.bed.of.scene.granular->runs == 1, "trajectory.xyz") &&
+           there(last.logs.period_frames > 0, "last_period.h5md");
+}
+
+/// What was measured on the way, once more from the last state.
+void restore_records(const assembly::MeasurePlan& plan, const fs::path& file,
+                     const GranularCheckpoint& last) {
+    if (last.measure_keys != plan.key_text || fs::exists(file))
+        return;
+    measure::Measures measures = plan.sums;
+    measures.load(last.measures, file.string());
+    write_records(file, plan, measures);
+}
+
+} // namespace
+
 std::optional<GranularSummary> finished_before(const GranularPlan& plan, const GranularTask& task) {
+    const auto last = load_checkpoint(task.folder / "final.rwc");
+    if (!last || !has_files(plan, task.folder, last->checkpoint))
+        return std::nullopt;
+    if (plan.bed.measures)
+        restore_records(*plan.bed.measures, task.folder / "measure.rwc", last->checkpoint);
     auto known = read_summary(task.folder / "summary.json", plan.bed.problem, task.run);
-    return known && load_checkpoint(task.folder / "final.rwc") ? std::move(known) : std::nullopt;
+    const bool whole =
+        last->checkpoint.pressure && last->checkpoint.scene == plan.scene_key; // of this version
+    return known || !whole ? std::move(known) : std::optional(restore_summary(plan, task));
 }
 
 void require_same_run(const GranularTask& task, const std::string& key) {

@@ -14,7 +14,8 @@ std::vector<GranularTask> granular_tasks(const assembly::Case& one, const std::f
 /// The folder of run `run`, from 0, in that of an ensemble.
 std::filesystem::path run_folder(const std::filesystem::path& ensemble, std::int64_t run);
 
-/// The summary of a run that an earlier command finished. That it is of this scene was seen before.
+/// The summary of a run that an earlier command finished and whose files are there; of those what the last
+/// state tells is made again. That it is of this scene was seen before.
 std::optional<GranularSummary> finished_before(const GranularPlan& plan, const GranularTask& task);
 
 /// Throws InputError if the folder of a task holds a run of another scene, before anything of it is touched.

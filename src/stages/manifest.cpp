@@ -7,12 +7,11 @@
 #include "rodwake/scene/read.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/store/atomic_file.hpp"
+#include "rodwake/store/csv.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 namespace rodwake::stages {
 
@@ -46,19 +45,6 @@ ManifestUnits units_of(const fs::path& folder) {
     }
 }
 
-/// The names in the header line of a CSV file.
-std::vector<std::string> header_of(const fs::path& file) {
-    std::ifstream in(file);
-    std::string line;
-    while (std::getline(in, line) && line.starts_with('#')) {
-    }
-    std::vector<std::string> names;
-    std::istringstream fields(line);
-    for (std::string name; std::getline(fields, name, ',');)
-        names.push_back(name);
-    return names;
-}
-
 std::string unit_of(std::string_view unit, const ManifestUnits& units) {
     if (unit == "{length}")
         return units.output.length_name;
@@ -86,9 +72,18 @@ ordered_json axis_json(std::string key, const ManifestUnits& units) {
     return {{"name", name}, {"unit", unit.empty() ? "1" : unit}, {"meaning", info->meaning}};
 }
 
+/// None of a file that only bears the name of one of ours.
+std::vector<std::string> names_in(const fs::path& file) {
+    try {
+        return store::csv_names(file);
+    } catch (const InputError&) {
+        return {};
+    }
+}
+
 ordered_json columns_json(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
     ordered_json columns = ordered_json::array();
-    for (const std::string& name : header_of(file))
+    for (const std::string& name : names_in(file))
         if (const ColumnInfo* column = column_of(kind, name))
             columns.push_back(
                 {{"name", name}, {"unit", unit_of(column->unit, units)}, {"meaning", column->meaning}});

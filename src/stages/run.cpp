@@ -99,7 +99,8 @@ void require_all(const Plan& plan, const fs::path& folder, const RunContext& con
         require_same_beds(plan.scene, folder);
     if (plan.has(Stage::measure) && foreign)
         require_trajectory(plan);
-    else if (plan.has(Stage::measure) && only_measures(plan) && context.force)
+    else if (plan.has(Stage::measure) && only_measures(plan) &&
+             (context.force || stage_status(folder, Stage::measure) == "unfinished"))
         require_recorded(plan, folder);
     if (plan.has(Stage::scan))
         require_scan(*plan.scan, folder, context);

@@ -57,6 +57,33 @@ bool lacks_records(const fs::path& folder) {
     return !run_status(folder).empty() && !provenance_of(folder).contains("stages");
 }
 
+bool is_drawn(const std::string& name) { return name.starts_with("figures/") || name.ends_with(".html"); }
+
+nlohmann::json manifest_of(const fs::path& folder) {
+    std::ifstream file(folder / "manifest.json");
+    return nlohmann::json::parse(file, nullptr, false);
+}
+
+LostFiles lost_files(const fs::path& folder) {
+    const nlohmann::json manifest = manifest_of(folder);
+    if (!manifest.is_object() || !manifest.contains("files"))
+        return {{"", {"manifest.json"}}};
+    LostFiles lost;
+    for (const auto& [name, entry] : manifest["files"].items()) {
+        const FileKind* kind = kind_of(fs::path(name).filename().string());
+        const bool passing =
+            kind && (kind->lifetime == Lifetime::progress || kind->lifetime == Lifetime::record);
+        std::error_code none;
+        if (passing || fs::exists(folder / name, none))
+            continue;
+        lost[is_drawn(name) || !entry.is_object() ? "" : entry.value("stage", "")].push_back(name);
+        if (name == "result.h5")
+            for (const Stage stage : {Stage::field, Stage::rods}) // whose datasets it holds
+                lost[to_string(stage)].push_back(name);
+    }
+    return lost;
+}
+
 StageRecords records_of(const fs::path& folder) {
     StageRecords records;
     const nlohmann::json json = provenance_of(folder);
@@ -146,7 +173,10 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 std::string stage_status(const fs::path& folder, Stage stage) {
     const StageRecords records = records_of(folder);
     const auto record = records.find(to_string(stage));
-    return record == records.end() ? "" : record->second;
+    if (record == records.end())
+        return "";
+    const bool lost = record->second == "finished" && lost_files(folder).contains(record->first);
+    return lost ? "unfinished" : record->second;
 }
 
 std::string run_status(const fs::path& folder) {
@@ -163,7 +193,7 @@ bool holds_finished(const fs::path& folder, const scene::Scene& scene, Stage sta
 }
 
 RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const Stage> stages, bool force,
-                     bool reopen_scan)
+                     bool reopen_scan, bool draws)
     : path_(std::move(path)), lock_([&] {
           std::error_code error;
           if (fs::exists(path_, error) && !fs::is_directory(path_, error))
@@ -180,6 +210,15 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
       }()),
       old_(records_of(path_)), anew_(force) {
     had_run_ = !run_status(path_).empty();
+    if (had_run_)
+        lost_ = lost_files(path_);
+    std::erase_if(lost_, [&](const auto& one) {
+        const auto record = old_.find(one.first);
+        return !one.first.empty() && (record == old_.end() || record->second != "finished");
+    });
+    for (auto& [name, status] : old_)
+        if (lost_.contains(name))
+            status = "unfinished";
     if (lacks_records(path_) && !force)
         throw InputError(path_.string() +
                          ": holds a run of an earlier version of rodwake; choose another folder with -o, or "
@@ -198,16 +237,20 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
             stages_.push_back(stage);
         if (record == old_.end() || (asked && force))
             continue;
+        const bool lost = lost_.contains(record->first);
         const bool finished = record->second == "finished", alike = same(stage);
         // an unfinished one has nothing to lose, and its own files know what they are of
         const bool light =
-            (stage == Stage::measure || stage == Stage::fit || stage == Stage::order) && !finished;
+            (stage == Stage::measure || stage == Stage::fit || stage == Stage::order) && !finished && !lost;
         const bool more = (stage == Stage::granular && alike && grows(*old, scene)) ||
                           lacks_medium(path_, scene, stage) ||
                           (stage == Stage::scan && alike && (reopen_scan || scan_grows(*old, scene)));
         if (asked && (light || (alike && (!finished || more)))) {
             stages_.push_back(stage);
-            (finished ? extended_ : resumed_) = true;
+            if (lost && !more)
+                restored_.push_back(stage);
+            else
+                (finished || lost ? extended_ : resumed_) = true;
             if (alike)
                 unaffected_.insert(*record);
         } else if (alike) {
@@ -229,7 +272,9 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
             dropped_.push_back(stage);
         }
     }
-    if (stages_.empty())
+    const auto general = lost_.find("");
+    const bool lacks = general != lost_.end() && (draws || !std::ranges::all_of(general->second, is_drawn));
+    if (stages_.empty() && !lacks)
         refuse("holds a finished run of this scene");
     drop_outdated(scene, stages);
     if (old && old->granular && scene.granular && contains(kept_, Stage::granular))
@@ -238,7 +283,9 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
 
 void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> asked) {
     const bool fitted = scene.medium && scene.medium->fitted, own_field = measures_own_field(scene);
-    const auto redone = [&](Stage other) { return contains(stages_, other); };
+    const auto redone = [&](Stage other) { // a fit may have other data by now
+        return contains(stages_, other) && (other == Stage::fit || !contains(restored_, other));
+    };
     const auto new_field = [&] {
         return (fitted && redone(Stage::fit)) ||
                (own_field && (redone(Stage::measure) || redone(Stage::granular)));
@@ -297,8 +344,8 @@ void RunFolder::begin(const Provenance& provenance, std::string_view scene) cons
 
 bool RunFolder::is_outdated(const FileKind& kind, const std::string& name) const {
     const std::optional<Stage> stage = stage_of(kind, name);
-    if (!stage)
-        return kind.lifetime == Lifetime::result;
+    if (!stage || (only_restores() && is_drawn(name)))
+        return kind.lifetime == Lifetime::result && !only_restores();
     if (contains(dropped_, *stage))
         return true;
     if (!contains(stages_, *stage))
@@ -309,12 +356,12 @@ bool RunFolder::is_outdated(const FileKind& kind, const std::string& name) const
 
 void RunFolder::remove_outdated() const {
     std::error_code error;
-    std::ifstream listing(file("manifest.json"));
-    const nlohmann::json manifest = nlohmann::json::parse(listing, nullptr, false);
+    const nlohmann::json manifest = manifest_of(path_);
     for (const fs::path& file : files_of(path_)) {
         const std::string name = file.filename().string();
         const FileKind* kind = kind_of(name);
-        const bool figure = file.parent_path() == path_ / "figures" && is_listed(manifest, "figures/" + name);
+        const bool figure = !only_restores() && file.parent_path() == path_ / "figures" &&
+                            is_listed(manifest, "figures/" + name);
         const bool litter = is_temporary(name) && kind_of(name.substr(0, name.rfind(".tmp")));
         if (!litter &&
             !(had_run_ &&

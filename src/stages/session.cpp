@@ -7,6 +7,7 @@
 #include "rodwake/stages/run.hpp"
 #include "rodwake/store/provenance.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/sinks/sink.h>
 
 #include <algorithm>
@@ -45,7 +46,7 @@ std::string provenance(const RunContext& context, const scene::Scene& scene, con
 /// The run folder, marked before the first other file: whatever fails afterwards, it can be taken over.
 RunFolder begun(const std::filesystem::path& path, const RunContext& context, const assembly::Plan& plan) {
     RunFolder folder(path, plan.scene, plan.stages, context.force,
-                     context.scan.rerun_failed || context.scan.merge);
+                     context.scan.rerun_failed || context.scan.merge, context.draws);
     scene::Scene written = plan.scene;
     if (folder.kept_runs()) // an ensemble that is kept has as many runs as it had
         written.granular->runs = *folder.kept_runs();
@@ -99,6 +100,7 @@ Session::Session(assembly::Plan given, const std::filesystem::path& folder, RunC
         log->info("{}: an earlier run did not finish; taking it up", directory.path().string());
     else if (directory.extended())
         log->info("{}: going on with a finished run", directory.path().string());
+    tell_lost();
     for (const assembly::Stage stage : plan.stages)
         if (std::ranges::count(directory.kept(), stage) > 0)
             log->info("{}: done already", to_string(stage));
@@ -106,10 +108,24 @@ Session::Session(assembly::Plan given, const std::filesystem::path& folder, RunC
     take_kept();
 }
 
+void Session::tell_lost() const {
+    const StageRecords records = directory.records("made");
+    for (const auto& [stage, files] : directory.lost()) {
+        const auto record = records.find(stage);
+        const bool made =
+            stage.empty() ? context.draws || files.back().ends_with(".json") || files.back().ends_with(".h5")
+                          : record != records.end() && record->second == "made";
+        log->info("{}{}{} {} gone; {}", stage.empty() ? "" : stage + ": ", files.front(),
+                  files.size() == 1 ? "" : fmt::format(" and {} more files", files.size() - 1),
+                  files.size() == 1 ? "is" : "are", made ? "made again" : "left so by this command");
+    }
+}
+
 void Session::take_kept() {
     for (const assembly::Stage stage : directory.kept()) {
         if (stage == assembly::Stage::field || stage == assembly::Stage::rods)
-            results.copy_group(directory.file("result.h5"), std::string("/") + to_string(stage));
+            if (std::filesystem::exists(directory.file("result.h5")))
+                results.copy_group(directory.file("result.h5"), std::string("/") + to_string(stage));
         if (stage == assembly::Stage::fit && plan.scene.medium && plan.scene.medium->fitted) {
             const auto [eta, xi] = stored_medium(directory.file("medium.json"));
             use_medium(eta, xi);

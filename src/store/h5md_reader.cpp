@@ -1,13 +1,14 @@
 #include "rodwake/store/h5md_reader.hpp"
 
 #include "h5md_places.hpp"
-#include "hdf5_input.hpp"
+#include "h5md_units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <unordered_map>
 
 namespace rodwake::store {
 
@@ -17,6 +18,11 @@ constexpr hsize_t rows_at_once = 1024;
 
 /// Box edges of one frame.
 using Edges = std::array<double, 9>;
+
+void scale(std::vector<double>& values, double factor) {
+    for (double& value : values)
+        value *= factor;
+}
 
 template<class Number>
 std::vector<Number> read_column(const Hdf5Input& file, const std::string& path, hid_t type) {
@@ -31,6 +37,7 @@ std::vector<Number> read_column(const Hdf5Input& file, const std::string& path, 
 void read_moments(const Hdf5Input& file, TrajectoryInfo& info) {
     info.step = read_column<std::int64_t>(file, spheres + "position/step", H5T_STD_I64LE);
     info.time = read_column<double>(file, spheres + "position/time", H5T_IEEE_F64LE);
+    scale(info.time, si_factor(file, spheres + "position/time", H5mdUnit::time));
     if (info.frames() == 0)
         file.refuse("the trajectory holds no frames");
     if (info.time.size() != info.frames())
@@ -76,10 +83,13 @@ void read_box(const Hdf5Input& file, TrajectoryInfo& info) {
             if (edges[k] != first)
                 file.refuse(fmt::format("the box changes in frame {}", from + k));
     }
+    for (double& side : info.box)
+        side *= si_factor(file, path, H5mdUnit::length);
 }
 
 /// The one radius or mass of all beads.
-double common_value(const Hdf5Input& file, const TrajectoryInfo& info, const std::string& what) {
+double common_value(const Hdf5Input& file, const TrajectoryInfo& info, const std::string& what,
+                    H5mdUnit unit) {
     const auto values = read_column<double>(file, spheres + what, H5T_IEEE_F64LE);
     if (values.size() != info.particles)
         file.refuse(fmt::format("{} particles have {} values of {}", info.particles, values.size(), what));
@@ -89,7 +99,7 @@ double common_value(const Hdf5Input& file, const TrajectoryInfo& info, const std
         if (values[i] != values[0])
             file.refuse(fmt::format("the {} of bead {} is {}, that of bead 0 {}: all beads must be alike",
                                     what, i, values[i], values[0]));
-    return values[0];
+    return values[0] * si_factor(file, spheres + what, unit);
 }
 
 void read_particles(const Hdf5Input& file, TrajectoryInfo& info) {
@@ -101,8 +111,8 @@ void read_particles(const Hdf5Input& file, TrajectoryInfo& info) {
         std::any_of(species.begin() + static_cast<std::ptrdiff_t>(info.beads), species.end(), bead))
         file.refuse(
             fmt::format("the beads (species 0) are not the first of its {} particles", info.particles));
-    info.bead_radius = common_value(file, info, "radius");
-    info.bead_mass = common_value(file, info, "mass");
+    info.bead_radius = common_value(file, info, "radius", H5mdUnit::length);
+    info.bead_mass = common_value(file, info, "mass", H5mdUnit::mass);
 }
 
 void count_rods(const Hdf5Input& file, TrajectoryInfo& info) {
@@ -142,22 +152,96 @@ TrajectoryInfo read_trajectory_info(const Hdf5Input& file) {
 const std::string trajectory_advice =
     "give a trajectory.h5md as rodwake dem writes it, or repeat the run if this should be one";
 
+/// Which row of a frame is whose, where bodies have numbers (`id`); the order is that of the first frame.
+class Rows {
+public:
+    Rows(const Hdf5Input& file, const std::string& group, hsize_t frames, hsize_t count)
+        : file_(file), path_(group + "id"), row_(count) {
+        const bool in_time = file.has(path_) && file.has(path_ + "/value");
+        if (file.has(path_))
+            ids_.emplace(file, path_ + (in_time ? "/value" : ""), H5T_NATIVE_INT64);
+        if (ids_)
+            ids_->want_shape(in_time ? std::vector<hsize_t>{frames, count} : std::vector<hsize_t>{count});
+        for (std::size_t i = 0; i < count; ++i)
+            row_[i] = i;
+        if (!ids_)
+            return;
+        first_ = now_ = std::vector<std::int64_t>(count);
+        ids_->read_rows(0, in_time ? 1 : count, first_.data());
+        for (std::size_t i = 0; i < count; ++i)
+            if (!body_.emplace(first_[i], i).second)
+                file.refuse(fmt::format("{} {} stands twice in frame 0", path_, first_[i]));
+        if (!in_time)
+            ids_.reset(); // the same in all frames
+    }
+
+    /// Only rows of a body's own species, of which the first `beads` are one, can be its rows.
+    void read(std::size_t frame, std::size_t beads) {
+        if (!ids_)
+            return;
+        ids_->read_rows(frame, 1, now_.data());
+        if (now_ == first_ && in_order_)
+            return;
+        in_order_ = now_ == first_;
+        std::vector<bool> seen(row_.size(), false);
+        for (std::size_t i = 0; i < now_.size(); ++i) {
+            const auto at = body_.find(now_[i]);
+            const auto refuse = [&](const char* why) {
+                file_.refuse(fmt::format("frame {}: {} {} {}", frame, path_, now_[i], why));
+            };
+            if (at == body_.end())
+                refuse("is not in frame 0: all frames must hold the same bodies");
+            if (seen[at->second])
+                refuse("stands twice");
+            if ((i < beads) != (at->second < beads))
+                refuse("is a bead in one frame and none in another");
+            seen[at->second] = true;
+            row_[at->second] = i;
+        }
+    }
+
+    std::size_t operator[](std::size_t body) const { return row_[body]; }
+
+private:
+    const Hdf5Input& file_;
+    std::string path_;
+    std::optional<Hdf5Table> ids_;
+    std::vector<std::size_t> row_;
+    std::vector<std::int64_t> first_, now_;
+    std::unordered_map<std::int64_t, std::size_t> body_;
+    bool in_order_ = true;
+};
+
 /// Position and number of the box of one kind of bodies.
 struct Places {
     Hdf5Table position, image;
+    Rows row;
+    double factor;
+    std::size_t beads;         ///< of the bodies
     std::vector<double> place; ///< of the frame read last, [count][3]
     std::vector<std::int32_t> box;
 
-    Places(const Hdf5Input& file, const std::string& group, hsize_t frames, hsize_t count)
+    Places(const Hdf5Input& file, const std::string& group, hsize_t frames, hsize_t count,
+           std::size_t beads_of)
         : position(file, group + "position/value", H5T_IEEE_F64LE),
-          image(file, group + "image/value", H5T_STD_I32LE), place(3 * count), box(3 * count) {
+          image(file, group + "image/value", H5T_STD_I32LE), row(file, group, frames, count),
+          factor(si_factor(file, group + "position/value", H5mdUnit::length)), beads(beads_of),
+          place(3 * count), box(3 * count) {
         position.want_shape({frames, count, 3});
         image.want_shape({frames, count, 3});
     }
 
-    void read(std::size_t frame) {
+    void read(std::size_t frame, const std::array<double, 3>& sides) {
         position.read_rows(frame, 1, place.data());
         image.read_rows(frame, 1, box.data());
+        row.read(frame, beads);
+        if (factor == 1.0)
+            return;
+        scale(place, factor);
+        for (std::size_t i = 0; i < place.size(); ++i) // below the side, and rounded to it
+            if (const double side = sides[i % 3];
+                i % 3 < 2 && place[i] >= side && place[i] <= side * (1.0 + 1e-15))
+                place[i] = std::nextafter(side, 0.0);
     }
 };
 
@@ -179,7 +263,7 @@ struct Rods {
     Vectors orientation;
 
     Rods(const Hdf5Input& file, hsize_t frames, hsize_t count)
-        : places(file, "particles/trajectory_rods/", frames, count),
+        : places(file, "particles/trajectory_rods/", frames, count, 0),
           orientation(file, "particles/trajectory_rods/orientation/value", {frames, count, 4}) {}
 };
 
@@ -199,12 +283,14 @@ struct H5mdReader::Impl {
     TrajectoryInfo info;
     Places places;
     Vectors velocity;
+    double speed; ///< unit of the velocities, m/s
     std::optional<Rods> rods;
 
     explicit Impl(const std::filesystem::path& path)
         : file(path, trajectory_advice), info(read_trajectory_info(file)),
-          places(file, "particles/trajectory/", info.frames(), info.particles),
-          velocity(file, "particles/trajectory/velocity/value", {info.frames(), info.particles, 3}) {
+          places(file, "particles/trajectory/", info.frames(), info.particles, info.beads),
+          velocity(file, "particles/trajectory/velocity/value", {info.frames(), info.particles, 3}),
+          speed(si_factor(file, "particles/trajectory/velocity/value", H5mdUnit::speed)) {
         if (info.rods > 0)
             rods.emplace(file, info.frames(), info.rods);
     }
@@ -227,8 +313,9 @@ struct H5mdReader::Impl {
     }
 
     void read_beads(std::size_t frame, StoredFrame& out) {
-        places.read(frame);
+        places.read(frame, info.box);
         velocity.read(frame);
+        scale(velocity.value, speed);
         check(frame, "bead", info.beads, places.place);
         if (!finite(velocity.value))
             refuse(frame, "velocities that are not finite");
@@ -245,14 +332,14 @@ struct H5mdReader::Impl {
     void take(const std::vector<Number>& rows, std::size_t component, std::vector<Number>& out) const {
         out.resize(info.beads);
         for (std::size_t i = 0; i < info.beads; ++i)
-            out[i] = rows[3 * i + component];
+            out[i] = rows[3 * places.row[i] + component];
     }
 
     void read_rods(std::size_t frame, StoredFrame& out) {
         out.rods.resize(info.rods);
         if (!rods)
             return;
-        rods->places.read(frame);
+        rods->places.read(frame, info.box);
         rods->orientation.read(frame);
         check(frame, "rod", info.rods, rods->places.place);
         for (std::size_t i = 0; i < info.rods; ++i)
@@ -261,9 +348,10 @@ struct H5mdReader::Impl {
     }
 
     StoredRod rod(std::size_t i) const {
-        const double* place = &rods->places.place[3 * i];
-        const std::int32_t* box = &rods->places.box[3 * i];
-        const double* q = &rods->orientation.value[4 * i];
+        const std::size_t row = rods->places.row[i];
+        const double* place = &rods->places.place[3 * row];
+        const std::int32_t* box = &rods->places.box[3 * row];
+        const double* q = &rods->orientation.value[4 * row];
         return {place[0], place[1], box[0], box[1], {q[0], q[1], q[2], q[3]}};
     }
 };

@@ -87,23 +87,24 @@ Hdf5Table::Hdf5Table(const Hdf5Input& file, std::string path, hid_t type)
     : file_(&file), path_(std::move(path)), type_(type), data_(open_dataset(file, path_)),
       space_(file.handle(H5Dget_space(data_.get()), H5Sclose, "read the shape of " + path_)),
       shape_(extents(space_.get())) {
-    check_type();
-    check_storage();
+    check_storage(check_type());
 }
 
-void Hdf5Table::check_type() const {
+std::size_t Hdf5Table::check_type() const {
     const Hdf5Handle found = file_->handle(H5Dget_type(get()), H5Tclose, "read the type of " + path_);
-    if (H5Tequal(found.get(), type_) <= 0)
+    const bool whole = type_ == H5T_NATIVE_INT64 && H5Tget_class(found.get()) == H5T_INTEGER;
+    if (!whole && H5Tequal(found.get(), type_) <= 0)
         file_->refuse(path_ + " holds values of another type");
     if (H5Sget_simple_extent_type(space_.get()) == H5S_NULL)
         file_->refuse(path_ + " holds no values");
+    return H5Tget_size(found.get());
 }
 
 /// What was never written would be read as zeros, and a damaged shape would ask for any amount of memory.
-void Hdf5Table::check_storage() const {
+void Hdf5Table::check_storage(std::size_t bytes) const {
     const Hdf5Handle made = file_->handle(H5Dget_create_plist(get()), H5Pclose, "read about " + path_);
     const double most = H5Pget_nfilters(made.get()) > 0 ? 1100.0 : 1.0; // deflate's best is 1032
-    const double needed = product(shape_) * static_cast<double>(H5Tget_size(type_));
+    const double needed = product(shape_) * static_cast<double>(bytes);
     if (needed > most * stored_bytes(*file_, get()))
         file_->refuse(path_ + " is not complete");
 }

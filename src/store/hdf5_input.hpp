@@ -28,8 +28,8 @@ private:
     Hdf5Handle file_;
 };
 
-/// A dataset of numbers of one type, which is that of the file: values come bit for bit. Must not outlive
-/// the file.
+/// A dataset of numbers of one type, which is that of the file: values come bit for bit. Whole numbers of any
+/// size come as H5T_NATIVE_INT64 if asked for as such. Must not outlive the file.
 class Hdf5Table {
 public:
     Hdf5Table(const Hdf5Input& file, std::string path, hid_t type);
@@ -49,8 +49,9 @@ private:
     Hdf5Handle data_, space_;
     std::vector<hsize_t> shape_;
 
-    void check_type() const;
-    void check_storage() const;
+    /// Bytes of a value in the file.
+    std::size_t check_type() const;
+    void check_storage(std::size_t bytes) const;
 };
 
 /// Numbers of all elements; InputError if one is not finite, but for NaN where that may stand for unknown.

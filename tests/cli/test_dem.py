@@ -337,6 +337,40 @@ class ExtremesTest(BedTest):
             self.assert_finite(run)
         self.assertEqual(columns(self.out("restart", "table.csv"))["t"][0], 0.0)  # no equilibration
 
+    def test_a_restart_from_a_bed_that_is_another_is_refused(self):
+        self.dem("first", *SHORT)
+        self.dem("bare", *SHORT, *BEADS_ONLY)
+        start = setting(start='"restart"', restart_from='"first/final.rwc"')
+        for keys, told in (({"box": '"6.2 mm"'}, r"the box is 0\.0064 x 0\.0064 m there and 0\.0062 x 0\.0062 m in the scene"),
+                           ({"box": '["6.4 mm", "6.6 mm"]'}, r"0\.0064 x 0\.0064 m there and 0\.0064 x 0\.0066 m in the scene"),
+                           ({"box": '"6.4 mm"', "bead_radius": '"0.38 mm"'}, r"bead_radius is 0\.0004 m there and 0\.00038 m in the scene"),
+                           ({"phi_b": 0.75}, r"their number is \d+ there and \d+ in the scene"),
+                           ({"rods": "[]"}, "the number of rods is 1 there and 0 in the scene"),
+                           ({"rods__0__length": '"4.4 mm"'}, r"a rod is 0\.0045 m long, .* there and 0\.0044 m long, .* in the scene"),
+                           ({"rods__0__thin_diameter": '"0.7 mm"'}, r"0\.0008 m thick, .* there and .* 0\.0007 m thick")):
+            self.refuse_bed(r"first/final\.rwc: granular\.start = \"restart\": .*" + told, *SHORT, *start, *setting(**keys))
+        bare = setting(start='"restart"', restart_from='"bare/final.rwc"')  # beads only: rods may be put in
+        done = self.dem("less", *SHORT, *bare, *setting(phi_b=0.6))
+        self.assertRegex(done.stderr, r"dem: \d+ of the \d+ beads of bare/final\.rwc are taken out")
+
+    def test_what_is_gone_of_a_finished_bed_is_made_again(self):
+        bed = (*SHORT, *setting(runs=2), "-s", "measure.order=true")
+        self.dem("out", *bed)
+        shutil.copytree(self.folder / "out", self.folder / "whole")
+        for gone in (["runs.csv"], ["summary.json", "runs/0001/summary.json", "runs/0002/measure.rwc"], ["runs/0002/table.csv"],
+                     ["runs/0001/trajectory.h5md", "runs/0001/final.rwc"]):
+            for name in gone:
+                self.out("out", name).unlink()
+            self.assertRegex(self.dem("out", *bed).stderr, "granular: .* gone; made again")
+            self.assertEqual(self.names("out"), self.names("whole"))
+            for run in ("/runs/0001", "/runs/0002"):
+                self.assert_same("out" + run, "whole" + run)
+                self.assertEqual(*(self.out(top + run, "measure.rwc").read_bytes() for top in ("out", "whole")))
+                told = [{key: value for key, value in self.summary(top + run).items() if key not in ("cost", "cpu_seconds", "wall_seconds")}
+                        for top in ("out", "whole")]
+                self.assertEqual(*told)
+        self.refuse(2, "holds a finished run", "dem", "bed.toml", "-o", "out", *bed)
+
     def test_a_damaged_restart(self):
         self.dem("first", *SHORT)
         flip_byte(self.out("first", "final.rwc"))

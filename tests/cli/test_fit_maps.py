@@ -169,6 +169,25 @@ class RefusalTest(MapTest):
         self.assert_refused(KEYS + one, "run0.csv:5", "twice")
         self.write("run0.csv", "x,y,Ux,Uy\n0,0,1,1\n1,0,1,1\n3,0,1,1\n0,1,2,1\n")
         self.assert_refused(KEYS + one, "not evenly spaced")
+        self.write("run0.csv", "x,y,Ux,Uy\n" + "".join(f"{x},{y},1,1\n" for x in range(5) for y in (0.1, 0.2, 0.4, 0.5)))
+        self.assert_refused(KEYS + one, "rows y are not evenly spaced: 0.4 follows 0.2", "missing?")
+
+    def test_places_that_are_rounded_are_even(self):
+        """As PIV writes them: five digits, five decimals, single precision; in any order of the rows."""
+        self.make_run("run0.csv", 0)
+        lines = (self.folder / "run0.csv").read_text().splitlines()
+        one = KEYS + MAPS.replace(', "run1.csv", "run2.csv"', "") + MASKS
+        whole, _ = self.fit(one)
+        for name, form in (("digits", "{:.5g}"), ("decimals", "{:.3f}"), ("single", "{:.9g}")):
+            rows = [line.split(",") for line in lines[1:]]
+            for row in rows:
+                row[:2] = [form.format(np.float32(row[k]) if name == "single" else float(row[k])) for k in range(2)]
+            rows.sort(key=lambda row: (float(row[0]), row[3]))  # y fastest
+            self.write("run0.csv", "\n".join([lines[0], *map(",".join, rows)]) + "\n")
+            found, _ = self.fit(one, out=name)
+            self.assertEqual(found["points"] if "points" in found else found["dof"], whole["points"] if "points" in whole else whole["dof"])
+            for key, told in whole["parameters"].items():  # places are off by 5e-4 of a step at most
+                self.assertAlmostEqual(found["parameters"][key]["value"], told["value"], delta=0.05 * (told["stderr"] or 1.0))
 
     def test_a_constant_that_cannot_be_moved_by_its_error_is_said(self):
         self.make_runs()

@@ -121,6 +121,22 @@ class TrajectoryTest(FitTest):
             np.testing.assert_allclose(table["model_y0"], table["y0"], atol=1e-6 * scale[0])
             self.assertLess(track["rms_position"], 1e-6 * scale[0])
 
+    def test_rows_before_zero_count_unless_the_rods_are_held(self):
+        self.tracks()
+        told = {}
+        for name, shift in (("whole", 0.0), ("early", -7.25)):
+            lines = (self.folder / "tracks.csv").read_text().splitlines()
+            rows = [line.split(",") for line in lines[1:]]
+            held = [[str(t), *rows[0][1:]] for t in (-3.0, -1.0)] if name == "whole" else []  # as a bed that settles
+            moved = [[repr(float(row[0]) + shift), *row[1:]] for row in rows]
+            self.write("tracks.csv", "\n".join([lines[0], *(",".join(row) for row in held + moved)]) + "\n")
+            told[name] = self.fit(self.TRACKS, out=name)[0]
+            self.write("tracks.csv", "\n".join(lines) + "\n")
+        for found in told.values():
+            self.assertEqual(found["dof"], told["whole"]["dof"])
+            self.assertAlmostEqual(found["parameters"]["kappa"]["value"], 0.5, delta=1e-6)
+        self.assertEqual(len(columns(self.folder / "early/fit_trajectory_0.csv")["t"]), len(rows))
+
     def test_tracks_of_a_rectangle_are_fitted_in_it(self):
         short = ("-s", "rods_run.t_end=8.0", "-s", "rods_run.output_interval=0.8")  # a box costs 100 times the plane
         self.tracks(more=("-s", "medium.periodic=[12.0, 9.0]", *short))

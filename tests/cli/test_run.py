@@ -71,6 +71,40 @@ class RunTest(ProgramTest):
         self.assertIn("kappa = 0.25", (self.folder / "results/pair/scene.toml").read_text())
         self.assert_no_temporaries()
 
+    def test_what_is_gone_of_a_finished_run_is_made_again(self):
+        self.write("pair.toml", PAIR + "[field]\n[[field.cuts]]\nfrom = -1.0\nto = 2.0\n")
+        self.expect(0, "run", "pair.toml", "-o", "out", "--quiet")
+        out = self.folder / "out"
+        names = set(snapshot(out))
+        whole = {name: (out / name).read_bytes() for name in ("rods.csv", "field_cut_0.csv")}
+        figure = next(name for name in names if name.startswith("figures/"))
+        for verb, gone in (("rods", ["rods.csv"]), ("field", ["field_cut_0.csv"]), ("rods", ["outcome.json"]),
+                           ("rods", ["manifest.json"]), ("run", ["result.h5", "rods.csv", figure]), ("run", ["report.html"])):
+            for name in gone:
+                (out / name).unlink()
+            done = self.expect(0, verb, "pair.toml", "-o", "out")
+            self.assertRegex(done.stderr, "gone; made again")
+            self.assertNotIn("did not finish", done.stderr)
+            self.assertEqual((set(snapshot(out)), self.status("out")), (names, "finished"), gone)  # what was drawn stays, too
+            for name, content in whole.items():
+                self.assertEqual((out / name).read_bytes(), content)
+            with h5py.File(out / "result.h5") as file:
+                self.assertLessEqual({"rods", "field"}, set(file))
+            self.refuse(2, "holds a finished run", verb, "pair.toml", "-o", "out")
+
+    def test_what_is_gone_of_another_stage_is_not_finished(self):
+        self.write("pair.toml", PAIR + "[field]\n[[field.cuts]]\nfrom = -1.0\nto = 2.0\n")
+        for verb in ("rods", "field"):
+            self.expect(0, verb, "pair.toml", "-o", "out")
+        for name in ("field_cut_0.csv", "rods.csv"):
+            (self.folder / "out" / name).unlink()
+        done = self.expect(0, "rods", "pair.toml", "-o", "out")
+        self.assertIn("field: field_cut_0.csv is gone; left so by this command", done.stderr)
+        self.assertEqual(self.status("out"), "unfinished")
+        self.expect(0, "field", "pair.toml", "-o", "out")
+        self.assertEqual(self.status("out"), "finished")
+        self.assertTrue((self.folder / "out/field_cut_0.csv").exists())
+
     def test_force_leaves_nothing_of_the_run_before(self):
         variant = '[[variants]]\nname = "left"\nset = { "coupling.kappa" = -0.5 }\n'
         cut = '[field]\n[[field.cuts]]\nfrom = -1.0\nto = 2.0\n'

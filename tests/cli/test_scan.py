@@ -175,6 +175,24 @@ class DesignTest(ScanTest):
         self.scan("list.toml", "out")
         self.assertEqual([(row[AXES[0]], row[AXES[1]]) for row in self.rows("out")], [("0.5", "-1"), ("50", "2.5"), ("0.1", "0")])
 
+    def test_a_list_of_many_columns_as_a_spreadsheet_writes_it(self):
+        keys = ["coupling.kappa", "rods.1.position.0", "coupling.gamma1", "coupling.gamma2", "rods.0.heading", "rods.1.heading",
+                "rods.1.position.1", "rods_run.t_end"]
+        rows = [[0.5, -1.0, 0.1, 0.2, 0.0, 1.5, -4.0, 60.0], [50.0, 2.5, -0.1, 0.0, 0.1, 1.6, -3.0, 50.0]]
+        text = "\n  # starts\n;" + ";".join(keys) + ";\r\n" + "".join(f"{i};{';'.join(map(str, row))};\r\n" for i, row in enumerate(rows))
+        self.write("points.csv", "\ufeff" + text)
+        self.write("list.toml", CROSSING + '[scan]\ndesign = "list"\nfile = "points.csv"\ntrajectories = 1\n')
+        self.scan("list.toml", "out")
+        found = self.rows("out")
+        self.assertEqual([[float(row[key]) for key in keys] for row in found], rows)
+        self.assertEqual([axis["key"] for axis in self.json("out")["axes"]], keys)
+        with h5py.File(self.folder / "out/scan.h5") as file:
+            self.assertEqual(list(file["points/rods_run.t_end"]), [60.0, 50.0])
+        self.write("few.csv", ",".join(keys[:6]) + "\n" + ",".join(map(str, rows[1][:6])) + "\n")  # the second row, its last two set by hand
+        self.scan("list.toml", "few", "-s", "scan.file=few.csv", "-s", "rods.1.position.1=-3.0", "-s", "rods_run.t_end=50.0")
+        for name in ("outcome", "time", "final_separation"):
+            self.assertEqual(found[1][name], self.rows("few")[0][name])
+
     def test_words_and_ties(self):
         self.write("words.toml", CROSSING + '[scan]\n[[scan.axes]]\nkey = "rods_run.method"\nvalues = ["bdf", "adams", "erk"]\n'
                    '[[scan.axes]]\nkeys = ["coupling.gamma1", "coupling.gamma2"]\nfactor = [1.0, -1.0]\nvalues = [1.0, 2.0]\n')

@@ -45,6 +45,18 @@ class ExtendTest(ScanTest):
             self.refuse_scan("out: holds a finished run of this scene", "grid.toml", "out", *more)
         self.scan("grid.toml", "out", "--force")
 
+    def test_what_is_gone_of_a_finished_scan_is_made_again(self):
+        self.scan("scan.toml", "out")
+        shutil.copytree(self.folder / "out", self.folder / "whole")
+        for gone in (["scan.csv"], ["scan.h5", "cells.csv"], ["scan.json", "boundary.csv"], ["ledger.sqlite"]):
+            for name in gone:
+                (self.folder / "out" / name).unlink()
+            done = self.scan("scan.toml", "out")
+            self.assertRegex(done.stderr, f"scan: {gone[-1]}.* gone; made again")
+            self.assertEqual("are in the ledger already" in done.stderr, "ledger.sqlite" not in gone)
+            self.assert_same("out", "whole")
+            self.refuse_scan("holds a finished run", "scan.toml", "out")
+
     def test_a_changed_scene_is_refused_with_what_changed(self):
         self.scan("grid.toml", "out")
         for setting, told in (("coupling.gamma1=1", r"gamma1 = 0.0 there, gamma1 = 1.0 here"),

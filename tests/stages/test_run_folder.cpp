@@ -44,6 +44,7 @@ void begin(const RunFolder& folder, const scene::Scene& scene, int killed_at = 3
 void hold(const Scratch& scratch, const scene::Scene& scene, const stages::StageRecords& records) {
     scratch.file("run/scene.toml", scene::to_toml(scene));
     scratch.file("run/provenance.json", provenance(records));
+    scratch.file("run/manifest.json", R"({"files": {}})");
 }
 
 std::string refusal(const Scratch& scratch, const scene::Scene& scene, const Stages& stages) {

@@ -50,6 +50,40 @@ public:
                  path);
         });
     }
+    /// Rows `a` and `b` of frame `frame` change places.
+    void swap(const std::string& path, std::size_t frame, std::size_t a, std::size_t b) const {
+        with_dataset(path, [&](hid_t data) {
+            const hid_t space = H5Dget_space(data);
+            std::vector<hsize_t> extent(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+            H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+            H5Sclose(space);
+            const std::size_t width = extent.size() > 2 ? extent[2] : 1, first = frame * extent.at(1) * width;
+            std::vector<double> all(count(data));
+            want(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) >= 0, "read",
+                 path);
+            for (std::size_t k = 0; k < width; ++k)
+                std::swap(all.at(first + a * width + k), all.at(first + b * width + k));
+            want(H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) >= 0, "write",
+                 path);
+        });
+    }
+    void scale(const std::string& path, double factor) const {
+        with_dataset(path, [&](hid_t data) {
+            std::vector<double> all(count(data));
+            want(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) >= 0, "read",
+                 path);
+            for (double& one : all)
+                one *= factor;
+            want(H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) >= 0, "write",
+                 path);
+        });
+    }
+    void text_attribute(const std::string& owner, const std::string& name, const std::string& text) const {
+        const hid_t type = H5Tcopy(H5T_C_S1);
+        H5Tset_size(type, text.size());
+        attribute(owner, name, type, text.data());
+        H5Tclose(type);
+    }
     /// Of the first dimension; what is new is zero and not written.
     void resize(const std::string& path, hsize_t rows) const {
         with_dataset(path, [&](hid_t data) {

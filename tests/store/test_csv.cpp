@@ -117,16 +117,59 @@ TEST_CASE("What is not a finite number is told with its place") {
 TEST_CASE("Rows of the wrong length") {
     CHECK(has(error("x,y\n1\n"), "t.csv:2:1: 1 fields, but the header has 2"));
     CHECK(has(error("x,y\n1,2,3\n"), "t.csv:2:5: 3 fields, but the header has 2"));
-    CHECK(has(error("x,y\n1,2,\n"), "3 fields"));
 }
 
 TEST_CASE("Headers that cannot be used") {
     CHECK(has(error("x\n1\n"), "t.csv:1:1: no column \"y\"; the header must have at least x,y"));
     CHECK(has(error("x,y,x\n"), "t.csv:1:5: column \"x\" stands twice"));
     CHECK(has(error("x,,y\n"), "t.csv:1:3: empty column name"));
+    CHECK(has(error("X,y,z\n1,2,3\n"), "no column \"x\"; the header must have at least x,y; it has X,y,z"));
+    CHECK(has(error("x y\n1 2\n"), "columns are separated by commas, semicolons or tabs"));
+    CHECK(has(error("# x,y\n1,1\n2,3\n"), "t.csv:2:1: no header line: here are numbers, not names"));
     CHECK(has(error(""), "no header line; expected at least x,y"));
     CHECK(has(error("# only a comment\n\n"), "no header line"));
     CHECK(read("x,y\n").rows() == 0);
+}
+
+TEST_CASE("Tables as other programs write them are the same table") {
+    const Names names = {"x", "y"};
+    const std::vector<std::vector<double>> columns = {{1.0, 3.0}, {2.5, -4.0}};
+    const std::string index = ",x,y\n0,1,2.5\n1,3,-4\n",
+                      quoted = "\"\"\t\"x\"\t\"y\"\n0\t1\t\"2.5\"\n\t3\t-4\n";
+    for (const std::string& text :
+         {index, quoted, "\xEF\xBB\xBF" + index, std::string("x,y,\n1,2.5,\n3,-4\n"),
+          std::string("x,y\n1,2.5,,\n3,-4,\n,,\n"),
+          std::string("\n \t\n  # note\n% note\nx;y\n1;2.5\n\n3;-4\n;\n"),
+          std::string("x\ty\n1\t2.5\n 3 \t -4\n"), std::string("x,y\r1,2.5\r3,-4\r"),
+          std::string("x;y;\"a,b,c\"\n1;2.5;\"1,2;3\"\n3;-4;\n"), std::string(",x,y\r\n0,1,2.5\r\n1,3,-4")}) {
+        CAPTURE(text);
+        CHECK(read(text).columns == columns);
+    }
+    const Scratch scratch;
+    CHECK(store::csv_names(scratch.file("n.csv", "\n  # note\n;\"x\";y;\n0;1;2;\n")) == names);
+    CHECK(
+        has(error_of<InputError>([&] { store::csv_names(scratch.file("n.csv", "#\n")); }), "no header line"));
+    CHECK(read("x,y\r1,2\r\r3,4").lines == std::vector<std::size_t>{2, 4});
+}
+
+TEST_CASE("What other programs write and cannot be read says what to do") {
+    CHECK(has(error("x;y\n1;2\n3;1,5\n"), "t.csv:3:3: y: expected a number, found \"1,5\"; write it as 1.5"));
+    CHECK(has(error("x,y\n1.0D+03,2\n"),
+              "t.csv:2:1: x: expected a number, found \"1.0D+03\"; write it as 1.0e+03"));
+    CHECK(has(error("x,y\n1,\n"), "t.csv:2:3: y: expected a number, found an empty cell"));
+    CHECK(has(error("x,y\nNA,1\n"), "t.csv:2:1: x: expected a number, found \"NA\""));
+    CHECK(has(error("x;y\n1;2;3\n"), "t.csv:2:5: 3 fields, but the header has 2"));
+    for (const std::string& wide :
+         {std::string("\xFF\xFEx\0,\0y\0\n\0", 10), std::string("x,y\n1,\0002\n", 9)})
+        CHECK(has(error(wide), "UTF-16 or binary: save the table as CSV in UTF-8"));
+}
+
+TEST_CASE("Text of the file in a message is cut and harmless") {
+    const std::string long_cell = error("x,y\n1," + std::string(59, 'a') + "\xC3\xA9" + "b\n");
+    CHECK(
+        has(long_cell, "found \"" + std::string(59, 'a') + "...\"")); // the letter of two bytes is not halved
+    CHECK(has(error("x,y\n1,\x1b[31m\n"), "found \"\\x1b[31m\""));
+    CHECK(has(error("x,\x1b]\n"), "it has x,\\x1b]"));
 }
 
 TEST_CASE("Files that cannot be read") {

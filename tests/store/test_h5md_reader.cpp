@@ -1,5 +1,6 @@
 // Trajectories read back: bit for bit what was written, in any order.
 
+#include "hdf5_edit.hpp"
 #include "rodwake/core/error.hpp"
 #include "stored_frames.hpp"
 
@@ -84,4 +85,96 @@ TEST_CASE("Frames are read in any order, by several readers, into the same buffe
         CHECK(is_frame(frame, samples, k));
     }
     CHECK(has(error_of<InputError>([&] { third.read(4, frame); }), "no frame 4: it holds 0 to 3"));
+}
+
+namespace {
+
+const std::string beads = "particles/trajectory/", rods = "particles/trajectory_rods/";
+
+std::string refusal(const fs::path& path) {
+    return error_of<InputError>([&] { holds(path, SampleFrames()); });
+}
+
+} // namespace
+
+TEST_CASE("Bodies whose rows change from frame to frame are followed by their id") {
+    const Scratch scratch;
+    const fs::path path = scratch / "t.h5md";
+    const SampleFrames samples;
+    write_h5md(path, samples);
+    {
+        const Hdf5Edit file(path);
+        for (const char* name : {"position/value", "image/value", "velocity/value", "id/value"})
+            for (const auto& [frame, a, b] : {std::array{1UL, 0UL, 7UL}, {2UL, 3UL, 4UL}, {2UL, 4UL, 8UL}})
+                file.swap(beads + name, frame, a, b);
+        for (const char* name : {"position/value", "image/value", "id/value", "orientation/value"})
+            file.swap(rods + name, 3, 0, 1);
+    }
+    CHECK(holds(path, samples));
+    { Hdf5Edit(path).remove(beads + "id"); } // rows are bodies then
+    CHECK_FALSE(holds(path, samples));
+}
+
+TEST_CASE("Ids that are not those of the first frame, or not once, are refused") {
+    const Scratch scratch;
+    const fs::path path = scratch / "t.h5md";
+    const auto refused = [&](const std::function<void(const Hdf5Edit&)>& damage) {
+        write_h5md(path, SampleFrames());
+        { damage(Hdf5Edit(path)); }
+        return refusal(path);
+    };
+    const std::size_t particles = SampleFrames().layout.particles();
+    CHECK(has(refused([&](auto& f) { f.set(beads + "id/value", 2 * particles + 1, 4711); }),
+              "frame 2: particles/trajectory/id 4711 is not in frame 0"));
+    CHECK(has(refused([&](auto& f) { f.set(beads + "id/value", 0, SampleFrames().layout.id[1]); }),
+              "twice in frame 0"));
+    CHECK(has(refused([&](auto& f) { f.set(beads + "id/value", particles, SampleFrames().layout.id[1]); }),
+              "stands twice"));
+    CHECK(has(refused([&](auto& f) { f.swap(beads + "id/value", 1, 0, particles - 1); }),
+              "is a bead in one frame"));
+    CHECK(has(refused([&](auto& f) {
+                  f.replace(beads + "id/value", H5T_STD_I64LE, {4, 3});
+              }),
+              "is of shape"));
+    CHECK(has(refused([&](auto& f) {
+                  f.replace(beads + "id", H5T_STD_I64LE, {particles}); // all ones
+              }),
+              "id 1 stands twice"));
+}
+
+TEST_CASE("Units are taken as they are named, and unknown ones refused") {
+    const Scratch scratch;
+    const fs::path path = scratch / "t.h5md";
+    const SampleFrames samples;
+    write_h5md(path, samples);
+    {
+        const Hdf5Edit file(path);
+        const auto in = [&](const std::string& name, double factor, const std::string& unit) {
+            file.scale(name, factor);
+            file.text_attribute(name, "unit", unit);
+        };
+        in(beads + "position/value", 1e3, "mm");
+        in(beads + "position/time", 1e6, "us");
+        in(beads + "velocity/value", 1e-3, "nm ps-1");
+        in(beads + "box/edges/value", 1e9, "nm");
+        in(beads + "radius", 1e6, "um");
+        in(beads + "mass", 1e6, "mg");
+    }
+    store::H5mdReader reader(path);
+    store::StoredFrame frame;
+    reader.read(2, frame);
+    const store::WrappedVectors at = store::wrap(samples.frames[2].position, samples.layout);
+    // two roundings of a product, 2^-52, and one of the table of factors
+    const auto near = [](double found, double wanted) { return std::abs(found / wanted - 1.0) < 1e-15; };
+    CHECK(near(reader.info().box[0], 0.0312));
+    CHECK(near(reader.info().bead_radius, 4e-4));
+    CHECK(near(reader.info().bead_mass, 7.2e-7));
+    CHECK(near(frame.time, 0.02));
+    CHECK(near(frame.x[3], at.place[9]));
+    CHECK(near(frame.vy[3], samples.frames[2].velocity[10]));
+    { Hdf5Edit(path).text_attribute(beads + "position/value", "unit", "furlong"); }
+    CHECK(has(refusal(path),
+              "particles/trajectory/position/value is in the unit \"furlong\", which is not known"));
+    { Hdf5Edit(path).text_attribute(beads + "position/value", "unit", "s"); }
+    CHECK(has(refusal(path), "known are m, mm, um, nm, Angstrom"));
 }

@@ -4,6 +4,7 @@
 
 #include "rodwake/scan/point.hpp"
 
+#include <algorithm>
 #include <optional>
 
 namespace rodwake::scan {
@@ -50,6 +51,18 @@ struct Design {
     /// end with a long one. Empty: places come in their order.
     std::vector<double> costs;
 };
+
+/// A list of more columns than a point holds: the first value of a point is the number of its row.
+inline bool is_long_list(const Design& design) {
+    return design.kind == Kind::list && design.axes.size() > max_axes;
+}
+
+/// The value of a point on each axis.
+inline std::span<const double> values_of(const Design& design, const Point& point) {
+    if (is_long_list(design))
+        return design.rows[static_cast<std::size_t>(point.at[0])];
+    return std::span(point.at).first(std::min(design.axes.size(), max_axes));
+}
 
 /// Places that the design asks for: of an adaptive one those of the full lattice at its resolution. Throws
 /// InputError if they cannot be counted in 62 bits.

@@ -63,6 +63,8 @@ public:
     /// Removes points that failed, so that they are evaluated again, and brackets with such an end; how many
     /// points.
     std::int64_t forget_failed();
+    /// Removes these points, so that they are evaluated again.
+    void forget(std::span<const std::int64_t> ids);
 
     /// In the order of the points. `each` must not write.
     void for_each(const std::function<void(const Result&)>& each) const;

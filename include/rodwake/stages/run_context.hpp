@@ -34,6 +34,7 @@ struct RunContext {
     std::size_t threads = 0;           ///< 0: one for each core
     std::optional<std::uint64_t> seed; ///< replaces those of the scene
     bool force = false;                ///< redo what is there already
+    bool draws = false;                ///< figures of what the stages leave follow
     std::string command;               ///< what makes the run again, for provenance
     std::function<void(Severity, const std::string&)> log;
     std::function<void(const ProgressReport&)> progress; ///< called often, and never from two threads at once

@@ -3,9 +3,9 @@
 // how each stage ended, scene.toml which scene they are of.
 //
 // A command adds its stages to those that the folder holds of the same scene, and goes on with those that did
-// not finish. What it would destroy it refuses: stages of another scene, stages that are finished, files that
-// are not a run's; `force` replaces them. One process at a time: a lock names its host and process, one whose
-// process has ended is taken over.
+// not finish, or of which files are gone. What it would destroy it refuses: stages of another scene, stages
+// that are finished, files that are not a run's; `force` replaces them. One process at a time: a lock names
+// its host and process, one whose process has ended is taken over.
 
 #include "rodwake/assembly/plan.hpp"
 #include "rodwake/stages/run_context.hpp"
@@ -26,10 +26,14 @@ struct FileKind;
 /// "unfinished" | "finished" | "interrupted" | "failed" of each stage a run holds, by its name.
 using StageRecords = std::map<std::string, std::string>;
 
+/// Files that the manifest lists and that are gone, by the stage that made them; of none: of the run as a
+/// whole and what is drawn.
+using LostFiles = std::map<std::string, std::vector<std::string>>;
+
 /// "finished", "unfinished", ... of the run in a folder: the worst of its stages; empty if there is none.
 std::string run_status(const std::filesystem::path& folder);
 
-/// The same of one stage.
+/// The same of one stage: finished if its files are there, too.
 std::string stage_status(const std::filesystem::path& folder, assembly::Stage stage);
 
 /// What the results of a stage depend on, as text: scenes of the same text have the same results of it.
@@ -62,9 +66,9 @@ class RunFolder {
 public:
     /// Makes the folder, or takes up the run in it. Throws InputError for a folder that cannot be used
     /// (above), RunError if it cannot be written. Nothing of an earlier run is touched yet. `reopen_scan`: a
-    /// scan goes on though it is finished.
+    /// scan goes on though it is finished; `draws`: figures that are gone are reason enough.
     RunFolder(std::filesystem::path path, const scene::Scene& scene, std::span<const assembly::Stage> stages,
-              bool force, bool reopen_scan = false);
+              bool force, bool reopen_scan = false, bool draws = false);
 
     const std::filesystem::path& path() const { return path_; }
     std::filesystem::path file(std::string_view name) const { return path_ / name; }
@@ -78,6 +82,8 @@ public:
     bool resumed() const { return resumed_; }
     /// True if a stage that was finished goes on: more runs, a finer scan.
     bool extended() const { return extended_; }
+    /// Of stages that were finished.
+    const LostFiles& lost() const { return lost_; }
     const std::string& lock_taken_over() const { return lock_.taken_over(); }
 
     /// How each stage stands with the stages that are to be done at `status`.
@@ -104,12 +110,16 @@ private:
     /// Files of stages that are done again or dropped, and what killed runs left half written.
     void remove_outdated() const;
     bool is_outdated(const FileKind& kind, const std::string& name) const;
+    /// Only files that were gone are made again, of the same content.
+    bool only_restores() const { return stages_.size() == restored_.size(); }
 
     std::filesystem::path path_;
     FolderLock lock_;
     StageRecords old_;
+    LostFiles lost_;
     StageRecords unaffected_; ///< those of old_ that are of the old and of the new scene
     std::vector<assembly::Stage> stages_, kept_, dropped_;
+    std::vector<assembly::Stage> restored_; ///< those of stages_ that were finished, but for lost files
     std::optional<long> kept_runs_;
     bool resumed_ = false, extended_ = false, anew_ = false, had_run_ = false;
 };

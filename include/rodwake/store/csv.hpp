@@ -1,6 +1,7 @@
 #pragma once
-// Tables of numbers as CSV: one header line, comma-separated, fields may be quoted, '#' starts a comment
-// line.
+// Tables of numbers as CSV: one header line, separated by commas, semicolons or tabs (the header tells),
+// fields may be quoted, '#' or '%' starts a comment line. Lines end with LF, CR LF or CR. What other programs
+// write: columns without a name in front (an index) or behind the last one, separators at the end of rows.
 
 #include <filesystem>
 #include <span>
@@ -26,6 +27,9 @@ struct Table {
 /// fields are NaN in optional columns.
 Table read_csv(const std::filesystem::path& path, std::span<const std::string> required,
                std::span<const std::string> optional = {});
+
+/// The names in the header, in order. Throws as read_csv.
+std::vector<std::string> csv_names(const std::filesystem::path& path);
 
 /// Header and rows, 17 significant digits (exact round trip); NaN is an empty field.
 std::string to_csv(std::span<const std::string> names, std::span<const std::vector<double>> columns);

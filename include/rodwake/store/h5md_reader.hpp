@@ -1,7 +1,8 @@
 #pragma once
-// Reads trajectories of beds that H5mdWriter wrote (h5md.hpp), frame by frame, exactly the stored bits.
-// Species 0 are the beads: the first particles of a frame, all of one radius and one mass. The spheres of
-// rods are passed over: of a rod its centre of mass and its orientation are read.
+// Reads trajectories of beds as H5mdWriter writes them (h5md.hpp), frame by frame, exactly the stored bits.
+// Bodies with an `id` come in the order of the first frame, whatever row they have; numbers with a `unit`
+// come in SI. Species 0 are the beads: the first particles of a frame, all of one radius and one mass. The
+// spheres of rods are passed over: of a rod its centre of mass and its orientation are read.
 //
 // A file that is none of these, is cut short, damaged, or holds what cannot be (values that are not finite,
 // places outside the box, a box that changes, steps or times that do not increase) is an InputError that

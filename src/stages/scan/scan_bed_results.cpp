@@ -113,8 +113,9 @@ template<class Row>
 void write_group(store::Hdf5Writer& h5, const std::string& group, const ScanPlan& plan,
                  TableColumns<Row> columns, std::span<const Row> rows) {
     for (std::size_t k = plan.design.axes.size(); k-- > 0;)
-        columns.insert(columns.begin(),
-                       {plan.design.axes[k].name, [k](const Row& row) { return row.point.at[k]; }});
+        columns.insert(columns.begin(), {plan.design.axes[k].name, [&, k](const Row& row) {
+                                             return values_of(plan.design, row.point)[k];
+                                         }});
     columns.push_back({"outcome", [](const Row& row) { return static_cast<double>(row.outcome); }});
     columns.push_back({"status", [](const Row& row) { return static_cast<double>(row.status); }});
     std::vector<double> values(rows.size());

@@ -92,6 +92,13 @@ fs::path bed_folder(const fs::path& scan, std::int64_t id) {
     return run_folder(scan / fmt::format("points/{:04}", scan::place_of_run(id) + 1), scan::run_of(id));
 }
 
+std::optional<std::int64_t> bed_of(const fs::path& file) {
+    const std::vector<fs::path> parts(file.begin(), file.end());
+    if (parts.size() != 5 || parts[0] != "points" || parts[2] != "runs")
+        return std::nullopt;
+    return scan::id_of_run(std::stol(parts[1].string()) - 1, std::stol(parts[3].string()) - 1);
+}
+
 scan::Evaluate evaluate_beds(const assembly::ScanPlan& plan, fs::path folder, RunContext context,
                              Logger log) {
     return [one = PointOfBeds(plan, std::move(folder), std::move(context), std::move(log))](

@@ -31,7 +31,8 @@ PointColumns::PointColumns(store::Hdf5Writer& h5, const ScanPlan& plan, std::int
 std::vector<PointColumns::Column> PointColumns::columns_of(const ScanPlan& plan) {
     std::vector<Column> columns;
     for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
-        columns.push_back({plan.design.axes[k].name, [k](const scan::Result& r) { return r.point.at[k]; }});
+        columns.push_back({plan.design.axes[k].name,
+                           [&, k](const scan::Result& r) { return values_of(plan.design, r.point)[k]; }});
     columns.push_back({"outcome", [](const scan::Result& r) { return r.ok() ? r.outcome : -1.0; }});
     columns.push_back({"status", [](const scan::Result& r) { return static_cast<double>(r.status); }});
     for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)

@@ -3,9 +3,6 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/csv.hpp"
 
-#include <fstream>
-#include <sstream>
-
 namespace rodwake::stages {
 
 namespace {
@@ -22,22 +19,6 @@ fs::path find_file(const scene::Scene& scene) {
                      "\": no such file, neither beside the scene nor here");
 }
 
-/// The names of the first line that is not a comment: the keys.
-std::vector<std::string> header_of(const fs::path& path) {
-    std::ifstream file(path);
-    std::string line;
-    while (std::getline(file, line))
-        if (!line.empty() && line.front() != '#')
-            break;
-    std::vector<std::string> names;
-    std::istringstream words(line);
-    for (std::string name; std::getline(words, name, ',');) {
-        const auto first = name.find_first_not_of(" \t\r\""), last = name.find_last_not_of(" \t\r\"");
-        names.push_back(first == std::string::npos ? "" : name.substr(first, last - first + 1));
-    }
-    return names;
-}
-
 } // namespace
 
 std::optional<assembly::ScanList> read_scan_list(const scene::Scene& scene) {
@@ -45,7 +26,7 @@ std::optional<assembly::ScanList> read_scan_list(const scene::Scene& scene) {
         return std::nullopt;
     const fs::path path = find_file(scene);
     assembly::ScanList list;
-    list.keys = header_of(path);
+    list.keys = store::csv_names(path);
     const store::Table table = store::read_csv(path, list.keys);
     list.rows.assign(table.rows(), std::vector<double>(list.keys.size()));
     for (std::size_t k = 0; k < list.keys.size(); ++k) {

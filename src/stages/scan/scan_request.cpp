@@ -20,7 +20,9 @@ void require_ledger(const fs::path& file, const assembly::ScanPlan& plan) {
 } // namespace
 
 scan::LedgerHead ledger_head(const assembly::ScanPlan& plan) {
-    return {plan.description, plan.design.axes, plan.columns, plan.design.runs > 0};
+    const bool rows = is_long_list(plan.design);
+    return {plan.description, rows ? std::vector{scan::Axis{.name = "row"}} : plan.design.axes, plan.columns,
+            plan.design.runs > 0};
 }
 
 std::vector<fs::path> shares_in(const fs::path& folder) {

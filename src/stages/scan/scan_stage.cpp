@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <set>
 
 namespace rodwake::stages {
 
@@ -41,7 +42,19 @@ void merge_shares(const Session& session, scan::Ledger& ledger) {
     session.log->info("scan: {} shares taken over", shares.size());
 }
 
+/// Runs of beds whose files are gone are made again.
+void forget_lost(const Session& session, scan::Ledger& ledger) {
+    const auto lost = session.directory.lost().find(to_string(assembly::Stage::scan));
+    std::set<std::int64_t> ids;
+    if (lost != session.directory.lost().end())
+        for (const std::string& name : lost->second)
+            if (const auto id = bed_of(name))
+                ids.insert(*id);
+    ledger.forget(std::vector(ids.begin(), ids.end()));
+}
+
 void prepare(const Session& session, scan::Ledger& ledger) {
+    forget_lost(session, ledger);
     if (session.context.scan.merge)
         merge_shares(session, ledger);
     if (session.context.scan.rerun_failed)

@@ -41,7 +41,7 @@ void append_axis(std::string& text, const scan::Axis& axis, double value) {
 
 void append_place(std::string& text, const ScanPlan& plan, const scan::Point& point) {
     for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
-        append_axis(text, plan.design.axes[k], point.at[k]);
+        append_axis(text, plan.design.axes[k], values_of(plan.design, point)[k]);
         text += ',';
     }
 }
