@@ -34,7 +34,8 @@ RodProblem in_box(const MediumProblem& problem) {
 }
 
 void check(const RodProblem& rods, const DynamicMedium& medium, const RodOptions& options) {
-    rods::validate(rods);
+    if (!rods::contact_at_start(rods))
+        rods::validate(rods);
     if (!rods.medium)
         throw InputError("rods in a dynamic medium need its eta and xi");
     validate(*rods.medium, medium, rods.rods.size());
@@ -45,7 +46,7 @@ void check(const RodProblem& rods, const DynamicMedium& medium, const RodOptions
     if (!(options.ode.rtol >= 1e-13 && options.ode.rtol <= 0.1 && options.ode.atol > 0.0))
         throw InputError(fmt::format("rtol = {}, atol = {}: rtol must be 1e-13 to 0.1, atol > 0",
                                      options.ode.rtol, options.ode.atol));
-    validate_start(medium, rods.rods);
+    validate_start(medium, rods.rods, rods.contact_distance);
 }
 
 /// Rods whose own turning is kept by itself.
@@ -125,6 +126,10 @@ public:
         add_outputs(control_.time(), control_.state().poses);
         if (film_.due(control_.time()))
             film_.add(control_.state().poses, control_.state().fields);
+        if (auto met = rods::contact_at_start(problem_)) {
+            solution_ = std::move(met->solution);
+            ended_ = true;
+        }
         while (control_.time() < problem_.t_end && !ended_)
             step();
         conclude_solution();
@@ -310,11 +315,12 @@ std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, st
     return threads_for(mesh ? modes + modes_of_a_rod * rods : modes * rods / 2, modes_per_thread, threads);
 }
 
-void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods) {
+void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods,
+                    std::optional<double> contact_distance) {
     if (rods.size() < 2)
         return;
     const rods::Separation pair = rods::closest_pair(rods::to_state(rods), medium.box);
-    if (pair.distance < medium.force_width)
+    if (pair.distance < medium.force_width && !(pair.distance <= contact_distance.value_or(-1.0)))
         throw InputError(
             fmt::format("rods[{}] and rods[{}] start {:.4g} apart, closer than force_width = {}: start them "
                         "farther apart or take a narrower force",

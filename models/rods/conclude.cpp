@@ -49,9 +49,8 @@ void validate_numbers(const RodProblem& problem) {
     }
 }
 
-} // namespace
-
-void validate(const RodProblem& problem) {
+/// All but the separation at the start.
+void validate_shape(const RodProblem& problem) {
     if (problem.rods.empty())
         throw InputError("no rods: give at least one");
     if (!(problem.t_end > 0.0 && std::isfinite(problem.t_end)))
@@ -59,7 +58,36 @@ void validate(const RodProblem& problem) {
     if (problem.box && !valid_sides(*problem.box))
         throw InputError(fmt::format("box = {}: the sides of the periodic box must be > 0 and finite",
                                      to_string(*problem.box)));
+    if (problem.contact_distance && !(*problem.contact_distance > 0.0))
+        throw InputError(fmt::format("contact_distance = {}: must be > 0", *problem.contact_distance));
     validate_numbers(problem);
+}
+
+} // namespace
+
+std::optional<RodResult> contact_at_start(const RodProblem& problem) {
+    if (!problem.contact_distance || problem.rods.size() < 2)
+        return std::nullopt;
+    RodResult result;
+    integrate::Solution& solution = result.solution;
+    solution.final_state = to_state(problem.rods);
+    if (!(closest_pair(solution.final_state, problem.box).distance <= *problem.contact_distance))
+        return std::nullopt;
+    validate_shape(problem);
+    for (const double time : problem.output_times)
+        if (time == 0.0) {
+            solution.times.push_back(0.0);
+            solution.states.push_back(solution.final_state);
+        }
+    solution.hits.push_back({0, 0.0, solution.final_state});
+    solution.status.termination = integrate::Termination::stopped_at_event;
+    solution.status.wanted = problem.t_end;
+    result.outcome = conclude(problem, false, nullptr, solution, {}, {});
+    return result;
+}
+
+void validate(const RodProblem& problem) {
+    validate_shape(problem);
     if (problem.rods.size() < 2)
         return;
     const Separation pair = closest_pair(to_state(problem.rods), problem.box);

@@ -35,6 +35,8 @@ double stiffness(const RodProblem& problem) {
     if (!model.interacting())
         return 0.0;
     const auto y = to_state(problem.rods);
+    if (model.rods() > 1 && closest_pair(y, problem.box).distance == 0.0)
+        return 0.0; // in contact before anything turns
     const auto size = static_cast<Eigen::Index>(y.size());
     Eigen::MatrixXd jacobian(size, size);
     if (model.has_jacobian())

@@ -309,7 +309,7 @@ RodResult Walk::run() {
 double suitable_time_step(const RodProblem& problem, double rotational) {
     double fastest = std::max(1.0, rotational);
     const RodModel model = model_of(problem);
-    if (model.interacting()) {
+    if (model.interacting() && !contact_at_start(problem)) {
         std::vector<elastic::FieldValues> sums(model.rods());
         model.wakes(to_state(problem.rods), sums);
         for (const elastic::FieldValues& sum : sums)
@@ -320,6 +320,8 @@ double suitable_time_step(const RodProblem& problem, double rotational) {
 
 RodResult simulate(const RodProblem& problem, const RodOptions& options, const Noise& noise,
                    std::uint32_t run) {
+    if (auto met = contact_at_start(problem))
+        return *std::move(met);
     validate(problem);
     validate(noise);
     if (problem.output_times.size() >= most_spans)

@@ -16,6 +16,9 @@ void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& st
             fmt::format("of more than {} rods no pair is told apart; rods {} and {} came "
                         "closest, {:.6g} apart",
                         most_followed_rods, outcome.pair.first, outcome.pair.second, outcome.min_separation);
+    else if (outcome.ending == Ending::contact && outcome.time == 0.0)
+        outcome.reason = fmt::format("rods {} and {} start {:.6g} apart, within the contact distance",
+                                     outcome.pair.first, outcome.pair.second, outcome.pair.distance);
     else if (outcome.ending == Ending::contact)
         outcome.reason = fmt::format("rods {} and {} came within {:.6g} at t = {:.6g}", outcome.pair.first,
                                      outcome.pair.second, outcome.pair.distance, outcome.time);

@@ -3,9 +3,11 @@
 #include "outcome_text.hpp"
 #include "pair_lanes.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/rods/conclude.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -23,6 +25,23 @@ void validate(const PairOptions& options, std::size_t pairs, std::size_t results
     require(options.atol > 0.0 && std::isfinite(options.atol), "atol", options.atol, "> 0 and finite");
     if (pairs != results)
         throw InputError(fmt::format("{} results for {} pairs: give as many", results, pairs));
+}
+
+double start_separation(const PairProblem& pair) {
+    return std::hypot(pair.rods[0].x - pair.rods[1].x, pair.rods[0].y - pair.rods[1].y);
+}
+
+bool starts_in_contact(const PairProblem& pair) {
+    return pair.contact_distance > 0.0 && start_separation(pair) <= pair.contact_distance;
+}
+
+PairResult contact_at_start(const PairProblem& pair) {
+    PairResult result;
+    result.ending = Ending::contact;
+    std::ranges::copy(to_state(pair.rods), result.state.begin());
+    result.rate.fill(std::nan(""));
+    result.separation = result.min_separation = start_separation(pair);
+    return result;
 }
 
 } // namespace
@@ -46,10 +65,10 @@ RodProblem to_rod_problem(const PairProblem& pair) {
 }
 
 void validate(const PairProblem& pair) {
-    const double r = std::hypot(pair.rods[0].x - pair.rods[1].x, pair.rods[0].y - pair.rods[1].y);
+    const double r = start_separation(pair);
     const double headings = std::abs(pair.rods[0].heading) + std::abs(pair.rods[1].heading);
     elastic::validate(pair.medium);
-    if (!(pair.t_end > 0.0 && std::isfinite(pair.t_end) && r > 0.0 && pair.contact_distance < r))
+    if (!(pair.t_end > 0.0 && std::isfinite(pair.t_end) && (r > 0.0 || starts_in_contact(pair))))
         to_ode(to_rod_problem(pair)); // says what is wrong
     require(std::isfinite(r) && std::isfinite(headings), "a coordinate of the pair", r + headings, "finite");
     require(pair.contact_distance >= 0.0, "contact_distance", pair.contact_distance, ">= 0");
@@ -62,7 +81,10 @@ void simulate_pairs(std::span<const PairProblem> pairs, const PairOptions& optio
         order[2]; // without and with polar couplings: a lane computes no more than its pair needs
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         validate(pairs[i]);
-        order[pairs[i].couplings.polar()].push_back(i);
+        if (starts_in_contact(pairs[i]))
+            results[i] = contact_at_start(pairs[i]);
+        else
+            order[pairs[i].couplings.polar()].push_back(i);
     }
     for (const bool polar : {false, true}) {
         if (order[polar].empty())

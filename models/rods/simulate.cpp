@@ -212,6 +212,8 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
 } // namespace
 
 RodResult simulate(const RodProblem& problem, const RodOptions& options) {
+    if (auto met = contact_at_start(problem))
+        return *std::move(met);
     integrate::OdeProblem ode = to_ode(problem, options.form);
     const RodModel model = model_of(problem);
     const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
@@ -222,6 +224,8 @@ RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, dou
                          const RodOptions& options) {
     if (options.form != Form::angle)
         throw InputError("rods with rates of their own are integrated in form \"angle\"");
+    if (auto met = contact_at_start(problem))
+        return *std::move(met);
     integrate::OdeProblem ode = to_ode(problem);
     ode.rhs = [&rates](double, State y, std::span<double> ydot) { rates(y, ydot); };
     ode.jacobian = nullptr;

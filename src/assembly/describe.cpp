@@ -2,6 +2,9 @@
 #include "rodwake/medium/film.hpp"
 
 #include "rodwake/core/box_sides.hpp"
+#include "rodwake/rods/conclude.hpp"
+#include "rodwake/scene/advice.hpp"
+
 #include <fmt/format.h>
 
 namespace rodwake::assembly {
@@ -228,6 +231,13 @@ void add_unused_lines(const scene::Scene& scene, Lines& lines) {
         lines.push_back({false, "noise: no [noise] table"});
 }
 
+/// Whether rods of a scan turn towards each other, and nothing stops them.
+bool may_collide(const ScanPlan& scan) {
+    const auto& run = scan.base.rods_run;
+    return scan.subject == scene::ScanSubject::rods && run && !run->contact_distance && scan.base.coupling &&
+           std::ranges::count(scan.keys, "rods_run.contact_distance", &ScanPlan::VariedKey::key) == 0;
+}
+
 } // namespace
 
 std::vector<PlanLine> describe(const Plan& plan) {
@@ -244,6 +254,18 @@ std::vector<PlanLine> describe(const Plan& plan) {
     describe_granular(plan, lines);
     describe_fit(plan, lines);
     return lines;
+}
+
+std::vector<std::string> doubts(const Plan& plan) {
+    std::vector<std::string> list = scene::advice(plan.scene);
+    for (const RodsPlan& one : plan.rods)
+        if (const auto met = rods::contact_at_start(one.problem))
+            list.push_back(fmt::format("rods{}: {} ({:g}): the run ends in contact at time 0",
+                                       one.of.suffix(), met->outcome.reason, *one.problem.contact_distance));
+    if (plan.scan && may_collide(*plan.scan))
+        list.emplace_back("scan without rods_run.contact_distance: rods that meet run into the singularity "
+                          "of their fields, and their points fail; set it, for example to 0.1");
+    return list;
 }
 
 } // namespace rodwake::assembly

@@ -247,7 +247,9 @@ void add_verbs(CLI::App& app, Options& options) {
     add_quiet(*plot, options);
     CLI::App* info =
         add_verb(app, options, Verb::info, "info", "versions and CPU; or what a result file holds",
-                 "  rodwake info\n  rodwake info results/quickstart/result.h5");
+                 "  rodwake info\n"
+                 "  rodwake info results/quickstart/result.h5\n"
+                 "  rodwake info results/phase_perpendicular/scan.csv");
     info->add_option("FILE", options.target, "result file or run directory");
     info->add_flag("--scene-reference", options.scene_reference,
                    "print docs/scene.md: every key a scene may have");
@@ -261,13 +263,21 @@ void add_verbs(CLI::App& app, Options& options) {
 
 void define_command_line(CLI::App& app, Options& options) {
     app.set_version_flag("-V,--version", "rodwake " + build_info().version);
-    app.footer("Start with:  rodwake scenes, or rodwake new\nHelp on a verb:  rodwake help run\n" +
+    app.footer("Start with:  rodwake scenes, or rodwake new\nHelp on a verb:  rodwake help run; "
+               "on a key or a column:  rodwake help coupling.kappa\n" +
                std::string(exit_codes));
     app.require_subcommand(0, 1);
     add_verbs(app, options);
     CLI::App* help =
-        add_verb(app, options, Verb::help, "help", "what a verb does, and its options", "  rodwake help run");
-    help->add_option("VERB", options.target, "verb; without, all of them");
+        add_verb(app, options, Verb::help, "help",
+                 "what a verb does; what a key of scenes, a result file or a column of one means",
+                 "  rodwake help run\n"
+                 "  rodwake help coupling.kappa\n"
+                 "  rodwake help '[scan]'\n"
+                 "  rodwake help scan.csv\n"
+                 "  rodwake help mean_speed0");
+    help->add_option("NAME", options.target,
+                     "verb, table or key of a scene, result file, column or value; without, all verbs");
 }
 
 std::vector<std::string> option_names(const CLI::Option& option) {

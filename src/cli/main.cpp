@@ -37,8 +37,8 @@ int dispatch(const Options& options) {
         return verb_plot(options);
     case Verb::info:
         return verb_info(options);
-    case Verb::help: // its lines are turned into those with --help
-        break;
+    case Verb::help: // on a verb: its line is turned into one with --help
+        return verb_help(options);
     }
     return 2;
 }

@@ -44,11 +44,11 @@ std::vector<std::string> joined_settings(std::vector<std::string> words) {
     return words;
 }
 
-/// `help run` as `run --help`.
-std::vector<std::string> with_help_option(const std::vector<std::string>& words) {
+/// `help run` as `run --help`; what is no verb is looked up.
+std::vector<std::string> with_help_option(const CLI::App& app, const std::vector<std::string>& words) {
     if (words.empty() || (words.size() == 1 && words[0] == "help"))
         return {"--help"};
-    if (words.size() == 2 && words[0] == "help" && !words[1].starts_with("-"))
+    if (words.size() == 2 && words[0] == "help" && find_verb(app, words[1]))
         return {words[1], "--help"};
     return words;
 }
@@ -98,7 +98,7 @@ Parsed parse_command_line(int argc, const char* const* argv) {
     parsed.options.command = shell_command(argc, argv);
     CLI::App app("rodwake: motile rods in an elastic medium", "rodwake");
     define_command_line(app, parsed.options);
-    std::vector<std::string> words = with_help_option(joined_settings({argv + 1, argv + argc}));
+    std::vector<std::string> words = with_help_option(app, joined_settings({argv + 1, argv + argc}));
     try {
         refuse_misread_words(app, words);
         std::ranges::reverse(words); // as CLI11 takes them

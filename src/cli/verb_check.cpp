@@ -1,7 +1,6 @@
 // rodwake check: the resolved scene, what will be modelled and what not and why, and what it will cost.
 
 #include "rodwake/assembly/describe.hpp"
-#include "rodwake/scene/advice.hpp"
 #include "rodwake/scene/write.hpp"
 #include "rodwake/stages/run.hpp"
 #include "verbs.hpp"
@@ -18,7 +17,7 @@ int verb_check(const Options& options) {
     const assembly::Plan plan = stages::plan_check(scene, output_folder(options), context);
     if (options.quiet)
         return 0;
-    const std::vector<std::string> doubts = scene::advice(plan.scene);
+    const std::vector<std::string> doubts = assembly::doubts(plan);
     const std::vector<assembly::PlanLine> lines = assembly::describe(plan);
     fmt::print("{}\n# modelled\n", scene::to_toml(plan.scene));
     for (const assembly::PlanLine& line : lines)

@@ -1,8 +1,8 @@
 #include "definition.hpp"
+#include "describe_file.hpp"
 #include "rodwake/assembly/schema.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/scan/ledger.hpp"
 #include "rodwake/scene/document.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/stages/run_folder.hpp"
@@ -12,8 +12,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 namespace rodwake::cli {
 
@@ -31,11 +29,6 @@ int print_versions() {
     return 0;
 }
 
-void print_file(const fs::path& path) {
-    std::ifstream file(path);
-    fmt::print("{}", std::string(std::istreambuf_iterator<char>(file), {}));
-}
-
 int describe_run(const fs::path& folder) {
     const std::string status = stages::run_status(folder);
     if (status.empty())
@@ -48,28 +41,12 @@ int describe_run(const fs::path& folder) {
         if (file.name.ends_with(".json") && file.name.find('/') == std::string::npos &&
             file.name != "manifest.json" && !file.progress) {
             fmt::print("\n{}\n", file.name);
-            print_file(folder / file.name);
+            fmt::print("{}", file_text(folder / file.name));
         }
-    if (fs::exists(folder / "ledger.sqlite") && !fs::exists(folder / "scan.json")) {
-        const scan::Counts counts = scan::counts_of(folder / "ledger.sqlite");
-        fmt::print(
-            "\nledger.sqlite\n{} points evaluated, {} of them failed, {:.4g} CPU seconds; the scan has not "
-            "ended\n",
-            counts.points, counts.failed, counts.seconds);
-    }
+    if (fs::exists(folder / "ledger.sqlite") && !fs::exists(folder / "scan.json"))
+        fmt::print("\nledger.sqlite\n{}", file_text(folder / "ledger.sqlite"));
     if (fs::exists(folder / "result.h5"))
         fmt::print("\nresult.h5\n{}", store::list_hdf5(folder / "result.h5"));
-    return 0;
-}
-
-int describe_file(const fs::path& file) {
-    const std::string ending = file.extension().string();
-    if (ending == ".rwc")
-        fmt::print("{}", stages::describe_checkpoint(file));
-    else if (ending == ".json" || ending == ".csv" || ending == ".toml" || ending == ".txt")
-        print_file(file);
-    else
-        fmt::print("{}", store::list_hdf5(file));
     return 0;
 }
 
@@ -103,7 +80,8 @@ int verb_info(const Options& options) {
         throw InputError(options.target + ": no such file or folder");
     if (fs::is_directory(options.target))
         return describe_run(options.target);
-    return describe_file(options.target);
+    fmt::print("{}", file_text(options.target));
+    return 0;
 }
 
 } // namespace rodwake::cli

@@ -1,8 +1,8 @@
 // rodwake field, rods, dem, measure, fit, run: read the scene, plan, execute, and say how it ended.
 
+#include "rodwake/assembly/describe.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/mpi.hpp"
-#include "rodwake/scene/advice.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/stages/run_folder.hpp"
 #include "signals.hpp"
@@ -153,7 +153,7 @@ int verb_stages(const Options& options) {
     if (job && job->rank() > 0)
         return serve(options, scene, stages, context, *job);
     const assembly::Plan plan = stages::plan_run(scene, stages, output_folder(options), context);
-    for (const std::string& doubt : scene::advice(plan.scene))
+    for (const std::string& doubt : assembly::doubts(plan))
         context.log(stages::Severity::warning, doubt);
     return finish(options, stages::run(plan, output_folder(options), context));
 }

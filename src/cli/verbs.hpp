@@ -20,6 +20,7 @@ int verb_stages(
 int verb_tradeoff(const Options& options);
 int verb_plot(const Options& options);
 int verb_info(const Options& options);
+int verb_help(const Options& options);
 
 /// What is installed beside the program (plots, scenes, problems of fits with their data): share/rodwake of
 /// the installation the program is part of, else the source tree it was built from.

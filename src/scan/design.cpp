@@ -56,6 +56,26 @@ void Result::set_cause(std::string_view text) {
     cause[length] = '\0';
 }
 
+std::string cause_pattern(std::string_view text) {
+    std::string pattern;
+    const auto digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+    for (std::size_t i = 0; i < text.size();) {
+        const std::size_t first = i + (text[i] == '-' ? 1 : 0);
+        if (!digit(first)) {
+            pattern += text[i++];
+            continue;
+        }
+        for (i = first;
+             digit(i) || (text[i - 1] != '.' && i < text.size() && text[i] == '.' && digit(i + 1));)
+            ++i;
+        if (i < text.size() && text[i] == 'e' && (digit(i + 1) || digit(i + 2)))
+            for (i += 2; digit(i);)
+                ++i;
+        pattern += '#';
+    }
+    return pattern;
+}
+
 double Axis::at(double u) const {
     if (spacing == Spacing::listed) {
         const double last = static_cast<double>(values.size()) - 1.0;

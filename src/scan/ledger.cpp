@@ -65,7 +65,8 @@ Counts counts_in(const Connection& connection) {
     Counts counts;
     const Snapshot snapshot(connection);
     ChunkTable::count(connection, counts);
-    Statement rows(connection, "SELECT outcome, status, cause, seconds FROM causes");
+    std::map<std::string, std::string> by_pattern;
+    Statement rows(connection, "SELECT outcome, status, cause, seconds, id FROM causes ORDER BY id");
     while (rows.step()) {
         ++counts.points;
         counts.seconds += rows.real(3);
@@ -75,7 +76,10 @@ Counts counts_in(const Connection& connection) {
         }
         ++counts.failed;
         const std::string_view cause = rows.text(2);
-        ++counts.causes[fmt::format("{}{}{}", rows.text(1), cause.empty() ? "" : ": ", cause)];
+        const std::string text = fmt::format("{}{}{}", rows.text(1), cause.empty() ? "" : ": ", cause);
+        const std::string& first = by_pattern.try_emplace(cause_pattern(text), text).first->second;
+        ++counts.causes[first];
+        counts.examples.try_emplace(first, rows.integer(4));
     }
     return counts;
 }

@@ -53,7 +53,8 @@ void dynamic(const Scene& scene, const Report& report) {
     const elastic::Medium elastic = m.fitted ? elastic::Medium{} : elastic::Medium{m.eta, m.xi};
     try {
         medium::validate(elastic, m.memory(), rods.size());
-        medium::validate_start(m.memory(), rods);
+        medium::validate_start(m.memory(), rods,
+                               scene.rods_run ? scene.rods_run->contact_distance : std::nullopt);
         if (scene.rods_run)
             medium::validate_film(m.memory(), rods.size(), scene.rods_run->t_end);
     } catch (const InputError& error) {

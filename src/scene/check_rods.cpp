@@ -20,12 +20,6 @@ void random_start(const Scene& scene, const Report& report) {
                 "rods_random.extent is {} f/mu, more than the periodic box of {}: rods would start on top of "
                 "each other's images",
                 random.extent, to_string(*scene.medium->box())));
-    const auto& contact = scene.rods_run->contact_distance;
-    if (contact && *contact >= random.min_separation)
-        report("rods_run.contact_distance",
-               fmt::format("rods_run.contact_distance is {} f/mu: with [rods_random] it must be below "
-                           "rods_random.min_separation = {}, or the run may be over before it starts",
-                           *contact, random.min_separation));
 }
 
 /// What only the sums of the exact field on the plane offer.

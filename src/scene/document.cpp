@@ -11,13 +11,12 @@
 
 namespace rodwake::scene {
 
-namespace {
-
-/// "field.cuts[]" as its header, "[[field.cuts]]".
-std::string header(const std::string& path) {
+std::string table_header(const std::string& path) {
     const bool list = path.ends_with("[]");
     return list ? "[[" + path.substr(0, path.size() - 2) + "]]" : "[" + path + "]";
 }
+
+namespace {
 
 std::string cell(const std::string& text) {
     std::string out;
@@ -28,7 +27,7 @@ std::string cell(const std::string& text) {
 
 std::string table_text(const TableInfo& table) {
     std::string text =
-        table.path.empty() ? "\n## Top level\n" : fmt::format("\n## `{}`\n", header(table.path));
+        table.path.empty() ? "\n## Top level\n" : fmt::format("\n## `{}`\n", table_header(table.path));
     if (!table.meaning.empty())
         text += "\n" + table.meaning + "\n";
     for (const auto& note : table.notes)
@@ -96,6 +95,8 @@ the file. `-s noise=` takes a key, a table or an entry of a list out.
 )md";
 
 } // namespace
+
+std::vector<TableInfo> scene_tables() { return documented(); }
 
 std::vector<KeyInfo> scene_keys() {
     std::vector<KeyInfo> keys;

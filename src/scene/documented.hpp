@@ -8,13 +8,6 @@
 
 namespace rodwake::scene {
 
-struct TableInfo {
-    std::string path; ///< as in KeyInfo::table
-    std::string meaning;
-    std::vector<KeyInfo> keys;
-    std::vector<std::string> notes;
-};
-
 std::vector<TableInfo> documented();
 
 } // namespace rodwake::scene

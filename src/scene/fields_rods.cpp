@@ -225,7 +225,7 @@ void fields(Visitor& v, RodsRun& run) {
           .unit(length)
           .above(0.0)
           .absent("no stop")
-          .doc("stop when two rods are this near")
+          .doc("stop when two rods are this near; rods that start so are in contact at 0")
           .example("0.1"),
       run.contact_distance);
     solver_fields(v, run);

@@ -60,16 +60,16 @@ std::string unit_of(std::string_view unit, const ManifestUnits& units) {
 }
 
 /// Columns of the axes of a scan are called as the keys that vary, in cells.csv with an ending.
-ordered_json axis_json(std::string key, const ManifestUnits& units) {
+ColumnEntry axis_entry(std::string key, const ManifestUnits& units) {
     const std::string name = key;
     for (const std::string ending : {"_from", "_to"})
         if (key.ends_with(ending))
             key.resize(key.size() - ending.size());
     const auto info = scene::key_info(key);
     if (!info)
-        return nullptr;
+        return {name, "", ""};
     const std::string unit = units.si ? info->unit_si : info->unit_reduced;
-    return {{"name", name}, {"unit", unit.empty() ? "1" : unit}, {"meaning", info->meaning}};
+    return {name, unit.empty() ? "1" : unit, info->meaning, true};
 }
 
 /// None of a file that only bears the name of one of ours.
@@ -81,19 +81,45 @@ std::vector<std::string> names_in(const fs::path& file) {
     }
 }
 
-ordered_json columns_json(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
-    ordered_json columns = ordered_json::array();
+std::vector<ColumnEntry> entries(const fs::path& file, const FileKind* kind, const ManifestUnits& units) {
+    std::vector<ColumnEntry> columns;
     for (const std::string& name : names_in(file))
-        if (const ColumnInfo* column = column_of(kind, name))
-            columns.push_back(
-                {{"name", name}, {"unit", unit_of(column->unit, units)}, {"meaning", column->meaning}});
-        else if (const ordered_json axis = axis_json(name, units);
-                 kind.stage == Stage::scan && !axis.is_null())
-            columns.push_back(axis);
+        if (const ColumnInfo* column = kind ? column_of(*kind, name) : nullptr)
+            columns.push_back({name, unit_of(column->unit, units), std::string(column->meaning), true});
+        else if (kind && kind->stage == Stage::scan)
+            columns.push_back(axis_entry(name, units));
+        else
+            columns.push_back({name, "", ""});
     return columns;
 }
 
+ordered_json columns_json(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
+    ordered_json columns = ordered_json::array();
+    for (const ColumnEntry& column : entries(file, &kind, units))
+        if (column.known)
+            columns.push_back({{"name", column.name}, {"unit", column.unit}, {"meaning", column.meaning}});
+    return columns;
+}
+
+/// The folder of the run that a file belongs to, else its own.
+fs::path run_of(const fs::path& file) {
+    const fs::path own = fs::absolute(file).parent_path();
+    for (fs::path folder = own; folder != folder.parent_path(); folder = folder.parent_path())
+        if (fs::exists(folder / "provenance.json"))
+            return folder;
+    return own;
+}
+
 } // namespace
+
+std::vector<ColumnEntry> columns_of(const fs::path& file) {
+    return entries(file, kind_of(file.filename().string()), units_of(run_of(file)));
+}
+
+std::string what_of(const fs::path& file) {
+    const FileKind* kind = kind_of(file.filename().string());
+    return kind ? std::string(kind->what) : "";
+}
 
 std::vector<FileEntry> files_of_run(const fs::path& folder) {
     std::vector<FileEntry> files;

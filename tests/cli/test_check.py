@@ -1,5 +1,8 @@
 """rodwake check: what it says will be modelled and what not."""
 
+import csv
+import json
+
 import rodwake
 from rodwake import PAIR, ProgramTest
 
@@ -25,6 +28,35 @@ class CheckTest(ProgramTest):
         told = self.expect(0, "check", "noisy.toml").stdout
         self.assertRegex(told, r"noise: D_r = 0\.01, D_t = 0, 7 runs, steps of at most 0\.0\d+ \(0\.05 of the shortest")
         self.assertIn("diffusion of places: noise.translational_diffusion is 0", told)
+
+    def test_rods_that_start_in_contact(self):
+        """One rule: contact at 0 in a single run, in each variant, with noise and in a scan, and everybody says so."""
+        near = PAIR.replace("contact_distance = 0.1", "contact_distance = 5.0")
+        variants = '[[variants]]\nname = "one_place"\nset = {"rods.1.position" = [0.0, 2.5]}\n[[variants]]\nname = "apart"\nset = {"rods_run.contact_distance" = 4.9}\n'
+        said = r"rods: rods 0 and 1 start 5 apart, within the contact distance \(5\): the run ends in contact at time 0"
+        self.write("near.toml", near + variants)
+        told = self.expect(0, "check", "near.toml").stdout
+        self.assertRegex(told, r"# is this what you mean\?\n  " + said + r"\n  rods.*one_place: rods 0 and 1 start 0 apart.*\n\n")
+        self.assertRegex(self.expect(0, "rods", "near.toml", "-o", "near").stderr, said)
+        ends = [self.outcome("near"), self.outcome("near/variants/one_place")]
+        for end, apart in zip(ends, (5.0, 0.0)):
+            self.assertEqual([end[key] for key in ("outcome", "time", "min_separation", "pair", "turn")], ["contact", 0.0, apart, [0, 1], [0.0, 0.0]])
+        self.assertGreater(self.outcome("near/variants/apart")["time"], 0.0)
+        self.assertEqual(len((self.folder / "near/rods.csv").read_text().splitlines()), 2)
+        self.write("noisy.toml", near + "[noise]\nrotational_diffusion = 0.01\nruns = 7\n")
+        self.expect(0, "rods", "noisy.toml", "-o", "noisy")
+        told = json.loads((self.folder / "noisy/noise.json").read_text())
+        self.assertEqual((told["endings"]["contact"], told["capture_probability"], told["first_contact_time"]["mean"]), (7, 1.0, 0.0))
+        self.write("scan.toml", near + '[scan]\n[[scan.axes]]\nkey = "rods.1.position.1"\nvalues = [-2.5, 2.5]\n')
+        self.expect(0, "scan", "scan.toml", "-o", "scan")
+        rows = list(csv.DictReader((self.folder / "scan/scan.csv").read_text().splitlines()))
+        for end, row in zip(ends, rows, strict=True):
+            self.assertEqual((row["outcome"], row["status"]), (end["outcome"], "ok"))
+            for key in ("time", "min_separation", "min_separation_time"):
+                self.assertEqual(float(row[key]), end[key])
+
+    def outcome(self, folder):
+        return json.loads((self.folder / folder / "outcome.json").read_text())
 
     def test_output_times_from_zero_and_without_an_end(self):
         scene = PAIR.replace("t_end = 60.0\noutput_interval = 10.0", "output_times = [0, 5, 10]")

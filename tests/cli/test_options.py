@@ -48,6 +48,33 @@ class HelpTest(ProgramTest):
         for verb in VERBS:
             self.assertEqual(self.expect(0, "help", verb).stdout, self.expect(0, verb, "--help").stdout)
 
+    def test_keys_columns_and_files(self):
+        for name, pattern in (
+                ("coupling.kappa", r"^coupling\.kappa: key of a scene, in \[coupling\]\n(  .*\n)*  unit +mu v0/f"),
+                ("rods.0.position", r"^rods\.position: key of a scene, in \[\[rods\]\]\n"),
+                ("rods[1].position.0", r"^rods\.position: key of a scene, in \[\[rods\]\]\n"),
+                ("kappa", r"^coupling\.kappa: key of a scene"), ("fit.start.eta", r"^fit\.start: key of a scene"),
+                ("units", r"^units: key of a scene, in the top level"),
+                ("[scan]", r"^\[scan\]: table of a scene\n(.*\n)*    resolution "), ("scan.axes", r"^\[\[scan\.axes\]\]: table"),
+                ("granular", r"^\[granular\]: table"), ("scan.csv", r'^scan\.csv: file of a run, made by the stage "scan"\n(.*\n)*    turn<k> +rad '),
+                ("fit_profile_0.csv", r"^fit_profile_<k>\.csv: file of a run"), 
+                ("mean_speed", r"(?m)^mean_speed<k>: column of runs\.csv.*\n  meaning +of rod k along its heading"),
+                ("mean_speed1", r"(?m)^mean_speed<k>: column of scan\.csv.*\n(  .*\n)*  unit +m/s"),
+                ("psi6", r"(?m)^psi6: column of table\.csv"), ("min_separation", r"(?m)^min_separation: key of outcome\.json"),
+                ("missed_rate", r"(?m)^missed_rate: key of scan\.json"), ("measure.json", r"(?m)^    psi6 ")):
+            self.assertRegex(self.expect(0, "help", name).stdout, pattern)
+        self.refuse(2, "coupling.kapa: no verb.*near it: coupling.kappa", "help", "coupling.kapa")
+        self.refuse(2, "near it: .*mean_speed<k>", "help", "mean_sped")
+        self.refuse(2, "near it: .*contact_distance", "help", "contact_distanc")
+        self.refuse(2, "rodwake help lists the verbs", "help", "qwertyuiop")
+        self.refuse(2, "extra: not expected; rodwake help takes one NAME", "help", "coupling.kappa", "extra")
+
+    def test_every_key_of_a_scene_has_help(self):
+        names = set(re.findall(r"(?m)^\| `(\w+)` \|", (rodwake.SOURCE / "docs/scene.md").read_text()))
+        for name in sorted(names)[::25]:  # a process each
+            if name not in VERBS:
+                self.assertIn(name, self.expect(0, "help", name).stdout)
+
     def test_usage_errors(self):
         self.refuse(2, "--hlep", "run", THEORY_PAIR, "--hlep")
         self.refuse(2, "--frobnicate", "--frobnicate", "run", THEORY_PAIR)
@@ -135,9 +162,32 @@ class InfoTest(ProgramTest):
     def test_what_is_neither(self):
         self.write("garbage", "garbage")
         self.write("folder/garbage", "garbage")
-        self.refuse(2, "garbage: not a readable HDF5 file", "info", "garbage")
+        self.refuse(2, "garbage: not a readable HDF5 file.*and nothing else that info knows: CSV", "info", "garbage")
+        self.write("empty.csv", "")
+        self.refuse(2, "empty.csv: is empty", "info", "empty.csv")
+        self.write("bad.json", "{")
+        self.refuse(2, "bad.json: not valid JSON", "info", "bad.json")
         self.refuse(2, "folder: holds no rodwake run", "info", "folder")
         self.refuse(2, "nope: no such file or folder", "info", "nope")
+
+    def test_long_files_are_told_in_short(self):
+        rows = "".join(f"{k},{'contact' if k % 4 else 'escape'},{k / 8 if k % 2 else ''}\n" for k in range(4096))
+        self.write("run/scan.csv", "coupling.kappa,outcome,time\n" + rows)
+        told = self.expect(0, "info", "run/scan.csv").stdout
+        self.assertLess(len(told.splitlines()), 20)
+        self.assertRegex(told, r"^4096 rows, 3 columns\n  coupling\.kappa +mu v0/f +0 to 4095 +\S.*\n  outcome +1 +contact 3072, escape 1024 +contact, pursuit")
+        self.assertRegex(told, r"  time +f/\(mu v0\) +0\.125 to 511\.875, 2048 empty +of contact")
+        self.assertIn("\n0,escape,\n1,contact,0.125\n2,contact,\n... 4090 rows ...\n4093,", told)
+        self.write("data.csv", "# a comment\nx,y\n1,2\n3,four\n")
+        self.assertRegex(self.expect(0, "info", "data.csv").stdout, r"^2 rows, 2 columns\n  x +1 to 3 *\n  y +2, four 1 *\n\nx,y\n1,2\n3,four\n$")
+        self.write("long.json", json.dumps({"list": list(range(1000)), "table": {f"k{k}": k for k in range(1000)}}))
+        told = self.expect(0, "info", "long.json").stdout
+        self.assertEqual(json.loads(told)["list"], [0, 1, 2, "... 1000 in all ...", 999])
+        self.assertEqual(len(json.loads(told)["table"]), 41)
+        self.write("log.txt", "".join(f"line {k}\n" for k in range(5000)))
+        self.assertIn("line 179\n... 4800 lines ...\nline 4980\n", self.expect(0, "info", "log.txt").stdout)
+        (self.folder / "figure.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
+        self.assertIn("108 bytes; open it with a viewer", self.expect(0, "info", "figure.png").stdout)
 
     def test_a_damaged_record(self):
         self.write("run/provenance.json", "{")

@@ -5,7 +5,7 @@ import shutil
 import sqlite3
 
 import rodwake
-from scans import CROSSING, ScanTest
+from scans import CROSSING, ScanTest, axis
 
 # Steps that ten times as many do not make up for at the slow points.
 FAILING = ("-s", "rods_run.max_steps=3")
@@ -141,6 +141,23 @@ class FailureTest(ScanTest):
         self.assertEqual(self.status("out"), "finished")
         self.refuse_scan("holds a finished run", "grid.toml", "out", *FAILING)
         self.again(rows, {row[0] for row in self.ledger("out")[0] if row[4] == "failed"})
+
+    def test_causes_that_differ_in_numbers_are_one(self):
+        """Rods that walk head-on into each other, without a contact distance: each point fails with other numbers."""
+        scene = (CROSSING.replace("contact_distance = 0.1\n", "").replace('"90 deg"', '"180 deg"').replace("0.0, -4.0", "4.0, 0.0")
+                 + "[scan]\n" + axis("rods.1.position.0", 2.3, 7.1, 4))
+        self.write("head_on.toml", scene)
+        self.assertIn("# is this what you mean?\n  scan without rods_run.contact_distance", self.expect(0, "check", "head_on.toml").stdout)
+        done = self.scan("head_on.toml", "out", code=3)
+        (cause, count), = self.json("out")["causes"].items()
+        self.assertEqual((count, self.json("out")["failed"]), (4, 4))
+        self.assertIn("set rods_run.contact_distance, so that the run stops when two rods meet", cause)
+        self.assertEqual(done.stderr.count("COLLISION"), 1)
+        self.assertRegex(done.stderr, r"  4  failed: COLLISION: .*\n.*one of them at rods\.1\.position\.0 = 2\.3\n")
+        self.write("head_on.toml", scene.replace("t_end = 60.0", "t_end = 60.0\ncontact_distance = 0.1"))
+        self.assertNotIn("is this what you mean", self.expect(0, "check", "head_on.toml").stdout)
+        self.scan("head_on.toml", "met")
+        self.assertEqual({row["outcome"] for row in self.rows("met")}, {"contact"})
 
     def again(self, before, failed):
         """With steps enough only these points are evaluated again, to what they are in the clean scan."""

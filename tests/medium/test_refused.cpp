@@ -53,7 +53,6 @@ TEST_CASE("rods within a force's width of each other, also through the box's sid
     refused([](P& p, O&) { p.rods.rods[1].y = 1.2; },
             "rods[0] and rods[1] start 0.8 apart, closer than force_width = 1");
     refused([](P& p, O&) { p.rods.rods[1].y = -7.5; }, "start 0.5 apart");
-    refused([](P& p, O&) { p.rods.contact_distance = 5.0; }, "contact_distance = 5");
 }
 
 TEST_CASE("more fields than there may be, or than memory holds, are refused") {

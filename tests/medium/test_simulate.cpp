@@ -41,6 +41,21 @@ MediumProblem meeting() {
 
 } // namespace
 
+TEST_CASE("rods that start within the contact distance are in contact at 0, however near") {
+    for (const Closure closure : {Closure::none, Closure::steady})
+        for (const double y : {-1.5, 1.2, 1.5}) { // 1.5: in one place
+            MediumProblem problem = meeting();
+            problem.medium.closure = closure;
+            problem.rods.rods[1].y = y;
+            problem.rods.contact_distance = 4.0;
+            const MediumResult result = simulate(problem, {});
+            CHECK(result.outcome.ending == Ending::contact);
+            CHECK(result.outcome.time == 0.0);
+            CHECK(result.outcome.min_separation == 1.5 - y);
+            CHECK(result.solution.times == std::vector{0.0});
+        }
+}
+
 TEST_CASE("a turning pair is that of another integrator to 1e-7") {
     for (const bool remembers : {false, true}) {
         const MediumProblem problem = pair(remembers, remembers ? Start::rest : Start::steady);

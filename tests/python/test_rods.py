@@ -58,11 +58,16 @@ class SimulateTest(unittest.TestCase):
         self.assertEqual(result.status, "failed")
         self.assertIn("max_steps", result.message)
 
+    def test_a_start_within_the_contact_distance_is_a_contact(self):
+        met = rodwake.simulate(SIDE_BY_SIDE, rodwake.Medium(), kappa=0.5, t_end=1.0, output_times=[0.0, 1.0], contact_distance=9.0)
+        self.assertEqual((met.outcome, met.time, list(met.t), met.status), ("contact", 0.0, [0.0], "stopped_at_event"))
+        self.assertEqual(met.poses.tolist(), [np.asarray(SIDE_BY_SIDE, float).tolist()])
+
     def test_bad_input_is_refused(self):
         good = {"poses": SIDE_BY_SIDE, "medium": rodwake.Medium(), "t_end": 1.0}
         for change, word in (({"poses": [[0, 0], [1, 1]]}, r"\(N, 3\)"), ({"poses": [[0, 0, 0], [0, 0, 1]]}, "same place"),
                              ({"method": "euler"}, "adams"), ({"form": "quaternion"}, "director"), ({"t_end": -1.0}, "t_end|time"),
-                             ({"output_times": [2.0, 1.0]}, "time"), ({"rtol": 1.0}, "rtol"), ({"contact_distance": 9.0}, "contact"),
+                             ({"output_times": [2.0, 1.0]}, "time"), ({"rtol": 1.0}, "rtol"), ({"contact_distance": -1.0}, "contact"),
                              ({"poses": np.zeros((0, 3))}, "rod"), ({"poses": [[0, math.nan, 0]]}, "finite|nan")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 rodwake.simulate(**{**good, **change})

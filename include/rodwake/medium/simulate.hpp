@@ -52,7 +52,8 @@ std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, st
 
 /// Throws InputError if two rods are closer than force_width, through the box's sides too: there the field is
 /// that of the Gaussian, not of a rod.
-void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods);
+void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods,
+                    std::optional<double> contact_distance = {});
 
 /// Numbers in a checkpoint's state: poses, the next step, own turns if they are told apart, fields; with a
 /// closure poses.

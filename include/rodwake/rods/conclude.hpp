@@ -8,8 +8,12 @@
 
 namespace rodwake::rods {
 
-/// Throws InputError for an ill-posed problem, as simulate does.
+/// Throws InputError for an ill-posed problem, and for rods that start in contact.
 void validate(const RodProblem& problem);
+
+/// Rods that start within the contact distance, also in one place, are in contact at time 0, and the run is
+/// over; others: nothing. Throws InputError as validate does for all but the separation.
+std::optional<RodResult> contact_at_start(const RodProblem& problem);
 
 /// Those of the problem, and t_end.
 std::vector<double> output_times(const RodProblem& problem);

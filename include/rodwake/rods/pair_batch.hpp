@@ -28,7 +28,7 @@ struct PairProblem {
     Couplings couplings;
     std::array<Pose, 2> rods;
     double t_end = 0.0;
-    double contact_distance = 0.0; ///< stop when the rods come this close; 0: never
+    double contact_distance = 0.0; ///< stop when the rods are this close, also at the start; 0: never
 };
 
 /// The problem as a pair for the batch; nothing if it is none: not two rods, a periodic box, a field of
@@ -56,6 +56,7 @@ struct PairResult {
     Ending ending = Ending::undecided;
     double time = 0.0;                     ///< of contact, else the time reached
     std::array<double, 6> state{}, rate{}; ///< at that time, as in model.hpp, and its time derivative
+                                           ///< (NaN where the rods start in contact)
     double separation = 0.0;               ///< at that time
     double min_separation = 0.0;           ///< at any time
     double min_separation_time = 0.0;      ///< when

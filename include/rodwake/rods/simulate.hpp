@@ -33,7 +33,7 @@ struct RodProblem {
     std::vector<Pose> rods;
     double t_end = 0.0;
     std::vector<double> output_times;       ///< increasing, in [0, t_end]; t_end is added if missing
-    std::optional<double> contact_distance; ///< stop when two rods come this close
+    std::optional<double> contact_distance; ///< stop when two rods are this close, also at the start
     std::optional<PeriodicBox> box = {};    ///< axes x and y; absent: infinite plane
     /// How the wakes of this medium in this domain are worked out; absent: exactly.
     std::shared_ptr<const elastic::WakeField> field = nullptr;
@@ -90,12 +90,14 @@ struct RodResult {
     RodOutcome outcome;
 };
 
-/// Runs to t_end or to contact. Throws InputError for an ill-posed problem: no rods, coincident rods, a
-/// contact distance at or above a starting separation, times out of order. Deterministic; thread-safe.
+/// Runs to t_end or to contact; rods that start within the contact distance are in contact at 0. Throws
+/// InputError for an ill-posed problem: no rods, coincident rods without a contact distance, times out of
+/// order. Deterministic; thread-safe.
 RodResult simulate(const RodProblem& problem, const RodOptions& options);
 
 /// The initial-value problem by itself, for those who want to integrate it their own way. Steps are limited
-/// by encounter_step, so that no encounter is stepped over however quiet the field before it.
+/// by encounter_step, so that no encounter is stepped over however quiet the field before it. Refuses rods
+/// that start in contact, which the event could not find.
 integrate::OdeProblem to_ode(const RodProblem& problem);
 /// In another form. Director: with Jacobian and projection, for bdf and erk; dae: for bdf (IDAS), Jacobian by
 /// difference quotients.

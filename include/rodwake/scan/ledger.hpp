@@ -31,7 +31,9 @@ struct LedgerHead {
 struct Counts {
     std::int64_t points = 0, failed = 0;
     std::map<std::string, std::int64_t> outcomes; ///< of points that did not fail
-    std::map<std::string, std::int64_t> causes;   ///< of points that failed
+    /// Of points that failed; causes that differ in numbers only are one, in the words of its first point.
+    std::map<std::string, std::int64_t> causes;
+    std::map<std::string, std::int64_t> examples; ///< id of that point
     double seconds = 0.0;                         ///< summed over points
 };
 

@@ -14,7 +14,7 @@
 
 namespace rodwake::scan {
 
-inline constexpr std::size_t max_axes = 6, max_observables = 20, max_cause = 128;
+inline constexpr std::size_t max_axes = 6, max_observables = 20, max_cause = 384;
 
 struct Point {
     std::int64_t id = 0;               ///< points are sorted by it
@@ -50,6 +50,9 @@ struct Result {
     /// Cut to what fits.
     void set_cause(std::string_view text);
 };
+
+/// The text with `#` for each number: failures that differ in nothing else have one cause.
+std::string cause_pattern(std::string_view text);
 
 /// What the numbers of a result are called.
 struct Columns {

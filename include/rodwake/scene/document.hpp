@@ -25,7 +25,19 @@ struct KeyInfo {
     bool is_low_legal = true;
 };
 
-/// Every key, in the order of the reference.
+struct TableInfo {
+    std::string path; ///< as in KeyInfo::table
+    std::string meaning;
+    std::vector<KeyInfo> keys;
+    std::vector<std::string> notes;
+};
+
+/// "[scan]", "[[rods]]" of the path of a table.
+std::string table_header(const std::string& path);
+
+/// Every table, in the order of the reference; the top level has no path.
+std::vector<TableInfo> scene_tables();
+/// Their keys.
 std::vector<KeyInfo> scene_keys();
 
 /// The entry of a key as a scan or a setting names it: of "rods.1.position.0" that of position in rods[].

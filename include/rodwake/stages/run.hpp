@@ -59,6 +59,16 @@ struct FileEntry {
 /// The files in a run folder that rodwake made, in the order of their names.
 std::vector<FileEntry> files_of_run(const std::filesystem::path& folder);
 
+/// A column of a CSV file.
+struct ColumnEntry {
+    std::string name, unit, meaning;
+    bool known = false; ///< a run makes it; else it has neither unit nor meaning
+};
+/// The columns of a CSV file, in their order; of one in a run folder in the units of that run.
+std::vector<ColumnEntry> columns_of(const std::filesystem::path& file);
+/// What a file of this name is, if runs make such.
+std::string what_of(const std::filesystem::path& file);
+
 /// Brings manifest.json of a run folder up to date: every file in it, what it is, and its columns with units.
 void write_manifest(const std::filesystem::path& folder);
 

@@ -2,6 +2,7 @@
 
 #include "rodwake/assembly/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/rods/conclude.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 #include "scan_noise.hpp"
 #include "scan_values.hpp"
@@ -164,8 +165,9 @@ private:
             const bool hopeless = result.status == scan::Status::ok ||
                                   result.status == scan::Status::time_limit ||
                                   result.status == scan::Status::stopped;
-            if (!result.ok() && !causes.ends_with(result.cause_text())) // a retry may fail alike
-                causes += (causes.empty() ? "" : "; ") + std::string(result.cause_text());
+            const std::string cause(result.ok() ? "" : result.cause_text());
+            if (!scan::cause_pattern(causes).ends_with(scan::cause_pattern(cause))) // a retry may fail alike
+                causes += (causes.empty() ? "" : "; ") + cause;
             if (hopeless || !next_rung(options, result.retries))
                 break;
         }
@@ -212,17 +214,17 @@ private:
             store(end_of(problem, run, leader.ahead()), plan_, units_, result);
         } else {
             result.status = scan::Status::failed;
-            result.set_cause(status.flag + ": " + status.cause);
+            result.set_cause(fmt::format("{}: {}; {}", status.flag, status.cause, status.advice));
         }
     }
 
     bool starts_in_contact(const rods::RodProblem& problem, scan::Result& result) const {
-        const auto end = end_at_start(problem);
-        if (end) {
-            store_certain_capture(plan_, end->ending, result);
-            store(*end, plan_, units_, result);
+        const auto met = rods::contact_at_start(problem);
+        if (met) {
+            store_certain_capture(plan_, met->outcome.ending, result);
+            store(end_of(problem, *met, {}), plan_, units_, result);
         }
-        return end.has_value();
+        return met.has_value();
     }
 
     const assembly::ScanPlan& plan_;

@@ -8,8 +8,8 @@
 
 namespace rodwake::stages {
 
-/// Evaluates points of a plan, which must outlive it. A point whose rods start within the contact distance,
-/// or in one place, is a contact at time 0. One that fails is tried again: with ten times the steps, with a
+/// Evaluates points of a plan, which must outlive it. A point whose rods start within the contact distance
+/// is a contact at time 0. One that fails is tried again: with ten times the steps, with a
 /// tenth of the tolerance, with the other kind of method; what was tried is in its cause. Times and lengths
 /// in output units. With noise a point is an ensemble (scan_noise.hpp).
 scan::Evaluate evaluate_rods(const assembly::ScanPlan& plan, std::function<bool()> stop);

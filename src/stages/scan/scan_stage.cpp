@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <map>
 #include <set>
 
 namespace rodwake::stages {
@@ -81,7 +82,35 @@ void tell_audit(const Session& session, const scan::Summary& summary) {
                           : "");
 }
 
-StageEnd report(const Session& session, const scan::Counts& counts, const scan::Summary& summary) {
+/// "coupling.kappa = 3, rods.1.position.0 = 1"
+std::string place_text(const std::vector<scan::Axis>& axes, const scan::Point& point) {
+    std::string text;
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+        const auto& words = axes[k].words;
+        text += fmt::format("{}{} = {}", k ? ", " : "", axes[k].name,
+                            words.empty() ? fmt::format("{:.6g}", point.at[k])
+                                          : words[static_cast<std::size_t>(point.at[k])]);
+    }
+    return text;
+}
+
+/// Each cause with how many points have it, and one of them.
+void tell_causes(const Session& session, const scan::Ledger& ledger, const scan::Counts& counts) {
+    std::vector<scan::Point> ids;
+    for (const auto& [cause, id] : counts.examples)
+        ids.push_back({id, {}});
+    std::map<std::int64_t, scan::Point> examples;
+    for (const scan::Result& one : ledger.find(ids))
+        examples[one.point.id] = one.point;
+    for (const auto& [cause, points] : counts.causes) {
+        session.log->warn("scan:   {:>8}  {}", points, cause);
+        session.log->warn("scan:   {:>8}  {} at {}", "", points == 1 ? "this was" : "one of them",
+                          place_text(ledger.head().axes, examples[counts.examples.at(cause)]));
+    }
+}
+
+StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::Counts& counts,
+                const scan::Summary& summary) {
     const char* what = of_beds(*session.plan.scan) ? "runs" : "points";
     if (counts.points > summary.requested) // an adaptive scan of a higher resolution came before
         session.log->info("scan: {} {} in the ledger, of a finer scan too: {}", counts.points, what,
@@ -99,8 +128,7 @@ StageEnd report(const Session& session, const scan::Counts& counts, const scan::
     if (counts.failed == 0)
         return summary.lost_crossings > 0 ? StageEnd::incomplete : StageEnd::finished;
     session.log->warn("scan: {} {} failed; --rerun-failed evaluates them again", counts.failed, what);
-    for (const auto& [cause, points] : counts.causes)
-        session.log->warn("scan:   {:>8}  {}", points, cause);
+    tell_causes(session, ledger, counts);
     return StageEnd::incomplete;
 }
 
@@ -132,7 +160,7 @@ StageEnd run_scan_stage(Session& session) {
     const scan::Counts counts = ledger.counts();
     write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, counts, summary,
                took.count(), session.context.thread_count());
-    return report(session, counts, summary);
+    return report(session, ledger, counts, summary);
 }
 
 } // namespace rodwake::stages

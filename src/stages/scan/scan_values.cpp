@@ -76,17 +76,6 @@ EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run) 
     return end;
 }
 
-std::optional<EncounterEnd> end_at_start(const rods::RodProblem& problem) {
-    const std::vector<double> y = rods::to_state(problem.rods);
-    const rods::Separation pair = rods::closest_pair(y, problem.box);
-    if (pair.distance > problem.contact_distance.value_or(0.0))
-        return std::nullopt;
-    EncounterEnd end{Ending::contact, 0.0, pair.distance, 0.0, std::vector(problem.rods.size(), 0.0)};
-    end.non_reciprocity = std::nan("");
-    put_pair(end, y, pair, problem.box);
-    return end;
-}
-
 void store(const EncounterEnd& end, const assembly::ScanPlan& plan, const assembly::OutputUnits& units,
            scan::Result& result) {
     result.status = scan::Status::ok;

@@ -5,7 +5,6 @@
 #include "rodwake/assembly/scan.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 
-#include <optional>
 #include <vector>
 
 namespace rodwake::stages {
@@ -43,9 +42,6 @@ struct EncounterEnd {
 
 EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run, const Ahead& ahead);
 EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run);
-
-/// Rods that start within the contact distance, or in one place, end there; others: nothing.
-std::optional<EncounterEnd> end_at_start(const rods::RodProblem& problem);
 
 /// Into the columns of the plan, in output units; a number that is not finite makes the point fail.
 void store(const EncounterEnd& end, const assembly::ScanPlan& plan, const assembly::OutputUnits& units,
