@@ -1,0 +1,241 @@
+#include "event_sampler.hpp"
+
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
+
+namespace rodwake::integrate {
+
+namespace {
+
+constexpr std::size_t fineness = 4; // points at which the polynomial is looked at, a panel
+constexpr int deepest = 16;         // halvings of a step
+constexpr double roundoff = std::numeric_limits<double>::epsilon();
+
+int sign_of(double value) { return (value > 0.0) - (value < 0.0); }
+
+} // namespace
+
+EventSampler::EventSampler(ProblemCalls& calls)
+    : calls_(calls), state_(calls.problem().initial_state.size()) {
+    const std::vector<Event>& events = calls.problem().events;
+    for (std::size_t i = 0; i < events.size(); ++i)
+        if (events[i].sampled)
+            sampled_.push_back(i);
+    largest_.resize(sampled_.size());
+}
+
+/// Two samples more than a polynomial of that order needs at the least: one of them is a check. From five
+/// panels on no two samples are a third of the part apart.
+void EventSampler::take_order(int order) {
+    const std::size_t panels = static_cast<std::size_t>(std::max(order, 4)) + 1;
+    if (panels == panels_)
+        return;
+    panels_ = panels;
+    cosines_.resize(2 * fineness * panels);
+    for (std::size_t k = 0; k < cosines_.size(); ++k)
+        cosines_[k] =
+            std::cos(std::numbers::pi * static_cast<double>(k) / static_cast<double>(fineness * panels));
+}
+
+bool EventSampler::search(Stepper& stepper, const std::vector<double>& before,
+                          const std::vector<double>& after, std::vector<double> times, const Look& look) {
+    constexpr double most_parts = 64.0; // of a step, for the next one
+    std::ranges::sort(times, std::greater<>());
+    stepper_ = &stepper;
+    look_ = &look;
+    times_ = std::move(times);
+    first_ = before;
+    last_ = after;
+    parts_ = 0;
+    const Part step{stepper.time_before(), stepper.time(), 0};
+    if (!needed())
+        return tell(step, {});
+    take_order(stepper.order());
+    const bool stop = search(step);
+    const double share = most_parts / static_cast<double>(std::max(parts_, 1L));
+    stepper.limit_next_step(share < 1.0 ? share * (step.to - step.from)
+                                        : std::numeric_limits<double>::infinity());
+    return stop;
+}
+
+/// Left to right; true: look() has seen enough.
+bool EventSampler::search(const Part& part) {
+    const std::vector<Samples> all = sample(part);
+    std::size_t rough = 0;
+    while (rough < all.size() && is_settled(rough, all[rough], part))
+        ++rough;
+    const double middle = part.from + 0.5 * (part.to - part.from);
+    const bool divisible =
+        part.to - part.from > 1e3 * roundoff * std::max(std::abs(part.from), std::abs(part.to));
+    if (rough < all.size() && part.depth < deepest && divisible)
+        return search({part.from, middle, part.depth + 1}) || search({middle, part.to, part.depth + 1});
+    count_rough(part, rough);
+    for (std::size_t k = 0; k < all.size(); ++k)
+        first_[sampled_[k]] = all[k].values.back();
+    return tell(part, all);
+}
+
+void EventSampler::count_rough(const Part& part, std::size_t rough) {
+    constexpr long most_rough = 64; // jumps and kinks come alone
+    ++parts_;
+    rough_parts_ = rough < sampled_.size() ? rough_parts_ + 1 : 0;
+    if (rough_parts_ > most_rough)
+        throw StepFailure{
+            "RTFUNC_FAIL",
+            fmt::format("event '{}' varies faster at t={} than {} parts of the step from {} to {} "
+                        "resolve: it is noisy, or needs a shorter max_step",
+                        calls_.problem().events[sampled_[rough]].name, part.from, 1 << deepest,
+                        stepper_->time_before(), stepper_->time())};
+}
+
+double EventSampler::time_of(const Part& part, std::size_t fine) const {
+    if (fine == fineness * panels_)
+        return part.to;
+    return part.from + 0.5 * (1.0 - cosines_[fine]) * (part.to - part.from);
+}
+
+double EventSampler::value_at(std::size_t event, double t) {
+    stepper_->interpolate(t, state_);
+    return calls_.event(event, t, state_);
+}
+
+std::vector<EventSampler::Samples> EventSampler::sample(const Part& part) {
+    std::vector<Samples> all(sampled_.size());
+    for (std::size_t k = 0; k < all.size(); ++k)
+        all[k].values.push_back(first_[sampled_[k]]);
+    for (std::size_t j = 1; j <= panels_; ++j) {
+        const double t = time_of(part, fineness * j);
+        const bool at_end = t >= stepper_->time();
+        if (!at_end)
+            stepper_->sample(t, state_);
+        for (std::size_t k = 0; k < all.size(); ++k)
+            all[k].values.push_back(at_end ? last_[sampled_[k]] : calls_.event(sampled_[k], t, state_));
+    }
+    for (Samples& samples : all)
+        samples.coefficients = coefficients(samples.values);
+    return all;
+}
+
+/// Of the Chebyshev polynomials, by a discrete cosine transform.
+std::vector<double> EventSampler::coefficients(const std::vector<double>& values) const {
+    std::vector<double> c(values.size());
+    for (std::size_t k = 0; k <= panels_; ++k) {
+        double sum = 0.0;
+        for (std::size_t j = 0; j <= panels_; ++j) {
+            const double weight = j == 0 || j == panels_ ? 0.5 : 1.0;
+            sum += weight * values[j] * cosines_[fineness * j * k % cosines_.size()];
+        }
+        c[k] = sum * (k == 0 || k == panels_ ? 1.0 : 2.0) / static_cast<double>(panels_);
+    }
+    return c;
+}
+
+/// The polynomial is good enough to show where roots may be, or is far from zero: the less it is good, the
+/// farther; the more samples saw no root, the nearer.
+bool EventSampler::is_settled(std::size_t k, const Samples& samples, const Part& part) {
+    constexpr double small = 1e-3, rounded = 1e-10;
+    const std::vector<double>& c = samples.coefficients;
+    const double tail = std::abs(c[panels_]) + std::abs(c[panels_ - 1]);
+    double size = 0.0, varying = 0.0;
+    for (std::size_t i = 0; i <= panels_; ++i) {
+        size = std::max(size, std::abs(samples.values[i]));
+        varying += i > 0 ? std::abs(c[i]) : 0.0;
+    }
+    largest_[k] = std::max(largest_[k], size);
+    if (tail <= std::max(small * size, rounded * largest_[k]) ||
+        std::abs(c[0]) > varying + 10.0 * tail * std::ldexp(1.0, -part.depth))
+        return true;
+    if (part.depth < 3)
+        return false;
+    // rounding of the state that cancels in the event
+    const double t = time_of(part, fineness * (panels_ / 2));
+    stepper_->sample(t, state_);
+    for (double& y : state_)
+        y *= 1.0 + 4.0 * roundoff;
+    return tail <= 16.0 * std::abs(calls_.event(sampled_[k], t, state_) - samples.values[panels_ / 2]);
+}
+
+/// All times of the part to be looked at.
+bool EventSampler::tell(const Part& part, const std::vector<Samples>& all) {
+    std::vector<double> times;
+    for (; !times_.empty() && times_.back() <= part.to; times_.pop_back())
+        times.push_back(times_.back());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const std::vector<double> p = on_fine_points(all[k]);
+        add_sign_changes(part, p, times);
+        add_dips(sampled_[k], part, all[k], p, times);
+    }
+    std::ranges::sort(times);
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    return std::ranges::any_of(
+        times, [&](double t) { return t > stepper_->time_before() && t < stepper_->time() && (*look_)(t); });
+}
+
+/// What is zero but for rounding is zero.
+std::vector<double> EventSampler::on_fine_points(const Samples& samples) const {
+    double size = 0.0;
+    for (const double c : samples.coefficients)
+        size += std::abs(c);
+    std::vector<double> p(fineness * panels_ + 1);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        for (std::size_t k = 0; k <= panels_; ++k)
+            p[i] += samples.coefficients[k] * cosines_[i * k % cosines_.size()];
+        if (std::abs(p[i]) < 32.0 * roundoff * size)
+            p[i] = 0.0;
+        if (i % fineness == 0)
+            p[i] = samples.values[i / fineness];
+    }
+    return p;
+}
+
+void EventSampler::add_sign_changes(const Part& part, const std::vector<double>& p,
+                                    std::vector<double>& times) const {
+    for (std::size_t i = 0; i + 1 < p.size(); ++i)
+        if (sign_of(p[i]) != sign_of(p[i + 1]))
+            times.insert(times.end(), {time_of(part, i), time_of(part, i + 1)});
+}
+
+/// In the angle of the cosine the polynomial is even about both ends, and its shortest wave is eight fine
+/// points long: a minimum of |p| shows as one among three points.
+void EventSampler::add_dips(std::size_t event, const Part& part, const Samples& samples,
+                            const std::vector<double>& p, std::vector<double>& times) {
+    constexpr double near_zero = 0.01; // of the largest sample; a believed polynomial is off by less
+    double size = 0.0;
+    for (const double value : samples.values)
+        size = std::max(size, std::abs(value));
+    const std::size_t last = p.size() - 1;
+    for (std::size_t i = 0; i <= last; ++i) {
+        const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, last);
+        const double sign = sign_of(p[i]), here = sign * p[i], a = sign * p[i > 0 ? before : 1],
+                     b = sign * p[i < last ? after : last - 1];
+        if (sign == 0.0 || here > a || here > b)
+            continue;
+        const double bend = a - 2.0 * here + b,
+                     lowest = bend > 0.0 ? here - (b - a) * (b - a) / (8.0 * bend) : here;
+        if (lowest > near_zero * size)
+            continue;
+        if (const auto t = dip(event, sign, time_of(part, before), time_of(part, after)))
+            times.push_back(*t);
+    }
+}
+
+/// A time at which the event has left this sign.
+std::optional<double> EventSampler::dip(std::size_t event, double sign, double from, double to) {
+    std::optional<double> found;
+    const auto value = [&](double u) {
+        const double t = from + (u - 1.0) * (to - from), v = found ? 0.0 : sign * value_at(event, t);
+        if (!found && v <= 0.0)
+            found = t;
+        return v;
+    };
+    std::uintmax_t iterations = 40;
+    boost::math::tools::brent_find_minima(value, 1.0, 2.0, std::numeric_limits<double>::digits / 2,
+                                          iterations);
+    return found;
+}
+
+} // namespace rodwake::integrate
