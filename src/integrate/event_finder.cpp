@@ -27,7 +27,7 @@ std::vector<EventHit> EventFinder::in_last_step(Stepper& stepper, std::span<cons
     if (!sampler_.needed() && look_at.empty() && !any_crosses())
         return {};
     last_ = {stepper.time_before(), values_before_, {}};
-    const auto look = [&](double t) { return go_to(point_at(t, stepper), stepper); };
+    const auto look = [&](double t) { return t > last_.time && go_to(point_at(t, stepper), stepper); };
     if (!sampler_.search(stepper, values_before_, values_after_, std::move(look_at), look))
         go_to({stepper.time(), values_after_, {}}, stepper);
     return std::move(hits_);
@@ -110,6 +110,8 @@ bool EventFinder::go_to(Point to, Stepper& stepper) {
         if (go_to(std::move(root), stepper))
             return true;
     }
+    // one found at this point, and then at the root of another event just before it, is there once
+    std::erase_if(to.roots, [&](std::size_t i) { return !crosses(i, last_.values[i], to.values[i]); });
     last_ = std::move(to);
     return !last_.roots.empty() && record(last_, stepper);
 }

@@ -53,7 +53,7 @@ bool EventSampler::search(Stepper& stepper, const std::vector<double>& before,
     parts_ = 0;
     const Part step{stepper.time_before(), stepper.time(), 0};
     if (!needed())
-        return tell(step, {});
+        return tell(step, {}, true);
     take_order(stepper.order());
     const bool stop = search(step);
     const double share = most_parts / static_cast<double>(std::max(parts_, 1L));
@@ -76,13 +76,13 @@ bool EventSampler::search(const Part& part) {
     count_rough(part, rough);
     for (std::size_t k = 0; k < all.size(); ++k)
         first_[sampled_[k]] = all[k].values.back();
-    return tell(part, all);
+    return tell(part, all, rough == all.size());
 }
 
 void EventSampler::count_rough(const Part& part, std::size_t rough) {
-    constexpr long most_rough = 64; // jumps and kinks come alone
+    constexpr long most_rough = 64; // a jump or a kink has one or two, among many that are not
     ++parts_;
-    rough_parts_ = rough < sampled_.size() ? rough_parts_ + 1 : 0;
+    rough_parts_ = std::max(rough_parts_ + (rough < sampled_.size() ? 1 : -1), 0L);
     if (rough_parts_ > most_rough)
         throw StepFailure{
             "RTFUNC_FAIL",
@@ -149,25 +149,30 @@ bool EventSampler::is_settled(std::size_t k, const Samples& samples, const Part&
     if (tail <= std::max(small * size, rounded * largest_[k]) ||
         std::abs(c[0]) > varying + 10.0 * tail * std::ldexp(1.0, -part.depth))
         return true;
-    if (part.depth < 3)
-        return false;
-    // rounding of the state that cancels in the event
-    const double t = time_of(part, fineness * (panels_ / 2));
+    return part.depth >= 3 && tail <= 16.0 * rounding(k, samples, part);
+}
+
+/// By how much the rounding of the state changes an event in which it cancels; 0 if the event is random.
+double EventSampler::rounding(std::size_t k, const Samples& samples, const Part& part) {
+    const double t = time_of(part, fineness * (panels_ / 2)), value = samples.values[panels_ / 2];
     stepper_->sample(t, state_);
+    if (calls_.event(sampled_[k], t, state_) != value)
+        return 0.0;
     for (double& y : state_)
         y *= 1.0 + 4.0 * roundoff;
-    return tail <= 16.0 * std::abs(calls_.event(sampled_[k], t, state_) - samples.values[panels_ / 2]);
+    return std::abs(calls_.event(sampled_[k], t, state_) - value);
 }
 
 /// All times of the part to be looked at.
-bool EventSampler::tell(const Part& part, const std::vector<Samples>& all) {
+bool EventSampler::tell(const Part& part, const std::vector<Samples>& all, bool settled) {
     std::vector<double> times;
     for (; !times_.empty() && times_.back() <= part.to; times_.pop_back())
         times.push_back(times_.back());
     for (std::size_t k = 0; k < all.size(); ++k) {
         const std::vector<double> p = on_fine_points(all[k]);
         add_sign_changes(part, p, times);
-        add_dips(sampled_[k], part, all[k], p, times);
+        if (settled)
+            add_dips(sampled_[k], part, all[k], p, times);
     }
     std::ranges::sort(times);
     times.erase(std::unique(times.begin(), times.end()), times.end());

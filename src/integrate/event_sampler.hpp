@@ -41,9 +41,10 @@ private:
     std::vector<Samples> sample(const Part& part);
     std::vector<double> coefficients(const std::vector<double>& values) const;
     bool is_settled(std::size_t k, const Samples& samples, const Part& part);
+    double rounding(std::size_t k, const Samples& samples, const Part& part);
     bool search(const Part& part);
     void count_rough(const Part& part, std::size_t rough);
-    bool tell(const Part& part, const std::vector<Samples>& all);
+    bool tell(const Part& part, const std::vector<Samples>& all, bool settled);
     std::vector<double> on_fine_points(const Samples& samples) const;
     void add_sign_changes(const Part& part, const std::vector<double>& p, std::vector<double>& times) const;
     void add_dips(std::size_t event, const Part& part, const Samples& samples, const std::vector<double>& p,
@@ -62,7 +63,7 @@ private:
     const Look* look_ = nullptr;
     std::vector<double> first_, last_; ///< the values where the next part begins, and at the end of the step
     std::vector<double> times_;        ///< those still to be looked at, the next one last
-    long parts_ = 0, rough_parts_ = 0; ///< rough: one after the other
+    long parts_ = 0, rough_parts_ = 0; ///< rough: less those that were not
 };
 
 } // namespace rodwake::integrate

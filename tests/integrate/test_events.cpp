@@ -59,11 +59,11 @@ const std::vector<Known> table = {
     {"the same of the state, downwards", 0, 9, [](double, State y) { return -product(y[0], six); }, six},
     {"a sine of time", 0, 20, [](double t, State) { return std::sin(2.5 * t); },
      multiples(pi / 2.5, pi / 2.5, 20)},
-    {"for long", 0, 3000, [](double t, State) { return std::sin(2.5 * t); },
-     multiples(pi / 2.5, pi / 2.5, 3000)},
-    {"tops of a fast cosine", 0, 5, [](double t, State) { return std::cos(40 * t) - 0.995; },
-     around(multiples(pi / 20, pi / 20, 5), std::acos(0.995) / 40)},
-    {"tops of a state", 0, 20, [](double, State y) { return y[2] - 0.9999; },
+    {"for long", 0, 1000, [](double t, State) { return std::sin(2.5 * t); },
+     multiples(pi / 2.5, pi / 2.5, 1000)},
+    {"tops of a fast cosine", 0, 5, [](double t, State) { return std::cos(40 * (t - 0.05)) - 0.995; },
+     around(multiples(pi / 20, 0.05, 5), std::acos(0.995) / 40)},
+    {"tops of a state", 1, 20, [](double, State y) { return y[2] - 0.9999; },
      around(tops, std::acos(0.9999))},
     {"a dip", 0, 9, [](double t, State) { return (t - 3) * (t - 3) - 1e-6; }, around({3}, 1e-3)},
     {"a dip of a state, and far below",
@@ -73,7 +73,7 @@ const std::vector<Known> table = {
      {3 - 1e-3, 3 + 1e-3, 8}},
     {"a bump on a slope",
      0,
-     4,
+     5,
      [](double t, State) { return std::exp(-t) - 0.5 + 0.6 * std::exp(-25 * (t - 2) * (t - 2)); },
      {std::log(2.0), 1.850371027242893, 2.1345068528997313}},
     {"a plateau to the end", 0, 9, [](double, State y) { return std::max(0.0, 1 - y[0]); }, {1}},
@@ -148,7 +148,7 @@ TEST_CASE("every root of the table, by each method", "[integrate]") {
         const std::vector<double> times{1.5, 3.0, 4.5, known.to};
         const std::vector<double> outputs = known.from < 0 ? std::vector{known.to} : times;
         const Solution solution = solve(problem, options_for(method, 1e-9), outputs);
-        INFO(solution.status.message());
+        CAPTURE(solution.status.message(), solution.statistics.event_evaluations);
         REQUIRE(solution.status.termination == Termination::reached_end);
         std::vector<double> found[3];
         for (const EventHit& hit : solution.hits)
@@ -186,7 +186,7 @@ TEST_CASE("a bounce restarted at its root with any crossing goes on", "[integrat
     }
 }
 
-TEST_CASE("an event much faster than the state shortens steps, noise fails the solve soon", "[integrate]") {
+TEST_CASE("noise fails the solve soon, rounding does not", "[integrate]") {
     const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
     OdeProblem problem = ramps(0.0, 4);
     long calls = 0;
@@ -194,7 +194,7 @@ TEST_CASE("an event much faster than the state shortens steps, noise fails the s
     const std::vector<double> times{100.0};
     const Solution solution = solve(problem, options_for(method, 1e-8), times);
     CHECK_THAT(solution.status.message(), Catch::Contains("event 'noise' varies faster"));
-    CHECK(calls < 20000); // 64 parts of the smallest size, and those above them
+    CHECK(calls < 100000); // of 80 parts or so, with some roots in each, and of those above them
     problem.events = {{"rounding", [](double, State y) {
                            return (y[2] * y[2] + 1e3) - (1e3 + y[2] * y[2] * (1 - 1e-15));
                        }}};
