@@ -17,6 +17,13 @@ constexpr double roundoff = std::numeric_limits<double>::epsilon();
 
 int sign_of(double value) { return (value > 0.0) - (value < 0.0); }
 
+double largest(const std::vector<double>& values) {
+    double size = 0.0;
+    for (const double value : values)
+        size = std::max(size, std::abs(value));
+    return size;
+}
+
 } // namespace
 
 EventSampler::EventSampler(ProblemCalls& calls)
@@ -35,10 +42,10 @@ void EventSampler::take_order(int order) {
     if (panels == panels_)
         return;
     panels_ = panels;
+    gap_ = std::numbers::pi / static_cast<double>(fineness * panels);
     cosines_.resize(2 * fineness * panels);
     for (std::size_t k = 0; k < cosines_.size(); ++k)
-        cosines_[k] =
-            std::cos(std::numbers::pi * static_cast<double>(k) / static_cast<double>(fineness * panels));
+        cosines_[k] = std::cos(gap_ * static_cast<double>(k));
 }
 
 bool EventSampler::search(Stepper& stepper, const std::vector<double>& before,
@@ -120,6 +127,15 @@ std::vector<EventSampler::Samples> EventSampler::sample(const Part& part) {
     return all;
 }
 
+/// Of one event, on the solution itself.
+EventSampler::Samples EventSampler::sample(std::size_t event, const Part& part) {
+    Samples samples;
+    for (std::size_t j = 0; j <= panels_; ++j)
+        samples.values.push_back(value_at(event, time_of(part, fineness * j)));
+    samples.coefficients = coefficients(samples.values);
+    return samples;
+}
+
 /// Of the Chebyshev polynomials, by a discrete cosine transform.
 std::vector<double> EventSampler::coefficients(const std::vector<double>& values) const {
     std::vector<double> c(values.size());
@@ -140,11 +156,10 @@ bool EventSampler::is_settled(std::size_t k, const Samples& samples, const Part&
     constexpr double small = 1e-3, rounded = 1e-10;
     const std::vector<double>& c = samples.coefficients;
     const double tail = std::abs(c[panels_]) + std::abs(c[panels_ - 1]);
-    double size = 0.0, varying = 0.0;
-    for (std::size_t i = 0; i <= panels_; ++i) {
-        size = std::max(size, std::abs(samples.values[i]));
-        varying += i > 0 ? std::abs(c[i]) : 0.0;
-    }
+    const double size = largest(samples.values);
+    double varying = 0.0;
+    for (std::size_t i = 1; i <= panels_; ++i)
+        varying += std::abs(c[i]);
     largest_[k] = std::max(largest_[k], size);
     if (tail <= std::max(small * size, rounded * largest_[k]) ||
         std::abs(c[0]) > varying + 10.0 * tail * std::ldexp(1.0, -part.depth))
@@ -165,15 +180,13 @@ double EventSampler::rounding(std::size_t k, const Samples& samples, const Part&
 
 /// All times of the part to be looked at.
 bool EventSampler::tell(const Part& part, const std::vector<Samples>& all, bool settled) {
+    constexpr long most_looks = 32; // closer ones: a cluster of roots needs some, rounding has no end
+    closer_looks_ = most_looks;
     std::vector<double> times;
     for (; !times_.empty() && times_.back() <= part.to; times_.pop_back())
         times.push_back(times_.back());
-    for (std::size_t k = 0; k < all.size(); ++k) {
-        const std::vector<double> p = on_fine_points(all[k]);
-        add_sign_changes(part, p, times);
-        if (settled)
-            add_dips(sampled_[k], part, all[k], p, times);
-    }
+    for (std::size_t k = 0; k < all.size(); ++k)
+        add_times(sampled_[k], part, all[k], settled, times);
     std::ranges::sort(times);
     times.erase(std::unique(times.begin(), times.end()), times.end());
     return std::ranges::any_of(
@@ -197,42 +210,63 @@ std::vector<double> EventSampler::on_fine_points(const Samples& samples) const {
     return p;
 }
 
-void EventSampler::add_sign_changes(const Part& part, const std::vector<double>& p,
-                                    std::vector<double>& times) const {
-    for (std::size_t i = 0; i + 1 < p.size(); ++i)
-        if (sign_of(p[i]) != sign_of(p[i + 1]))
-            times.insert(times.end(), {time_of(part, i), time_of(part, i + 1)});
-}
-
-/// In the angle of the cosine the polynomial is even about both ends, and its shortest wave is eight fine
-/// points long: a minimum of |p| shows as one among three points.
-void EventSampler::add_dips(std::size_t event, const Part& part, const Samples& samples,
-                            const std::vector<double>& p, std::vector<double>& times) {
+/// Between two fine points the polynomial, whose shortest wave is eight of them long, has one root, or a dip,
+/// or is looked at more closely.
+void EventSampler::add_times(std::size_t event, const Part& part, const Samples& samples, bool settled,
+                             std::vector<double>& times) {
     constexpr double near_zero = 0.01; // of the largest sample; a believed polynomial is off by less
-    double size = 0.0;
-    for (const double value : samples.values)
-        size = std::max(size, std::abs(value));
-    const std::size_t last = p.size() - 1;
-    for (std::size_t i = 0; i <= last; ++i) {
-        const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, last);
-        const double sign = sign_of(p[i]), here = sign * p[i], a = sign * p[i > 0 ? before : 1],
-                     b = sign * p[i < last ? after : last - 1];
-        if (sign == 0.0 || here > a || here > b)
+    const std::vector<double> p = on_fine_points(samples);
+    const double zero = near_zero * largest(samples.values);
+    for (std::size_t i = 0; i + 1 < p.size(); ++i) {
+        const int sign = sign_of(p[i]);
+        const bool changes = sign != sign_of(p[i + 1]),
+                   near = changes || std::min(sign * p[i], sign * p[i + 1]) <= zero;
+        const Part gap{time_of(part, i), time_of(part, i + 1), part.depth + 4}; // some 16 times shorter
+        if (changes)
+            times.insert(times.end(), {gap.from, gap.to});
+        if (!settled || (!changes && sign == 0))
             continue;
-        const double bend = a - 2.0 * here + b,
-                     lowest = bend > 0.0 ? here - (b - a) * (b - a) / (8.0 * bend) : here;
-        if (lowest > near_zero * size)
-            continue;
-        if (const auto t = dip(event, sign, time_of(part, before), time_of(part, after)))
-            times.push_back(*t);
+        const double down = -sign * slope(samples, i), up = sign * slope(samples, i + 1);
+        if (!changes && down > 0.0 && up > 0.0) {
+            if (sign * p[i] - 0.5 * down * down * gap_ / (down + up) <= zero)
+                add_dip(event, sign, gap, times);
+        } else if (near && !is_monotone(samples, p, i) && gap.depth <= deepest && --closer_looks_ > 0)
+            add_times(event, gap, sample(event, gap), true, times);
     }
 }
 
-/// A time at which the event has left this sign.
-std::optional<double> EventSampler::dip(std::size_t event, double sign, double from, double to) {
+/// Of the polynomial by the angle of the cosine. At the ends, where it is 0, that of the time tells the sign,
+/// and its part of the first gap the size.
+double EventSampler::slope(const Samples& samples, std::size_t i) const {
+    const std::size_t turn = cosines_.size(), last = fineness * panels_;
+    double slope = 0.0;
+    for (std::size_t k = 1; k <= panels_; ++k) {
+        const double c = static_cast<double>(k) * samples.coefficients[k];
+        if (i == 0 || i == last)
+            slope += (i == 0 ? -gap_ : gap_) * static_cast<double>(k) * c * cosines_[k * i % turn];
+        else
+            slope -= c * cosines_[(k * i + turn - turn / 4) % turn]; // sin x = cos(x - pi/2)
+    }
+    return slope;
+}
+
+/// Between a fine point and the next: its slopes are like the mean slope, or like twice that in the first and
+/// the last gap, where it is even in the angle. At three roots together they are three times the mean and
+/// more.
+bool EventSampler::is_monotone(const Samples& samples, const std::vector<double>& p, std::size_t i) const {
+    const double usual = i == 0 || i + 2 == p.size() ? 2.0 : 1.0, mean = (p[i + 1] - p[i]) / gap_;
+    const auto is_like = [&](double slope) {
+        return slope / mean > 0.5 * usual && slope / mean < 1.5 * usual;
+    };
+    return is_like(slope(samples, i)) && is_like(slope(samples, i + 1));
+}
+
+/// The time at which the event has left this sign, if there is one.
+void EventSampler::add_dip(std::size_t event, int sign, const Part& gap, std::vector<double>& times) {
     std::optional<double> found;
     const auto value = [&](double u) {
-        const double t = from + (u - 1.0) * (to - from), v = found ? 0.0 : sign * value_at(event, t);
+        const double t = gap.from + (u - 1.0) * (gap.to - gap.from);
+        const double v = found ? 0.0 : sign * value_at(event, t);
         if (!found && v <= 0.0)
             found = t;
         return v;
@@ -240,7 +274,8 @@ std::optional<double> EventSampler::dip(std::size_t event, double sign, double f
     std::uintmax_t iterations = 40;
     boost::math::tools::brent_find_minima(value, 1.0, 2.0, std::numeric_limits<double>::digits / 2,
                                           iterations);
-    return found;
+    if (found)
+        times.push_back(*found);
 }
 
 } // namespace rodwake::integrate

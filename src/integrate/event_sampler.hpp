@@ -39,6 +39,7 @@ private:
     double time_of(const Part& part, std::size_t fine) const;
     double value_at(std::size_t event, double t);
     std::vector<Samples> sample(const Part& part);
+    Samples sample(std::size_t event, const Part& part);
     std::vector<double> coefficients(const std::vector<double>& values) const;
     bool is_settled(std::size_t k, const Samples& samples, const Part& part);
     double rounding(std::size_t k, const Samples& samples, const Part& part);
@@ -46,16 +47,18 @@ private:
     void count_rough(const Part& part, std::size_t rough);
     bool tell(const Part& part, const std::vector<Samples>& all, bool settled);
     std::vector<double> on_fine_points(const Samples& samples) const;
-    void add_sign_changes(const Part& part, const std::vector<double>& p, std::vector<double>& times) const;
-    void add_dips(std::size_t event, const Part& part, const Samples& samples, const std::vector<double>& p,
-                  std::vector<double>& times);
-    std::optional<double> dip(std::size_t event, double sign, double from, double to);
+    void add_times(std::size_t event, const Part& part, const Samples& samples, bool settled,
+                   std::vector<double>& times);
+    double slope(const Samples& samples, std::size_t i) const;
+    bool is_monotone(const Samples& samples, const std::vector<double>& p, std::size_t i) const;
+    void add_dip(std::size_t event, int sign, const Part& gap, std::vector<double>& times);
 
     ProblemCalls& calls_;
     std::vector<std::size_t> sampled_; ///< the events
     std::vector<double> largest_;      ///< |value| of each so far
     std::size_t panels_ = 0;           ///< one less than the samples of a part
-    std::vector<double> cosines_;      ///< of pi k/(4 panels), one turn
+    double gap_ = 0.0;                 ///< angle from a fine point to the next, pi/(4 panels)
+    std::vector<double> cosines_;      ///< of its multiples, one turn
     std::vector<double> state_;        ///< scratch
 
     // of the search under way
@@ -64,6 +67,7 @@ private:
     std::vector<double> first_, last_; ///< the values where the next part begins, and at the end of the step
     std::vector<double> times_;        ///< those still to be looked at, the next one last
     long parts_ = 0, rough_parts_ = 0; ///< rough: less those that were not
+    long closer_looks_ = 0;            ///< left for this part
 };
 
 } // namespace rodwake::integrate

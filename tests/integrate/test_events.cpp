@@ -57,6 +57,20 @@ const std::vector<Known> table = {
      {-6, -2, 2}},
     {"a product of six", 0, 9, [](double t, State) { return product(t, six); }, six},
     {"the same of the state, downwards", 0, 9, [](double, State y) { return -product(y[0], six); }, six},
+    {"three roots together",
+     0,
+     9,
+     [](double t, State) {
+         return product(t, {5, 5.001, 5.002, 8});
+     },
+     {5, 5.001, 5.002, 8}},
+    {"three roots of the state",
+     0,
+     9,
+     [](double, State y) {
+         return product(y[0], {2, 2.1, 2.2});
+     },
+     {2, 2.1, 2.2}},
     {"a sine of time", 0, 20, [](double t, State) { return std::sin(2.5 * t); },
      multiples(pi / 2.5, pi / 2.5, 20)},
     {"for long", 0, 1000, [](double t, State) { return std::sin(2.5 * t); },
