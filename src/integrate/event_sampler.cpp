@@ -180,7 +180,7 @@ double EventSampler::rounding(std::size_t k, const Samples& samples, const Part&
 
 /// All times of the part to be looked at.
 bool EventSampler::tell(const Part& part, const std::vector<Samples>& all, bool settled) {
-    constexpr long most_looks = 32; // closer ones: a cluster of roots needs some, rounding has no end
+    constexpr long most_looks = 64; // closer ones: a cluster of roots needs some, rounding has no end
     closer_looks_ = most_looks;
     std::vector<double> times;
     for (; !times_.empty() && times_.back() <= part.to; times_.pop_back())
@@ -227,11 +227,13 @@ void EventSampler::add_times(std::size_t event, const Part& part, const Samples&
         if (!settled || (!changes && sign == 0))
             continue;
         const double down = -sign * slope(samples, i), up = sign * slope(samples, i + 1);
-        if (!changes && down > 0.0 && up > 0.0) {
-            if (sign * p[i] - 0.5 * down * down * gap_ / (down + up) <= zero)
-                add_dip(event, sign, gap, times);
-        } else if (near && !is_monotone(samples, p, i) && gap.depth <= deepest && --closer_looks_ > 0)
+        const bool dips = !changes && down > 0.0 && up > 0.0;
+        if (!near && !(dips && sign * p[i] - 0.5 * down * down * gap_ / (down + up) <= zero))
+            continue;
+        if (!is_monotone(samples, p, i) && gap.depth <= deepest && --closer_looks_ > 0)
             add_times(event, gap, sample(event, gap), true, times);
+        else if (dips)
+            add_dip(event, sign, gap, times);
     }
 }
 
