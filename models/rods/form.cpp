@@ -147,9 +147,9 @@ void look_at_poses(integrate::OdeProblem& ode, std::size_t stride) {
         event.value = [value = event.value, stride](double t, State y) {
             return value(t, poses_of(y, stride));
         };
-        event.suspect = [suspect = event.suspect, stride](const integrate::Step& step) {
+        event.candidate_time = [candidate = event.candidate_time, stride](const integrate::Step& step) {
             const auto before = poses_of(step.state_before, stride), after = poses_of(step.state, stride);
-            return suspect({step.time_before, step.time, before, after});
+            return candidate({step.time_before, step.time, before, after});
         };
     }
     if (ode.step_limit)

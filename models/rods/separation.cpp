@@ -45,9 +45,23 @@ struct Hermite {
     }
 };
 
+/// The closest distance on the cubic of the offset itself: what its square loses where it is small beside
+/// those at the ends.
+double distance_of_offsets(const integrate::Step& step, std::size_t a, std::size_t b, Offset d0, Offset d1,
+                           double u) {
+    const double h = step.time - step.time_before;
+    const auto rate = [&](State y, auto part) { return h * (part(y[3 * a + 2]) - part(y[3 * b + 2])); };
+    const auto cosine = [](double angle) { return std::cos(angle); };
+    const auto sine = [](double angle) { return std::sin(angle); };
+    const Hermite x{d0.x, d1.x, rate(step.state_before, cosine), rate(step.state, cosine)},
+        y{d0.y, d1.y, rate(step.state_before, sine), rate(step.state, sine)};
+    return std::hypot(x.at(u), y.at(u));
+}
+
 /// Of one image of b, `shift` away from b itself.
 std::optional<Approach> approach_of_image(const integrate::Step& step, std::size_t a, std::size_t b,
                                           Offset shift) {
+    constexpr double lost = 1e6 * 8.0 * std::numeric_limits<double>::epsilon(); // six digits left of a square
     const double h = step.time - step.time_before;
     const Offset before = plane_offset(step.state_before, a, b), after = plane_offset(step.state, a, b);
     const Offset d0{before.x - shift.x, before.y - shift.y}, d1{after.x - shift.x, after.y - shift.y};
@@ -56,8 +70,11 @@ std::optional<Approach> approach_of_image(const integrate::Step& step, std::size
     if (!(g0 < 0.0 && g1 > 0.0))
         return std::nullopt;
     const Hermite curve{square(d0), square(d1), g0, g1};
-    const double u = curve.minimum_at();
-    return Approach{step.time_before + u * h, {a, b, std::sqrt(std::max(0.0, curve.at(u)))}};
+    const double u = curve.minimum_at(), lowest = curve.at(u);
+    const double distance = lowest > lost * std::max(curve.f0, curve.f1)
+                                ? std::sqrt(lowest)
+                                : distance_of_offsets(step, a, b, d0, d1, u);
+    return Approach{step.time_before + u * h, {a, b, distance}};
 }
 
 /// Where the image of b nearest to a is.
@@ -164,6 +181,19 @@ std::optional<Approach> closest_approach(const integrate::Step& step, Box box, d
                    }
                });
     return best;
+}
+
+std::optional<double> first_approach_time(const integrate::Step& step, Box box, double below) {
+    const double reach = below + 4.0 * std::max(step.time - step.time_before, longest_move(step));
+    std::optional<double> first;
+    Sweep(step.state_before, box)
+        .pairs([&](double gap) { return gap > reach * (1.0 + 1e-12); },
+               [&](std::size_t a, std::size_t b) {
+                   const auto found = approach_of_pair(step, a, b, box);
+                   if (found && found->pair.distance < below)
+                       first = std::min(found->time, first.value_or(found->time));
+               });
+    return first;
 }
 
 double fall_time(const integrate::Step& step, std::size_t a, std::size_t b, double distance) {

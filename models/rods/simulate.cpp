@@ -24,10 +24,10 @@ integrate::Event contact_event(double distance, Box box) {
     event.value = [distance, box](double, State y) { return closest_pair(y, box).distance - distance; };
     event.crossing = integrate::Crossing::falling;
     event.terminal = true;
-    event.suspect = [distance, box](const integrate::Step& step) -> std::optional<double> {
-        const auto approach = closest_approach(step, box, distance);
-        return approach ? std::optional(approach->time) : std::nullopt;
+    event.candidate_time = [distance, box](const integrate::Step& step) {
+        return first_approach_time(step, box, distance);
     };
+    event.sampled = false; // how the separation runs inside a step is known from the headings
     return event;
 }
 
@@ -76,7 +76,8 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
         // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
         ode.jacobian = [model](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { model->jacobian(y, j); };
     ode.component_name = RodModel::component_name;
-    if (model->interacting() && model->rods() > 1)
+    // in a box straight courses meet many images in one step
+    if (model->rods() > 1 && (model->interacting() || (problem.box && problem.contact_distance)))
         ode.step_limit = [box = problem.box](double, State y) { return encounter_step(y, box); };
     ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
     if (problem.contact_distance && problem.rods.size() > 1)

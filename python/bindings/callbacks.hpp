@@ -4,7 +4,11 @@
 #include "arrays.hpp"
 #include "rodwake/core/error.hpp"
 
+#include <algorithm>
 #include <exception>
+#include <optional>
+#include <string>
+#include <string_view>
 
 namespace rodwake::python {
 
@@ -36,15 +40,15 @@ inline Array array_of(std::span<const double> values) {
     return Array(static_cast<py::ssize_t>(values.size()), values.data());
 }
 
-/// The numbers that a function returned. Throws InputError if there are not as many as wanted.
-inline Array returned(const py::object& values, std::size_t wanted, const char* function) {
-    Array array = Array::ensure(values);
-    if (!array)
-        throw py::error_already_set();
-    if (static_cast<std::size_t>(array.size()) != wanted)
-        throw InputError(std::string(function) + " returned " + std::to_string(array.size()) +
-                         " numbers; expected " + std::to_string(wanted));
-    return array;
-}
+// Real numbers from Python. `what` begins the message, "rtol is" or "the Jacobian returned"; what came and
+// what was `wanted` follow. Throw InputError for complex numbers, None, text, ragged lists and masked values.
+
+/// Of any shape. `kinds`: the kinds of NumPy's types that are taken.
+Array real_numbers(py::handle value, const std::string& what, const std::string& wanted,
+                   const char* kinds = "biufO");
+/// With at most one axis longer than 1.
+Array real_vector(py::handle value, const std::string& what, const std::string& wanted);
+/// No bool either.
+double real_number(py::handle value, const std::string& what);
 
 } // namespace rodwake::python

@@ -25,12 +25,21 @@ integrate::Crossing crossing_of(const std::string& direction) {
     return integrate::Crossing::any;
 }
 
+void require_size(const Array& array, std::size_t wanted, const char* what) {
+    if (static_cast<std::size_t>(array.size()) != wanted)
+        throw InputError(std::string(what) + " " + std::to_string(array.size()) + " numbers; expected " +
+                         std::to_string(wanted));
+}
+
 /// Functions of Python as those of a problem. `calls` must outlive them.
 std::function<void(double, State, std::span<double>)> rate_of(const py::function& f, Callbacks& calls) {
     return [f = f.ptr(), &calls](double t, State y, std::span<double> rate) {
         calls([&] {
             const py::object value = py::reinterpret_borrow<py::function>(f)(t, array_of(y));
-            std::ranges::copy(numbers(returned(value, y.size(), "the right-hand side")), rate.begin());
+            const std::string wanted = std::to_string(y.size()) + " real numbers";
+            const Array numbers_of = real_vector(value, "the right-hand side returned", wanted);
+            require_size(numbers_of, y.size(), "the right-hand side returned");
+            std::ranges::copy(numbers(numbers_of), rate.begin());
         });
     };
 }
@@ -40,7 +49,11 @@ std::function<void(double, State, Eigen::Ref<Eigen::MatrixXd>)> jacobian_of(cons
     return [f = f.ptr(), &calls](double t, State y, Eigen::Ref<Eigen::MatrixXd> jacobian) {
         calls([&] {
             const py::object value = py::reinterpret_borrow<py::function>(f)(t, array_of(y));
-            const Array rows = returned(value, y.size() * y.size(), "the Jacobian");
+            const std::string n = std::to_string(y.size());
+            const Array rows = real_numbers(value, "the Jacobian returned", n + " x " + n + " real numbers");
+            require_size(rows, y.size() * y.size(), "the Jacobian returned");
+            if (y.size() > 1 && (rows.ndim() != 2 || rows.shape(0) != rows.shape(1)))
+                throw InputError("the Jacobian returned an array that is not " + n + " x " + n);
             for (std::size_t i = 0; i < y.size(); ++i)
                 for (std::size_t j = 0; j < y.size(); ++j)
                     jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
@@ -49,9 +62,25 @@ std::function<void(double, State, Eigen::Ref<Eigen::MatrixXd>)> jacobian_of(cons
     };
 }
 
-std::function<double(double, State)> value_of(const py::function& f, Callbacks& calls) {
-    return [f = f.ptr(), &calls](double t, State y) {
-        return calls([&] { return py::reinterpret_borrow<py::function>(f)(t, array_of(y)).cast<double>(); });
+std::function<double(double, State)> value_of(const py::function& f, const std::string& event,
+                                              Callbacks& calls) {
+    return [f = f.ptr(), what = event + " returned", &calls](double t, State y) {
+        return calls(
+            [&] { return real_number(py::reinterpret_borrow<py::function>(f)(t, array_of(y)), what); });
+    };
+}
+
+std::function<std::optional<double>(const integrate::Step&)>
+candidate_time_of(const std::optional<py::function>& f, const std::string& event, Callbacks& calls) {
+    if (!f)
+        return nullptr;
+    return [f = f->ptr(), what = "the candidate_time of " + event + " returned",
+            &calls](const integrate::Step& step) {
+        return calls([&]() -> std::optional<double> {
+            const py::object time = py::reinterpret_borrow<py::function>(f)(
+                step.time_before, array_of(step.state_before), step.time, array_of(step.state));
+            return time.is_none() ? std::nullopt : std::optional(real_number(time, what));
+        });
     };
 }
 
@@ -59,19 +88,21 @@ std::function<double(double, State)> value_of(const py::function& f, Callbacks& 
 struct RodEquations {
     integrate::OdeProblem problem;
 
-    void require(const Array& y) const {
+    Array state_of(const py::object& given) const {
+        Array y = real_numbers(given, "y is", "x, y, heading of each rod");
         if (static_cast<std::size_t>(y.size()) != problem.initial_state.size())
             throw InputError("y has " + std::to_string(y.size()) + " numbers; the rods have " +
                              std::to_string(problem.initial_state.size()) + ": x, y, heading of each");
+        return y;
     }
-    Array rate(double t, const Array& y) const {
-        require(y);
+    Array rate(double t, const py::object& given) const {
+        const Array y = state_of(given);
         Array rate(y.size());
         problem.rhs(t, numbers(y), {rate.mutable_data(), static_cast<std::size_t>(rate.size())});
         return rate;
     }
-    Array jacobian(double t, const Array& y) const {
-        require(y);
+    Array jacobian(double t, const py::object& given) const {
+        const Array y = state_of(given);
         if (!problem.jacobian)
             throw InputError("these equations have no Jacobian: their field has no gradients");
         Eigen::MatrixXd j = Eigen::MatrixXd::Zero(y.size(), y.size());
@@ -87,8 +118,8 @@ RodEquations equations(const Array& poses, const Medium* medium, double kappa, d
     return {rods::to_ode(problem)};
 }
 
-/// name, value(t, y), direction, terminal
-using EventTuple = std::tuple<std::string, py::function, std::string, bool>;
+/// name, value(t, y), direction, terminal, candidate_time(t_before, y_before, t, y)
+using EventTuple = std::tuple<std::string, py::function, std::string, bool, std::optional<py::function>>;
 
 struct Options {
     std::string method;
@@ -119,10 +150,16 @@ integrate::OdeProblem problem_with(const py::object& rhs, const Array& y0, doubl
         problem.rhs = rate_of(rhs.cast<py::function>(), calls);
     if (jacobian)
         problem.jacobian = jacobian_of(*jacobian, calls);
+    const std::size_t size = problem.initial_state.size();
+    if (size > 0)
+        require_size(y0, size, "y0 has");
     problem.initial_state = copied(y0);
     problem.start_time = t0;
-    for (const auto& [name, value, direction, terminal] : events)
-        problem.events.push_back({name, value_of(value, calls), crossing_of(direction), terminal});
+    for (const auto& [name, value, direction, terminal, candidate] : events) {
+        const std::string event = "events[" + std::to_string(problem.events.size()) + "]";
+        problem.events.push_back({name, value_of(value, event, calls), crossing_of(direction), terminal,
+                                  candidate_time_of(candidate, event, calls)});
+    }
     return problem;
 }
 
@@ -141,14 +178,26 @@ py::tuple told(integrate::Solution&& s) {
                           to_string(s.status.termination), s.status.message(), statistics_of(s.statistics));
 }
 
-py::tuple solve(const py::object& rhs, const Array& y0, const Array& times, double t0,
-                const std::optional<py::function>& jacobian, const std::vector<EventTuple>& events,
-                const std::string& method, double rtol, std::optional<double> atol, long max_steps,
-                double max_step) {
+py::tuple solve(const py::object& rhs, const py::object& y0, const py::object& output_times,
+                const py::object& t0, const std::optional<py::function>& jacobian,
+                const std::vector<EventTuple>& events, const std::string& method, const py::object& rtol,
+                const py::object& atol, long max_steps, const py::object& max_step) {
     Callbacks calls;
     Interrupt interrupt;
-    const integrate::OdeOptions options = ode_options({method, rtol, atol, max_steps, max_step}, interrupt);
-    const integrate::OdeProblem problem = problem_with(rhs, y0, t0, jacobian, events, calls);
+    const auto one_for_all = [](const py::object& value, const char* what) {
+        return real_number(value, std::string(what) + " is"); // of each component alike
+    };
+    const std::optional<double> absolute =
+        atol.is_none() ? std::nullopt : std::optional(one_for_all(atol, "atol"));
+    const integrate::OdeOptions options = ode_options(
+        {method, one_for_all(rtol, "rtol"), absolute, max_steps, one_for_all(max_step, "max_step")},
+        interrupt);
+    const bool poses = py::isinstance<RodEquations>(rhs);
+    const Array start = poses ? real_numbers(y0, "y0 is", "x, y and heading of each rod")
+                              : real_vector(y0, "y0 is", "a list of real numbers"),
+                times = real_vector(output_times, "times is", "a list of real numbers");
+    const integrate::OdeProblem problem =
+        problem_with(rhs, start, real_number(t0, "start is"), jacobian, events, calls);
     integrate::Solution solution;
     {
         const py::gil_scoped_release release;

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 _Path = Union[str, PathLike[str]]
-_Event = tuple[str, Callable[[float, Floats], float], str, bool]
+_Event = tuple[str, Callable[[float, Floats], float], str, bool,
+               Optional[Callable[[float, Floats, float, Floats], Optional[float]]]]
 _Solution = tuple[Floats, Floats, float, Floats, list[tuple[int, float, Floats]], str, str, dict[str, int]]
 _ProfileData = tuple[ArrayLike, ArrayLike, Optional[ArrayLike], float]
 _TrackData = tuple[ArrayLike, ArrayLike, float]

@@ -121,6 +121,8 @@ class Bed:
 def run_bed(scene: Scene, observer: Callable[[Bed], object], *, every: Optional[float] = None, run: int = 0, threads: int = 1) -> Bed:
     """Runs a bed to the end of its scene and calls the observer at t = 0 and after each `every` seconds (None: the scene's interval of
     frames). An observer that returns True ends the run there. The bed as it is at the end."""
+    if not callable(observer):
+        raise InputError(f"observer is {observer!r}: expected a function of the bed")
     bed = Bed(scene, run=run, threads=threads)
     if bed.step < 0:
         bed.advance(steps=-bed.step)

@@ -18,12 +18,18 @@ Rate = Callable[[float, Floats], ArrayLike]
 
 @dataclass(frozen=True)
 class Event:
-    """A root to be found: when value(t, y) crosses zero in this direction. A terminal one ends the run there."""
+    """A root to be found: when value(t, y) crosses zero in this direction, or first reaches it. A terminal one ends the run there.
+
+    Inside each step the value is sampled until a polynomial of the order of the method predicts it. What is narrower than a third of
+    a step and shows in no sample, as a short pulse, is lost; it is found with a max_step below its width, with one of `times` in it, or
+    by candidate_time(t_before, y_before, t, y), which is called once a step with its ends and returns a time inside to look at, or None.
+    """
 
     value: Callable[[float, Floats], float]
     name: str = ""
     direction: Literal["any", "rising", "falling"] = "any"
     terminal: bool = False
+    candidate_time: Optional[Callable[[float, Floats, float, Floats], Optional[float]]] = None
 
 
 @dataclass(frozen=True)
@@ -49,6 +55,21 @@ class OdeResult:
     statistics: dict[str, int]  # steps, rhs_evaluations, ...
 
 
+def _check(name: str, given: object, legal: bool, wanted: str) -> None:
+    if not legal:
+        raise InputError(f"{name} is {given!r}: expected {wanted}")
+
+
+def _check_event(name: str, event: Event) -> None:
+    _check(name, event, isinstance(event, Event), "rodwake.Event(value, ...), where value is a function of (t, y)")
+    _check(f"{name}.value", event.value, callable(event.value), "a function of (t, y)")
+    _check(f"{name}.name", event.name, isinstance(event.name, str), "a text")
+    _check(f"{name}.direction", event.direction, isinstance(event.direction, str), "'any', 'rising' or 'falling'")
+    _check(f"{name}.terminal", event.terminal, isinstance(event.terminal, (bool, np.bool_)), "True or False")
+    _check(f"{name}.candidate_time", event.candidate_time, event.candidate_time is None or callable(event.candidate_time),
+           "a function of (t_before, y_before, t, y), or None")
+
+
 def integrate(rhs: Union[RodEquations, Rate], y0: Optional[ArrayLike] = None, times: ArrayLike = (), *, start: float = 0.0,
               events: Sequence[Event] = (), jacobian: Optional[Rate] = None, method: str = "adams", rtol: float = 1e-8,
               atol: Optional[float] = None, max_steps: int = 1_000_000, max_step: float = 0.0) -> OdeResult:
@@ -60,15 +81,23 @@ def integrate(rhs: Union[RodEquations, Rate], y0: Optional[ArrayLike] = None, ti
     jacobian   function that returns d rhs_i/d y_j, (n, n), for method 'bdf'; None: differences, or that of RodEquations
     method     'adams' (many smooth problems), 'bdf' (stiff ones) or 'erk' (explicit Runge-Kutta)
     rtol, atol tolerances of the local error of each component; atol is rtol/100 unless given
-    max_step   longest step; 0: any
+    max_step   longest step; 0: any. For what is too short to be seen in a step: a pulse of rhs or of an event
 
-    A solve that fails is a value, with status 'failed'. What rhs, jacobian or an event raises is raised here.
+    A solve that fails is a value, with status 'failed'. What rhs, jacobian or an event raises is raised here; what they return
+    and is not real numbers is an InputError.
     """
+    _check("rhs", rhs, callable(rhs), "a function of (t, y), or RodEquations")
+    _check("jacobian", jacobian, jacobian is None or callable(jacobian), "a function of (t, y)")
+    _check("method", method, isinstance(method, str), "'adams', 'bdf' or 'erk'")
+    _check("max_steps", max_steps, isinstance(max_steps, (int, np.integer)) and 0 < max_steps < 2**63, "a whole number above 0")
+    _check("events", events, isinstance(events, Sequence), "a list of rodwake.Event")
+    for number, event in enumerate(events):
+        _check_event(f"events[{number}]", event)
     if y0 is None:
         if not isinstance(rhs, RodEquations):
             raise InputError("y0 is missing: only RodEquations have a state of their own")
         y0 = rhs.y0
-    found = _core.solve(rhs, y0, times, start, jacobian, [(event.name, event.value, event.direction, event.terminal) for event in events],
+    found = _core.solve(rhs, y0, times, start, jacobian, [(event.name, event.value, event.direction, bool(event.terminal), event.candidate_time) for event in events],
                         method, rtol, atol, max_steps, max_step)
     t, y, final_time, final_y, hits, status, message, statistics = found
     return OdeResult(t, y, final_time, final_y, [Hit(*hit) for hit in hits], status, message, statistics)

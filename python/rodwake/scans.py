@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, Optional, Union
 
 from . import _core
+from .errors import InputError
 from .scenes import Folder, Progress, Scene
 
 _FLIGHT = 64  # chunks that are handed out at once
@@ -41,6 +42,8 @@ def scan(scene: Scene, axes: Optional[Mapping[str, Any]] = None, *, executor: An
 def _distributor(scene: Scene, folder: Path, executor: Any, chunk: int) -> Callable[..., None]:
     """What hands points out: execute(points, take, stopped), records as bytes."""
     pool: Executor = executor.get_executor() if hasattr(executor, "get_executor") else executor  # Dask's client has one
+    if not callable(getattr(pool, "submit", None)):
+        raise InputError(f"executor is {executor!r}: expected one of concurrent.futures, or a Dask client")
     source = (scene.to_toml(), scene.path, str(folder))
 
     def execute(points: bytes, take: Callable[[bytes], None], stopped: Callable[[], bool]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping, Optional, Union
 
 from . import _core
-from .errors import RunError
+from .errors import InputError, RunError
 from .runs import Run, open_run
 from .toml import toml
 
@@ -97,6 +97,8 @@ class Scene:
     def _run(self, folder: Folder, stages: Optional[list[str]], threads: int, seed: Optional[int], force: bool,
              progress: Optional[Progress], execute: Optional[Callable[..., None]] = None) -> Run:
         """`execute` evaluates the points of a scan: see scans.py."""
+        if progress is not None and not callable(progress):
+            raise InputError(f"progress is {progress!r}: expected a function of (what, value, end, unit)")
         command = self._command(folder, stages=stages, seed=seed)
         end = _core.run(self._core, folder, stages, threads, seed, force, command, _log.log, progress, execute)
         if end == "failed":

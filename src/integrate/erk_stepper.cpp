@@ -1,6 +1,7 @@
 // Explicit Runge-Kutta steps by ARKODE's ERKStep.
 
 #include "erk_table.hpp"
+#include "quintic.hpp"
 #include "sundials_stepper.hpp"
 
 #include <algorithm>
@@ -84,6 +85,7 @@ public:
     void start(double t, State y) override { start(t, y, initial_step(t)); }
     bool advance() override;
     void interpolate(double t, std::span<double> y) override;
+    void sample(double t, std::span<double> y) override { quintic_(*this, calls_, t, y); }
     int order() const override { return table_->q; }
     std::string flag_prefix() const override { return "ARK"; }
     std::vector<double> weighted_errors() const override;
@@ -96,6 +98,7 @@ private:
 
     sundials::ButcherTable table_;
     RungeKuttaStep inner_step_;
+    Quintic quintic_;
     sundials::ErkMemory memory_;
     int flag_ = ARK_SUCCESS;
 };

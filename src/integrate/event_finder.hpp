@@ -1,12 +1,12 @@
 #pragma once
 // Finds the roots of all events inside one step.
 //
-// Each event is compared at the ends of the step, each sign change is located by bracketing on the solution
-// inside the step, and every root found becomes a point at which all events are compared again. So an event
-// that crosses and returns within the step (a dip below zero) is found whenever another event's root lies
-// inside the dip.
+// All events are compared from point to point: at the times at which roots may hide (event_sampler.hpp), at
+// those that events or the user name, and at the end of the step. Each change of sign is located by
+// bracketing on the solution inside the step, and every root found becomes a point at which all events are
+// compared.
 
-#include "stepper.hpp"
+#include "event_sampler.hpp"
 
 #include <vector>
 
@@ -18,8 +18,8 @@ public:
 
     /// Roots in (time_before, time] of the stepper's last step, in order of time and not beyond the first
     /// terminal one. The time of a root is the later end of its bracket, one rounding wide: the event has
-    /// changed sign there. Throws StepFailure.
-    std::vector<EventHit> in_last_step(Stepper& stepper);
+    /// changed sign there. Sampled events are looked at at `times` too. Throws StepFailure.
+    std::vector<EventHit> in_last_step(Stepper& stepper, std::span<const double> times);
 
 private:
     struct Point {
@@ -31,21 +31,22 @@ private:
     void evaluate(double t, State y, std::vector<double>& values);
     bool crosses(std::size_t event, double from, double to) const;
     bool any_crosses() const;
-    /// Times inside the step at which an event asks to be looked at, into suspects_.
-    void collect_suspects(const Step& step);
-    std::vector<Point> points_of_interest(Stepper& stepper);
+    std::vector<double> times_to_look_at(const Step& step, std::span<const double> times) const;
     Point point_at(double t, Stepper& stepper);
-    bool split(std::vector<Point>& points, Stepper& stepper);
+    // True: a terminal event ends the solve there.
+    bool go_to(Point to, Stepper& stepper);
+    bool record(const Point& root, Stepper& stepper);
+    std::optional<std::size_t> next_crossing(const Point& to) const;
     double locate(std::size_t event, const Point& from, const Point& to, Stepper& stepper);
-    void record(std::size_t event, double t, std::size_t before, std::vector<Point>& points,
-                Stepper& stepper);
-    std::vector<EventHit> hits_at(const std::vector<Point>& points, Stepper& stepper);
 
     ProblemCalls& calls_;
     const std::vector<Event>& events_;
+    EventSampler sampler_;
+    double latest_start_; ///< later than the start by roundings
     std::vector<double> values_before_, values_after_;
-    std::vector<double> suspects_;
-    std::vector<double> state_; ///< scratch
+    Point last_{};               ///< up to which the step has been looked at
+    std::vector<EventHit> hits_; ///< of this step
+    std::vector<double> state_;  ///< scratch
 };
 
 } // namespace rodwake::integrate

@@ -197,8 +197,8 @@ Eigen::VectorXd ProblemCalls::event_gradient(std::size_t index, double t, State 
     return gradient;
 }
 
-std::optional<double> ProblemCalls::suspect(std::size_t index, const Step& step) const try {
-    return problem_.events[index].suspect(step);
+std::optional<double> ProblemCalls::candidate_time(std::size_t index, const Step& step) const try {
+    return problem_.events[index].candidate_time(step);
 } catch (...) {
     throw StepFailure{"RTFUNC_FAIL", fmt::format("event '{}' threw at t={}: {}", problem_.events[index].name,
                                                  step.time, exception_text())};

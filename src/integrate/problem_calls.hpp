@@ -43,7 +43,7 @@ public:
     /// StepFailure when the function throws or its result has another size.
     Eigen::VectorXd event_gradient(std::size_t index, double t, State y) const;
     /// Throws StepFailure when the function throws.
-    std::optional<double> suspect(std::size_t index, const Step& step) const;
+    std::optional<double> candidate_time(std::size_t index, const Step& step) const;
 
     std::string component_name(std::size_t index) const;
     const OdeProblem& problem() const { return problem_; }

@@ -1,6 +1,7 @@
 #include "run.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace rodwake::integrate {
@@ -75,7 +76,7 @@ bool Run::digest_step() {
     std::vector<EventHit> hits;
     const EventHit* stop = nullptr;
     try {
-        hits = events_->in_last_step(*stepper_);
+        hits = events_->in_last_step(*stepper_, output_times_.subspan(solution_.times.size()));
         for (const EventHit& hit : hits)
             if (!stop && calls_.problem().events[hit.event].terminal)
                 stop = &hit;
@@ -152,6 +153,7 @@ void Run::report_step(const EventHit* end) {
 }
 
 void Run::begin_segment() {
+    stepper_->limit_next_step(std::numeric_limits<double>::infinity()); // a part of the history
     stepper_->start(stepper_->time(), stepper_->state());
     if (options_.on_segment)
         options_.on_segment({stepper_->time(), stepper_->state(), solution_.states, statistics()});

@@ -1,6 +1,7 @@
 // Explicit Runge-Kutta steps of a few components, with nothing between the method and the right-hand side.
 
 #include "erk_table.hpp"
+#include "quintic.hpp"
 #include "stepper.hpp"
 
 #include <algorithm>
@@ -59,6 +60,7 @@ public:
     void start(double t, State y) override;
     bool advance() override;
     void interpolate(double t, std::span<double> y) override;
+    void sample(double t, std::span<double> y) override { quintic_(*this, calls_, t, y); }
     int order() const override { return method_.order; }
     std::string flag_prefix() const override { return "ERK"; }
     std::vector<double> weighted_errors() const override;
@@ -89,6 +91,7 @@ private:
     const std::size_t size_of_state_;
     Numbers before_{}, after_{}, end_{}, weights_{}, errors_{};
     Slopes slopes_{}, inner_{};
+    Quintic quintic_;
     double step_ = 0.0;  ///< to try next
     bool fresh_ = true;  ///< the last stage is not the slope at state()
     bool tried_ = false; ///< errors_ are those of a step

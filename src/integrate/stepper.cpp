@@ -37,10 +37,12 @@ double Stepper::initial_step(double t) const {
 
 double Stepper::longest_step() const {
     const auto& limit = calls_.problem().step_limit;
-    if (!limit)
-        return options_.max_step;
-    const double here = limit(time_, state_before());
-    return options_.max_step > 0.0 ? std::min(here, options_.max_step) : here;
+    double longest = next_step_limit_;
+    if (limit)
+        longest = std::min(longest, limit(time_, state_before()));
+    if (options_.max_step > 0.0)
+        longest = std::min(longest, options_.max_step);
+    return longest < std::numeric_limits<double>::infinity() ? longest : 0.0;
 }
 
 double Stepper::shortest_step(double t) { return 2.0 * std::numeric_limits<double>::epsilon() * std::abs(t); }

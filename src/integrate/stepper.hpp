@@ -4,6 +4,7 @@
 #include "problem_calls.hpp"
 #include "rodwake/integrate/ode.hpp"
 
+#include <limits>
 #include <memory>
 
 namespace rodwake::integrate {
@@ -21,6 +22,10 @@ public:
     virtual bool advance() = 0;
     /// The solution at a time within the last step, with the accuracy of the method.
     virtual void interpolate(double t, std::span<double> y) = 0;
+    /// The same, cheap for many times, and only as good as a quintic.
+    virtual void sample(double t, std::span<double> y) { interpolate(t, y); }
+    /// For the step to come only. Infinity: any.
+    void limit_next_step(double longest) { next_step_limit_ = longest; }
     /// dy/dp at a time within the last step, if the problem has parameters and the integrator can.
     virtual Eigen::MatrixXd sensitivities(double t);
 
@@ -59,6 +64,7 @@ protected:
     const OdeOptions& options_;
     const double end_time_;
     double time_before_ = 0.0, time_ = 0.0;
+    double next_step_limit_ = std::numeric_limits<double>::infinity();
     Statistics earlier_; ///< counts of the integrators of earlier segments
     std::string solver_text_;
 };

@@ -14,6 +14,121 @@ constexpr double pi = 3.14159265358979323846;
 
 OdeOptions tight(Method method) { return options_for(method, 1e-11); }
 
+/// One with roots that are known. The problem: y0 = t, y1 = 0, y2 = cos t, y3 = t^3 + 6 t^2 - 4 t - 24 from
+/// t0 on.
+struct Known {
+    const char* name;
+    double from, to;
+    std::function<double(double t, State y)> value;
+    std::vector<double> roots;
+};
+
+std::vector<double> multiples(double of, double first, double below) {
+    std::vector<double> times;
+    for (double t = first; t < below; t += of)
+        times.push_back(t);
+    return times;
+}
+
+std::vector<double> around(std::vector<double> centres, double by) {
+    std::vector<double> times;
+    for (const double t : centres)
+        times.insert(times.end(), {t - by, t + by});
+    return times;
+}
+
+double product(double t, std::vector<double> roots) {
+    double value = 1.0;
+    for (const double root : roots)
+        value *= t - root;
+    return value;
+}
+
+const std::vector<double> six = {1, 1.3, 2, 4, 4.2, 6}, tops = {2 * pi, 4 * pi, 6 * pi};
+
+const std::vector<Known> table = {
+    {"a cubic state", -8, 5, [](double, State y) { return y[3]; }, {-6, -2, 2}},
+    {"a cubic of time",
+     -8,
+     5,
+     [](double t, State) {
+         return product(t, {-6, -2, 2});
+     },
+     {-6, -2, 2}},
+    {"a product of six", 0, 9, [](double t, State) { return product(t, six); }, six},
+    {"the same of the state, downwards", 0, 9, [](double, State y) { return -product(y[0], six); }, six},
+    {"three roots together",
+     0,
+     9,
+     [](double t, State) {
+         return product(t, {5, 5.001, 5.002, 8});
+     },
+     {5, 5.001, 5.002, 8}},
+    {"three roots of the state",
+     0,
+     9,
+     [](double, State y) {
+         return product(y[0], {2, 2.1, 2.2});
+     },
+     {2, 2.1, 2.2}},
+    {"a sine of time", 0, 20, [](double t, State) { return std::sin(2.5 * t); },
+     multiples(pi / 2.5, pi / 2.5, 20)},
+    {"for long", 0, 1000, [](double t, State) { return std::sin(2.5 * t); },
+     multiples(pi / 2.5, pi / 2.5, 1000)},
+    {"tops of a fast cosine", 0, 5, [](double t, State) { return std::cos(40 * (t - 0.05)) - 0.995; },
+     around(multiples(pi / 20, 0.05, 5), std::acos(0.995) / 40)},
+    {"tops of a state", 1, 20, [](double, State y) { return y[2] - 0.9999; },
+     around(tops, std::acos(0.9999))},
+    {"a dip", 0, 9, [](double t, State) { return (t - 3) * (t - 3) - 1e-6; }, around({3}, 1e-3)},
+    {"a dip of a state, and far below",
+     0,
+     9,
+     [](double, State y) { return (y[0] - 3) * (y[0] - 3) * (8 - y[0]) - 5e-6; },
+     {3 - 1e-3, 3 + 1e-3, 8}},
+    {"a bump on a slope",
+     0,
+     5,
+     [](double t, State) { return std::exp(-t) - 0.5 + 0.6 * std::exp(-25 * (t - 2) * (t - 2)); },
+     {std::log(2.0), 1.850371027242893, 2.1345068528997313}},
+    {"a plateau to the end", 0, 9, [](double, State y) { return std::max(0.0, 1 - y[0]); }, {1}},
+    {"a plateau from below", 0, 9, [](double t, State) { return std::min(0.0, t - 7.5); }, {7.5}},
+    {"a plateau and up again",
+     0,
+     9,
+     [](double t, State) { return std::max(0.0, std::abs(t - 2) - 0.3); },
+     {1.7}},
+    {"a plateau and down",
+     0,
+     9,
+     [](double t, State) { return t < 4 ? std::max(0.0, 1.5 - t) : 4 - t; },
+     {1.5}},
+    {"a corner below", 0, 9, [](double t, State) { return std::abs(t - 5) - 0.01; }, around({5}, 0.01)},
+    {"a staircase", 0, 9, [](double, State y) { return std::floor(y[0]) - 2.5; }, {3}},
+    {"a jump there and back", 0, 9, [](double t, State) { return t > 2 && t < 6 ? -1.0 : 1.0; }, {2, 6}},
+    {"at output times",
+     0,
+     9,
+     [](double t, State) {
+         return product(t, {1.5, 3, 4.5});
+     },
+     {1.5, 3, 4.5}},
+    {"zero at the start and back there", 0, 9, [](double t, State) { return t * (t - 5); }, {5}},
+    {"never", 0, 9, [](double t, State) { return 1.01 + std::sin(9 * t); }, {}},
+};
+
+OdeProblem ramps(double from, std::size_t size) {
+    OdeProblem problem;
+    problem.start_time = from;
+    problem.initial_state.assign(size, 1.0);
+    std::ranges::copy(std::array{from, 0.0, std::cos(from), product(from, {-6, -2, 2})},
+                      problem.initial_state.begin());
+    problem.rhs = [](double t, State, std::span<double> ydot) {
+        std::ranges::fill(ydot, 0.0);
+        std::ranges::copy(std::array{1.0, 0.0, -std::sin(t), 3 * t * t + 12 * t - 4}, ydot.begin());
+    };
+    return problem;
+}
+
 } // namespace
 
 TEST_CASE("a terminal event ends the solve at its root", "[integrate]") {
@@ -34,6 +149,79 @@ TEST_CASE("a terminal event ends the solve at its root", "[integrate]") {
     CHECK(solution.hits[0].state == solution.final_state);
     CHECK(solution.final_state[0] <=
           0.0); // the sign has changed, so a solve from here does not find it again
+}
+
+TEST_CASE("every root of the table, by each method", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    const std::size_t size = GENERATE(4, 30); // both steppers of erk
+    for (const Known& known : table) {
+        INFO(known.name << " by " << to_string(method) << ", " << size);
+        OdeProblem problem = ramps(known.from, size);
+        for (const Crossing crossing : {Crossing::any, Crossing::rising, Crossing::falling})
+            problem.events.push_back({"", known.value, crossing, false});
+        const std::vector<double> times{1.5, 3.0, 4.5, known.to};
+        const std::vector<double> outputs = known.from < 0 ? std::vector{known.to} : times;
+        const Solution solution = solve(problem, options_for(method, 1e-9), outputs);
+        CAPTURE(solution.status.message(), solution.statistics.event_evaluations);
+        REQUIRE(solution.status.termination == Termination::reached_end);
+        std::vector<double> found[3];
+        for (const EventHit& hit : solution.hits)
+            found[hit.event].push_back(hit.time);
+        CHECK(found[1].size() + found[2].size() == found[0].size());
+        REQUIRE(found[0].size() == known.roots.size());
+        for (std::size_t k = 0; k < known.roots.size();
+             ++k) // dt = dy/v: 100 rtol over slopes of 1e-3 and more
+            CHECK(found[0][k] == Approx(known.roots[k]).margin(1e-4).epsilon(1e-9));
+        if (known.roots.empty())
+            continue;
+        problem.events = {{"", known.value, Crossing::any, true}, {"", known.value, Crossing::any, false}};
+        const Solution stopped = solve(problem, options_for(method, 1e-9), outputs);
+        CHECK(stopped.final_time == found[0][0]);
+        CHECK(stopped.hits.size() == 2);
+    }
+}
+
+TEST_CASE("a bounce restarted at its root with any crossing goes on", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    double expected = std::sqrt(2.0), speed = std::sqrt(2.0), start = 0.0;
+    std::vector<double> state{1.0, 0.0};
+    for (int bounce = 0; bounce < 4; ++bounce) {
+        OdeProblem problem = ballistic(state[0], state[1], -1.0);
+        problem.start_time = start;
+        problem.events = {component_event(0, Crossing::any, true)};
+        const std::vector<double> times{start + 10.0};
+        const Solution solution = solve(problem, tight(method), times);
+        REQUIRE(solution.status.termination == Termination::stopped_at_event);
+        CHECK(std::abs(solution.final_time - expected) < 1e-9); // 100 rtol
+        start = solution.final_time;
+        speed *= 0.5;
+        expected += 2.0 * speed;
+        state = {solution.final_state[0], -0.5 * solution.final_state[1]};
+    }
+}
+
+TEST_CASE("noise fails the solve soon, rounding does not", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    OdeProblem problem = ramps(0.0, 4);
+    long calls = 0;
+    problem.events = {{"noise", [&](double t, State) { return std::sin(1e9 * t + 1e4 * double(++calls)); }}};
+    const std::vector<double> times{100.0};
+    const Solution solution = solve(problem, options_for(method, 1e-8), times);
+    CHECK_THAT(solution.status.message(), Catch::Contains("event 'noise' varies faster"));
+    CHECK(calls < 100000); // of 80 parts or so, with some roots in each, and of those above them
+    problem.events = {{"rounding", [](double, State y) {
+                           return (y[2] * y[2] + 1e3) - (1e3 + y[2] * y[2] * (1 - 1e-15));
+                       }}};
+    CHECK(solve(problem, options_for(method, 1e-8), times).status.ok());
+}
+
+TEST_CASE("an event that is not a number fails the solve wherever in a step it is met", "[integrate]") {
+    const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
+    OdeProblem problem = ramps(0.0, 4);
+    problem.events = {{"root", [](double t, State) { return std::sqrt(std::abs(t - 4.0) - 1.0); }}};
+    const std::vector<double> times{9.0};
+    CHECK_THAT(solve(problem, options_for(method, 1e-8), times).status.message(),
+               Catch::Contains("'root' was"));
 }
 
 TEST_CASE("directions", "[integrate]") {
@@ -81,13 +269,14 @@ TEST_CASE("a ball bounced by restarting lands where the closed form says", "[int
     }
 }
 
-TEST_CASE("a dip between the ends of one step is found through another event's root", "[integrate]") {
+TEST_CASE("a dip in which no samples lie is found through another event's root", "[integrate]") {
     const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
     INFO(to_string(method));
     // y = (t - 1)^2 / 2 - depth: positive but for |t - 1| < sqrt(2 depth), far less than a step
     const double depth = 1e-6;
     OdeProblem problem = ballistic(0.5 - depth, -1.0, 1.0);
     problem.events = {component_event(0, Crossing::falling, true), component_event(1, Crossing::any, false)};
+    problem.events[0].sampled = problem.events[1].sampled = false;
     OdeOptions options = options_for(method, 1e-9);
     const std::vector<double> times{4.0};
 
@@ -110,12 +299,13 @@ TEST_CASE("a dip between the ends of one step is found through another event's r
     CHECK(solution.hits[0].event == 0);
 }
 
-TEST_CASE("a dip between the ends of one step is found through the time the event suspects", "[integrate]") {
+TEST_CASE("a dip between the ends of one step is found at the candidate time of the event", "[integrate]") {
     const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
     const double depth = 1e-6;
     OdeProblem problem = ballistic(0.5 - depth, -1.0, 1.0);
     problem.events = {component_event(0, Crossing::any, false)};
-    problem.events[0].suspect = [](const Step& step) {
+    problem.events[0].sampled = false;
+    problem.events[0].candidate_time = [](const Step& step) {
         const bool turns = step.state_before[1] < 0.0 && step.state[1] > 0.0;
         return turns ? std::optional(1.0) : std::nullopt;
     };
@@ -128,14 +318,14 @@ TEST_CASE("a dip between the ends of one step is found through the time the even
     CHECK(std::abs(solution.hits[1].time - (1.0 + half_width)) < 1e-5); // the same
 }
 
-TEST_CASE("suspecting the wrong time does no harm", "[integrate]") {
+TEST_CASE("a wrong candidate time does no harm", "[integrate]") {
     const double wrong = GENERATE(-5.0, 0.0, 1e300, std::numeric_limits<double>::quiet_NaN());
     OdeProblem problem = oscillator();
     problem.events = {component_event(0, Crossing::any, true)};
-    problem.events[0].suspect = [wrong](const Step&) { return std::optional(wrong); };
+    problem.events[0].candidate_time = [wrong](const Step&) { return std::optional(wrong); };
     const std::vector<double> times{3.0};
     CHECK(std::abs(solve(problem, tight(Method::adams), times).final_time - pi / 2) < 1e-9); // 100 rtol
-    problem.events[0].suspect = [](const Step&) -> std::optional<double> {
+    problem.events[0].candidate_time = [](const Step&) -> std::optional<double> {
         throw std::runtime_error("no idea");
     };
     CHECK_THAT(solve(problem, tight(Method::adams), times).status.cause, Catch::Contains("no idea"));

@@ -2,9 +2,11 @@
 
 import math
 import unittest
+from fractions import Fraction
 
 import numpy as np
 import rodwake
+from program import SCENES, new_folder
 from rodwake import Event
 
 PAIR = [[0, 2.5, 0], [0, -2.5, 0]]
@@ -63,6 +65,129 @@ class IntegrateTest(unittest.TestCase):
                             ({"rtol": -1.0}, "rtol"), ({"jacobian": lambda t, y: [1.0], "method": "bdf"}, "expected 4")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 rodwake.integrate(**{"rhs": swing, "y0": [1.0, 0.0], "times": [1.0], **given})
+
+    def test_roots_inside_a_step_are_found(self):
+        """Those of the closed forms, by every method (more of them: tests/integrate/test_events.cpp)."""
+        table = (("cubic", lambda t, y: y[0], (-8, -120, 5), [-6, -2, 2]), ("plateau", lambda t, y: max(0, 1 - t), (0, 1, 9), [1]),
+                 ("sine", lambda t, y: math.sin(2.5 * t), (0, 1, 30), math.pi / 2.5 * np.arange(1, 24)),
+                 ("dip", lambda t, y: (t - 3) ** 2 - 1e-6, (0, 1, 9), [2.999, 3.001]))
+        for method in ("adams", "erk", "bdf", "auto"):
+            for name, value, (start, y0, end), roots in table:
+                with self.subTest(name, method=method):
+                    rhs = (lambda t, y: [3 * t**2 + 12 * t - 4]) if name == "cubic" else (lambda t, y: [0.0])
+                    found = rodwake.integrate(rhs, [y0], [end], start=start, method=method, events=[Event(value)])
+                    np.testing.assert_allclose([hit.time for hit in found.hits], roots, rtol=0, atol=1e-6)  # rtol 1e-8 of sizes below 100
+                    found = rodwake.integrate(rhs, [y0], [end], start=start, method=method, events=[Event(value, terminal=True)])
+                    self.assertAlmostEqual(found.final_time, roots[0], delta=1e-6)
+
+    def test_a_candidate_time_is_looked_at(self):
+        looked = []
+
+        def spike(t, y):
+            return -1.0 if abs(t - 2.345) < 1e-6 else 1.0
+
+        def at(t_before, y_before, t, y):
+            looked.append((t_before, t))
+            return 2.345 if len(y) == len(y_before) == 2 and t > 2.345 else None
+
+        for direction, count in (("any", 2), ("falling", 1)):
+            found = rodwake.integrate(swing, [1.0, 0.0], [5.0], events=[Event(spike, direction=direction, candidate_time=at)])
+            self.assertEqual(len(found.hits), count)
+            self.assertAlmostEqual(found.hits[0].time, 2.345 - 1e-6, delta=1e-12)  # found by bracketing, rounding of t
+        self.assertEqual(len(looked), 2 * found.statistics["steps"])
+        self.assertEqual(rodwake.integrate(swing, [1.0, 0.0], [5.0], events=[Event(spike)]).hits, [])
+
+    def test_what_comes_back_is_checked(self):
+        ragged = [1.0, [2.0, 3.0]]
+        masked = np.ma.masked_array([1.0, 2.0], mask=[False, True])
+        wrong = (1j, [1.0, 2j], None, [1.0, None], "text", ["1.0", "2.0"], ragged, masked, np.array([1.0, None], object), {}, object(), [],
+                 np.array([1 + 0j, 1], object), np.array(["2020-01-01"] * 2, "datetime64[D]"), np.ma.masked)
+        for value in wrong:
+            for function in ("right-hand side", "Jacobian", "events[0]", "candidate_time of events[0]"):
+                if value is None and "candidate" in function:
+                    continue  # legal: no time
+                given = {"rhs": swing, "events": [Event(lambda t, y: y[0])]}
+                if "right" in function:
+                    given["rhs"] = lambda t, y: value
+                elif "Jac" in function:
+                    given.update(jacobian=lambda t, y: value, method="bdf")
+                else:
+                    given["events"] = [Event(lambda t, y: 1.0, candidate_time=lambda *ends: value) if "candidate" in function else Event(lambda t, y: value)]
+                with self.subTest(function, value=repr(value)):
+                    with self.assertRaises(rodwake.InputError) as raised:
+                        rodwake.integrate(y0=[1.0, 0.0], times=[1.0], **given)
+                    self.assertIn(f"{function} returned", str(raised.exception))
+        for event in (True, np.True_, [1.0, 2.0], [[1.0], [2.0]]):
+            with self.assertRaisesRegex(rodwake.InputError, r"events\[0\] returned"):
+                rodwake.integrate(swing, [1.0, 0.0], [1.0], events=[Event(lambda t, y: event)])
+        for shape, n in (((2, 2), 4), ((4,), 2)):
+            with self.assertRaisesRegex(rodwake.InputError, "the (right-hand side|Jacobian) returned an array"):
+                rodwake.integrate(lambda t, y: np.ones(shape if n == 4 else n), np.ones(n), [1.0], method="bdf", jacobian=lambda t, y: np.ones(shape))
+
+    def test_kinds_of_numbers_that_are_taken(self):
+        for value in ([1, 2], (1.0, np.float32(2)), np.array([[1], [2]]), np.array([Fraction(1), 2.0], object), np.array([1.0, 9.0, 2.0])[::2],
+                      np.ma.masked_array([1.0, 2.0]), [True, 2]):
+            found = rodwake.integrate(lambda t, y: value, [0.0, 0.0], [1.0])
+            np.testing.assert_allclose(found.final_y, [1.0, 2.0], rtol=1e-12)  # rounding: rates are constant
+        for value in (1, np.float64(1), np.array(1.0), np.array([1.0]), np.int8(1), Fraction(1)):
+            self.assertEqual(rodwake.integrate(swing, [1.0, 0.0], [1.0], events=[Event(lambda t, y: value)]).hits, [])
+
+    def test_arguments_of_the_wrong_kind(self):
+        function, event = (lambda t, y: y[0]), Event(lambda t, y: y[0])
+        kinds = ("text", None, 1j, [1.0, 2.0], object())
+        table = [({"y0": y0}, "y0 is") for y0 in ("ab", [1, None], [1j, 2], [[1, 2], [3]], np.ma.masked_array([1.0, 2.0], [0, 1]), np.ones((2, 2)))]
+        table += [({"times": times}, "times is") for times in ("1", None, [1j], [[1.0, 2.0], [3.0, 4.0]], ["a"], function)]
+        for name in ("start", "rtol", "atol", "max_step", "max_steps", "method", "rhs", "jacobian", "events"):
+            ok = {"method": "text", "events": [], "atol": None, "jacobian": None}.get(name, object)
+            table += [({name: kind}, f"{name} is") for kind in kinds if not (kind is ok or (name == "method" and kind == "text"))
+                      and not (name == "events" and kind in ("text", [1.0, 2.0]))]
+        table += [({"events": given}, word) for given, word in (
+            (function, "events is"), ([function], r"events\[0\] is .*function.*Event"), (event, "events is"), ([event, None], r"events\[1\] is"),
+            ("text", r"events\[0\] is"), ([Event(function, direction=-1)], r"events\[0\].direction is -1.*'rising'"),
+            ([Event(function, direction=None)], "direction is None"), ([Event(function, direction="up")], "'up'"), ([Event(3)], r"value is 3"),
+            ([Event(function, terminal="yes")], "terminal is"), ([Event(function, name=5)], "name is"), ([Event(function, candidate_time=1.0)], "candidate_time"))]
+        table += [({"max_steps": 1.5}, "max_steps"), ({"max_steps": 0}, "max_steps"), ({"max_steps": 2**70}, "max_steps"), ({"max_step": -1.0}, "max_step"),
+                  ({"start": math.nan}, "start"), ({"times": [math.nan]}, "time"), ({"atol": [1e-9, 1e-9]}, "atol is"), ({"rtol": True}, "rtol is")]
+        for given, word in table:
+            with self.subTest(given=repr(given)), self.assertRaisesRegex(rodwake.InputError, word):
+                rodwake.integrate(**{"rhs": swing, "y0": [1.0, 0.0], "times": [1.0], **given})
+        rods = rodwake.RodEquations(PAIR)
+        for call, word in ((lambda: rodwake.integrate(rods, [0.0, 1.0], [1.0]), "y0 has 2 numbers; expected 6"), (lambda: rods(0.0, None), "y is None"),
+                           (lambda: rods.jacobian(0.0, [1j] * 6), "y is")):
+            with self.assertRaisesRegex(rodwake.InputError, word):
+                call()
+
+    def test_other_callbacks_of_the_wrong_kind(self):
+        scene = rodwake.Scene.load(SCENES / "pair.toml")
+        folder = new_folder(self)
+        with self.assertRaisesRegex(rodwake.InputError, "progress is 5"):
+            scene.run(folder / "run", progress=5)
+        with self.assertRaisesRegex(rodwake.InputError, "executor is 'pool'"):
+            rodwake.scan(scene, {"coupling.kappa": [1.0]}, executor="pool")
+        with self.assertRaisesRegex(rodwake.InputError, "observer is None"):
+            rodwake.run_bed(scene, None)
+        self.assertFalse((folder / "run").exists())
+
+    def test_the_exception_of_the_user_whatever_it_is(self):
+        class Mine(BaseException):
+            pass
+
+        class Array:
+            def __array__(self, *dtype):
+                raise Mine("in __array__")
+
+        def raising(kind):
+            def function(*given):
+                raise kind("mine")
+            return function
+
+        for kind in (Mine, KeyboardInterrupt, SystemExit, StopIteration, rodwake.InputError, MemoryError):
+            for given in ({"rhs": raising(kind)}, {"rhs": swing, "jacobian": raising(kind), "method": "bdf"}, {"rhs": swing, "events": [Event(raising(kind))]},
+                          {"rhs": swing, "events": [Event(lambda t, y: y[0], candidate_time=raising(kind))]}):
+                with self.assertRaisesRegex(kind, "mine"):
+                    rodwake.integrate(y0=[1.0, 0.0], times=[1.0], **given)
+        with self.assertRaisesRegex(Mine, "in __array__"):
+            rodwake.integrate(lambda t, y: Array(), [1.0, 0.0], [1.0])
 
     def test_a_failure_is_a_value(self):
         found = rodwake.integrate(lambda t, y: y**2, [1.0], [2.0])  # 1/(1 - t)

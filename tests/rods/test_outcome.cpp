@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <limits>
 
 using namespace rodwake;
 using rodwake::Ending;
@@ -69,6 +70,58 @@ TEST_CASE("a contact that begins and ends inside one step is not missed") {
     INFO(result.solution.status.message());
     CHECK(result.outcome.ending == Ending::contact);
     CHECK(result.outcome.min_separation == Approx(contact).margin(1e-9)); // root polishing
+}
+
+TEST_CASE("contact of straight walkers that start far apart is found where the closed form has it") {
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    const double far = GENERATE(1e2, 1e4, 3e5, 1e6, 1e8, 1e10);
+    const double contact = GENERATE(0.1, 2.0);
+    const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * far; // of places, some steps long
+    rods::RodOptions options;
+    options.ode.method = method;
+    for (const double miss : {0.0, 0.5 * contact, 0.999 * contact, 1.001 * contact}) {
+        const bool meets = miss < contact;
+        if (std::abs(miss - contact) < 4.0 * rounding)
+            continue; // nobody can tell
+        // both come to the origin under a right angle, the second behind so that they miss by so much
+        const auto result = rods::simulate(
+            straight({{-far, 0, 0}, {0, -far - miss * std::sqrt(2.0), M_PI / 2}}, 3.0 * far, contact),
+            options);
+        CAPTURE(integrate::to_string(method), far, contact, miss, result.solution.status.message());
+        CHECK(result.outcome.ending == (meets ? Ending::contact : Ending::escape));
+        if (!meets)
+            continue;
+        // relative speed sqrt 2, closest at far + miss/sqrt 2
+        const double half_chord = std::sqrt((contact - miss) * (contact + miss)),
+                     time = far + (miss - half_chord) / std::sqrt(2.0);
+        const double steepness = contact / half_chord; // dt = dr/(dr/dt)
+        CHECK(std::abs(result.outcome.time - time) < 4.0 * steepness * rounding + 1e-9);
+    }
+}
+
+TEST_CASE("of several contacts in one step the first counts") {
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    rods::RodOptions options;
+    options.ode.method = method;
+    // rods 0 and 1 graze at t = 1000; 2 and 3 meet head on at t = 3000
+    const auto result = rods::simulate(
+        straight({{-1000, 0, 0}, {0, -1000 - 0.1, M_PI / 2}, {-3000, 5e4, 0}, {3000, 5e4, M_PI}}, 1e4, 0.1),
+        options);
+    CHECK(result.outcome.ending == Ending::contact);
+    CHECK(result.outcome.time == Approx(1000.0).margin(0.2)); // the chord of the graze
+}
+
+TEST_CASE("straight walkers in a box meet images that they reach inside a step") {
+    const auto method = GENERATE(integrate::Method::bdf, integrate::Method::adams, integrate::Method::erk);
+    rods::RodOptions options;
+    options.ode.method = method;
+    auto problem = straight({{0, 0, 0}, {5, 5, M_PI}}, 1e4, 0.1);
+    problem.rods[1].heading = M_PI + 0.01;
+    problem.box = 10.0;
+    // the way apart is (5 - 2 t, 5 - 0.01 t), nearly: lanes close in at t = 490, and images pass each 5
+    const auto result = rods::simulate(problem, options);
+    CHECK(result.outcome.ending == Ending::contact);
+    CHECK(result.outcome.time == Approx(492.48).margin(2e-3)); // the closed form, looked at each 1e-3
 }
 
 TEST_CASE("the smallest separation is that of the whole path, not of the output times") {

@@ -22,20 +22,31 @@ enum class Crossing { rising, falling, any };
 
 struct Step;
 
-/// A root to be found: the solver reports each time at which value(t, y) crosses or reaches zero in the given
-/// direction. An event that is zero at the start waits until it has left zero. The time reported is the later
-/// end of a bracket a few roundings wide, so the value has its new sign there and a solve from there does not
-/// find the same root again. Between the ends of a step the value is compared at every root of another event
-/// and at every suspect time.
+/// A root to be found: the solver reports each time at which value(t, y) leaves its sign in the given
+/// direction: it crosses zero, or reaches it, as at the first zero of a plateau. An event that is zero at the
+/// start waits until it has left zero, and nothing crosses from zero. The time reported is the later end of a
+/// bracket a few roundings wide: the value has its new sign there. Starting there again, an event with
+/// Crossing::any does not return to its root: within a thousand roundings of the start it does not fire.
+///
+/// Found are, on the solution as the method of order q interpolates it, all roots of an event that
+/// - is a polynomial of t of degree q or less in the step (5 or less for erk), such as a component of y;
+/// - or has its roots at least a third of a step apart, however rough it is.
+/// Other smooth events are sampled until a polynomial predicts them: a dip is found if a step, halved where
+/// the event varies, shows it. A pulse between samples that are flat is not: give max_step, an output time or
+/// candidate_time there. A touch of zero without change of sign may or may not be found. Where an event
+/// varies much faster than the state, steps are shortened; noise that no 65536th of a step resolves fails the
+/// solve.
 struct Event {
     std::string name;
     std::function<double(double t, State y)> value;
     Crossing crossing = Crossing::any;
     bool terminal = false; ///< stop there; the final time and state are those of the root
-    /// A crossing and its way back can both lie inside one step, with no change of sign to see. If given,
-    /// this names a time inside the step at which the value may have changed sign; the solver looks there
-    /// too. Called once a step.
-    std::function<std::optional<double>(const Step&)> suspect = nullptr;
+    /// If given, this names a time inside the step at which the value may have changed sign; the solver looks
+    /// there too. Called once a step.
+    std::function<std::optional<double>(const Step&)> candidate_time = nullptr;
+    /// False: roots hide inside a step at candidate_time alone, or where other events have theirs. Saves the
+    /// samples: q of each event in each step, and with erk a step more.
+    bool sampled = true;
 };
 
 /// y' = rhs(t, y), y(start_time) = initial_state. Functions may throw: the solve then fails with the
@@ -152,11 +163,11 @@ struct Solution {
 };
 
 /// Integrates to the last of output_times (at least one, increasing, >= start_time). The steps, and so the
-/// final state, do not depend on the output times before the last. Never throws for a failure of the solve:
-/// see Solution::status. Throws InputError for a malformed problem (sizes, tolerances, times, non-finite
-/// initial state). Global accuracy: each step's local errors are held to the
-/// tolerance of OdeProblem::relative_cap; on the reference trajectories the result's error was at most 83
-/// times rtol for each method (docs/validation.md), and where trajectories diverge it grows as they do.
+/// final state, do not depend on the output times before the last; sampled events are looked at there too.
+/// Never throws for a failure of the solve: see Solution::status. Throws InputError for a malformed problem
+/// (sizes, tolerances, times, non-finite initial state). Global accuracy: each step's local errors are held
+/// to the tolerance of OdeProblem::relative_cap; on the reference trajectories the result's error was at most
+/// 83 times rtol for each method (docs/validation.md), and where trajectories diverge it grows as they do.
 /// Thread-safe: each call owns its SUNContext.
 Solution solve(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times);
 

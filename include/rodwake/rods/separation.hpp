@@ -52,6 +52,9 @@ struct Approach {
 std::optional<Approach> closest_approach(const integrate::Step& step, Box box = {},
                                          double below = std::numeric_limits<double>::infinity());
 
+/// Of all closest approaches inside a step of less than `below` the time of the first.
+std::optional<double> first_approach_time(const integrate::Step& step, Box box, double below);
+
 /// For a pair that is farther apart than `distance` before the step and not after it: when it comes that
 /// close.
 double fall_time(const integrate::Step& step, std::size_t a, std::size_t b, double distance);

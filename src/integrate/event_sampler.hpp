@@ -1,0 +1,73 @@
+#pragma once
+// Where inside a step the roots of events may hide that its ends do not show.
+//
+// A part of the step is sampled at Chebyshev points, more than the order of the method. The polynomial
+// through the samples is believed if its last coefficients are small; else the part is halved. Of the
+// polynomial each change of sign is told, and each minimum near zero that turns out to reach it.
+
+#include "stepper.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace rodwake::integrate {
+
+class EventSampler {
+public:
+    explicit EventSampler(ProblemCalls& calls);
+
+    bool needed() const { return !sampled_.empty(); }
+
+    /// Calls look(t) in order of time at all `times` and at times that separate the roots, until it returns
+    /// true, which it returns; all are inside the last step. `before` and `after`: the values of all events
+    /// at its ends. Asks the stepper for shorter steps where events vary much faster. Throws StepFailure.
+    using Look = std::function<bool(double)>;
+    bool search(Stepper& stepper, const std::vector<double>& before, const std::vector<double>& after,
+                std::vector<double> times, const Look& look);
+
+private:
+    /// The samples of one event in one part of the step, and the polynomial through them.
+    struct Samples {
+        std::vector<double> values, coefficients;
+    };
+    struct Part {
+        double from, to;
+        int depth;
+    };
+
+    void take_order(int order);
+    double time_of(const Part& part, std::size_t fine) const;
+    double value_at(std::size_t event, double t);
+    std::vector<Samples> sample(const Part& part);
+    Samples sample(std::size_t event, const Part& part);
+    std::vector<double> coefficients(const std::vector<double>& values) const;
+    bool is_settled(std::size_t k, const Samples& samples, const Part& part);
+    double rounding(std::size_t k, const Samples& samples, const Part& part);
+    bool search(const Part& part);
+    void count_rough(const Part& part, std::size_t rough);
+    bool tell(const Part& part, const std::vector<Samples>& all, bool settled);
+    std::vector<double> on_fine_points(const Samples& samples) const;
+    void add_times(std::size_t event, const Part& part, const Samples& samples, bool settled,
+                   std::vector<double>& times);
+    double slope(const Samples& samples, std::size_t i) const;
+    bool is_monotone(const Samples& samples, const std::vector<double>& p, std::size_t i) const;
+    void add_dip(std::size_t event, int sign, const Part& gap, std::vector<double>& times);
+
+    ProblemCalls& calls_;
+    std::vector<std::size_t> sampled_; ///< the events
+    std::vector<double> largest_;      ///< |value| of each so far
+    std::size_t panels_ = 0;           ///< one less than the samples of a part
+    double gap_ = 0.0;                 ///< angle from a fine point to the next, pi/(4 panels)
+    std::vector<double> cosines_;      ///< of its multiples, one turn
+    std::vector<double> state_;        ///< scratch
+
+    // of the search under way
+    Stepper* stepper_ = nullptr;
+    const Look* look_ = nullptr;
+    std::vector<double> first_, last_; ///< the values where the next part begins, and at the end of the step
+    std::vector<double> times_;        ///< those still to be looked at, the next one last
+    long parts_ = 0, rough_parts_ = 0; ///< rough: less those that were not
+    long closer_looks_ = 0;            ///< left for this part
+};
+
+} // namespace rodwake::integrate
