@@ -59,6 +59,10 @@ struct FileEntry {
 /// The files in a run folder that rodwake made, in the order of their names.
 std::vector<FileEntry> files_of_run(const std::filesystem::path& folder);
 
+/// What manifest.json of a run folder is to say now: {"files": {name: {what, stage, columns: [{name, unit,
+/// meaning}]}}} of the files that are there, names with their folder.
+std::string manifest_json(const std::filesystem::path& folder);
+
 /// Brings manifest.json of a run folder up to date: every file in it, what it is, and its columns with units.
 void write_manifest(const std::filesystem::path& folder);
 
