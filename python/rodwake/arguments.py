@@ -61,14 +61,15 @@ def array(name: str, value: Any, shape: str = "") -> NDArray[np.float64]:
     """Numbers as an array of floats; NaN where a masked array is masked. `shape` tells in words what is expected."""
     wanted = f"{name}: expected {shape or 'numbers'}"
     try:
-        given = value.astype(float).filled(np.nan) if isinstance(value, np.ma.MaskedArray) else np.asarray(value)
+        given = np.asarray(value)
     except ValueError as error:
         raise InputError(f"{wanted}, not {shown(value)}: {error}") from error
     if given.dtype.kind == "O" and all(isinstance(one, numbers.Real) and not isinstance(one, bool) for one in given.flat):
         given = np.array([number(name, one) for one in given.flat]).reshape(given.shape)  # fractions, whole numbers beyond 64 bits
     if given.dtype.kind not in "iuf":
         raise InputError(f"{wanted}, not {given.dtype.name} ({shown(value)})" if given.dtype.kind != "O" else f"{wanted}, not {shown(value)}")
-    return given.astype(float, copy=False)
+    floats: NDArray[np.float64] = given.astype(float, copy=False)
+    return np.where(value.mask, np.nan, floats) if isinstance(value, np.ma.MaskedArray) else floats
 
 
 def poses(name: str, value: Any) -> NDArray[np.float64]:

@@ -5,16 +5,18 @@ from __future__ import annotations
 from typing import Any, Callable, Optional, Union
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core, arguments
 from ._core import Medium, RodEquations, RodResult
 from .errors import InputError
 
+Floats = NDArray[np.float64]
+Motion = tuple[Floats, Optional[Medium], float, float, float, float, Optional[Floats], Optional[float]]
 MOST_STEPS = 10**12
 
 
-def motion(poses: Any, medium: Any, kappa: Any, gamma1: Any, gamma2: Any, t_end: Any, output_times: Any, contact_distance: Any) -> tuple[Any, ...]:
+def motion(poses: Any, medium: Any, kappa: Any, gamma1: Any, gamma2: Any, t_end: Any, output_times: Any, contact_distance: Any) -> Motion:
     """The arguments that simulate and simulate_noise have in common, checked."""
     if medium is not None:
         arguments.kind("medium", medium, Medium, "a rodwake.Medium or None")
@@ -51,7 +53,7 @@ def simulate(poses: ArrayLike, medium: Optional[Medium] = None, *, kappa: float 
 
 
 def classify(t: ArrayLike, poses: ArrayLike, medium: Optional[Medium] = None, *, contact_distance: Optional[float] = None,
-             law: Union[RodEquations, Callable[[float, Any], ArrayLike], None] = None) -> RodResult:
+             law: Union[RodEquations, Callable[[float, Floats], ArrayLike], None] = None) -> RodResult:
     """How rods ended that moved like this, by the criteria of simulate and the program: for rods with a turning law of their own.
 
     t                 (T,), f/(mu v0), rising; of rows at one time the first counts
@@ -81,7 +83,7 @@ def classify(t: ArrayLike, poses: ArrayLike, medium: Optional[Medium] = None, *,
         for axis, side in enumerate(sides if isinstance(sides, tuple) else (sides, sides)):
             rows[..., axis] = np.unwrap(rows[..., axis], axis=0, period=side)
     if law is None:
-        turning = np.gradient(rows[..., 2], times, axis=0, edge_order=min(2, len(times) - 1))
+        turning = np.gradient(rows[..., 2], times, axis=0, edge_order=2 if len(times) > 2 else 1)
     else:
         arguments.function("law", law)
         turning = np.array([arguments.array("law", law(time, row.ravel())).reshape(-1, 3)[:, 2] for time, row in zip(times.tolist(), rows)])

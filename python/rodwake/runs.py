@@ -242,11 +242,12 @@ def _manifest(folder: Path) -> dict[str, Any]:
 
 
 def _below(manifest: dict[str, Any], part: str) -> dict[str, Any]:
-    """Of the files in a part of the run, by their names there."""
+    """Of the files in a part of the run, by their names there: runs/0001, variants/soft, points/0003/runs/0012."""
     if part == ".":
         return manifest
+    is_part = part.count("/") % 2 == 1
     kept = {name.removeprefix(f"{part}/"): entry for name, entry in manifest["files"].items() if name.startswith(f"{part}/")}
-    return {**manifest, "files": {} if part.startswith("figures") else kept}
+    return {**manifest, "files": kept if is_part else {}}
 
 
 def _json(path: Path) -> Any:

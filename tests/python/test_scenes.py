@@ -222,7 +222,7 @@ class OpenTest(unittest.TestCase):
             self.assertEqual(one.trajectory().position.shape, (3, beads, 3))
             self.assertEqual(one.trajectory(run=0).position.shape, (3, beads, 3))
             self.assertIn("summary.json", one.files)
-            self.assertEqual(one.units("timeseries.csv"), whole.units(f"{part}/timeseries.csv"))
+            self.assertEqual(one.units("table.csv"), whole.units(f"{part}/table.csv"))
             self.assertEqual(one.json("summary.json")["beads"], beads)
         self.assertEqual(len(rodwake.open_run(whole.folder / "variants/thin").trajectory()), 2)
         self.assertRegex(repr(whole), r"finished: 2 runs \(members\), ")

@@ -19,7 +19,7 @@ medium = rodwake.Medium(eta=1.0, alpha=2.0)
 strain: "np.ndarray[object, np.dtype[np.float64]]" = rodwake.strain([1.0], 2.0, medium)
 outcome: str = rodwake.simulate([[0, 0, 0]], medium, t_end=1.0).outcome
 turned: "np.ndarray[object, np.dtype[np.float64]]" = rodwake.wakes([[0, 0, 0]], medium).strain_gradient
-again: rodwake.RodResult = rodwake.classify([0.0, 1.0], [[0, 0, 0], [1, 0, 0]], medium, law=lambda t, y: y)
+again: rodwake.RodResult = rodwake.classify([0.0, 1.0], [[0, 0, 0], [1, 0, 0]], medium, law=lambda t, y: np.ones(3))
 frames: rodwake.Trajectory = rodwake.open_run("out").trajectory(run=0)
 scene: rodwake.Scene = rodwake.Scene.load("pair.toml").set("coupling.kappa", 3.0)
 run: rodwake.Run = scene.run("out", progress=lambda what, value, end, unit: print(what, value / end))
