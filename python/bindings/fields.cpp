@@ -224,7 +224,8 @@ std::size_t evaluate_attended(const Request& r) {
 void warn(const char* name, std::size_t singular, std::size_t points) {
     if (singular > 0 &&
         PyErr_WarnFormat(PyExc_RuntimeWarning, 3,
-                         "%s: NaN at %zu of %zu points, which are at a rod: its field is singular there",
+                         "%s: NaN at %zu of %zu points, which are at a rod, where its field is singular, or "
+                         "farther from it than 1e300 xi",
                          name, singular, points) != 0)
         throw py::error_already_set();
 }

@@ -81,13 +81,14 @@ struct RodEquations {
     }
 };
 
-RodEquations equations(const py::object& poses, const Medium* medium, const py::object& kappa,
+RodEquations equations(const py::object& poses, const py::object& medium, const py::object& kappa,
                        const py::object& gamma1, const py::object& gamma2) {
     const auto number = [](const char* name, const py::object& given) {
         return argument("number", name, given).cast<double>();
     };
     rods::RodProblem problem =
-        problem_of(argument("poses", "poses", poses).cast<Array>(), medium,
+        problem_of(argument("poses", "poses", poses).cast<Array>(),
+                   argument("medium", "medium", medium).cast<const Medium*>(),
                    {number("kappa", kappa), number("gamma1", gamma1), number("gamma2", gamma2)});
     problem.t_end = 1.0; // means nothing to the equations
     return {rods::to_ode(problem)};

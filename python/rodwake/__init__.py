@@ -1,4 +1,4 @@
-"""rodwake: motile rods in an elastic medium.
+"""Motile rods in an elastic medium.
 
 Reduced units throughout, as in scenes: lengths in f/mu, times in f/(mu v0), angles in radians. Exceptions are `Error` and its
 subclasses; long work ends cleanly at Ctrl-C.

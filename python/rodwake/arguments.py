@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 import operator
+import os
 from typing import Any, Optional, Union
 
 import numpy as np
@@ -26,9 +27,9 @@ def number(name: str, value: Any, *, above: float = -math.inf, least: float = -m
     given = math.nan
     if type(value) is float:
         given = value
-    elif not isinstance(value, (bool, np.bool_, str, bytes)) and not np.iscomplexobj(value):
+    elif not isinstance(value, (bool, np.bool_, str, bytes)):
         try:
-            given = float(value)
+            given = math.nan if np.iscomplexobj(value) else float(value)
         except (TypeError, ValueError, OverflowError):
             pass
     if math.isfinite(given) and given > above and least <= given <= most:
@@ -85,6 +86,17 @@ def kind(name: str, value: Any, kinds: Union[type, tuple[type, ...]], wanted: st
     if not isinstance(value, kinds):
         raise TypeError(f"{name}: expected {wanted}, not {type(value).__name__} ({shown(value)})")
     return value
+
+
+def medium(name: str, value: Any) -> Any:
+    """A Medium, or None."""
+    from ._core import Medium
+    return None if value is None else kind(name, value, Medium, "a rodwake.Medium or None")
+
+
+def path(name: str, value: Any, what: str = "the name of a folder") -> str:
+    given: str = os.fspath(kind(name, value, (str, os.PathLike), what))
+    return given
 
 
 def function(name: str, value: Any) -> Any:

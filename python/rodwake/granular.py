@@ -12,6 +12,7 @@ from .errors import InputError
 from .scenes import Scene
 
 Floats = NDArray[np.float64]
+LONGEST = 1e9  # s, beyond any bed
 
 
 class Bed:
@@ -34,7 +35,7 @@ class Bed:
         if steps is not None and time is not None:
             raise InputError("steps and time: give one of them")
         if time is not None:
-            steps = round(arguments.number("time", time, above=0, most=1e9) / self.time_step)
+            steps = round(arguments.number("time", time, above=0, most=LONGEST) / self.time_step)
         if steps is None:
             steps = self._core.frame_every - self.step % self._core.frame_every if self.step >= 0 else -self.step
         if isinstance(steps, int) and steps < 1:
@@ -123,7 +124,7 @@ def run_bed(scene: Scene, observer: Callable[[Bed], object], *, every: Optional[
     """Runs a bed to the end of its scene and calls the observer at t = 0 and after each `every` seconds (None: the scene's interval of
     frames). An observer that returns True ends the run there. The bed as it is at the end."""
     arguments.function("observer", observer)
-    arguments.maybe("every", every, above=0)
+    arguments.maybe("every", every, above=0, most=LONGEST)
     bed = Bed(scene, run=run, threads=threads)
     if bed.step < 0:
         bed.advance(steps=-bed.step)

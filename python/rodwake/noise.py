@@ -20,7 +20,8 @@ class NoiseResult:
     """How the runs of an ensemble ended, and how rods turned and spread in them: R runs, N rods, T times. Lengths in f/mu, times in
     f/(mu v0), angles in rad."""
 
-    def __init__(self, core: Any) -> None:
+    def __init__(self, core: Any, contact_distance: Optional[float]) -> None:
+        self.contact_distance = contact_distance  # f/mu; None: contact is not told
         self.outcomes: NDArray[np.str_] = np.array(core.outcomes())  # (R,): 'contact', 'pursuit', 'escape', 'undecided' or 'failed'
         self.times: Floats = core.times()  # (R,): of contact, else the time reached
         self.min_separations: Floats = core.min_separations()  # (R,); infinite for a single rod
@@ -44,6 +45,8 @@ class NoiseResult:
         if self.capture_probability is not None and self.capture_interval is not None:
             low, high = self.capture_interval
             told = f", capture probability {self.capture_probability:.3g} ({low:.3g} to {high:.3g})"
+        if self.contact_distance is None and (self.pairs >= 0).any():
+            told += "; no contact_distance: rods that meet run into the singularity of their fields"
         return f"<NoiseResult: {len(self.outcomes)} runs{told}>"
 
 
@@ -72,4 +75,4 @@ def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotatio
         *given, arguments.number("rotational_diffusion", rotational_diffusion, least=0), arguments.number("translational_diffusion",
         translational_diffusion, least=0), arguments.whole("runs", runs, 1, MOST_RUNS), error, arguments.whole("most_runs", most_runs, 1, MOST_RUNS),
         arguments.maybe("time_step", time_step, above=0), arguments.whole("seed", seed, 0), arguments.threads(threads),
-        arguments.whole("max_steps", max_steps, 1, MOST_STEPS)))
+        arguments.whole("max_steps", max_steps, 1, MOST_STEPS)), given[-1])

@@ -18,13 +18,11 @@ MOST_STEPS = 10**12
 
 def motion(poses: Any, medium: Any, kappa: Any, gamma1: Any, gamma2: Any, t_end: Any, output_times: Any, contact_distance: Any) -> Motion:
     """The arguments that simulate and simulate_noise have in common, checked."""
-    if medium is not None:
-        arguments.kind("medium", medium, Medium, "a rodwake.Medium or None")
     times = None if output_times is None else arguments.array("output_times", output_times, "a list of times within [0, t_end]")
     if times is not None and times.ndim != 1:
         raise InputError(f"output_times: expected a list of times within [0, t_end]; got an array of shape {times.shape}")
-    return (arguments.poses("poses", poses), medium, arguments.number("kappa", kappa), arguments.number("gamma1", gamma1),
-            arguments.number("gamma2", gamma2), arguments.number("t_end", t_end, above=0), times,
+    couplings = [arguments.number(name, value, least=-1e12, most=1e12) for name, value in (("kappa", kappa), ("gamma1", gamma1), ("gamma2", gamma2))]
+    return (arguments.poses("poses", poses), arguments.medium("medium", medium), couplings[0], couplings[1], couplings[2], arguments.number("t_end", t_end, above=0), times,
             arguments.maybe("contact_distance", contact_distance, above=0))
 
 
@@ -74,8 +72,7 @@ def classify(t: ArrayLike, poses: ArrayLike, medium: Optional[Medium] = None, *,
     times, rows = times[new], rows[new].reshape(int(new.sum()), -1, 3)
     if len(times) < 2 or rows.shape[1] < 1 or not (np.isfinite(times).all() and np.isfinite(rows).all() and (np.diff(times) > 0).all()):
         raise InputError("t and poses: expected two rows and more of one rod and more, of finite numbers at times that rise")
-    if medium is not None:
-        arguments.kind("medium", medium, Medium, "a rodwake.Medium or None")
+    arguments.medium("medium", medium)
     rows = rows.copy()
     rows[..., 2] = np.unwrap(rows[..., 2], axis=0)
     sides = medium.periodic if medium is not None else None

@@ -66,7 +66,7 @@ class Run:
     killed, has what was written so far; a part of a run (runs/0001 of an ensemble, points/0003 of a scan) has the files of that part."""
 
     def __init__(self, folder: Union[str, "os.PathLike[str]"]) -> None:
-        self.folder = Path(folder)
+        self.folder = Path(arguments.path("folder", folder))
         self._whole = _run_around(self.folder)
         self.manifest = _below(_manifest(self._whole), self.folder.resolve().relative_to(self._whole).as_posix())
         if self.folder.resolve() != self._whole and not self.files:
@@ -115,6 +115,7 @@ class Run:
 
     def dataset(self, name: str, file: str = "result.h5") -> Quantity:
         """One of `datasets`: dataset("field/grid/Ux")."""
+        arguments.kind("name", name, str, "the name of a dataset")
         with self._open(file) as h5:
             if name not in h5:
                 raise InputError(f"{self.folder / file}: holds no {name!r}; Run.datasets lists what it holds")
@@ -138,6 +139,7 @@ class Run:
 
     def rods(self, name: str = "scene") -> RodPath:
         """Rods of the theory: of the scene as written, or of one of its variants."""
+        arguments.kind("name", name, str, "'scene' or the name of a variant")
         with self._open("result.h5") as h5:
             if f"rods/{name}" not in h5:
                 raise InputError(f"{self.folder}: holds no rods of {name!r}, but of {list(h5.get('rods', ()))}")
@@ -192,6 +194,7 @@ class Run:
         return part
 
     def _file(self, name: str) -> Path:
+        arguments.kind("name", name, str, "the name of a file of the run")
         path = self.folder / name
         if not path.is_file() and name in ("scene.toml", "provenance.json"):  # a part has them of the whole
             path = self._whole / name

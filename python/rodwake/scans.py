@@ -42,7 +42,7 @@ def scan(scene: Scene, axes: Optional[Mapping[str, Any]] = None, *, executor: An
         raise TypeError(f"executor: expected one of concurrent.futures or a Dask client, not {type(executor).__name__}")
     arguments.whole("chunk", chunk, 0)
     with tempfile.TemporaryDirectory(prefix="rodwake-") as unkept:
-        place = Path(folder if folder is not None else unkept).resolve()
+        place = Path(unkept if folder is None else arguments.path("folder", folder)).resolve()
         execute = None if executor is None else _distributor(scene, place, executor, chunk)
         return scene._run(place, ["scan"], threads, None, force, progress, execute).table("scan.csv")
 

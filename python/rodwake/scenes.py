@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import logging
 import os
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Callable, Iterable, Mapping, Optional, Union
+from typing import Any, Callable, Optional, Union
 
 from . import _core, arguments
-from .errors import RunError
+from .errors import InputError, RunError
 from .runs import Run, open_run
 from .toml import toml
 
@@ -29,7 +30,7 @@ class Scene:
     @classmethod
     def load(cls, path: Folder) -> Scene:
         """The scene in a TOML file."""
-        return cls(None, os.fspath(arguments.kind("path", path, (str, os.PathLike), "the name of a TOML file")))
+        return cls(None, arguments.path("path", path, "the name of a TOML file"))
 
     @classmethod
     def parse(cls, text: str, name: str = "scene") -> Scene:
@@ -37,7 +38,7 @@ class Scene:
         return cls(arguments.kind("text", text, str, "the text of a scene"), arguments.kind("name", name, str, "a text"))
 
     def _read(self, changes: tuple[tuple[str, Any], ...]) -> Any:
-        settings = [f"{key}={toml(value)}" for key, value in changes]
+        settings = [f"{key}={toml(value, key)}" for key, value in changes]
         return _core.read_scene(self._name, settings) if self._text is None else _core.parse_scene(self._text, self._name, settings)
 
     def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
@@ -78,7 +79,7 @@ class Scene:
     def check(self, folder: Folder = ".", *, cost: bool = False) -> str:
         """What will be modelled, what will not and why; with `cost` also how long it will take, which is measured for about half a
         second. Raises InputError for what cannot be modelled. Data files are also looked for in `folder`."""
-        return _core.check(self._core, Path(folder), 0, bool(cost))
+        return _core.check(self._core, arguments.path("folder", folder), 0, bool(cost))
 
     def run(self, folder: Folder, *, stages: Union[str, Iterable[str], None] = None, threads: int = 0, seed: Optional[int] = None,
             force: bool = False, progress: Optional[Progress] = None) -> Run:
@@ -93,15 +94,17 @@ class Scene:
         Messages go to the logger 'rodwake' of the module logging. Ctrl-C ends the run at its next step and raises
         KeyboardInterrupt; what was computed is kept, and the same call goes on from there. Raises RunError if a stage failed.
         """
-        names = [stages] if isinstance(stages, str) else None if stages is None else list(stages)
-        for name in names or ():
-            arguments.kind("stages", name, str, "names of stages")
+        names = [stages] if isinstance(stages, str) else None
+        if stages is not None and names is None:
+            names = [arguments.kind("stages", name, str, "names of stages") for name in arguments.kind("stages", stages, Iterable, "names of stages")]
+            if not names:
+                raise InputError(f"stages = {stages!r}: give one at least; the scene has {', '.join(self.stages)}")
         return self._run(folder, names, threads, None if seed is None else arguments.whole("seed", seed, 0), force, progress)
 
     def _run(self, folder: Folder, stages: Optional[list[str]], threads: int, seed: Optional[int], force: bool,
              progress: Optional[Progress], execute: Optional[Callable[..., None]] = None) -> Run:
         """`execute` evaluates the points of a scan: see scans.py."""
-        folder, threads = Path(folder), arguments.threads(threads)
+        folder, threads = Path(arguments.path("folder", folder)), arguments.threads(threads)
         if progress is not None:
             arguments.function("progress", progress)
         command = self._command(folder, stages=stages, seed=seed)

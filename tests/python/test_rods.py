@@ -108,6 +108,9 @@ class SimulateTest(unittest.TestCase):
                 rodwake.simulate(**{**good, **change})
         with self.assertRaisesRegex(rodwake.InputError, "kappa = 'big'"):
             rodwake.RodEquations(SIDE_BY_SIDE, rodwake.Medium(), kappa="big")
+        with self.assertRaisesRegex(TypeError, "medium: expected a rodwake.Medium or None, not str"):
+            rodwake.RodEquations(SIDE_BY_SIDE, "water")
+        self.assertEqual(repr(rodwake.RodEquations(SIDE_BY_SIDE)), "<RodEquations: 2 rods>")
 
 
 class ClassifyTest(unittest.TestCase):
