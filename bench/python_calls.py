@@ -51,7 +51,7 @@ def strain(rodwake, plain, options):
 def pair(rodwake, plain, options):
     medium, runs = rodwake.Medium(), 5  # short turns, of which some find the machine quiet
     took = least(40 * options.repetitions, plain=lambda: plain.pair(ctypes.c_long(runs)),
-                 python=lambda: seconds(lambda: rodwake.simulate(POSES, medium, kappa=0.5, t_end=60.0, contact_distance=0.1), runs))
+                 python=lambda: seconds(lambda: rodwake.simulate(POSES, medium, kappa=0.5, t_end=60.0, contact_distance=0.1, output_times=[]), runs))
     print(f"| a pair to contact, us | {1e6 * took['plain']:.1f} | {1e6 * took['python']:.1f} | {1e6 * (took['python'] - took['plain']):+.1f} us | |")
 
 
@@ -98,7 +98,7 @@ def leaks(rodwake, options):
     run = rodwake.simulate(POSES, medium, kappa=0.5, t_end=4.0, output_times=np.arange(5.0))
     track = rodwake.Track(run.t, run.poses, 1.0, 1.0)
     kinds = {"strain of 1000 points": (1, lambda: rodwake.strain(x, y, medium)), "simulate": (1, lambda: rodwake.simulate(
-        POSES, medium, kappa=0.5, t_end=2.0).poses), "integrate with a function and an event": (10, lambda: rodwake.integrate(
+        POSES, medium, kappa=0.5, t_end=2.0, output_times=[]).poses), "integrate with a function and an event": (10, lambda: rodwake.integrate(
             lambda t, y: -y, [1.0], [1.0], events=[rodwake.Event(lambda t, y: y[0] - 0.5)])), "Medium refused": (1, bad),
              "Scene.load and set": (10, lambda: scene.copy().set("granular.seed", 3)), "Bed, 10 steps": (10, lambda: rodwake.Bed(scene).advance(steps=10)),
              "fit_rods": (100, lambda: rodwake.fit_rods([track], ["kappa"], fixed={"eta": 1.0, "alpha": 1.0}, start={"kappa": 0.4}))}

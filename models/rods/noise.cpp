@@ -5,6 +5,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/integrate/additive_noise.hpp"
 #include "rodwake/rods/conclude.hpp"
+#include "within_step.hpp"
 
 #include <fmt/format.h>
 
@@ -161,12 +162,7 @@ bool Walk::stop(double time, Termination how) {
 bool Walk::stop_in(const integrate::Step& step, double share, const Separation& contact) {
     for (std::size_t i = 0; i < y_.size(); ++i)
         y_[i] = before_[i] + share * (y_[i] - before_[i]);
-    const Offset d = offset(y_, contact.first, contact.second, problem_.box);
-    const double r = std::hypot(d.x, d.y), move = r > 0.0 ? 0.5 * (contact.distance / r - 1.0) : 0.0;
-    y_[3 * contact.first] += move * d.x;
-    y_[3 * contact.first + 1] += move * d.y;
-    y_[3 * contact.second] -= move * d.x;
-    y_[3 * contact.second + 1] -= move * d.y;
+    put_apart(y_, contact, problem_.box);
     const double time = step.time_before + share * (step.time - step.time_before);
     add({step.time_before, time, before_, y_});
     return stop(time, Termination::stopped_at_event);

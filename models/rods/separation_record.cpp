@@ -1,5 +1,7 @@
 #include "rodwake/rods/separation_record.hpp"
 
+#include "within_step.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,17 +29,6 @@ void add_late(SeparationRecord& record, integrate::State y, integrate::State ydo
             range = {std::min(range.min_separation, r), std::max(range.max_separation, r),
                      std::max({range.max_turning, std::abs(ydot[3 * a + 2]), std::abs(ydot[3 * b + 2])})};
         }
-}
-
-/// The state at a time inside a step, on the cubic through its ends and their rates.
-std::vector<double> state_at(double time, const integrate::Step& step, integrate::State rate_before,
-                             integrate::State rate) {
-    const double h = step.time - step.time_before, u = (time - step.time_before) / h, v = 1.0 - u;
-    std::vector<double> y(step.state.size());
-    for (std::size_t i = 0; i < y.size(); ++i)
-        y[i] = v * v * ((1.0 + 2.0 * u) * step.state_before[i] + u * h * rate_before[i]) +
-               u * u * ((1.0 + 2.0 * v) * step.state[i] - v * h * rate[i]);
-    return y;
 }
 
 void add_late_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace rodwake::python {
@@ -29,6 +30,13 @@ inline Array array_of(std::vector<double>&& values, std::vector<py::ssize_t> sha
     const double* data = owned->data();
     const py::capsule owner(owned.release(), [](void* v) { delete static_cast<std::vector<double>*>(v); });
     return Array(std::move(shape), data, owner);
+}
+
+/// What a function of rodwake/arguments.py makes of an argument. Throws InputError that names it.
+template<class... Limits>
+py::object argument(const char* function, const char* name, const py::object& given, Limits&&... limits) {
+    return py::module_::import("rodwake.arguments")
+        .attr(function)(name, given, std::forward<Limits>(limits)...);
 }
 
 } // namespace rodwake::python

@@ -1,19 +1,23 @@
 // Fields of rods at many points. Points go block by block through the batched kernels into the rows of the
-// result, a block a task, so that what a thread works on stays in its cache.
+// result, a block a task, so that what a thread works on stays in its cache. Where there is no field, at a
+// rod or at a place that is no number, a row is NaN.
 
 #include "arrays.hpp"
 #include "bind.hpp"
 #include "medium.hpp"
+#include "rod_problem.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/elastic/wake_field.hpp"
 #include "rodwake/elastic/wake_kernel.hpp"
+#include "rodwake/rods/conclude.hpp"
 #include "signals.hpp"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 namespace rodwake::python {
 
@@ -129,35 +133,104 @@ private:
     std::vector<std::shared_ptr<const elastic::Wake>> wakes_;
 };
 
-void evaluate(const Request& r, const std::atomic<bool>& stopped) {
-    const bool batched = !r.medium.box && (r.quantity == Quantity::strain || request_of(r.quantity).polar);
-    const std::optional<PointSum> one_by_one =
-        batched ? std::nullopt : std::optional<PointSum>(std::in_place, r);
-    const elastic::WakeKernel kernel(r.medium.elastic);
+/// The ways to evaluate a request.
+class Evaluation {
+public:
+    explicit Evaluation(const Request& r)
+        : r_(r), batched_(!r.medium.box && (r.quantity == Quantity::strain || request_of(r.quantity).polar)),
+          kernel_(r.medium.elastic) {
+        if (!batched_)
+            one_by_one_.emplace(r);
+    }
+
+    /// Returns at how many finite points there is no field.
+    std::size_t add(std::size_t from, std::size_t to) const {
+        if (batched_)
+            try {
+                add_batch(r_, kernel_, from, to);
+                return 0;
+            } catch (const InputError&) { // of some point: the others are evaluated without it
+            }
+        std::size_t singular = 0;
+        for (std::size_t i = from; i < to; ++i)
+            if (!add_point(i)) {
+                std::fill_n(r_.out.begin() + static_cast<std::ptrdiff_t>(i * r_.width()), r_.width(), nan);
+                singular += finite(i);
+            }
+        return singular;
+    }
+
+private:
+    static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+    bool finite(std::size_t i) const { return std::isfinite(r_.x[i]) && std::isfinite(r_.y[i]); }
+
+    /// Images of a rod are found to rounding: their places are worked out.
+    bool at_image(std::size_t i) const {
+        const std::optional<PeriodicBox>& box = r_.medium.box;
+        return box && std::ranges::any_of(r_.rods, [&](const Source& rod) {
+                   const double x = r_.x[i] - rod.x, y = r_.y[i] - rod.y;
+                   return (std::abs(x) > 0.5 * box->x || std::abs(y) > 0.5 * box->y) &&
+                          elastic::is_singular(x, y, box);
+               });
+    }
+
+    bool add_point(std::size_t i) const {
+        if (!finite(i) || at_image(i))
+            return false;
+        try {
+            if (batched_)
+                add_batch(r_, kernel_, i, i + 1);
+            else
+                one_by_one_->add(i, i + 1);
+            return true;
+        } catch (const InputError&) { // the point is at a rod, or too far for numbers
+            return false;
+        }
+    }
+
+    const Request& r_;
+    bool batched_;
+    elastic::WakeKernel kernel_;
+    std::optional<PointSum> one_by_one_;
+};
+
+/// Returns at how many finite points there is no field.
+std::size_t evaluate(const Request& r, const std::atomic<bool>& stopped) {
+    const Evaluation evaluation(r);
     const std::size_t points = r.x.size();
+    std::atomic<std::size_t> singular = 0;
     parallel_for((points + block - 1) / block, r.threads, [&](std::size_t task) {
         const std::size_t from = task * block, to = std::min(points, from + block);
-        if (stopped)
-            return;
-        if (batched)
-            add_batch(r, kernel, from, to);
-        else
-            one_by_one->add(from, to);
+        if (!stopped)
+            singular += evaluation.add(from, to);
     });
+    return singular;
 }
 
 /// What takes longer than starting a thread can be interrupted.
-void evaluate_attended(const Request& r) {
+std::size_t evaluate_attended(const Request& r) {
     std::atomic<bool> stopped = false;
-    if (r.x.size() * r.rods.size() > 8 * block)
-        return attended([&] { evaluate(r, stopped); }, [] {}, [&] { stopped = true; });
+    std::size_t singular = 0;
+    if (r.x.size() * r.rods.size() > 8 * block) {
+        attended([&] { singular = evaluate(r, stopped); }, [] {}, [&] { stopped = true; });
+        return singular;
+    }
     const py::gil_scoped_release release;
-    evaluate(r, stopped);
+    return evaluate(r, stopped);
+}
+
+/// As NumPy warns of 0/0, at the line that called rodwake.
+void warn(const char* name, std::size_t singular, std::size_t points) {
+    if (singular > 0 &&
+        PyErr_WarnFormat(PyExc_RuntimeWarning, 3,
+                         "%s: NaN at %zu of %zu points, which are at a rod, where its field is singular, or "
+                         "farther from it than 1e300 xi",
+                         name, singular, points) != 0)
+        throw py::error_already_set();
 }
 
 std::vector<Source> sources_of(const Array& rods) {
-    if (rods.ndim() != 2 || rods.shape(1) != 3)
-        throw InputError("rods: expected an array of shape (N, 3): x, y and heading of each rod");
     std::vector<Source> sources;
     for (py::ssize_t i = 0; i < rods.shape(0); ++i)
         sources.push_back({rods.at(i, 0), rods.at(i, 1), rods.at(i, 2)});
@@ -165,17 +238,82 @@ std::vector<Source> sources_of(const Array& rods) {
 }
 
 /// x and y of one length; the result has a row of 2 (strain: 4) numbers a point.
-Array field(Quantity quantity, const Array& x, const Array& y, const Medium& medium, const Array& rods,
-            std::size_t threads) {
-    if (x.size() != y.size())
-        throw InputError("x and y have " + std::to_string(x.size()) + " and " + std::to_string(y.size()) +
-                         " numbers: give them the same shape");
+Array field(const char* name, Quantity quantity, const Array& x, const Array& y, const Medium& medium,
+            const Array& rods, std::size_t threads) {
     Request request{
         medium, quantity, sources_of(rods), numbers(x), numbers(y), {}, std::max<std::size_t>(threads, 1)};
     Array out({x.size(), static_cast<py::ssize_t>(request.width())});
     request.out = {out.mutable_data(), static_cast<std::size_t>(out.size())};
-    evaluate_attended(request);
+    warn(name, evaluate_attended(request), request.x.size());
     return out;
+}
+
+/// What the other rods make at each rod, and in a box its own images: lab components.
+class WakeSums {
+public:
+    WakeSums(const std::vector<Source>& rods, const Medium& medium)
+        : displacement_(2 * rods.size()), strain_(4 * rods.size()), gradient_(8 * rods.size()),
+          laplacian_(2 * rods.size()), grad_div_(2 * rods.size()) {
+        const auto field = elastic::exact_field(medium.elastic, medium.box);
+        constexpr FieldRequest all{.displacement = true, .strain = true, .polar = true, .gradients = true};
+        for (const Source& rod : rods) {
+            const auto wake = field->wake(rod.heading);
+            const double c = std::cos(rod.heading), s = std::sin(rod.heading);
+            for (std::size_t a = 0; a < rods.size(); ++a) {
+                const auto at = turned(elastic::Vector{rods[a].x - rod.x, rods[a].y - rod.y}, c, -s);
+                if (&rods[a] != &rod)
+                    add(a, wake->at(at.x, at.y, all), c, s);
+                else if (medium.box)
+                    add(a, wake->at_own_place(all), c, s);
+            }
+        }
+    }
+
+    py::tuple arrays() && {
+        const auto n = static_cast<py::ssize_t>(displacement_.size() / 2);
+        return py::make_tuple(
+            array_of(std::move(displacement_), {n, 2}), array_of(std::move(strain_), {n, 2, 2}),
+            array_of(std::move(gradient_), {n, 2, 2, 2}), array_of(std::move(laplacian_), {n, 2}),
+            array_of(std::move(grad_div_), {n, 2}));
+    }
+
+private:
+    static void add(const elastic::Vector& v, double* row) {
+        row[0] += v.x;
+        row[1] += v.y;
+    }
+    static void add(const elastic::SymmetricTensor& t, double factor, double* row) {
+        const double values[] = {t.xx, t.xy, t.xy, t.yy};
+        for (std::size_t k = 0; k < 4; ++k)
+            row[k] += factor * values[k];
+    }
+    /// Values in the axes of a source with this heading.
+    void add(std::size_t a, const FieldValues& f, double c, double s) {
+        add(turned(f.displacement, c, s), &displacement_[2 * a]);
+        add(turned(f.laplacian, c, s), &laplacian_[2 * a]);
+        add(turned(f.gradient_of_trace, c, s), &grad_div_[2 * a]);
+        add(turned(f.strain, c, s), 1.0, &strain_[4 * a]);
+        const auto by_x = turned(f.strain_x, c, s),
+                   by_y = turned(f.strain_y, c, s); // along the source's axes
+        add(by_x, c, &gradient_[8 * a]);
+        add(by_y, -s, &gradient_[8 * a]);
+        add(by_x, s, &gradient_[8 * a + 4]);
+        add(by_y, c, &gradient_[8 * a + 4]);
+    }
+
+    std::vector<double> displacement_, strain_, gradient_, laplacian_, grad_div_;
+};
+
+py::tuple wakes(const Array& poses, const Medium& medium) {
+    rods::RodProblem problem = problem_of(poses, &medium, {});
+    problem.t_end = 1.0; // means nothing here
+    std::optional<WakeSums> sums;
+    {
+        const py::gil_scoped_release release;
+        validate(problem);
+        sums.emplace(sources_of(poses), medium);
+    }
+    return std::move(*sums).arrays();
 }
 
 } // namespace
@@ -187,10 +325,12 @@ void bind_fields(py::module_& module) {
                                                            {"grad_div", Quantity::grad_div},
                                                            {"dipole", Quantity::dipole}};
     for (const auto& [name, quantity] : quantities)
-        module.def(name, [quantity = quantity](const Array& x, const Array& y, const Medium& medium,
-                                               const Array& rods, std::size_t threads) {
-            return field(quantity, x, y, medium, rods, threads);
-        });
+        module.def(name,
+                   [name = name, quantity = quantity](const Array& x, const Array& y, const Medium& medium,
+                                                      const Array& rods, std::size_t threads) {
+                       return field(name, quantity, x, y, medium, rods, threads);
+                   });
+    module.def("wakes", &wakes);
 }
 
 } // namespace rodwake::python

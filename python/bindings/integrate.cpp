@@ -112,8 +112,15 @@ struct RodEquations {
     }
 };
 
-RodEquations equations(const Array& poses, const Medium* medium, double kappa, double gamma1, double gamma2) {
-    rods::RodProblem problem = problem_of(poses, medium, {kappa, gamma1, gamma2});
+RodEquations equations(const py::object& poses, const py::object& medium, const py::object& kappa,
+                       const py::object& gamma1, const py::object& gamma2) {
+    const auto number = [](const char* name, const py::object& given) {
+        return argument("number", name, given).cast<double>();
+    };
+    rods::RodProblem problem =
+        problem_of(argument("poses", "poses", poses).cast<Array>(),
+                   argument("medium", "medium", medium).cast<const Medium*>(),
+                   {number("kappa", kappa), number("gamma1", gamma1), number("gamma2", gamma2)});
     problem.t_end = 1.0; // means nothing to the equations
     return {rods::to_ode(problem)};
 }
@@ -223,6 +230,10 @@ void bind_integrate(py::module_& module) {
         .def_property_readonly(
             "y0", [](const RodEquations& e) { return array_of(e.problem.initial_state); },
             "(3 N,): the poses as a state")
+        .def("__repr__",
+             [](const RodEquations& e) {
+                 return "<RodEquations: " + std::to_string(e.problem.initial_state.size() / 3) + " rods>";
+             })
         .def("__call__", &RodEquations::rate, py::arg("t"), py::arg("y"), "dy/dt, (3 N,)")
         .def("jacobian", &RodEquations::jacobian, py::arg("t"), py::arg("y"), "d rate_i/d y_j, (3 N, 3 N)");
     module.def("solve", &solve);

@@ -1,30 +1,30 @@
 #include "medium.hpp"
 
+#include "arrays.hpp"
 #include "bind.hpp"
-#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <pybind11/stl.h>
 
-#include <utility>
-#include <variant>
+#include <optional>
 
 namespace rodwake::python {
 
 namespace {
 
 using Number = std::optional<double>;
-using Sides = std::optional<std::variant<double, std::pair<double, double>>>;
 
-std::optional<PeriodicBox> box_of(const Sides& sides) {
-    if (!sides)
+/// None, a side or two.
+std::optional<PeriodicBox> box_of(const py::object& given) {
+    if (given.is_none())
         return std::nullopt;
-    const auto* side = std::get_if<double>(&*sides);
-    const auto* both = std::get_if<std::pair<double, double>>(&*sides);
-    const PeriodicBox box = side ? PeriodicBox(*side) : PeriodicBox(both->first, both->second);
-    if (!valid_sides(box))
-        throw InputError("periodic = " + to_string(box) + ": the sides of a box are above 0");
-    return box;
+    const bool both =
+        PySequence_Check(given.ptr()) != 0 && !py::isinstance<py::str>(given) && py::len(given) == 2;
+    const auto side = [&](py::ssize_t k) {
+        const py::object one = both ? py::object(given[py::int_(k)]) : given;
+        return argument("number", "periodic", one, py::arg("above") = 0.0).cast<double>();
+    };
+    return PeriodicBox(side(0), side(1));
 }
 
 /// A square by its side.
@@ -47,9 +47,14 @@ double xi_of(const Number& xi, const Number& alpha) {
     return alpha ? elastic::xi_from_alpha(*alpha) : xi.value_or(1.0);
 }
 
-Medium make_medium(const Number& eta, const Number& xi, const Number& alpha, const Number& poisson_ratio,
-                   const Sides& periodic) {
-    const Medium medium{{eta_of(eta, poisson_ratio), xi_of(xi, alpha)}, box_of(periodic)};
+Medium make_medium(const py::object& eta, const py::object& xi, const py::object& alpha,
+                   const py::object& poisson_ratio, const py::object& periodic) {
+    const auto number = [](const char* name, const py::object& given, double above) {
+        return argument("maybe", name, given, py::arg("above") = above).cast<Number>();
+    };
+    const Medium medium{{eta_of(number("eta", eta, -1.0), number("poisson_ratio", poisson_ratio, -1.0)),
+                         xi_of(number("xi", xi, 0.0), number("alpha", alpha, 0.0))},
+                        box_of(periodic)};
     validate(medium.elastic);
     return medium;
 }
@@ -97,8 +102,7 @@ void bind_medium(py::module_& module) {
              })
         .def("__hash__", [](const Medium& m) { return py::hash(values_of(m)); })
         .def(py::pickle(&values_of, [](const py::tuple& values) {
-            return make_medium(values[0].cast<double>(), values[1].cast<double>(), {}, {},
-                               values[2].cast<Sides>());
+            return make_medium(values[0], values[1], py::none(), py::none(), values[2]);
         }));
 }
 

@@ -49,8 +49,7 @@ Ensemble simulate_noise(const Array& poses, const Medium* medium, double kappa, 
                         long max_steps) {
     Ensemble out{problem_of(poses, medium, {kappa, gamma1, gamma2}), {}, {}};
     out.problem.t_end = t_end;
-    if (output_times)
-        out.problem.output_times = copied(*output_times);
+    out.problem.output_times = output_times ? copied(*output_times) : default_times(t_end);
     out.problem.contact_distance = contact_distance;
     std::atomic<bool> stopped = false;
     attended(

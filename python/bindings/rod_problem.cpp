@@ -1,6 +1,9 @@
 #include "rod_problem.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/scene/output_grid.hpp"
+
+#include <cmath>
 
 namespace rodwake::python {
 
@@ -32,6 +35,14 @@ rods::Form form_of(const std::string& name) {
         if (name == rods::to_string(form))
             return form;
     throw InputError("form = '" + name + "': expected 'angle', 'director' or 'dae'");
+}
+
+std::vector<double> default_times(double t_end) {
+    if (!(t_end > 0.0 && std::isfinite(t_end)))
+        return {};
+    std::vector<double> times = scene::output_grid(t_end / scene::default_outputs, t_end);
+    times.insert(times.begin(), 0.0);
+    return times;
 }
 
 py::dict statistics_of(const integrate::Statistics& s) {

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace rodwake::python {
 
@@ -18,6 +19,9 @@ std::optional<integrate::Method> method_of(const std::string& name);
 
 /// "angle", "director" or "dae". Throws InputError for other names.
 rods::Form form_of(const std::string& name);
+
+/// Those of a scene that says nothing of them; none for a t_end that is none, which the solver tells.
+std::vector<double> default_times(double t_end);
 
 py::dict statistics_of(const integrate::Statistics& statistics);
 

@@ -5,7 +5,7 @@
 #include "bind.hpp"
 #include "medium.hpp"
 #include "rod_problem.hpp"
-#include "rodwake/core/error.hpp"
+#include "rodwake/rods/track_outcome.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>
@@ -45,20 +45,23 @@ rods::RodOptions options_of(const rods::RodProblem& problem, const std::string& 
 }
 
 struct Run {
-    rods::RodResult result;
-    std::size_t rods = 0;
-    std::string method;
-    mutable std::optional<std::pair<Array, Array>> path = {}; ///< t and poses, made when they are asked for
+    Array t, poses; ///< (T,), (T, N, 3)
+    rods::RodOutcome outcome;
+    std::string status, message, method;
+    integrate::Statistics statistics;
+    bool told_contact = false; ///< a contact distance was given
+
+    std::size_t rods() const { return static_cast<std::size_t>(poses.shape(1)); }
 };
 
-const std::pair<Array, Array>& arrays_of(const Run& run) {
-    if (!run.path) {
-        Path path = path_of(run.result.solution);
-        const auto rows = static_cast<py::ssize_t>(path.times.size());
-        run.path.emplace(array_of(std::move(path.times), {rows}),
-                         array_of(std::move(path.poses), {rows, static_cast<py::ssize_t>(run.rods), 3}));
-    }
-    return *run.path;
+Run run_of(Path path, std::size_t rods, rods::RodOutcome outcome, bool told_contact) {
+    const auto rows = static_cast<py::ssize_t>(path.times.size());
+    Run run;
+    run.t = array_of(std::move(path.times), {rows});
+    run.poses = array_of(std::move(path.poses), {rows, static_cast<py::ssize_t>(rods), 3});
+    run.outcome = std::move(outcome);
+    run.told_contact = told_contact;
+    return run;
 }
 
 Run simulate(const Array& poses, const Medium* medium, double kappa, double gamma1, double gamma2,
@@ -66,34 +69,91 @@ Run simulate(const Array& poses, const Medium* medium, double kappa, double gamm
              const std::string& method, const std::string& form, double rtol, Number atol, long max_steps) {
     rods::RodProblem problem = problem_of(poses, medium, {kappa, gamma1, gamma2});
     problem.t_end = t_end;
-    if (output_times)
-        problem.output_times = copied(*output_times);
+    problem.output_times = output_times ? copied(*output_times) : default_times(t_end);
     problem.contact_distance = contact_distance;
     Interrupt interrupt;
-    Run run;
+    rods::RodResult result;
+    std::string chosen;
     {
         const py::gil_scoped_release release;
         rods::RodOptions options = options_of(problem, method, form, rtol, atol, max_steps);
         options.ode.stop_requested = [&] { return interrupt(); };
-        run.result = rods::simulate(problem, options);
-        run.method = to_string(options.ode.method);
+        result = rods::simulate(problem, options);
+        chosen = to_string(options.ode.method);
     }
     interrupt.rethrow();
-    run.rods = problem.rods.size();
+    const integrate::Solution& solution = result.solution;
+    Run run = run_of(path_of(solution), problem.rods.size(), std::move(result.outcome),
+                     contact_distance.has_value());
+    run.status = to_string(solution.status.termination);
+    run.message = solution.status.message();
+    run.method = std::move(chosen);
+    run.statistics = solution.statistics;
+    return run;
+}
+
+/// t (T,), poses (T, N, 3), turning (T, N)
+Run classify(const Array& t, const Array& poses, const Array& turning, const Medium* medium,
+             Number contact_distance) {
+    const auto rods = static_cast<std::size_t>(poses.shape(1));
+    rods::RodTrack track{copied(t), {}, {}};
+    for (py::ssize_t k = 0; k < t.size(); ++k) {
+        track.states.emplace_back(poses.data(k), poses.data(k) + 3 * rods);
+        track.turning.emplace_back(turning.data(k), turning.data(k) + rods);
+    }
+    const auto box = medium ? medium->box : std::nullopt;
+    rods::RodOutcome outcome = outcome_of(track, contact_distance, box, medium != nullptr);
+    const bool contact = outcome.ending == Ending::contact;
+    Run run{t,  poses, std::move(outcome),          contact ? "stopped_at_event" : "reached_end", "",
+            "", {},    contact_distance.has_value()};
     return run;
 }
 
 py::object pair_of(const Run& run) {
-    if (run.rods < 2)
+    if (run.rods() < 2)
         return py::none();
-    return py::make_tuple(run.result.outcome.pair.first, run.result.outcome.pair.second);
+    return py::make_tuple(run.outcome.pair.first, run.outcome.pair.second);
 }
 
 std::string text_of(const Run& run) {
-    const rods::RodOutcome& outcome = run.result.outcome;
-    return "<RodResult: " + to_string(outcome.ending) +
-           " at t = " + std::string(py::str(py::float_(outcome.time))) + ", " + std::to_string(run.rods) +
-           " rods, " + std::to_string(arrays_of(run).first.size()) + " times>";
+    std::string text = "<RodResult: " + to_string(run.outcome.ending) +
+                       " at t = " + std::string(py::str(py::float_(run.outcome.time))) + ", " +
+                       std::to_string(run.rods()) + " rods, " + std::to_string(run.t.size()) + " times";
+    if (run.status == "failed")
+        text += "; failed: " + run.message;
+    if (run.rods() > 1 && !run.told_contact)
+        text += "; no contact_distance: rods that meet run into the singularity of their fields";
+    return text + ">";
+}
+
+py::tuple saved(const Run& run) {
+    const rods::RodOutcome& o = run.outcome;
+    const integrate::Statistics& s = run.statistics;
+    return py::make_tuple(run.t, run.poses, static_cast<int>(o.ending), o.time, o.pair.first, o.pair.second,
+                          o.pair.distance, o.min_separation, o.min_separation_time, o.turn, o.reason,
+                          run.status, run.message, run.method, run.told_contact,
+                          std::vector{s.steps, s.rhs_evaluations, s.jacobian_evaluations,
+                                      s.error_test_failures, s.convergence_failures});
+}
+
+Run restored(const py::tuple& v) {
+    const auto number = [&](std::size_t k) { return v[k].cast<double>(); };
+    const auto text = [&](std::size_t k) { return v[k].cast<std::string>(); };
+    const auto counts = v[15].cast<std::vector<long>>();
+    return {v[0].cast<Array>(),
+            v[1].cast<Array>(),
+            {static_cast<Ending>(v[2].cast<int>()),
+             number(3),
+             {v[4].cast<std::size_t>(), v[5].cast<std::size_t>(), number(6)},
+             number(7),
+             number(8),
+             v[9].cast<std::vector<double>>(),
+             text(10)},
+            text(11),
+            text(12),
+            text(13),
+            {counts.at(0), counts.at(1), counts.at(2), counts.at(3), counts.at(4)},
+            v[14].cast<bool>()};
 }
 
 constexpr const char* about_run =
@@ -102,50 +162,38 @@ constexpr const char* about_run =
 } // namespace
 
 void bind_rods(py::module_& module) {
-    const auto outcome = [](const Run& run) { return to_string(run.result.outcome.ending); };
-    const auto message = [](const Run& run) { return run.result.solution.status.message(); };
+    const auto outcome = [](const Run& run) { return to_string(run.outcome.ending); };
+    const auto counted = [](const Run& run) { return statistics_of(run.statistics); };
+    const auto turn = [](const Run& run) {
+        return Array(static_cast<py::ssize_t>(run.rods()), run.outcome.turn.data());
+    };
     py::class_<Run>(module, "RodResult", about_run)
-        .def_property_readonly(
-            "t", [](const Run& run) { return arrays_of(run).first; },
-            "(T,): the output times, then the end if it is another time")
-        .def_property_readonly(
-            "poses", [](const Run& run) { return arrays_of(run).second; },
-            "(T, N, 3): x, y and heading of each rod at each time")
+        .def_readonly("t", &Run::t, "(T,): the output times, then the end if it is another time")
+        .def_readonly("poses", &Run::poses, "(T, N, 3): x, y and heading of each rod at each time")
         .def_property_readonly("outcome", outcome, "'contact', 'pursuit', 'escape' or 'undecided'")
         .def_property_readonly(
-            "time", [](const Run& run) { return run.result.outcome.time; },
-            "of contact, else the time reached")
+            "time", [](const Run& run) { return run.outcome.time; }, "of contact, else the time reached")
         .def_property_readonly("pair", &pair_of,
                                "numbers of the two rods that the outcome is about; None: a single rod")
         .def_property_readonly(
-            "separation", [](const Run& run) { return run.result.outcome.pair.distance; },
+            "separation", [](const Run& run) { return run.outcome.pair.distance; },
             "of that pair, when the outcome was told")
         .def_property_readonly(
-            "min_separation", [](const Run& run) { return run.result.outcome.min_separation; },
+            "min_separation", [](const Run& run) { return run.outcome.min_separation; },
             "smallest separation of two rods at any time; infinite for a single rod")
         .def_property_readonly(
-            "min_separation_time", [](const Run& run) { return run.result.outcome.min_separation_time; },
-            "when")
+            "min_separation_time", [](const Run& run) { return run.outcome.min_separation_time; }, "when")
+        .def_property_readonly("turn", turn, "(N,): heading at the end less that at the start, turns counted")
         .def_property_readonly(
-            "turn",
-            [](const Run& run) {
-                auto turn = run.result.outcome.turn;
-                const auto rods = static_cast<py::ssize_t>(turn.size());
-                return array_of(std::move(turn), {rods});
-            },
-            "(N,): heading at the end less that at the start, turns counted")
-        .def_property_readonly(
-            "reason", [](const Run& run) { return run.result.outcome.reason; }, "the outcome in words")
-        .def_property_readonly(
-            "status", [](const Run& run) { return to_string(run.result.solution.status.termination); },
-            "'reached_end', 'stopped_at_event' (contact) or 'failed'")
-        .def_property_readonly("message", message, "how the solve ended, in words")
-        .def_readonly("method", &Run::method, "'bdf', 'adams' or 'erk': what 'auto' chose")
-        .def_property_readonly(
-            "statistics", [](const Run& run) { return statistics_of(run.result.solution.statistics); },
-            "what the solver counted: steps, rhs_evaluations, ...")
-        .def("__repr__", &text_of);
+            "reason", [](const Run& run) { return run.outcome.reason; }, "the outcome in words")
+        .def_readonly("status", &Run::status, "'reached_end', 'stopped_at_event' (contact) or 'failed'")
+        .def_readonly("message", &Run::message, "how the solve ended, in words; '' from classify")
+        .def_readonly("method", &Run::method, "'bdf', 'adams' or 'erk': what 'auto' chose; '' from classify")
+        .def_property_readonly("statistics", counted, "what the solver counted: steps, rhs_evaluations, ...")
+        .def("__repr__", &text_of)
+        .def(py::pickle(&saved, &restored));
     module.def("simulate", &simulate);
+    module.def("classify", &classify);
 }
 
 } // namespace rodwake::python

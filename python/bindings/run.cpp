@@ -123,6 +123,9 @@ std::string run(const scene::Scene& scene, const fs::path& folder, const std::op
 
 } // namespace
 
-void bind_run(py::module_& module) { module.def("run", &run); }
+void bind_run(py::module_& module) {
+    module.def("run", &run);
+    module.def("manifest", [](const fs::path& folder) { return stages::manifest_json(folder); });
+}
 
 } // namespace rodwake::python

@@ -1,4 +1,4 @@
-"""rodwake: motile rods in an elastic medium.
+"""Motile rods in an elastic medium.
 
 Reduced units throughout, as in scenes: lengths in f/mu, times in f/(mu v0), angles in radians. Exceptions are `Error` and its
 subclasses; long work ends cleanly at Ctrl-C.
@@ -15,21 +15,21 @@ import importlib
 from ._core import Medium, RodEquations, RodResult
 from ._core import version as __version__
 from .errors import Error, InputError, Problem, RunError, SceneError
-from .fields import dipole, displacement, grad_div, laplacian, strain
+from .fields import Wakes, dipole, displacement, grad_div, laplacian, strain, wakes
 from .fitting import Estimate, FitResult, Map, Profile, Track, fit, fit_map, fit_rods, fit_wake
 from .granular import Bed, run_bed
 from .noise import NoiseResult, simulate_noise
 from .ode import Event, Hit, OdeResult, integrate
-from .rods import simulate
+from .rods import classify, simulate
 from .runs import Quantity, RodPath, Run, Trajectory, open_run
 from .scans import scan
 from .scenes import Scene
 
 __all__ = [
     "Bed", "Error", "Estimate", "Event", "FitResult", "Hit", "InputError", "Map", "Medium", "NoiseResult", "OdeResult", "Problem", "Profile", "Quantity",
-    "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Trajectory", "__version__",
-    "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
-    "simulate", "simulate_noise", "strain",
+    "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Trajectory", "Wakes", "__version__",
+    "classify", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
+    "simulate", "simulate_noise", "strain", "wakes",
 ]
 
 
@@ -38,3 +38,8 @@ def __getattr__(name: str) -> object:
     if name == "plots":
         return importlib.import_module(".plots", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """What is for users: completion shows it, and not the modules it is in."""
+    return [*__all__, "plots"]

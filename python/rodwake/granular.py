@@ -7,11 +7,12 @@ from typing import Callable, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from . import _core, arguments
 from .errors import InputError
 from .scenes import Scene
 
 Floats = NDArray[np.float64]
+LONGEST = 1e9  # s, beyond any bed
 
 
 class Bed:
@@ -25,7 +26,8 @@ class Bed:
     """
 
     def __init__(self, scene: Scene, *, run: int = 0, threads: int = 1) -> None:
-        self._core = _core.Bed(scene._core, run, threads)
+        arguments.kind("scene", scene, Scene, "a rodwake.Scene")
+        self._core = _core.Bed(scene._core, arguments.whole("run", run, 0, 2**32 - 1), arguments.threads(threads))
 
     def advance(self, *, steps: Optional[int] = None, time: Optional[float] = None) -> None:
         """By so many steps or so much time, in whole steps; at most to the end. Without either by one frame of the scene. Raises
@@ -33,12 +35,12 @@ class Bed:
         if steps is not None and time is not None:
             raise InputError("steps and time: give one of them")
         if time is not None:
-            steps = round(time / self.time_step)
+            steps = round(arguments.number("time", time, above=0, most=LONGEST) / self.time_step)
         if steps is None:
             steps = self._core.frame_every - self.step % self._core.frame_every if self.step >= 0 else -self.step
-        if steps < 1:
+        if isinstance(steps, int) and steps < 1:
             raise InputError(f"{steps} steps: a bed goes on by one at least")
-        self._core.advance(steps)
+        self._core.advance(arguments.whole("steps", steps, 1))
 
     @property
     def step(self) -> int:
@@ -97,7 +99,7 @@ class Bed:
     def body_acceleration(self, places: Optional[ArrayLike] = None) -> Floats:
         """(M, 2), m/s^2: what [granular.body_force] gives beads at these places, (M, 2) of x and y in m (None: those of the beads), now.
         Zero before t = 0 and in a bed without that table."""
-        return self._core.body_acceleration(places)
+        return self._core.body_acceleration(None if places is None else arguments.array("places", places, "an array of shape (M, 2) or (M, 3)"))
 
     @property
     def temperatures(self) -> tuple[float, float]:
@@ -121,8 +123,8 @@ class Bed:
 def run_bed(scene: Scene, observer: Callable[[Bed], object], *, every: Optional[float] = None, run: int = 0, threads: int = 1) -> Bed:
     """Runs a bed to the end of its scene and calls the observer at t = 0 and after each `every` seconds (None: the scene's interval of
     frames). An observer that returns True ends the run there. The bed as it is at the end."""
-    if not callable(observer):
-        raise InputError(f"observer is {observer!r}: expected a function of the bed")
+    arguments.function("observer", observer)
+    arguments.maybe("every", every, above=0, most=LONGEST)
     bed = Bed(scene, run=run, threads=threads)
     if bed.step < 0:
         bed.advance(steps=-bed.step)

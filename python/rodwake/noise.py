@@ -7,18 +7,21 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from . import _core, arguments
 from ._core import Medium
 from .errors import InputError
+from .rods import MOST_STEPS, motion
 
 Floats = NDArray[np.float64]
+MOST_RUNS = 10_000_000
 
 
 class NoiseResult:
     """How the runs of an ensemble ended, and how rods turned and spread in them: R runs, N rods, T times. Lengths in f/mu, times in
     f/(mu v0), angles in rad."""
 
-    def __init__(self, core: Any) -> None:
+    def __init__(self, core: Any, contact_distance: Optional[float]) -> None:
+        self.contact_distance = contact_distance  # f/mu; None: contact is not told
         self.outcomes: NDArray[np.str_] = np.array(core.outcomes())  # (R,): 'contact', 'pursuit', 'escape', 'undecided' or 'failed'
         self.times: Floats = core.times()  # (R,): of contact, else the time reached
         self.min_separations: Floats = core.min_separations()  # (R,); infinite for a single rod
@@ -42,6 +45,8 @@ class NoiseResult:
         if self.capture_probability is not None and self.capture_interval is not None:
             low, high = self.capture_interval
             told = f", capture probability {self.capture_probability:.3g} ({low:.3g} to {high:.3g})"
+        if self.contact_distance is None and (self.pairs >= 0).any():
+            told += "; no contact_distance: rods that meet run into the singularity of their fields"
         return f"<NoiseResult: {len(self.outcomes)} runs{told}>"
 
 
@@ -57,21 +62,17 @@ def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotatio
     runs                     of the ensemble; run k is the same whatever their number
     capture_error            more runs, up to `most_runs`, until half the interval of the capture probability is no wider
     time_step                longest step, f/(mu v0); None: the rule that `rodwake check` prints
-    output_times             (T,), increasing, within [0, t_end]; the noise belongs to them, so others make other runs
+    output_times             as for simulate; the noise belongs to them, so others make other runs
 
     The rest is as for simulate. With the output times of a scene (0 among them) the result is that of its [noise], to the last bit,
     for any number of threads. Runs that fail are counted as such and end an ensemble with capture_error; input that cannot be used raises InputError.
     """
-    if not 1 <= runs <= 10_000_000:
-        raise InputError(f"runs = {runs}: must be from 1 to 10000000")
-    if not 0 <= seed < 2**63:
-        raise InputError(f"seed = {seed}: must be from 0 to 2^63 - 1")
-    if capture_error is not None and not 1e-4 <= capture_error <= 0.5:
-        raise InputError(f"capture_error = {capture_error}: must be from 0.0001 to 0.5")
-    if capture_error is not None and np.size(poses) < 6:
+    given = motion(poses, medium, kappa, gamma1, gamma2, t_end, output_times, contact_distance)
+    error = arguments.maybe("capture_error", capture_error, least=1e-4, most=0.5)
+    if error is not None and len(given[0]) < 2:
         raise InputError("capture_error: captures need two rods and more")
-    if not 1 <= most_runs <= 10_000_000:
-        raise InputError(f"most_runs = {most_runs}: must be from 1 to 10000000")
-    return NoiseResult(_core.simulate_noise(poses, medium, kappa, gamma1, gamma2, t_end, output_times, contact_distance, rotational_diffusion,
-                                            translational_diffusion, runs, capture_error, most_runs, time_step, seed,
-                                            threads, max_steps))
+    return NoiseResult(_core.simulate_noise(
+        *given, arguments.number("rotational_diffusion", rotational_diffusion, least=0), arguments.number("translational_diffusion",
+        translational_diffusion, least=0), arguments.whole("runs", runs, 1, MOST_RUNS), error, arguments.whole("most_runs", most_runs, 1, MOST_RUNS),
+        arguments.maybe("time_step", time_step, above=0), arguments.whole("seed", seed, 0), arguments.threads(threads),
+        arguments.whole("max_steps", max_steps, 1, MOST_STEPS)), given[-1])

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any, Iterator, Union
 
+from . import arguments
 from .errors import InputError
 from .runs import Run, open_run
 from .scenes import Folder
@@ -24,6 +25,11 @@ def kinds() -> list[str]:
 
 def draw(run: Union[Run, Folder], kind: str, **options: Any) -> Any:
     """One figure of a run. Options are keys of [[figures]]: draw(run, "cut", cut=0, component="Uy", title="The wake")."""
+    arguments.kind("kind", kind, str, "a kind of figure")
+    known = list(_plots("spec").Spec.__dataclass_fields__)
+    for option in options:
+        if option not in known:
+            raise InputError(f"figure {kind!r}: unknown option {option!r} (known: {', '.join(known)})")
     with _opened(run) as folder:
         return _drawn(folder, _plots("spec").from_scene({"figures": [{"name": kind, "kind": kind, **options}]})[0])
 

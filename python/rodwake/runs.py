@@ -6,25 +6,29 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, Optional, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _core, arguments
 from .errors import InputError
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Quantity:
     """Numbers and the unit they are in: "f/mu", "m", "rad"; "1" without dimension."""
 
     values: NDArray[Any]
     unit: str
 
+    def __repr__(self) -> str:
+        return f"<Quantity: values {self.values.shape}, unit {self.unit}>"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class RodPath:
     """Rods against time. Units: `length_unit` and `time_unit`; headings in rad."""
 
@@ -34,8 +38,12 @@ class RodPath:
     time_unit: str
     attributes: dict[str, Any]  # outcome, couplings, medium
 
+    def __repr__(self) -> str:
+        ended = f", {self.attributes['outcome']}" if "outcome" in self.attributes else ""
+        return f"<RodPath: poses {self.poses.shape}, {self.length_unit} and {self.time_unit}{ended}>"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Trajectory:
     """Frames of a bed in SI units. N spheres (beads, then those of the rods), R rods."""
 
@@ -48,25 +56,30 @@ class Trajectory:
     rod_position: Floats  # (T, R, 3), m, centres of mass, unwrapped
     rod_orientation: Floats  # (T, R, 4), quaternion from body to world, real part first; the axis is the body's x
 
+    def __repr__(self) -> str:
+        span = f", t = {self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else ""
+        return f"<Trajectory: {len(self.time)} frames{span}, {int((self.species == 0).sum())} beads, {self.rod_position.shape[1]} rods>"
+
 
 class Run:
-    """The folder of a run: its manifest lists what is there. Files are read when they are asked for."""
+    """The folder of a run: its manifest lists what is there. Files are read when they are asked for. A run that is still going on, or was
+    killed, has what was written so far; a part of a run (runs/0001 of an ensemble, points/0003 of a scan) has the files of that part."""
 
     def __init__(self, folder: Union[str, "os.PathLike[str]"]) -> None:
-        self.folder = Path(folder)
-        self.manifest = self.json("manifest.json")
+        self.folder = Path(arguments.path("folder", folder))
+        self._whole = _run_around(self.folder)
+        self.manifest = _below(_manifest(self._whole), self.folder.resolve().relative_to(self._whole).as_posix())
+        if self.folder.resolve() != self._whole and not self.files:
+            raise InputError(f"{self.folder}: holds no run of rodwake, nor a part of that in {self._whole}; Run.files lists what is there")
 
     @property
     def files(self) -> dict[str, str]:
         """Name of each file, and what it is."""
-        return {name: entry["what"] for name, entry in self.manifest["files"].items()}
+        return {name: str(entry.get("what", "")) for name, entry in self.manifest["files"].items()}
 
     def json(self, name: str) -> Any:
         """A JSON file: 'outcome.json', 'summary.json', 'fit.json', 'provenance.json'."""
-        try:
-            return json.loads(self._file(name).read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise InputError(f"{self.folder / name}: not valid JSON: {error}") from error
+        return _json(self._file(name))
 
     @property
     def outcome(self) -> dict[str, Any]:
@@ -75,11 +88,11 @@ class Run:
 
     @property
     def status(self) -> str:
-        """'finished', 'unfinished', 'interrupted' or 'failed'."""
+        """'finished', 'unfinished', 'interrupted' or 'failed'; of a part that of the whole run."""
         return str(self.json("provenance.json")["status"])
 
     def scene(self) -> Any:
-        """The scene that was run, every key with its value."""
+        """The scene that was run, every key with its value; of a part that of the whole run."""
         from .scenes import Scene
         return Scene.load(self._file("scene.toml"))
 
@@ -90,6 +103,8 @@ class Run:
     def table(self, name: str) -> Any:
         """A CSV file, 'rods.csv': a pandas DataFrame whose attrs have the units, or without pandas a NumPy structured array."""
         path = self._file(name)
+        if path.suffix != ".csv":
+            raise InputError(f"{path}: not a table; those of this run: {', '.join(one for one in self.files if one.endswith('.csv')) or 'none'}")
         try:
             import pandas
         except ImportError:
@@ -100,6 +115,7 @@ class Run:
 
     def dataset(self, name: str, file: str = "result.h5") -> Quantity:
         """One of `datasets`: dataset("field/grid/Ux")."""
+        arguments.kind("name", name, str, "the name of a dataset")
         with self._open(file) as h5:
             if name not in h5:
                 raise InputError(f"{self.folder / file}: holds no {name!r}; Run.datasets lists what it holds")
@@ -123,6 +139,7 @@ class Run:
 
     def rods(self, name: str = "scene") -> RodPath:
         """Rods of the theory: of the scene as written, or of one of its variants."""
+        arguments.kind("name", name, str, "'scene' or the name of a variant")
         with self._open("result.h5") as h5:
             if f"rods/{name}" not in h5:
                 raise InputError(f"{self.folder}: holds no rods of {name!r}, but of {list(h5.get('rods', ()))}")
@@ -131,9 +148,29 @@ class Run:
             attributes = {key: _plain(value) for key, value in group.attrs.items()}
             return RodPath(np.asarray(group["t"]), poses, _text(group["x"].attrs["unit"]), _text(group["t"].attrs["unit"]), attributes)
 
-    def trajectory(self, name: str = "trajectory.h5md") -> Trajectory:
-        """The stored frames of a bed; last_period.h5md has those of one period of the plates."""
+    @property
+    def members(self) -> list[Run]:
+        """The runs of an ensemble of beds, in order: runs/0001 is the first. A single run has none."""
+        names = {name.split("/")[1] for name in self.files if name.startswith("runs/")}
+        return [self._part(f"runs/{name}") for name in sorted(names, key=lambda name: (len(name), name))]
+
+    @overload
+    def trajectory(self, name: str = ..., *, run: int) -> Trajectory: ...
+    @overload
+    def trajectory(self, name: str = ..., *, run: None = ...) -> Any: ...
+
+    def trajectory(self, name: str = "trajectory.h5md", *, run: Optional[int] = None) -> Any:
+        """The stored frames of a bed, a Trajectory; last_period.h5md has those of one period of the plates. Of an ensemble a list, a
+        Trajectory for each of `members`, or with `run` that of one of them, from 0."""
+        members = self.members
+        if run is not None:
+            return (members or [self])[arguments.whole("run", run, 0, max(len(members), 1) - 1)]._frames(name)
+        return [one._frames(name) for one in members] or self._frames(name)
+
+    def _frames(self, name: str) -> Trajectory:
         with self._open(name) as h5:
+            if "particles/trajectory" not in h5:
+                raise InputError(f"{self.folder / name}: holds no frames of a bed; trajectory.h5md and last_period.h5md do")
             spheres = h5["particles/trajectory"]
             edges = np.asarray(spheres["box/edges/value"][0], dtype=float)
             box = np.diag(edges) if edges.ndim == 2 else edges
@@ -145,13 +182,25 @@ class Run:
                               none if rods is None else np.asarray(rods["orientation/value"]))
 
     def __repr__(self) -> str:
-        return f"<Run {str(self.folder)!r}: {', '.join(self.files)}>"
+        own = [name for name in self.files if "/" not in name]
+        parts = len({name.split("/")[1] for name in self.files if name.startswith("runs/")})
+        held = [*([f"{parts} runs (members)"] if parts else []), *own]
+        state = self.status if (self._whole / "provenance.json").is_file() else "without provenance.json"
+        return f"<Run {str(self.folder)!r}, {state}: {', '.join(held)}>"
+
+    def _part(self, name: str) -> Run:
+        part = Run.__new__(Run)
+        part.folder, part._whole, part.manifest = self.folder / name, self._whole, _below(self.manifest, name)
+        return part
 
     def _file(self, name: str) -> Path:
+        arguments.kind("name", name, str, "the name of a file of the run")
         path = self.folder / name
+        if not path.is_file() and name in ("scene.toml", "provenance.json"):  # a part has them of the whole
+            path = self._whole / name
         if not path.is_file():
-            raise InputError(f"{path}: no such file; Run.files lists those of a run" if name != "manifest.json"
-                             else f"{self.folder}: holds no run of rodwake: there is no manifest.json")
+            members = ", and members those of an ensemble" if any(one.startswith("runs/") for one in self.files) else ""
+            raise InputError(f"{path}: no such file; Run.files lists those of a run{members}")
         return path
 
     def _entry(self, name: str) -> dict[str, Any]:
@@ -160,12 +209,55 @@ class Run:
 
     def _open(self, name: str) -> Any:
         import h5py
-        return h5py.File(self._file(name), "r")
+        path = self._file(name)
+        try:
+            return h5py.File(path, "r")
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read as HDF5: {error}") from error
 
 
 def open_run(folder: Union[str, "os.PathLike[str]"]) -> Run:
-    """The results in a folder that `rodwake run`, one of its stages or Scene.run made."""
+    """The results in a folder that `rodwake run`, one of its stages or Scene.run made, or in a part of it: a run of an ensemble
+    (runs/0001), a bed of a variant or of a scan."""
     return Run(folder)
+
+
+def _run_around(folder: Path) -> Path:
+    """The folder of the run that this is, or a part of."""
+    if not folder.is_dir():
+        raise InputError(f"{folder}: {'is a file: give the folder of the run' if folder.exists() else 'no such folder'}")
+    here = folder.resolve()
+    for one in (here, *here.parents):
+        if (one / "manifest.json").is_file() or (one / "provenance.json").is_file():
+            return one
+    below = sorted(one.parent.name for one in folder.glob("*/manifest.json"))
+    told = f"; there are runs in its folders {', '.join(below[:5])}{', ...' if len(below) > 5 else ''}" if below else ""
+    raise InputError(f"{folder}: holds no run of rodwake: there is no manifest.json{told}")
+
+
+def _manifest(folder: Path) -> dict[str, Any]:
+    """As it stands there; of a run that has not ended yet as it would."""
+    path = folder / "manifest.json"
+    listing = _json(path) if path.is_file() else json.loads(_core.manifest(folder))
+    if not isinstance(listing, dict) or not isinstance(listing.get("files"), dict):
+        raise InputError(f"{path}: not the manifest of a run: it lists no files")
+    return listing
+
+
+def _below(manifest: dict[str, Any], part: str) -> dict[str, Any]:
+    """Of the files in a part of the run, by their names there: runs/0001, variants/soft, points/0003/runs/0012."""
+    if part == ".":
+        return manifest
+    is_part = part.count("/") % 2 == 1
+    kept = {name.removeprefix(f"{part}/"): entry for name, entry in manifest["files"].items() if name.startswith(f"{part}/")}
+    return {**manifest, "files": kept if is_part else {}}
+
+
+def _json(path: Path) -> Any:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise InputError(f"{path}: not valid JSON: {error}") from error
 
 
 def _text(value: Any) -> str:

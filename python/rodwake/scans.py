@@ -8,9 +8,9 @@ import tempfile
 from concurrent.futures import Executor, Future, wait
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Union
+from typing import Any, Callable, Iterable, Mapping, Optional, Union
 
-from . import _core
+from . import _core, arguments
 from .errors import InputError
 from .scenes import Folder, Progress, Scene
 
@@ -31,10 +31,18 @@ def scan(scene: Scene, axes: Optional[Mapping[str, Any]] = None, *, executor: An
 
     Dask and process pools import rodwake where they work, so it must be installed there.
     """
+    arguments.kind("scene", scene, Scene, "a rodwake.Scene")
     if axes is not None:
+        for key, values in arguments.kind("axes", axes, Mapping, "a mapping of keys and their values").items():
+            arguments.kind("axes", key, str, "names of keys")
+            if isinstance(values, str) or not isinstance(values, Iterable):
+                raise InputError(f"axes[{key!r}] = {arguments.shown(values)}: expected a list of values")
         scene = scene.copy().set("scan", {"design": "grid", "axes": [{"key": key, "values": list(values)} for key, values in axes.items()]})
+    if executor is not None and not (hasattr(executor, "submit") or hasattr(executor, "get_executor")):
+        raise TypeError(f"executor: expected one of concurrent.futures or a Dask client, not {type(executor).__name__}")
+    arguments.whole("chunk", chunk, 0)
     with tempfile.TemporaryDirectory(prefix="rodwake-") as unkept:
-        place = Path(folder if folder is not None else unkept).resolve()
+        place = Path(unkept if folder is None else arguments.path("folder", folder)).resolve()
         execute = None if executor is None else _distributor(scene, place, executor, chunk)
         return scene._run(place, ["scan"], threads, None, force, progress, execute).table("scan.csv")
 

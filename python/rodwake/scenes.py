@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import logging
 import os
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Callable, Iterable, Mapping, Optional, Union
+from typing import Any, Callable, Optional, Union
 
-from . import _core
+from . import _core, arguments
 from .errors import InputError, RunError
 from .runs import Run, open_run
 from .toml import toml
@@ -29,21 +30,22 @@ class Scene:
     @classmethod
     def load(cls, path: Folder) -> Scene:
         """The scene in a TOML file."""
-        return cls(None, os.fspath(path))
+        return cls(None, arguments.path("path", path, "the name of a TOML file"))
 
     @classmethod
     def parse(cls, text: str, name: str = "scene") -> Scene:
         """The scene in a text; `name` stands for its file in messages, and files are looked for beside it."""
-        return cls(text, name)
+        return cls(arguments.kind("text", text, str, "the text of a scene"), arguments.kind("name", name, str, "a text"))
 
     def _read(self, changes: tuple[tuple[str, Any], ...]) -> Any:
-        settings = [f"{key}={toml(value)}" for key, value in changes]
+        settings = [f"{key}={toml(value, key)}" for key, value in changes]
         return _core.read_scene(self._name, settings) if self._text is None else _core.parse_scene(self._text, self._name, settings)
 
     def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
         """Sets a key as `-s key=value` does, and returns the scene: set("coupling.kappa", 3.0), set("rods.1.position.0", 2.0),
         set("rods_run.t_end", "5 s"). Plain numbers are in the scene's own units. Keys that fit only together are set together:
         set({"scan.resolution": 128, "scan.axes.0.count": 32}). If that cannot be, SceneError tells why and nothing is changed."""
+        arguments.kind("key", key, (str, Mapping), "the name of a key, or a mapping of keys and values")
         changes = (*self._changes, *(key.items() if isinstance(key, Mapping) else [(key, value)]))
         self._core, self._changes = self._read(changes), changes
         return self
@@ -77,14 +79,14 @@ class Scene:
     def check(self, folder: Folder = ".", *, cost: bool = False) -> str:
         """What will be modelled, what will not and why; with `cost` also how long it will take, which is measured for about half a
         second. Raises InputError for what cannot be modelled. Data files are also looked for in `folder`."""
-        return _core.check(self._core, folder, 0, cost)
+        return _core.check(self._core, arguments.path("folder", folder), 0, bool(cost))
 
-    def run(self, folder: Folder, *, stages: Optional[Iterable[str]] = None, threads: int = 0, seed: Optional[int] = None,
+    def run(self, folder: Folder, *, stages: Union[str, Iterable[str], None] = None, threads: int = 0, seed: Optional[int] = None,
             force: bool = False, progress: Optional[Progress] = None) -> Run:
         """Runs the scene into a folder as `rodwake run` does, figures aside, and opens the results.
 
-        stages    some of those the scene has; None: all
-        threads   0: one for each core; results do not depend on it
+        stages    some of those the scene has, or one; None: all
+        threads   up to 1024; 0: one for each core; results do not depend on it
         seed      replaces those of the scene
         force     do again what the folder holds already; else a finished run is refused
         progress  called some times a second as progress(what, value, end, unit); what it raises ends the run
@@ -92,15 +94,21 @@ class Scene:
         Messages go to the logger 'rodwake' of the module logging. Ctrl-C ends the run at its next step and raises
         KeyboardInterrupt; what was computed is kept, and the same call goes on from there. Raises RunError if a stage failed.
         """
-        return self._run(folder, None if stages is None else list(stages), threads, seed, force, progress)
+        names = [stages] if isinstance(stages, str) else None
+        if stages is not None and names is None:
+            names = [arguments.kind("stages", name, str, "names of stages") for name in arguments.kind("stages", stages, Iterable, "names of stages")]
+            if not names:
+                raise InputError(f"stages = {stages!r}: give one at least; the scene has {', '.join(self.stages)}")
+        return self._run(folder, names, threads, None if seed is None else arguments.whole("seed", seed, 0), force, progress)
 
     def _run(self, folder: Folder, stages: Optional[list[str]], threads: int, seed: Optional[int], force: bool,
              progress: Optional[Progress], execute: Optional[Callable[..., None]] = None) -> Run:
         """`execute` evaluates the points of a scan: see scans.py."""
-        if progress is not None and not callable(progress):
-            raise InputError(f"progress is {progress!r}: expected a function of (what, value, end, unit)")
+        folder, threads = Path(arguments.path("folder", folder)), arguments.threads(threads)
+        if progress is not None:
+            arguments.function("progress", progress)
         command = self._command(folder, stages=stages, seed=seed)
-        end = _core.run(self._core, folder, stages, threads, seed, force, command, _log.log, progress, execute)
+        end = _core.run(self._core, folder, stages, threads, seed, bool(force), command, _log.log, progress, execute)
         if end == "failed":
             raise RunError(f"{folder}: the run failed; {Path(folder) / 'log.txt'} tells why")
         return open_run(folder)

@@ -6,7 +6,7 @@ import json
 from typing import Any, Mapping
 
 
-def toml(value: Any) -> str:
+def toml(value: Any, key: str = "") -> str:
     """Numbers, strings ("5 s" has a unit), true, false, lists and mappings of them; NumPy's too."""
     if hasattr(value, "tolist"):  # of NumPy
         value = value.tolist()
@@ -15,9 +15,9 @@ def toml(value: Any) -> str:
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(toml(one) for one in value)}]"
+        return f"[{', '.join(toml(one, key) for one in value)}]"
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key} = {toml(one)}" for key, one in value.items()) + "}"
+        return "{" + ", ".join(f"{name} = {toml(one, name)}" for name, one in value.items()) + "}"
     if isinstance(value, (int, float)):
         return repr(value)
-    raise TypeError(f"a scene holds numbers, strings, true, false, lists and tables of them, not {type(value).__name__}")
+    raise TypeError(f"{f'{key}: ' if key else ''}a scene holds numbers, strings, true, false, lists and tables of them, not {type(value).__name__}")

@@ -1,4 +1,4 @@
-#include "output_grid.hpp"
+#include "rodwake/scene/output_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "manifest.hpp"
-
 #include "catalogue.hpp"
 #include "rodwake/assembly/rods.hpp"
 #include "rodwake/core/error.hpp"

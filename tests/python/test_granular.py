@@ -94,6 +94,16 @@ class BedTest(unittest.TestCase):
                           (lambda: rodwake.Bed(self.scene.set({"granular.start": "restart", "granular.restart_from": "x.rwc"})), "Scene.run")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 ask()
+        for ask, word in ((lambda: bed.advance(steps=1.5), "steps = 1.5"), (lambda: bed.advance(steps="one"), "steps = 'one'"), (lambda: bed.advance(steps=True), "steps"),
+                          (lambda: bed.advance(time=float("nan")), "time = nan"), (lambda: bed.advance(time=float("inf")), "time = inf"),
+                          (lambda: bed.advance(time=-1.0), "time = -1"), (lambda: rodwake.Bed(self.scene, run=-1), "run = -1"),
+                          (lambda: rodwake.Bed(self.scene, threads=0.5), "threads = 0.5"), (lambda: bed.body_acceleration("here"), "places"),
+                          (lambda: rodwake.run_bed(self.scene, print, every=0), "every = 0")):
+            with self.assertRaisesRegex(rodwake.InputError, word):
+                ask()
+        for ask, word in ((lambda: rodwake.Bed("bed.toml"), "scene: expected a rodwake.Scene, not str"), (lambda: rodwake.run_bed(self.scene, None), "observer")):
+            with self.assertRaisesRegex(TypeError, word):
+                ask()
 
 
 if __name__ == "__main__":

@@ -21,6 +21,8 @@ class NoiseTest(unittest.TestCase):
         self.assertEqual(ours.capture_interval, (theirs["capture_low"], theirs["capture_high"]))
         self.assertTrue(0 < ours.capture_probability < 1)
         self.assertEqual((ours.time_step, ours.failure), (theirs["time_step"], ""))
+        default = rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), runs=3, rotational_diffusion=0.02, t_end=20.0)
+        np.testing.assert_array_equal(default.t, rodwake.simulate(SIDE_BY_SIDE, t_end=20.0).t)  # the output times of a scene
         np.testing.assert_array_equal(ours.t, theirs["times"])
         np.testing.assert_array_equal(ours.runs_at_time, theirs["runs_at_time"])
         for name in ("mean_square_displacement", "heading_correlation"):
@@ -37,7 +39,8 @@ class NoiseTest(unittest.TestCase):
         self.assertEqual((result.outcomes.shape, result.pairs.shape, result.t.shape), ((6,), (6, 2), (41,)))
         self.assertEqual(result.mean_square_displacement.shape, (41, 2))
         self.assertEqual(result.runs_at_time[0], 6)
-        self.assertIn("6 runs, capture probability", repr(result))
+        self.assertRegex(repr(result), r"6 runs, capture probability [^;]*>$")
+        self.assertIn("no contact_distance", repr(rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), rotational_diffusion=0.1, runs=2, t_end=1.0)))
         more = rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), runs=9, threads=3, **PAIR)
         np.testing.assert_array_equal(more.times[:6], result.times)  # runs are the same whatever their number
 

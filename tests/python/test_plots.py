@@ -33,6 +33,7 @@ class PlotsTest(unittest.TestCase):
     def test_what_cannot_be_drawn_is_told(self):
         for ask, word in ((lambda: rodwake.plots.draw(self.run_of_pair, "snapshot"), "no beads"), (lambda: rodwake.plots.draw(self.run_of_pair, "cat"), "cat"),
                           (lambda: rodwake.plots.draw(self.run_of_pair, "movie"), "film|file"),
+                          (lambda: rodwake.plots.draw(self.run_of_pair, "cut", compnent="Uy"), "unknown option 'compnent'"),
                           (lambda: rodwake.plots.draw(new_folder(self), "cut"), "no run")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 ask()

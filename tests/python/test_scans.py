@@ -76,11 +76,23 @@ class ScanTest(unittest.TestCase):
         scene = rodwake.Scene.parse(text)
         with ProcessPoolExecutor(2) as executor:
             self.assertEqual(self.csv_of(scene=scene, axes=None, threads=1), self.csv_of(executor, scene=scene, axes=None))
+        folder = new_folder(self) / "scan"
+        rodwake.scan(scene, folder=folder)
+        beds = [rodwake.open_run(one.parent) for one in sorted(folder.glob("points/**/summary.json"))]
+        self.assertEqual(sorted(bed.json("summary.json")["beads"] for bed in beds), [30, 40])
 
     def test_wrong_axes_are_refused(self):
         for axes, word in (({"coupling.kapa": [1, 2]}, "kappa"), ({"coupling.kappa": []}, "values"), ({"medium.eta": [-2.0]}, "eta|-1")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 rodwake.scan(self.pair, axes)
+        for axes, options, word in (({"coupling.kappa": 3}, {}, "axes.*list of values"), ({"coupling.kappa": "1, 2"}, {}, "axes"), (AXES, {"chunk": -1}, "chunk = -1"),
+                                    (AXES, {"threads": -1}, "threads = -1"), (AXES, {"threads": 0.5}, "threads")):
+            with self.assertRaisesRegex(rodwake.InputError, word):
+                rodwake.scan(self.pair, axes, **options)
+        for scene, options, word in (("pair.toml", {}, "scene: expected"), (self.pair, {"axes": [1]}, "axes: expected"), (self.pair, {"axes": {3: [1]}}, "axes"),
+                                     (self.pair, {"axes": AXES, "executor": 3}, "executor: expected"), (self.pair, {"axes": AXES, "progress": 1}, "progress")):
+            with self.assertRaisesRegex(TypeError, word):
+                rodwake.scan(scene, **options)
 
 
 if __name__ == "__main__":

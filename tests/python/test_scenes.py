@@ -51,6 +51,17 @@ class ReadTest(unittest.TestCase):
             rodwake.Scene.load("nowhere.toml")
         with self.assertRaises(TypeError):
             rodwake.Scene.load(PAIR).set("coupling.kappa", object())
+        scene = rodwake.Scene.load(PAIR)
+        for ask, word in ((lambda: rodwake.Scene.load(3), "path: expected"), (lambda: rodwake.Scene.load(None), "path: expected"),
+                          (lambda: rodwake.Scene.parse(None), "text: expected"), (lambda: scene.set(3, 4), "key: expected"),
+                          (lambda: scene.run(None), "PathLike"), (lambda: scene.run("x", stages=[3]), "stages: expected"),
+                          (lambda: scene.run("x", progress=3), "progress: expected a function"), (lambda: scene.check(3), "PathLike")):
+            with self.assertRaisesRegex(TypeError, word):
+                ask()
+        for options, word in (({"threads": -1}, "threads = -1"), ({"threads": 10**30}, "threads"), ({"threads": "two"}, "threads"), ({"seed": -1}, "seed = -1"),
+                              ({"seed": 1.5}, "seed = 1.5"), ({"seed": True}, "seed")):
+            with self.assertRaisesRegex(rodwake.InputError, word):
+                scene.run("x", **options)
 
     def test_check_tells_what_is_modelled(self):
         text = rodwake.Scene.load(PAIR).check()
@@ -196,11 +207,56 @@ class OpenTest(unittest.TestCase):
         self.assertEqual(table.dtype.names, ("t", "x0", "y0", "theta0", "x1", "y1", "theta1"))
         np.testing.assert_array_equal(table["y0"], np.asarray(with_pandas["y0"]))
 
+    def test_an_ensemble_and_its_parts(self):
+        """Two runs of a bed and of a variant: the whole, each run, their trajectories."""
+        text = SMALL_BED % "0.02 s" + '[[variants]]\nname = "thin"\n[variants.set]\n"granular.beads" = 30\n'
+        whole = rodwake.Scene.parse(text.replace("beads = 40", "beads = 40\nruns = 2")).run(new_folder(self) / "run")
+        self.assertEqual([one.folder.name for one in whole.members], ["0001", "0002"])
+        first, second = whole.trajectory()
+        self.assertFalse(np.array_equal(first.position, second.position))
+        np.testing.assert_array_equal(whole.trajectory(run=1).position, second.position)
+        self.assertRegex(repr(first), "3 frames, t = 0 to 0.02 s, 40 beads, 0 rods")
+        for part, beads in (("runs/0002", 40), ("variants/thin/runs/0001", 30)):
+            one = rodwake.open_run(whole.folder / part)
+            self.assertEqual((one.status, one.members, one.scene().to_toml()), ("finished", [], whole.scene().to_toml()))
+            self.assertEqual(one.trajectory().position.shape, (3, beads, 3))
+            self.assertEqual(one.trajectory(run=0).position.shape, (3, beads, 3))
+            self.assertIn("summary.json", one.files)
+            self.assertEqual(one.units("table.csv"), whole.units(f"{part}/table.csv"))
+            self.assertEqual(one.json("summary.json")["beads"], beads)
+        self.assertEqual(len(rodwake.open_run(whole.folder / "variants/thin").trajectory()), 2)
+        self.assertRegex(repr(whole), r"finished: 2 runs \(members\), ")
+        for ask, word in ((lambda: whole.trajectory(run=2), "run = 2: .* from 0 to 1"), (lambda: whole.trajectory("result.h5", run=0), "no such file"),
+                          (lambda: whole.members[0].trajectory("summary.json"), "HDF5"), (lambda: whole.members[0].rods(), "no such file"),
+                          (lambda: rodwake.open_run(whole.folder / "variants"), "part"), (lambda: whole.table("scene.toml"), "not a table")):
+            with self.assertRaisesRegex(rodwake.InputError, word):
+                ask()
+
+    def test_a_run_that_has_not_ended(self):
+        """As one looks that was killed, before its manifest was written."""
+        run = rodwake.Scene.load(PAIR).run(new_folder(self) / "run", stages="rods")
+        files, units = run.files, run.units("rods.csv")
+        (run.folder / "manifest.json").unlink()
+        again = rodwake.open_run(run.folder)
+        self.assertEqual(({**again.files, "manifest.json": files["manifest.json"]}, again.units("rods.csv")), (files, units))
+        (run.folder / "manifest.json").write_text("[1]")
+        with self.assertRaisesRegex(rodwake.InputError, "not the manifest"):
+            rodwake.open_run(run.folder)
+
     def test_what_is_not_there_is_told(self):
         folder = new_folder(self)
+        (folder / "notes.txt").write_text("mine")
+        for place, word in ((folder / "notes.txt", "is a file"), (folder / "nowhere", "no such folder")):
+            with self.assertRaisesRegex(rodwake.InputError, word):
+                rodwake.open_run(place)
         with self.assertRaisesRegex(rodwake.InputError, "no run of rodwake"):
             rodwake.open_run(folder)
         run = rodwake.Scene.load(PAIR).run(folder / "run", stages=["rods"])
+        with self.assertRaisesRegex(rodwake.InputError, "no run of rodwake.*folders run"):
+            rodwake.open_run(folder)
+        for given in (None, 3, ["a"]):
+            with self.assertRaises(TypeError):
+                rodwake.open_run(given)
         for ask, word in ((lambda: run.table("no.csv"), "Run.files"), (run.field, r"\[field\]"), (lambda: run.rods("other"), "scene"),
                           (lambda: run.dataset("a/b"), "datasets"), (lambda: run.dataset("rods"), "is a group"), (run.trajectory, "trajectory.h5md")):
             with self.assertRaisesRegex(rodwake.InputError, word):

@@ -18,6 +18,9 @@ import rodwake
 medium = rodwake.Medium(eta=1.0, alpha=2.0)
 strain: "np.ndarray[object, np.dtype[np.float64]]" = rodwake.strain([1.0], 2.0, medium)
 outcome: str = rodwake.simulate([[0, 0, 0]], medium, t_end=1.0).outcome
+turned: "np.ndarray[object, np.dtype[np.float64]]" = rodwake.wakes([[0, 0, 0]], medium).strain_gradient
+again: rodwake.RodResult = rodwake.classify([0.0, 1.0], [[0, 0, 0], [1, 0, 0]], medium, law=lambda t, y: np.ones(3))
+frames: rodwake.Trajectory = rodwake.open_run("out").trajectory(run=0)
 scene: rodwake.Scene = rodwake.Scene.load("pair.toml").set("coupling.kappa", 3.0)
 run: rodwake.Run = scene.run("out", progress=lambda what, value, end, unit: print(what, value / end))
 value: float = rodwake.fit_wake([rodwake.Profile([1.0], [2.0])], ["eta"]).parameters["eta"].value
@@ -49,6 +52,11 @@ class TypesTest(unittest.TestCase):
 
 
 class CompleteTest(unittest.TestCase):
+    def test_completion_shows_what_is_for_users(self):
+        self.assertEqual(set(dir(rodwake)), {*rodwake.__all__, "plots"})
+        for name in dir(rodwake):
+            self.assertTrue(hasattr(rodwake, name))
+
     def test_the_stub_names_what_the_module_has(self):
         def named(body):
             return {node.name for node in body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}

@@ -68,6 +68,9 @@ struct ColumnEntry {
 std::vector<ColumnEntry> columns_of(const std::filesystem::path& file);
 /// What a file of this name is, if runs make such.
 std::string what_of(const std::filesystem::path& file);
+/// What manifest.json of a run folder is to say now: {"files": {name: {what, stage, columns: [{name, unit,
+/// meaning}]}}} of the files that are there, names with their folder.
+std::string manifest_json(const std::filesystem::path& folder);
 
 /// Brings manifest.json of a run folder up to date: every file in it, what it is, and its columns with units.
 void write_manifest(const std::filesystem::path& folder);
