@@ -138,16 +138,41 @@ void add_distance(Diagnostics& diagnostics, const Fit& fit, const Report& report
                         fit.distance, fit.reason));
 }
 
+/// What the data allow of a parameter on a bound.
+std::string allowed(const Parameter& p, const Estimate& e) {
+    if (e.at_lower ? e.high == p.upper : e.low == p.lower)
+        return fmt::format("the data do not constrain it: any value {} fits within 95 %",
+                           std::isfinite(p.upper - p.lower) ? "between its bounds" : "beyond the bound");
+    return fmt::format("the data allow {} {:.4g} (95 %, one-sided, by the profile likelihood)",
+                       e.at_lower ? "values up to" : "values down to", e.at_lower ? e.high : e.low);
+}
+
 void add_bounds(Diagnostics& diagnostics, const Problem& problem, const Report& report) {
     for (std::size_t i = 0; i < report.estimates.size(); ++i) {
         const Estimate& e = report.estimates[i];
+        const Parameter& p = problem.parameters[i];
         if (e.at_lower || e.at_upper)
+            diagnostics.push_back(fmt::format(
+                "{} is on its {} bound {:.6g}: it has no error, and the errors of the others "
+                "hold for it fixed there; {}",
+                e.name, e.at_lower ? "lower" : "upper", e.at_lower ? p.lower : p.upper, allowed(p, e)));
+        else if (e.free && e.standard_error > 0.0 && e.low < p.lower && e.high > p.upper)
             diagnostics.push_back(
-                fmt::format("{} is on its {} bound {:.6g}: it has no error, and the errors of the others "
-                            "hold for it fixed there",
-                            e.name, e.at_lower ? "lower" : "upper",
-                            e.at_lower ? problem.parameters[i].lower : problem.parameters[i].upper));
+                fmt::format("the data do not constrain {}: its 95 % interval, {:.3g} to {:.3g}, "
+                            "reaches beyond both of its bounds",
+                            e.name, e.low, e.high));
     }
+}
+
+/// Couplings turn a rod by some radians while it goes f/mu; far above that the data are in other units.
+void add_sizes(Diagnostics& diagnostics, const Report& report) {
+    constexpr double largest = 1e5;
+    for (const Estimate& e : report.estimates)
+        if ((e.name == "kappa" || e.name == "gamma1" || e.name == "gamma2") && std::abs(e.value) > largest)
+            diagnostics.push_back(fmt::format(
+                "{} = {:.3g} is no coupling of rods (usual are 0.01 to 1000): are f_over_mu and speed of "
+                "the tracks right, and their headings in radians?",
+                e.name, e.value));
 }
 
 void add_errors(Diagnostics& diagnostics, const Problem& problem, const Fit& fit, const Report& report) {
@@ -201,10 +226,28 @@ std::string place(const Report& report, const StartResult& end) {
     return text;
 }
 
+/// Ends that differ by rounding errors, of which the fit's is one.
+bool as_low(const Fit& fit, const StartResult& end) {
+    return std::abs(end.objective - fit.objective) <= 1e-9 * std::abs(fit.objective) + 1e-12;
+}
+
+void add_equals(Diagnostics& diagnostics, const Fit& fit, const Report& report) {
+    std::vector<StartResult> equal;
+    for (const StartResult& s : fit.starts)
+        if (as_low(fit, s) && elsewhere(report, fit, s))
+            equal.push_back(s);
+    if (!equal.empty())
+        diagnostics.push_back(fmt::format(
+            "of the {} starts that ended at the best objective {} ended at other values, for one at {}: the "
+            "data do not tell these apart",
+            report.same_optimum, equal.size(), place(report, equal.front())));
+}
+
 void add_others(Diagnostics& diagnostics, const Fit& fit, const Report& report, double rise) {
     std::vector<StartResult> others;
     for (const StartResult& s : fit.starts)
-        if (s.objective - fit.objective < 4.0 * rise && elsewhere(report, fit, s))
+        if (s.objective - fit.objective < 4.0 * rise && !at_the_best(fit, report, s) &&
+            elsewhere(report, fit, s))
             others.push_back(s);
     if (others.empty())
         return;
@@ -242,20 +285,27 @@ void add_starts(Diagnostics& diagnostics, const Problem& problem, const Fit& fit
 
 } // namespace
 
+bool at_the_best(const Fit& fit, const Report& report, const StartResult& start) {
+    const bool near = start.objective <= fit.objective * (1.0 + 1e-4) + 1e-8;
+    return as_low(fit, start) || (near && !elsewhere(report, fit, start));
+}
+
 std::string describe_probability(double probability) {
     return probability < 1e-300 ? "< 1e-300" : fmt::format("{:.3g}", probability);
 }
 
 std::vector<std::string> diagnostics_of(const Problem& problem, const Fit& fit, const Report& report,
                                         double rise, bool exact) {
-    Diagnostics diagnostics;
+    Diagnostics diagnostics = problem.remarks;
     add_ending(diagnostics, fit);
     for (const FlatDirection& flat : report.flat)
         diagnostics.push_back(flat.text);
     add_distance(diagnostics, fit, report, exact);
     add_bounds(diagnostics, problem, report);
+    add_sizes(diagnostics, report);
     add_chi2(diagnostics, problem, report);
     add_errors(diagnostics, problem, fit, report);
+    add_equals(diagnostics, fit, report);
     add_others(diagnostics, fit, report, rise);
     add_failed(diagnostics, fit);
     add_starts(diagnostics, problem, fit, report);

@@ -14,6 +14,10 @@ std::vector<FlatDirection> flat_directions(const Problem& problem, const Fit& fi
 std::vector<std::string> diagnostics_of(const Problem& problem, const Fit& fit, const Report& report,
                                         double rise, bool exact);
 
+/// Whether a start ended in the minimum that the fit reports: as low but for rounding, or as low but for 1e-4
+/// and in the same place.
+bool at_the_best(const Fit& fit, const Report& report, const StartResult& start);
+
 /// "0.02", or "< 1e-300" where doubles end.
 std::string describe_probability(double probability);
 

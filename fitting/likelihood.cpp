@@ -65,12 +65,22 @@ public:
     /// The last coordinate in this direction: the bound, or the limit.
     double end(int side) const {
         const double bound = side < 0 ? space_.lower()[k_] : space_.upper()[k_];
-        const double centre_u = centre().u, reach = limit * error_;
+        const double centre_u = centre().u, reach = held_ ? HUGE_VAL : limit * error_;
         return side < 0 ? std::max(bound, centre_u - reach) : std::min(bound, centre_u + reach);
     }
 
 private:
-    /// Standard error in u and rise of the objective for it; a tenth of a natural step where it is infinite.
+    /// The space without bounds of the parameter, in the same coordinates: on a bound it has an error there.
+    static Problem unbounded(Problem problem, std::size_t parameter) {
+        Parameter& p = problem.parameters[parameter];
+        p.scale = natural_scale(p);
+        p.upper = std::numeric_limits<double>::infinity();
+        p.lower = p.transform == Transform::log ? 0.0 : -p.upper;
+        return problem;
+    }
+
+    /// Standard error in u and rise of the objective for it; a tenth of a natural step where it is infinite,
+    /// and no more than a natural one on a bound, where a logarithm may be far from what is regular.
     void measure() {
         const LossShape loss{method_.loss, method_.loss_width};
         Evaluator evaluator(problem_, space_, loss);
@@ -81,13 +91,17 @@ private:
         if (!point.finite())
             throw RunError("fit: no profile likelihood: the residuals are not finite at the best values (" +
                            evaluator.trouble() + ")");
+        const Problem open = unbounded(problem_, parameter_);
+        held_ = point.u[k_] <= space_.lower()[k_] || point.u[k_] >= space_.upper()[k_];
         const Curvature c =
-            curvature(space_, point, evaluator.gradient(point), ReportOptions{}.rank_tolerance);
+            curvature(SearchSpace(open), point, evaluator.gradient(point), ReportOptions{}.rank_tolerance);
         const ErrorScale scale = error_scale(problem_, loss, point, degrees_of_freedom(problem_));
         if (std::isfinite(scale.rise) && scale.rise > 0.0)
             rise_ = scale.rise;
         const double error = c.standard_error[k_] * scale.factor;
         error_ = std::isfinite(error) && error > 0.0 ? error : 0.1;
+        if (held_)
+            error_ = std::min(error_, 1.0);
     }
 
     const Problem& problem_;
@@ -97,6 +111,7 @@ private:
     SearchSpace space_;
     Eigen::Index k_ = 0;
     double error_ = 0.1, rise_ = 1.0;
+    bool held_ = false; ///< by a bound
     mutable bool stopped_ = false;
 };
 
@@ -139,7 +154,7 @@ std::vector<Place> walk(const Profile& profile, int side, std::size_t steps) {
         const double climbed = std::abs(there.z - here.z);
         if (!std::isfinite(there.z) || climbed > 4.0 * wanted) {
             step *= 0.25;
-            if (step > 1e-6 * profile.error())
+            if (step > 1e-6 * std::min(profile.error(), 1.0)) // an error may be any number of natural steps
                 continue;
             break;
         }
@@ -168,7 +183,20 @@ void check(const Problem& problem, std::size_t parameter) {
                                          : std::to_string(parameter)));
 }
 
+/// Whether it rises with the coordinate: then the parameter is on its lower bound.
+bool on_lower_bound(const Parameter& p, double value) { return value - p.lower <= p.upper - value; }
+
 } // namespace
+
+std::optional<double> one_sided_limit(const Problem& problem, const Fit& best, std::size_t parameter) {
+    check(problem, parameter);
+    Method method;
+    method.loss = best.loss;
+    method.loss_width = best.loss_width;
+    const Profile profile(problem, method, best, parameter);
+    const int side = on_lower_bound(problem.parameters[parameter], best.values[parameter]) ? +1 : -1;
+    return bound_of(profile, walk(profile, side, 6));
+}
 
 ProfileLikelihood profile_likelihood(const Problem& problem, const Method& method, const Fit& best,
                                      std::size_t parameter, std::size_t points) {

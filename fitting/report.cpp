@@ -43,6 +43,18 @@ void set_free(Estimate& e, Eigen::Index k, const Errors& errors, const Parameter
     e.high = shifted(errors.space, k, e.value, errors.quantile * error);
 }
 
+/// Of a parameter on a bound: the interval to the side that is free.
+void set_one_sided(const Problem& problem, const Fit& fit, std::size_t i, Estimate& e) {
+    if (!e.at_lower && !e.at_upper)
+        return;
+    const Parameter& p = problem.parameters[i];
+    const auto limit = one_sided_limit(problem, fit, i);
+    if (e.at_lower)
+        e.high = limit.value_or(p.upper);
+    else
+        e.low = limit.value_or(p.lower);
+}
+
 void follow_ties(const Problem& problem, std::vector<Estimate>& estimates) {
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         const Parameter& p = problem.parameters[i];
@@ -79,6 +91,7 @@ std::vector<Estimate> estimates_of(const Problem& problem, const Fit& fit, const
     for (Eigen::Index k = 0; k < errors.space.size(); ++k) {
         const std::size_t i = errors.space.free()[k];
         set_free(estimates[i], k, errors, problem.parameters[i]);
+        set_one_sided(problem, fit, i, estimates[i]);
     }
     follow_ties(problem, estimates);
     return estimates;
@@ -135,10 +148,9 @@ Report without_curvature(const Problem& problem, const Fit& fit) {
     return report;
 }
 
-std::size_t same_optimum(const Fit& fit) {
-    return static_cast<std::size_t>(std::ranges::count_if(fit.starts, [&](const StartResult& s) {
-        return std::isfinite(s.objective) && s.objective <= fit.objective * (1.0 + 1e-4) + 1e-8;
-    }));
+std::size_t same_optimum(const Fit& fit, const Report& report) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        fit.starts, [&](const StartResult& start) { return at_the_best(fit, report, start); }));
 }
 
 std::vector<double> free_values(const Fit& fit, const SearchSpace& space) {
@@ -175,7 +187,7 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     report.estimates = estimates_of(problem, fit, errors);
     set_matrices(report, fit, errors);
     report.flat = flat_directions(problem, fit, space, c);
-    report.same_optimum = same_optimum(fit);
+    report.same_optimum = same_optimum(fit, report);
     report.diagnostics = diagnostics_of(problem, fit, report, scale.rise,
                                         stationarity(evaluator, point).newton <= tiny_change);
     return report;

@@ -126,7 +126,7 @@ std::vector<double> start_values(const Problem& problem, const Method& method, s
     std::vector<double> values;
     for (const std::size_t i : free_parameters(problem)) {
         const Parameter& p = problem.parameters[i];
-        if (index == 0)
+        if (index == 0 || !p.spreads)
             values.push_back(p.start);
         else
             values.push_back(p.start != 0.0 ? by_factor(p, method.spread, random)

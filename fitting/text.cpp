@@ -71,21 +71,23 @@ std::string estimates(const Problem& problem, const Report& report) {
         const Parameter& p = problem.parameters[i];
         const bool known = std::isfinite(report.error_factor);
         rows.push_back({e.name, with_error(e.value, e.standard_error, known),
-                        known && e.standard_error > 0.0 ? interval(e.low, e.high) : "",
+                        known && e.low < e.high ? interval(e.low, e.high) : "",
                         e.tied_to.empty() ? fmt::format("{:.5g}", p.start) : "", p.free() ? bounds(p) : "",
                         kind(p, e)});
     }
     return table(rows);
 }
 
-std::string correlations(const Report& report) {
+std::string correlations(const Problem& problem, const Report& report) {
     if (report.free.size() < 2)
         return {};
+    constexpr std::size_t most = 12; // parameters with which starts of tracks are shown too
     std::vector<Row> rows{{""}};
-    for (const std::size_t i : report.free)
-        rows.front().push_back(report.estimates[i].name);
     std::string strong;
     for (std::size_t a = 0; a < report.free.size(); ++a) {
+        if (report.free.size() > most && !problem.parameters[report.free[a]].spreads)
+            break; // the rest are poses
+        rows.front().push_back(report.estimates[report.free[a]].name);
         Row row{report.estimates[report.free[a]].name};
         for (std::size_t b = 0; b <= a; ++b) {
             const double c = report.correlation(a, b);
@@ -146,7 +148,7 @@ std::string diagnostics(const Report& report) {
 } // namespace
 
 std::string to_text(const Problem& problem, const Fit& fit, const Report& report) {
-    return estimates(problem, report) + correlations(report) + goodness(problem, fit, report) +
+    return estimates(problem, report) + correlations(problem, report) + goodness(problem, fit, report) +
            starts(fit, report) + diagnostics(report);
 }
 

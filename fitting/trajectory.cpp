@@ -16,13 +16,13 @@ namespace {
 
 using Row = Eigen::Index;
 
-/// The residuals of a trajectory in order: headings of the first row if free, x, y, heading of each rod in
-/// each row after it, the time of contact.
+/// The residuals of a trajectory in order: what is free of the first row, x, y, heading of each rod in each
+/// row after it, the time of contact.
 struct Residuals {
     std::size_t start, rows, contact;
 
     explicit Residuals(const Trajectory& one)
-        : start(one.free_headings ? one.states.front().size() / 3 : 0),
+        : start(one.states.front().size() / (one.free_start ? 1 : 3) * (is_free(one, 2) ? 1 : 0)),
           rows((one.times.size() - 1) * one.states.front().size()), contact(one.contact_time ? 1 : 0) {}
     std::size_t count() const { return start + rows + contact; }
 };
@@ -46,9 +46,12 @@ double mean_independent(const std::vector<Trajectory>& all) {
 std::string residual_name(const Trajectory& one, std::size_t i) {
     static constexpr const char* names[] = {"x", "y", "theta"};
     const Residuals size(one);
-    if (i < size.start)
-        return fmt::format("{} theta{}", row_name(one, 0), i);
-    const std::size_t n = one.states.front().size(), in_rows = i - size.start, component = in_rows % n;
+    const std::size_t n = one.states.front().size();
+    if (i < size.start) {
+        const std::size_t of_row = one.free_start ? i : 3 * i + 2;
+        return fmt::format("{} {}{}", row_name(one, 0), names[of_row % 3], of_row / 3);
+    }
+    const std::size_t in_rows = i - size.start, component = in_rows % n;
     if (in_rows >= size.rows)
         return one.name + " contact time";
     return fmt::format("{} {}{}", row_name(one, in_rows / n + 1), names[component % 3], component / 3);
@@ -103,9 +106,9 @@ private:
                 jacobian->row(at) = slope() / sigma;
             ++at;
         };
-        for (std::size_t row = one.free_headings ? 0 : 1; row < one.states.size(); ++row)
+        for (std::size_t row = 0; row < one.states.size(); ++row)
             for (std::size_t i = 0; i < one.states[row].size(); ++i)
-                if (row > 0 || i % 3 == 2)
+                if (row > 0 || is_free(one, i))
                     put(run.states[row][static_cast<Row>(i)], one.states[row][i], sigma_of(one, i),
                         [&] { return run.derivatives[row].row(static_cast<Row>(i)); });
         if (one.contact_time)
@@ -120,18 +123,20 @@ private:
     std::vector<bool> wanted_;
 };
 
-void add_headings(std::vector<Parameter>& parameters, const std::vector<Trajectory>& trajectories) {
+void add_starts(std::vector<Parameter>& parameters, const std::vector<Trajectory>& trajectories) {
     for (std::size_t k = 0; k < trajectories.size(); ++k) {
         const std::vector<double>& start = trajectories[k].states.front();
-        for (std::size_t a = 0; trajectories[k].free_headings && a < start.size() / 3; ++a) {
-            const std::string name = heading_name(k, a);
-            if (std::ranges::find(parameters, name, &Parameter::name) != parameters.end())
+        for (std::size_t i = 0; i < start.size(); ++i) {
+            const std::string name = pose_name(k, i / 3, i % 3);
+            if (!is_free(trajectories[k], i) ||
+                std::ranges::find(parameters, name, &Parameter::name) != parameters.end())
                 continue;
-            Parameter heading;
-            heading.name = name;
-            heading.start = start[3 * a + 2];
-            heading.scale = 0.1; // rad: chosen from the start it would be 0 for a rod along x
-            parameters.push_back(heading);
+            Parameter pose;
+            pose.name = name;
+            pose.start = start[i];
+            pose.scale = 0.1; // rad, f/mu: chosen from the start it would be 0 for a rod along x
+            pose.spreads = false;
+            parameters.push_back(pose);
         }
     }
 }
@@ -166,7 +171,7 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     if (model.ode.method == integrate::Method::erk)
         throw InputError("fit of trajectories: method erk has no sensitivities; use adams or, for stiff "
                          "couplings, bdf");
-    add_headings(parameters, trajectories);
+    add_starts(parameters, trajectories);
     const auto all = std::make_shared<const Trajectories>(model.ode, trajectories, parameters);
     Problem problem;
     problem.parameters = std::move(parameters);
@@ -183,14 +188,14 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
 std::vector<std::vector<double>> predict(const TrajectoryModel& model, const Trajectory& trajectory,
                                          std::size_t index, const std::vector<Parameter>& parameters,
                                          std::span<const double> values) {
-    // Headings of other trajectories are not this one's: only their names are known here.
+    // Starts of other trajectories are not this one's: only their names are known here.
     std::vector<Trajectory> all(index + 1);
     all[index] = trajectory;
     std::vector<Role> roles;
     std::vector<double> used;
     for (std::size_t j = 0; j < parameters.size(); ++j) {
         const std::string& name = parameters[j].name;
-        if (name.starts_with("heading.") && !name.starts_with(fmt::format("heading.{}.", index)))
+        if (is_start_pose(name) && !name.substr(name.find('.')).starts_with(fmt::format(".{}.", index)))
             continue;
         roles.push_back(role_of(name, all));
         used.push_back(values[j]);

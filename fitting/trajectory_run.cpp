@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 namespace rodwake::fitting {
@@ -25,7 +27,7 @@ const std::map<std::string, Role>& physical_roles() {
 /// What the sensitivities are taken by, and which parameter of the fit each column is.
 struct Columns {
     std::vector<rods::Parameter> physical;
-    std::vector<std::size_t> headings;
+    std::vector<std::size_t> headings, places;
     std::vector<std::size_t> parameter;
     std::vector<double> factor; ///< d physical / d parameter
 };
@@ -33,12 +35,18 @@ struct Columns {
 Columns columns_of(std::size_t index, std::span<const Role> roles, std::span<const double> values,
                    const std::vector<bool>& wanted) {
     Columns columns;
-    for (const bool headings : {false, true})
+    const auto kind = [](const Role& role) { return role.physical ? 0 : role.component == 2 ? 1 : 2; };
+    for (const int wanted_kind : {0, 1, 2})
         for (std::size_t j = 0; j < roles.size(); ++j) {
             const Role& role = roles[j];
-            if (!wanted[j] || !role.matters_to(index) || role.physical.has_value() == headings)
+            if (!wanted[j] || !role.matters_to(index) || kind(role) != wanted_kind)
                 continue;
-            headings ? columns.headings.push_back(role.rod) : columns.physical.push_back(*role.physical);
+            if (role.physical)
+                columns.physical.push_back(*role.physical);
+            else if (role.component == 2)
+                columns.headings.push_back(role.rod);
+            else
+                columns.places.push_back(2 * role.rod + role.component);
             columns.parameter.push_back(j);
             columns.factor.push_back(role.inverse ? -1.0 / (values[j] * values[j]) : 1.0);
         }
@@ -78,7 +86,8 @@ integrate::OdeOptions tightened(integrate::OdeOptions options) {
 /// Solves with sensitivities if there is something to differentiate by.
 integrate::SensitivitySolution solve(const rods::RodProblem& rods, const Columns& columns,
                                      const integrate::OdeOptions& options, std::span<const double> times) {
-    const auto problem = rods::to_sensitivity_problem(rods, columns.physical, columns.headings);
+    const auto problem =
+        rods::to_sensitivity_problem(rods, columns.physical, columns.headings, columns.places);
     if (columns.parameter.empty())
         return {integrate::solve(problem.ode, options, times), {}, {}, {}};
     return integrate::solve_with_sensitivities(problem, options, times);
@@ -134,23 +143,42 @@ double implied_contact(const Trajectory& trajectory) {
     return 0.01 * smallest;
 }
 
+constexpr std::array pose_words = {"x", "y", "heading"};
+
+/// The role that a name like "x.0.1" says.
+std::optional<Role> pose_of(const std::string& name) {
+    const auto dot = name.find('.');
+    const auto word = std::ranges::find(pose_words, name.substr(0, dot));
+    Role role;
+    if (dot == std::string::npos || word == pose_words.end() ||
+        std::sscanf(name.c_str() + dot, ".%zu.%zu", &role.trajectory, &role.rod) != 2)
+        return std::nullopt;
+    role.component = static_cast<std::size_t>(word - pose_words.begin());
+    return name == pose_name(role.trajectory, role.rod, role.component) ? std::optional(role) : std::nullopt;
+}
+
+double& component(rods::Pose& rod, std::size_t which) {
+    return which == 0 ? rod.x : which == 1 ? rod.y : rod.heading;
+}
+
 } // namespace
 
-std::string heading_name(std::size_t trajectory, std::size_t rod) {
-    return fmt::format("heading.{}.{}", trajectory, rod);
+std::string pose_name(std::size_t trajectory, std::size_t rod, std::size_t component) {
+    return fmt::format("{}.{}.{}", pose_words[component], trajectory, rod);
 }
+
+bool is_start_pose(const std::string& name) { return pose_of(name).has_value(); }
 
 Role role_of(const std::string& name, const std::vector<Trajectory>& trajectories) {
     if (const auto known = physical_roles().find(name); known != physical_roles().end())
         return known->second;
-    for (std::size_t k = 0; k < trajectories.size(); ++k)
-        for (std::size_t a = 0;
-             trajectories[k].free_headings && a < trajectories[k].states.front().size() / 3; ++a)
-            if (name == heading_name(k, a))
-                return {std::nullopt, false, k, a};
+    if (const auto pose = pose_of(name); pose && pose->trajectory < trajectories.size())
+        if (const Trajectory& one = trajectories[pose->trajectory];
+            is_free(one, pose->component) && pose->rod < one.states.front().size() / 3)
+            return *pose;
     throw InputError(
         fmt::format("fit of trajectories: no parameter \"{}\"; there are {} and, of trajectories "
-                    "with free headings, heading.<trajectory>.<rod>",
+                    "with free starts, x.<trajectory>.<rod>, y. and heading. likewise",
                     name, fmt::join(trajectory_parameter_names(), ", ")));
 }
 
@@ -165,7 +193,7 @@ rods::RodProblem rod_problem(const Trajectory& trajectory, std::size_t index, st
         if (roles[j].physical)
             rods::value(problem, *roles[j].physical) = roles[j].inverse ? 1.0 / values[j] : values[j];
         else if (roles[j].trajectory == index)
-            problem.rods[roles[j].rod].heading = values[j];
+            component(problem.rods[roles[j].rod], roles[j].component) = values[j];
     }
     problem.box = trajectory.box;
     problem.contact_distance = trajectory.contact_distance.value_or(implied_contact(trajectory));

@@ -10,15 +10,20 @@ namespace rodwake::fitting {
 
 /// What a parameter is to the trajectories.
 struct Role {
-    std::optional<rods::Parameter> physical; ///< empty: the initial heading of a rod
-    bool inverse = false;                    ///< alpha = 1/xi
-    std::size_t trajectory = 0, rod = 0;
+    std::optional<rods::Parameter> physical;            ///< empty: a component of the initial pose of a rod
+    bool inverse = false;                               ///< alpha = 1/xi
+    std::size_t trajectory = 0, rod = 0, component = 2; ///< 0, 1, 2: x, y, heading
 
     bool matters_to(std::size_t one) const { return physical || trajectory == one; }
 };
 
-/// "heading.<trajectory>.<rod>"
-std::string heading_name(std::size_t trajectory, std::size_t rod);
+/// "heading.<trajectory>.<rod>", "x. ...", "y. ..."
+std::string pose_name(std::size_t trajectory, std::size_t rod, std::size_t component);
+
+/// Whether the component of the first row is a parameter.
+inline bool is_free(const Trajectory& one, std::size_t component) {
+    return one.free_start || (one.free_headings && component % 3 == 2);
+}
 
 /// Throws InputError for a name that means nothing here.
 Role role_of(const std::string& name, const std::vector<Trajectory>& trajectories);

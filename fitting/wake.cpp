@@ -4,6 +4,7 @@
 #include "rodwake/core/box_sides.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/fitting/independent.hpp"
 #include "wake_terms.hpp"
 
 #include <fmt/format.h>
@@ -38,6 +39,10 @@ void check_point(const Profile& profile, std::size_t i) {
         throw InputError(
             fmt::format("{}: sigma = {}: must be above 0; leave the column out if the errors are unknown",
                         where(profile, i), profile.sigma[i]));
+}
+
+double worth(const Profile& profile, std::size_t i) {
+    return profile.worth.empty() ? profile.independent : profile.worth[i];
 }
 
 void check_profile(const Profile& profile) {
@@ -109,9 +114,9 @@ void check_values(const std::vector<Point>& points) {
 double mean_independent(const WakeModel& model, const std::vector<Profile>& profiles) {
     double values = 0.0, points = 0.0;
     for (const Profile& profile : profiles) {
-        const auto count = static_cast<double>(outside_core(profile, model.core).place.size());
-        values += profile.independent * count;
-        points += count;
+        const Profile kept = outside_core(profile, model.core);
+        values += kept.independent * static_cast<double>(kept.place.size());
+        points += static_cast<double>(kept.place.size());
     }
     return values / points;
 }
@@ -143,7 +148,7 @@ void evaluate(const WakeModel& model, const WakeTerms& terms, const std::vector<
 } // namespace
 
 double residual_scale(const Profile& profile, std::size_t i) {
-    return 1.0 / std::sqrt(profile.independent) * (profile.sigma.empty() ? 1.0 : profile.sigma[i]);
+    return 1.0 / std::sqrt(worth(profile, i)) * (profile.sigma.empty() ? 1.0 : profile.sigma[i]);
 }
 
 double chi2_of(const Profile& profile, std::span<const double> model) {
@@ -157,9 +162,17 @@ double chi2_of(const Profile& profile, std::span<const double> model) {
     return sum;
 }
 
+void share_data(Profile& profile, double spacing) {
+    const auto finite = [](double place) { return std::isfinite(place); };
+    if (profile.place.empty() || !std::ranges::all_of(profile.place, finite))
+        return; // refused with the rest of the data
+    profile.worth = independent_worth(profile.place, spacing);
+    profile.independent = mean_worth(profile.worth);
+}
+
 Profile outside_core(const Profile& profile, double core) {
     Profile kept = profile;
-    kept.place.clear(), kept.value.clear(), kept.sigma.clear(), kept.where.clear();
+    kept.place.clear(), kept.value.clear(), kept.sigma.clear(), kept.where.clear(), kept.worth.clear();
     for (std::size_t i = 0; i < profile.place.size(); ++i) {
         if (std::abs(profile.place[i]) < core)
             continue;
@@ -168,7 +181,11 @@ Profile outside_core(const Profile& profile, double core) {
         if (!profile.sigma.empty())
             kept.sigma.push_back(profile.sigma[i]);
         kept.where.push_back(where(profile, i));
+        if (!profile.worth.empty())
+            kept.worth.push_back(profile.worth[i]);
     }
+    if (!kept.worth.empty())
+        kept.independent = mean_worth(kept.worth);
     return kept;
 }
 
@@ -220,11 +237,10 @@ ScaleFactor scale_factor(const Profile& data, std::span<const double> model,
     if (static_cast<Eigen::Index>(model.size()) != n)
         throw InputError(data.name + ": data and prediction differ in number");
     const Eigen::Map<const Eigen::VectorXd> d(data.value.data(), n), m(model.data(), n);
-    Eigen::VectorXd weight = Eigen::VectorXd::Ones(n);
+    Eigen::VectorXd weight(n);
     const double values = data.independent * static_cast<double>(n);
-    if (!data.sigma.empty())
-        weight = Eigen::Map<const Eigen::VectorXd>(data.sigma.data(), n).array().square().inverse();
-    weight *= data.independent;
+    for (Eigen::Index i = 0; i < n; ++i)
+        weight[i] = std::pow(residual_scale(data, static_cast<std::size_t>(i)), -2.0);
     const double norm = weight.dot(m.cwiseAbs2());
     ScaleFactor out;
     out.points = data.value.size();

@@ -120,7 +120,7 @@ Eigen::VectorXd contact_gradient(State y, Box box) {
 }
 
 void check(const RodProblem& problem, std::span<const Parameter> parameters,
-           std::span<const std::size_t> headings) {
+           std::span<const std::size_t> headings, std::span<const std::size_t> places) {
     if (!parameters.empty() && !problem.medium)
         throw InputError("sensitivities to couplings and medium need a medium; there is none");
     const auto field = wakes_of(problem);
@@ -135,14 +135,22 @@ void check(const RodProblem& problem, std::span<const Parameter> parameters,
             throw InputError(
                 fmt::format("the heading of rods[{}] is to be a parameter, but there are {} rods", rod,
                             problem.rods.size()));
+    for (const std::size_t place : places)
+        if (place / 2 >= problem.rods.size())
+            throw InputError(fmt::format("the place of rods[{}] is to be a parameter, but there are {} rods",
+                                         place / 2, problem.rods.size()));
 }
 
 Eigen::MatrixXd initial_sensitivities(std::size_t rods, std::size_t parameters,
-                                      std::span<const std::size_t> headings) {
-    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(static_cast<Column>(3 * rods),
-                                              static_cast<Column>(parameters + headings.size()));
-    for (std::size_t j = 0; j < headings.size(); ++j)
-        S(static_cast<Column>(3 * headings[j] + 2), static_cast<Column>(parameters + j)) = 1.0;
+                                      std::span<const std::size_t> headings,
+                                      std::span<const std::size_t> places) {
+    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(
+        static_cast<Column>(3 * rods), static_cast<Column>(parameters + headings.size() + places.size()));
+    auto column = static_cast<Column>(parameters);
+    for (const std::size_t rod : headings)
+        S(static_cast<Column>(3 * rod + 2), column++) = 1.0;
+    for (const std::size_t place : places)
+        S(static_cast<Column>(3 * (place / 2) + place % 2), column++) = 1.0;
     return S;
 }
 
@@ -172,17 +180,18 @@ double value(const RodProblem& problem, Parameter parameter) {
 
 integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
                                                      std::span<const Parameter> parameters,
-                                                     std::span<const std::size_t> headings) {
-    check(problem, parameters, headings);
+                                                     std::span<const std::size_t> headings,
+                                                     std::span<const std::size_t> places) {
+    check(problem, parameters, headings, places);
     integrate::SensitivityProblem result;
     result.ode = to_ode(problem);
     if (problem.rods.size() > 1)
         result.ode.step_limit = [box = problem.box](double, State y) { return encounter_step(y, box); };
-    result.parameters = parameters.size() + headings.size();
+    result.parameters = parameters.size() + headings.size() + places.size();
     // NOLINTBEGIN(performance-unnecessary-value-param): an Eigen::Ref is a view, and the signature is the
     // problem's
     result.by_parameter = [](double, State, Eigen::Ref<Eigen::MatrixXd>) {
-    }; // headings act at the start alone
+    }; // headings and places act at the start alone
     if (!parameters.empty()) {
         const auto derivatives = std::make_shared<const ParameterDerivatives>(problem, parameters);
         result.by_parameter = [derivatives](double, State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) {
@@ -190,7 +199,7 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
         };
     }
     // NOLINTEND(performance-unnecessary-value-param)
-    result.initial = initial_sensitivities(problem.rods.size(), parameters.size(), headings);
+    result.initial = initial_sensitivities(problem.rods.size(), parameters.size(), headings, places);
     for (const Parameter p : parameters)
         result.parameter_scale.push_back(std::max(1.0, std::abs(value(problem, p))));
     result.parameter_scale.resize(result.parameters, 1.0);

@@ -11,14 +11,24 @@ from .spec import Spec
 MAP = "RdBu_r"
 
 
+MOST = 12  # parameters with which starts of tracks are shown too
+
+
 def draw(run, spec):
-    free, matrix = run.fit.free, read(run.fit)
+    return of_matrix([one.name for one in run.fit.free], read(run.fit), style.safe(spec.title))
+
+
+def of_matrix(free, matrix, title=""):
+    """nan where a correlation is not known."""
+    if len(free) > MOST:
+        kept = [index for index, name in enumerate(free) if not fit_words.pose_of(name)]
+        free, matrix = [free[index] for index in kept], matrix[np.ix_(kept, kept)]
     count = len(free)
     size = min(max(1.6, 0.62 * count), 6.0)
     figure = canvas.figure(size + 1.5, size + 0.75)
     axes = figure.subplots()
     image = axes.imshow(matrix, cmap=MAP, vmin=-1, vmax=1)
-    names = [f"${fit_words.symbol(one.name)}$" for one in free]
+    names = [f"${fit_words.symbol(name)}$" for name in free]
     axes.set_xticks(range(count), names)
     axes.set_yticks(range(count), names)
     axes.tick_params(length=0, labelsize=11)
@@ -31,7 +41,7 @@ def draw(run, spec):
     bar = figure.colorbar(image, ax=axes, ticks=[-1, -0.5, 0, 0.5, 1], fraction=0.05, pad=0.04)
     bar.set_label("correlation")
     bar.ax.tick_params(direction="in")
-    canvas.heading(axes, style.safe(spec.title))
+    canvas.heading(axes, title)
     return figure
 
 

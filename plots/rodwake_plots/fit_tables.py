@@ -17,7 +17,7 @@ def name_of(one):
 def parameter(one):
     fitted = one.free or math.isfinite(one.error)  # a tied one has the error of what it follows
     value = fit_words.value(one) if fitted else fit_words.with_unit(words.number(one.value, 6), one.unit)
-    interval = fit_words.interval_html(one.low, one.high, one.unit) if one.free and not one.at_bound else ""
+    interval = fit_words.interval_html(one.low, one.high, one.unit) if one.free and one.low < one.high else ""
     start = words.number(one.start) if one.free and math.isfinite(one.start) else ""
     return name_of(one.name), whole(value), whole(interval), start, whole(bounds(one)) if one.free else "", remark(one)
 

@@ -6,35 +6,36 @@ import string
 
 from . import schema, words
 
+POSES = {"x": ("x", "x"), "y": ("y", "y"), "heading": (r"\theta", "θ")}  # as TeX and in HTML
 LETTER = "([A-Za-ln-rt-z])"  # a length of the problem; m and s are units
 
 
 def symbol(name):
     """Mathtext without dollars."""
     known = schema.FIT_PARAMETERS.get(name)
-    heading = heading_of(name)
-    if heading:
-        return rf"\theta_{{{heading[1]}}}^{{({heading[0]})}}"
+    pose = pose_of(name)
+    if pose:
+        return rf"{POSES[pose[0]][0]}_{{{pose[2]}}}^{{({pose[1]})}}"
     return known["symbol"] if known else r"\mathrm{%s}" % re.sub(r"[^\w.+-]", "?", name).replace("_", r"\ ")
 
 
 def symbol_html(name):
-    heading = heading_of(name)
-    if heading:
-        return f"<i>θ</i><sub>{heading[1]}</sub><sup>({heading[0]})</sup>"
+    pose = pose_of(name)
+    if pose:
+        return f"<i>{POSES[pose[0]][1]}</i><sub>{pose[2]}</sub><sup>({pose[1]})</sup>"
     return words.tex_html(schema.FIT_PARAMETERS[name]["symbol"]) if name in schema.FIT_PARAMETERS else words.escape(name)
 
 
-def heading_of(name):
-    """(trajectory, rod) of a free initial heading."""
-    found = re.fullmatch(r"heading\.(\d+)\.(\d+)", name)
+def pose_of(name):
+    """(what, trajectory, rod) of a part of a start that was fitted."""
+    found = re.fullmatch(r"(x|y|heading)\.(\d+)\.(\d+)", name)
     return found.groups() if found else None
 
 
 def meaning(name):
-    heading = heading_of(name)
-    if heading:
-        return f"heading of rod {heading[1]} at the start of trajectory {heading[0]}"
+    pose = pose_of(name)
+    if pose:
+        return f"{pose[0]} of rod {pose[2]} at the start of trajectory {pose[1]}"
     return words.prose(schema.FIT_PARAMETERS[name]["meaning"]) if name in schema.FIT_PARAMETERS else ""
 
 

@@ -3,11 +3,12 @@
 #include "rodwake/assembly/fit.hpp"
 #include "bind.hpp"
 #include "callbacks.hpp"
-#include "rodwake/fitting/report.hpp"
+#include "rodwake/stages/fit_results.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -16,8 +17,8 @@ namespace rodwake::python {
 namespace {
 
 using OptionalArray = std::optional<Array>;
-/// place, value, sigma, independent; the rest is in [[fit.profiles]].
-using ProfileTuple = std::tuple<Array, Array, OptionalArray, double>;
+/// place, value, sigma; the rest is in [[fit.profiles]].
+using ProfileTuple = std::tuple<Array, Array, OptionalArray>;
 /// t (T,), poses (T, N, 3), independent; the rest is in [[fit.trajectories]].
 using TrackTuple = std::tuple<Array, Array, double>;
 
@@ -25,8 +26,9 @@ std::string place_name(const std::string& name, std::size_t i) {
     return name + "[" + std::to_string(i) + "]";
 }
 
-assembly::FitProfileData profile_of(const scene::FitProfile& keys, const ProfileTuple& given) {
-    const auto& [place, value, sigma, independent] = given;
+assembly::FitProfileData profile_of(const scene::FitProfile& keys, const ProfileTuple& given,
+                                    std::optional<double> independent_spacing) {
+    const auto& [place, value, sigma] = given;
     assembly::FitProfileData out{keys.name, keys.name, {}, 0};
     out.data = {keys.name,
                 keys.component == "Ux" ? fitting::Component::Ux : fitting::Component::Uy,
@@ -34,11 +36,11 @@ assembly::FitProfileData profile_of(const scene::FitProfile& keys, const Profile
                 keys.at,
                 copied(place),
                 copied(value),
-                sigma ? copied(*sigma) : std::vector<double>{},
-                independent,
-                {}};
+                sigma ? copied(*sigma) : std::vector<double>{}};
     for (std::size_t i = 0; i < out.data.place.size(); ++i)
         out.data.where.push_back(place_name(keys.name, i));
+    if (independent_spacing)
+        fitting::share_data(out.data, *independent_spacing);
     return out;
 }
 
@@ -61,11 +63,12 @@ assembly::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTup
     data.sigma_position = keys.sigma_position.value_or(1.0);
     data.sigma_heading = keys.sigma_heading.value_or(1.0);
     data.free_headings = keys.free_headings;
+    data.free_start = scene::fits_start(keys);
     data.contact_distance = keys.contact_distance;
     data.contact_time = keys.contact_time;
     data.sigma_contact = keys.sigma_contact.value_or(1.0);
-    data.box = box;
     data.independent = independent;
+    assembly::settle_track(out, box);
     return out;
 }
 
@@ -106,10 +109,27 @@ void require_speeds(const scene::Fit& keys) {
 }
 
 struct FitResult {
-    fitting::Problem problem;
-    fitting::Fit fit;
-    fitting::Report report;
+    assembly::FitPlan plan;
+    stages::FitResults results;
 };
+
+/// The search, and what the program makes of its end; of one that failed the report alone.
+void search(FitResult& result, const fitting::Method& method) {
+    const fitting::Problem& problem = result.plan.problem;
+    fitting::Fit fit = fitting::fit(problem, method);
+    if (fit.termination == fitting::Termination::failed || !std::isfinite(fit.chi2)) {
+        result.results.report = fitting::report(problem, fit);
+        result.results.fit = std::move(fit);
+        return;
+    }
+    result.results = stages::fit_results(result.plan, std::move(fit));
+    for (const std::string& name : result.plan.keys.likelihood) {
+        const auto at = std::ranges::find(problem.parameters, name, &fitting::Parameter::name);
+        result.results.likelihood.emplace(
+            name, fitting::profile_likelihood(problem, method, result.results.fit,
+                                              static_cast<std::size_t>(at - problem.parameters.begin())));
+    }
+}
 
 FitResult fit(const scene::Scene& scene, const std::vector<ProfileTuple>& profiles,
               const std::vector<TrackTuple>& tracks, const std::vector<MapTuple>& maps, std::size_t threads) {
@@ -118,33 +138,27 @@ FitResult fit(const scene::Scene& scene, const std::vector<ProfileTuple>& profil
     require_speeds(keys);
     assembly::FitInputs inputs;
     for (std::size_t i = 0; i < profiles.size(); ++i)
-        inputs.profiles.emplace_back(profile_of(keys.profiles.at(i), profiles[i]));
+        inputs.profiles.emplace_back(profile_of(keys.profiles.at(i), profiles[i], keys.independent_spacing));
     for (std::size_t i = 0; i < tracks.size(); ++i)
         inputs.tracks.emplace_back(track_of(keys.trajectories.at(i), tracks[i], keys.box));
     for (std::size_t i = 0; i < maps.size(); ++i)
         inputs.maps.emplace_back(map_of(keys.maps.at(i).name, i, maps[i], keys.independent_spacing));
-    const assembly::FitPlan plan = assembly::fit_plan(keys, std::move(inputs));
+    FitResult result{assembly::fit_plan(keys, std::move(inputs)), {}};
     std::atomic<bool> stopped = false;
-    fitting::Method method = plan.method;
+    fitting::Method method = result.plan.method;
     method.threads = std::max<std::size_t>(threads, 1);
     method.stop_requested = [&] { return stopped.load(); };
-    FitResult result{plan.problem, {}, {}};
-    attended(
-        [&] {
-            result.fit = fitting::fit(plan.problem, method);
-            result.report = fitting::report(plan.problem, result.fit);
-        },
-        [] {}, [&] { stopped = true; });
+    attended([&] { search(result, method); }, [] {}, [&] { stopped = true; });
     return result;
 }
 
 py::list estimates_of(const FitResult& result, const py::object& make) {
     py::list all;
-    for (const fitting::Estimate& e : result.report.estimates) {
+    for (const fitting::Estimate& e : result.results.report.estimates) {
         const py::object bound = e.at_lower   ? py::object(py::str("lower"))
                                  : e.at_upper ? py::object(py::str("upper"))
                                               : py::none();
-        const double error = has_error(result.report, e) ? e.standard_error : unknown_error;
+        const double error = has_error(result.results.report, e) ? e.standard_error : unknown_error;
         all.append(make(e.name, e.value, error, e.low, e.high, e.free, bound));
     }
     return all;
@@ -157,9 +171,78 @@ Array rows_of(const Eigen::MatrixXd& m) {
 
 std::vector<std::string> free_names(const FitResult& result) {
     std::vector<std::string> names;
-    for (const std::size_t i : result.report.free)
-        names.push_back(result.report.estimates[i].name);
+    for (const std::size_t i : result.results.report.free)
+        names.push_back(result.results.report.estimates[i].name);
     return names;
+}
+
+Array column(const std::vector<double>& values) {
+    return array_of(std::vector<double>(values), {static_cast<py::ssize_t>(values.size())});
+}
+
+/// (data - model)/sigma of all that was fitted; NaN where the model is not finite.
+Array residuals_of(const FitResult& result) {
+    const fitting::Problem& problem = result.plan.problem;
+    Eigen::VectorXd r = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(problem.residuals), std::nan(""));
+    if (std::isfinite(result.results.fit.chi2))
+        problem.evaluate(result.results.fit.values, r, nullptr);
+    r = -r;
+    return column({r.begin(), r.end()});
+}
+
+/// Of each profile: name, role, place, value, sigma, model, its error, residual, used, chi2, excess and its
+/// error.
+py::list profiles_of(const FitResult& result, const py::object& make) {
+    py::list all;
+    for (std::size_t i = 0; i < result.results.profiles.size(); ++i) {
+        const stages::FitProfileResult& one = result.results.profiles[i];
+        const assembly::FitProfileData& data = result.plan.profiles[i];
+        const bool predicted = result.plan.keys.profiles[i].role == scene::FitRole::predict;
+        std::vector<double> sigma = one.sigma;
+        std::ranges::replace(sigma, 0.0, std::nan(""));
+        const auto excess = one.scale_factor.value_or(fitting::ScaleFactor{std::nan(""), std::nan("")});
+        all.append(make(data.name, predicted ? "predict" : "fit", column(data.data.place),
+                        column(data.data.value), column(sigma), column(one.model), column(one.band),
+                        column(one.residual), py::array(py::cast(one.used)), one.chi2, excess.scale,
+                        excess.standard_error));
+    }
+    return all;
+}
+
+/// Of each track: name, model (T, N, 3), rms of positions and headings.
+py::list tracks_of(const FitResult& result, const py::object& make) {
+    py::list all;
+    for (std::size_t i = 0; i < result.results.tracks.size(); ++i) {
+        const stages::FitTrackResult& one = result.results.tracks[i];
+        std::vector<double> poses;
+        for (const std::vector<double>& state : one.model)
+            poses.insert(poses.end(), state.begin(), state.end());
+        const auto rods = static_cast<py::ssize_t>(result.plan.tracks[i].rods);
+        all.append(make(result.plan.tracks[i].name,
+                        array_of(std::move(poses), {static_cast<py::ssize_t>(one.model.size()), rods, 3}),
+                        one.rms_position, one.rms_heading));
+    }
+    return all;
+}
+
+/// Of each map: name, model of Ux and Uy, used, chi2.
+py::list maps_of(const FitResult& result, const py::object& make) {
+    py::list all;
+    for (std::size_t i = 0; i < result.results.maps.size(); ++i) {
+        const stages::FitMapResult& one = result.results.maps[i];
+        const std::pair shape{result.plan.maps[i].data.y.size(), result.plan.maps[i].data.x.size()};
+        const auto grid = [&](const py::object& values) { return values.attr("reshape")(shape); };
+        all.append(make(result.plan.maps[i].name, grid(column(one.model.Ux)), grid(column(one.model.Uy)),
+                        grid(py::array(py::cast(one.used))), one.chi2));
+    }
+    return all;
+}
+
+py::dict likelihood_of(const FitResult& result, const py::object& make) {
+    py::dict all;
+    for (const auto& [name, one] : result.results.likelihood)
+        all[py::str(name)] = make(column(one.value), column(one.chi2), one.low, one.high);
+    return all;
 }
 
 } // namespace
@@ -168,16 +251,24 @@ void bind_fit(py::module_& module) {
     py::class_<FitResult>(module, "FitResult")
         .def("estimates", &estimates_of)
         .def("free", &free_names)
-        .def("covariance", [](const FitResult& r) { return rows_of(r.report.covariance); })
-        .def("correlation", [](const FitResult& r) { return rows_of(r.report.correlation); })
-        .def_property_readonly("chi2", [](const FitResult& r) { return r.report.chi2; })
-        .def_property_readonly("dof", [](const FitResult& r) { return r.report.dof; })
-        .def_property_readonly("probability", [](const FitResult& r) { return r.report.probability; })
-        .def_property_readonly("termination", [](const FitResult& r) { return to_string(r.fit.termination); })
-        .def_property_readonly("reason", [](const FitResult& r) { return r.fit.reason; })
-        .def_property_readonly("diagnostics", [](const FitResult& r) { return r.report.diagnostics; })
-        .def_property_readonly("evaluations", [](const FitResult& r) { return r.fit.evaluations; })
-        .def("text", [](const FitResult& r) { return fitting::to_text(r.problem, r.fit, r.report); });
+        .def("residuals", &residuals_of)
+        .def("profiles", &profiles_of)
+        .def("tracks", &tracks_of)
+        .def("maps", &maps_of)
+        .def("likelihood", &likelihood_of)
+        .def("covariance", [](const FitResult& r) { return rows_of(r.results.report.covariance); })
+        .def("correlation", [](const FitResult& r) { return rows_of(r.results.report.correlation); })
+        .def_property_readonly("chi2", [](const FitResult& r) { return r.results.report.chi2; })
+        .def_property_readonly("dof", [](const FitResult& r) { return r.results.report.dof; })
+        .def_property_readonly("probability", [](const FitResult& r) { return r.results.report.probability; })
+        .def_property_readonly("termination",
+                               [](const FitResult& r) { return to_string(r.results.fit.termination); })
+        .def_property_readonly("reason", [](const FitResult& r) { return r.results.fit.reason; })
+        .def_property_readonly("diagnostics", [](const FitResult& r) { return r.results.report.diagnostics; })
+        .def_property_readonly("evaluations", [](const FitResult& r) { return r.results.fit.evaluations; })
+        .def("text", [](const FitResult& r) {
+            return fitting::to_text(r.plan.problem, r.results.fit, r.results.report);
+        });
     module.def("fit", &fit);
 }
 

@@ -16,7 +16,7 @@ from ._core import Medium, RodEquations, RodResult
 from ._core import version as __version__
 from .errors import Error, InputError, Problem, RunError, SceneError
 from .fields import Wakes, dipole, displacement, grad_div, laplacian, strain, wakes
-from .fitting import Estimate, FitResult, Map, Profile, Track, fit, fit_map, fit_rods, fit_wake
+from .fitting import Estimate, FitResult, FittedMap, FittedProfile, FittedTrack, Likelihood, Map, Profile, Track, fit, fit_map, fit_rods, fit_wake
 from .granular import Bed, run_bed
 from .noise import NoiseResult, simulate_noise
 from .ode import Event, Hit, OdeResult, integrate
@@ -26,7 +26,8 @@ from .scans import scan
 from .scenes import Scene
 
 __all__ = [
-    "Bed", "Error", "Estimate", "Event", "FitResult", "Hit", "InputError", "Map", "Medium", "NoiseResult", "OdeResult", "Problem", "Profile", "Quantity",
+    "Bed", "Error", "Estimate", "Event", "FitResult", "FittedMap", "FittedProfile", "FittedTrack", "Hit", "InputError", "Likelihood", "Map", "Medium",
+    "NoiseResult", "OdeResult", "Problem", "Profile", "Quantity",
     "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Trajectory", "Wakes", "__version__",
     "classify", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
     "simulate", "simulate_noise", "strain", "wakes",

@@ -26,18 +26,20 @@ class Profile:
     along: Literal["x", "y"] = "x"
     at: float = 0.0  # the other coordinate
     name: str = "profile"
+    role: Literal["fit", "predict"] = "fit"  # predict: compared with the fit of the others, not fitted
 
 
 @dataclass(frozen=True)
 class Track:
-    """Measured motion of rods in reduced units: t (T,) and poses (T, N, 3) of x, y, heading, turns counted. The first row is the
-    start. Without sigmas the errors come from the scatter."""
+    """Measured motion of rods in reduced units: t (T,) and poses (T, N, 3) of x, y, heading in rad, which may jump by whole turns.
+    The first row is the start. Without sigmas the errors come from the scatter."""
 
     t: ArrayLike
     poses: ArrayLike
     sigma_position: Optional[float] = None
     sigma_heading: Optional[float] = None
     free_headings: bool = False  # fit the headings at the start too
+    start_poses: Literal["auto", "fitted", "exact"] = "auto"  # the first row: fitted, data like the others, if sigmas are given
     contact_distance: Optional[float] = None
     contact_time: Optional[float] = None  # a datum; needs contact_distance
     sigma_contact: Optional[float] = None
@@ -74,8 +76,58 @@ class Estimate:
     bound: Optional[str]  # 'lower' or 'upper' if the value is held there
 
 
+@dataclass(frozen=True)
+class FittedProfile:
+    """A profile beside the model, at every point."""
+
+    name: str
+    role: str
+    place: Floats
+    value: Floats
+    sigma: Floats  # as used, enlarged where points share data; NaN: unknown
+    model: Floats
+    error: Floats  # standard error of the model
+    residual: Floats  # (value - model)/sigma; without sigmas over the scatter
+    used: NDArray[np.bool_]  # outside the core
+    chi2: float  # of the used ones
+    excess: float  # factor by which the data exceed the model
+    excess_error: float
+
+
+@dataclass(frozen=True)
+class FittedTrack:
+    """The model's poses (T, N, 3) at the times of a track, and what is left, root mean square."""
+
+    name: str
+    model: Floats
+    rms_position: float
+    rms_heading: float
+
+
+@dataclass(frozen=True)
+class FittedMap:
+    """The model on the grid of a map."""
+
+    name: str
+    Ux: Floats
+    Uy: Floats
+    used: NDArray[np.bool_]  # with data and outside the mask
+    chi2: float
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """The smallest chi2 over the other parameters as one is held at `value`; low, high: the 95 % interval, None: no end."""
+
+    value: Floats
+    chi2: Floats
+    low: Optional[float]
+    high: Optional[float]
+
+
 class FitResult:
-    """What a fit found. Matrices are of the parameters in `free`, in this order."""
+    """What a fit found. Matrices are of the parameters in `free`, in this order. profiles, tracks, maps: model and residuals of the
+    data that were given, in their order (empty if the fit failed)."""
 
     def __init__(self, core: Any) -> None:
         self._core = core
@@ -90,6 +142,11 @@ class FitResult:
         self.reason: str = core.reason
         self.diagnostics: list[str] = core.diagnostics  # bounds, what the data do not fix, other minima, in words
         self.evaluations: int = core.evaluations
+        self.residuals: Floats = core.residuals()  # (data - model)/sigma of all that was fitted; their squares add up to chi2
+        self.profiles: list[FittedProfile] = core.profiles(FittedProfile)
+        self.tracks: list[FittedTrack] = core.tracks(FittedTrack)
+        self.maps: list[FittedMap] = core.maps(FittedMap)
+        self.likelihood: dict[str, Likelihood] = core.likelihood(Likelihood)  # of the parameters in `likelihood = [...]`
 
     def report(self) -> str:
         """All of it as a page of text."""
@@ -134,31 +191,22 @@ def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> F
 def fit(*, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), maps: Sequence[Map] = (),
         threads: int = 1, **options: Any) -> FitResult:
     """Profiles, tracks and maps in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fitting.md)."""
-    spacing = options.get("independent_spacing")
     keys: dict[str, Any] = {"parameters": list(parameters), **options, "profiles": [_profile_keys(one, i) for i, one in enumerate(profiles)],
             "trajectories": [_track_keys(one, i) for i, one in enumerate(tracks)], "maps": [_map_keys(one, i) for i, one in enumerate(maps)]}
     text = f"schema = 1\nfit = {toml({key: value for key, value in keys.items() if value is not None and value != []})}\n"
     scene = _core.parse_scene(text, "fit", [])
-    return FitResult(_core.fit(scene, [_profile(one, spacing) for one in profiles], [(one.t, one.poses, one.independent) for one in tracks],
+    return FitResult(_core.fit(scene, [(one.place, one.value, one.sigma) for one in profiles], [(one.t, one.poses, one.independent) for one in tracks],
                                [_map(one) for one in maps], threads))
 
 
 def _profile_keys(one: Profile, index: int) -> Mapping[str, Any]:
-    return {"file": f"profile {index}", "name": one.name, "component": one.component, "along": one.along, "at": one.at}
+    return {"file": f"profile {index}", "name": one.name, "component": one.component, "along": one.along, "at": one.at,
+            "role": one.role}
 
 
 def _track_keys(one: Track, index: int) -> Mapping[str, Any]:
-    names = ("name", "sigma_position", "sigma_heading", "free_headings", "contact_distance", "contact_time", "sigma_contact")
+    names = ("name", "sigma_position", "sigma_heading", "free_headings", "start_poses", "contact_distance", "contact_time", "sigma_contact")
     return {"file": f"track {index}", **{name: getattr(one, name) for name in names if getattr(one, name) is not None}}
-
-
-def _profile(one: Profile, independent_spacing: Optional[float]) -> tuple[ArrayLike, ArrayLike, Optional[ArrayLike], float]:
-    """With the independent values a point is worth: below 1 where neighbours are closer than independent_spacing."""
-    steps = np.sort(np.diff(np.sort(np.asarray(one.place, dtype=float))))
-    independent = 1.0
-    if independent_spacing is not None and steps.size and steps[steps.size // 2] > 0:  # a gap where the rod was does not count
-        independent = min(1.0, steps[steps.size // 2] / independent_spacing)
-    return one.place, one.value, one.sigma, independent
 
 
 def _map_keys(one: Map, index: int) -> Mapping[str, Any]:

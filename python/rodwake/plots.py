@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import math
 import sys
 from pathlib import Path
 from typing import Any, Iterator, Union
 
 from . import arguments
 from .errors import InputError
+from .fitting import FitResult
 from .runs import Run, open_run
 from .scenes import Folder
 
@@ -39,6 +41,14 @@ def figures(run: Union[Run, Folder]) -> dict[str, Any]:
     with _opened(run) as folder:
         drawable = kinds()
         return {one.name: _drawn(folder, one) for one in _plots("draw").figures_of(folder) if one.kind in drawable}
+
+
+def correlation(found: FitResult, title: str = "") -> Any:
+    """Correlations of the errors of a fit made here; for one in a folder draw(run, "fit_correlation") does the same."""
+    matrix = found.correlation.copy()
+    lacking = [not math.isfinite(found.parameters[name].standard_error) for name in found.free]
+    matrix[lacking, :] = matrix[:, lacking] = math.nan
+    return _plots("draw").in_style(_plots("fit_correlation").of_matrix, found.free, matrix, title)
 
 
 def _plots(module: str) -> Any:

@@ -14,7 +14,57 @@ namespace {
 
 using fitting::Problem;
 
-fitting::Parameter parameter(const scene::Fit& keys, const std::string& name) {
+bool is_fitted(const scene::FitProfile& profile) { return profile.role == scene::FitRole::fit; }
+
+/// How much larger the data of the fitted profiles are than those that defaults are made for: places of some
+/// 40, displacements of some 0.2. 1 where they are near enough.
+struct DataScale {
+    double place = 1.0, value = 1.0;
+
+    bool usual() const { return place == 1.0 && value == 1.0; }
+};
+
+DataScale data_scale(const FitPlan& plan) {
+    constexpr double usual_place = 40.0, usual_value = 0.2, near = 25.0;
+    double place = 0.0, value = 0.0;
+    for (std::size_t i = 0; i < plan.profiles.size(); ++i)
+        if (const fitting::Profile& data = plan.profiles[i].data; is_fitted(plan.keys.profiles[i]))
+            for (std::size_t k = 0; k < std::min(data.place.size(), data.value.size()); ++k) {
+                place = std::max(place, std::hypot(data.place[k], data.at));
+                value = std::max(value, std::abs(data.value[k]));
+            }
+    const auto scale = [](double size, double usual) {
+        const bool far = std::isfinite(size) && (size > near * usual || size * near < usual);
+        return far && size > 0.0 ? size / usual : 1.0;
+    };
+    return {scale(place, usual_place), scale(value, usual_value)};
+}
+
+/// Of a parameter with a length; 1 for others.
+double scale_of(const std::string& name, const DataScale& data) {
+    const std::map<std::string, double> scales = {
+        {"f_over_mu", data.value}, {"xi", data.place},       {"x0", data.place},
+        {"offset", data.value},    {"offset_y", data.value}, {"f2d_over_mu", data.value * data.place}};
+    const auto at = scales.find(name);
+    return at == scales.end() ? 1.0 : at->second;
+}
+
+/// Defaults are for data of the usual size: they go with the data.
+void rescale(fitting::Parameter& p, const scene::Fit& keys, const DataScale& data) {
+    const double scale = scale_of(p.name, data);
+    if (p.fixed || data.usual())
+        return;
+    if (!keys.bounds.contains(p.name)) {
+        p.lower *= scale;
+        p.upper *= scale;
+    }
+    if (!keys.start.contains(p.name))
+        p.start = std::clamp(p.start * scale, p.lower, p.upper);
+    if (p.start == 0.0)
+        p.scale = scale;
+}
+
+fitting::Parameter parameter(const scene::Fit& keys, const std::string& name, const DataScale& data) {
     fitting::Parameter p;
     p.name = name;
     const auto start = keys.start.find(name);
@@ -33,34 +83,48 @@ fitting::Parameter parameter(const scene::Fit& keys, const std::string& name) {
         p.tied_to = tie->second.to;
         p.tie_factor = tie->second.factor;
     }
+    rescale(p, keys, data);
     return p;
 }
 
 /// Of those the model knows.
-std::vector<fitting::Parameter> parameters(const scene::Fit& keys, const std::vector<std::string>& known) {
+std::vector<fitting::Parameter> parameters(const FitPlan& plan, const std::vector<std::string>& known) {
     std::vector<fitting::Parameter> out;
-    for (const std::string& name : scene::fit_used(keys))
+    const DataScale data = data_scale(plan);
+    for (const std::string& name : scene::fit_used(plan.keys))
         if (std::ranges::find(known, name) != known.end())
-            out.push_back(parameter(keys, name));
+            out.push_back(parameter(plan.keys, name, data));
     return out;
 }
-
-bool is_fitted(const scene::FitProfile& profile) { return profile.role == scene::FitRole::fit; }
 
 Problem profile_problem(const FitPlan& plan) {
     std::vector<fitting::Profile> fitted;
     for (std::size_t i = 0; i < plan.profiles.size(); ++i)
         if (is_fitted(plan.keys.profiles[i]))
             fitted.push_back(plan.profiles[i].data);
-    return fitting::wake_problem(plan.wake, fitted, parameters(plan.keys, fitting::wake_parameter_names()));
+    return fitting::wake_problem(plan.wake, fitted, parameters(plan, fitting::wake_parameter_names()));
+}
+
+/// Methods that search all over the bounds need some: the start is within ten standard errors of its datum.
+void bound_starts(Problem& problem, const FitPlan& plan) {
+    double sigma = 0.0;
+    for (const FitTrackData& track : plan.tracks)
+        sigma = std::max({sigma, track.data.sigma_position, track.data.sigma_heading});
+    for (fitting::Parameter& p : problem.parameters)
+        if (fitting::is_start_pose(p.name)) {
+            p.lower = p.start - 10.0 * sigma;
+            p.upper = p.start + 10.0 * sigma;
+        }
 }
 
 Problem track_problem(const FitPlan& plan) {
     std::vector<fitting::Trajectory> tracks;
     for (const FitTrackData& track : plan.tracks)
         tracks.push_back(track.data);
-    Problem problem = fitting::trajectory_problem(
-        plan.track_model, tracks, parameters(plan.keys, fitting::trajectory_parameter_names()));
+    Problem problem = fitting::trajectory_problem(plan.track_model, tracks,
+                                                  parameters(plan, fitting::trajectory_parameter_names()));
+    if (fitting::is_global(plan.keys.search.algorithm))
+        bound_starts(problem, plan);
     const auto known = std::ranges::count_if(plan.tracks, &FitTrackData::sigma_known);
     if (known != 0 && known != static_cast<long>(plan.tracks.size()))
         throw InputError(
@@ -75,7 +139,7 @@ Problem map_problem(const FitPlan& plan) {
     for (const FitMapData& map : plan.maps)
         maps.push_back(map.data);
     return fitting::map_problem(plan.map_model, maps, plan.mask,
-                                parameters(plan.keys, fitting::map_parameter_names()));
+                                parameters(plan, fitting::map_parameter_names()));
 }
 
 /// "f_over_mu = 1, eta = 1": what is not fixed.
@@ -129,11 +193,11 @@ void require_start(const Problem& problem) {
                         *trouble, start_text(problem, values)));
 }
 
-FitPart part(const Problem& problem, const std::vector<std::string>& known, bool headings) {
+FitPart part(const Problem& problem, const std::vector<std::string>& known, bool starts) {
     FitPart out;
     for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
         const std::string& name = problem.parameters[i].name;
-        if (std::ranges::find(known, name) == known.end() && !(headings && name.starts_with("heading.")))
+        if (std::ranges::find(known, name) == known.end() && !(starts && fitting::is_start_pose(name)))
             continue;
         out.parameters.push_back(problem.parameters[i]);
         out.index.push_back(i);
@@ -208,6 +272,7 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     plan.track_model.ode.rtol = 1e-10;
     plan.track_model.ode.atol = 1e-12;
     plan.problem = fit_problem(plan);
+    plan.problem.remarks = data_remarks(plan);
     require_start(plan.problem);
     plan.method = {keys.search};
     return plan;
@@ -267,8 +332,8 @@ std::string map_unit(const std::string& parameter, const std::string& length) {
 std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
     if (scene::is_map_parameter(parameter))
         return map_unit(parameter, keys.length_unit);
-    if (parameter.starts_with("heading."))
-        return "rad";
+    if (fitting::is_start_pose(parameter))
+        return parameter.starts_with("heading") ? "rad" : "f/mu";
     if (parameter == "kappa")
         return "v0 mu/f";
     if (parameter == "gamma1" || parameter == "gamma2")

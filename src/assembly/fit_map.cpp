@@ -66,7 +66,10 @@ void settle_map(FitMapData& out, std::optional<double> independent_spacing) {
     if (out.mirrored)
         take_one_half(map);
     if (independent_spacing)
-        map.independent = std::min(1.0, spacing(map.x) * spacing(map.y) / std::pow(*independent_spacing, 2));
+        map.independent =
+            std::max(std::min(1.0, spacing(map.x) / *independent_spacing) *
+                         std::min(1.0, spacing(map.y) / *independent_spacing),
+                     1.0 / static_cast<double>(map.bins())); // they are worth one value together at least
 }
 
 } // namespace rodwake::assembly

@@ -99,7 +99,7 @@ void fields(Visitor& v, Scene& scene) {
                 .doc("Beads and rods between two vibrating plates, periodic in x and y. SI, with its "
                      "own `a`."),
             scene.granular);
-    const FigureUnits of_figures{units, si_units(bed_radius(scene)), file_units(bead_radius(scene))};
+    FigureUnits of_figures{units, si_units(bed_radius(scene)), file_units(bead_radius(scene), "a")};
     v.use_units(scene.granular && !scene.rods_run ? of_figures.bed : units);
     v.table(key("rods_order")
                 .doc("Order parameters and clusters in time of the rods that are integrated; without "
@@ -114,6 +114,8 @@ void fields(Visitor& v, Scene& scene) {
     const FitUnits of_fit{of_figures.fit, si_units(bead_radius(scene)), scales_of_tracks(scene)};
     v.table(key("fit").doc("What is fitted to measured profiles and tracks."), scene.fit,
             [&](Fit& fit) { fields(v, fit, of_fit); });
+    if (scene.fit)
+        of_figures.fit = file_units(bead_radius(scene), scene.fit->length_unit);
     v.use_units(units);
     v.list(key("figures").items(0, 100).doc("What `rodwake plot` draws."), scene.figures,
            [&](Figure& figure) { fields(v, figure, of_figures); });

@@ -30,8 +30,6 @@ void fields(Visitor& v, GranularOutput& output);
 void fields(Visitor& v, GranularRod& rod);
 void fields(Visitor& v, Granular& granular);
 void fields(Visitor& v, Measure& measure);
-void fields(Visitor& v, FitProfile& profile);
-void fields(Visitor& v, FitMap& map);
 void fields(Visitor& v, FitMask& mask);
 void map_fields(Visitor& v, Fit& fit);
 void fields(Visitor& v, FitCompare& compare);
@@ -40,8 +38,12 @@ struct FitUnits {
     Units profiles, tracks;
     Scales scales;
 };
+void fields(Visitor& v, FitProfile& profile, const FitUnits& units);
+void fields(Visitor& v, FitMap& map, const FitUnits& units);
+/// Units of a file's columns: of places, and of what else it holds.
+void column_fields(Visitor& v, ColumnUnits& columns, const FitUnits& units);
 void fields(Visitor& v, FitTrajectory& trajectory, const FitUnits& units);
-void fields(Visitor& v, Fit& fit, const FitUnits& units);
+void fields(Visitor& v, Fit& fit, FitUnits units);
 /// Units of a figure's window, by what is drawn.
 struct FigureUnits {
     Units scene, bed, fit;

@@ -2,6 +2,8 @@
 
 #include "fields.hpp"
 
+#include <fmt/format.h>
+
 namespace rodwake::scene {
 
 namespace {
@@ -132,6 +134,15 @@ void search_fields(Visitor& v, fitting::SearchOptions& search) {
       search.max_evaluations);
 }
 
+void unit_field(Visitor& v, Fit& fit) {
+    v(key("length_unit")
+          .absent("none")
+          .doc("unit of length of the profiles and maps: m, cm, mm, um or a, into which strings with a "
+               "unit are converted; any other name is for reports, and strings with another unit are refused")
+          .example("\"a\""),
+      fit.length_unit);
+}
+
 void report_fields(Visitor& v, Fit& fit) {
     v(key("likelihood")
           .one_of(fit_parameter_names())
@@ -139,11 +150,7 @@ void report_fields(Visitor& v, Fit& fit) {
           .doc("parameters whose 95 % interval is also taken from the profile likelihood")
           .example("[\"eta\"]"),
       fit.likelihood);
-    v(key("length_unit")
-          .absent("none")
-          .doc("name of the profiles' unit of length, for reports")
-          .example("\"a\""),
-      fit.length_unit);
+    unit_field(v, fit);
 }
 
 /// What is in the file's numbers: those of [scales] where the rods of the scene are written in them.
@@ -175,7 +182,28 @@ void scale_fields(Visitor& v, FitTrajectory& t, const Scales& scales) {
 
 } // namespace
 
-void fields(Visitor& v, FitProfile& p) {
+void column_fields(Visitor& v, ColumnUnits& columns, const FitUnits& units) {
+    const auto one = [&](const char* name, const char* what, std::string& unit, double& factor) {
+        v(key(name).absent("length_unit of [fit]").written_if(!unit.empty()).doc(what).example("\"um\""),
+          unit);
+        v.derive([&] {
+            const double radius = units.profiles.scales->bead_radius;
+            const auto from = metres(unit, radius), to = metres(units.profiles.word, radius);
+            factor = from && to ? *from / *to : 1.0;
+            if (!unit.empty() && unit != units.profiles.word && !(from && to))
+                v.complain(
+                    name,
+                    fmt::format("= \"{}\" cannot be converted to length_unit = \"{}\": both must be one of "
+                                "m, cm, mm, um, a",
+                                unit, units.profiles.word));
+        });
+    };
+    one("place_unit", "unit of the places in the file, if it is another", columns.place,
+        columns.place_factor);
+    one("value_unit", "of the displacements and sigmas in the file", columns.value, columns.value_factor);
+}
+
+void fields(Visitor& v, FitProfile& p, const FitUnits& units) {
     v(key("file")
           .required()
           .doc("CSV with columns x (place along the line), value and optional sigma. Looked for in the run "
@@ -201,6 +229,7 @@ void fields(Visitor& v, FitProfile& p) {
           .doc("name in reports")
           .example("\"along the wake\""),
       p.name);
+    column_fields(v, p.columns, units);
 }
 
 void fields(Visitor& v, FitTrajectory& t, const FitUnits& units) {
@@ -223,6 +252,15 @@ void fields(Visitor& v, FitTrajectory& t, const FitUnits& units) {
           .example("0.05"),
       t.sigma_heading);
     v(key("free_headings").doc("fit the headings at the start too").example("true"), t.free_headings);
+    v(key("start_poses")
+          .written_if(t.start_poses != StartPoses::automatic)
+          .doc("positions and headings of the first row: fitted (data like the others), exact, or auto: "
+               "fitted if "
+               "sigma_position is given")
+          .example("\"exact\""),
+      choice(
+          t.start_poses,
+          {{"auto", StartPoses::automatic}, {"fitted", StartPoses::fitted}, {"exact", StartPoses::exact}}));
     v(key("contact_distance")
           .above(0.0)
           .absent("no stop")
@@ -261,18 +299,22 @@ void fields(Visitor& v, FitCompare& c) {
       c.values);
 }
 
-void fields(Visitor& v, Fit& fit, const FitUnits& units) {
+void fields(Visitor& v, Fit& fit, FitUnits units) {
+    v.derive([&] { unit_field(v, fit); }); // read before the lengths, written behind them
+    units.profiles = file_units(units.profiles.scales->bead_radius, fit.length_unit);
+    v.use_units(units.profiles);
     parameter_fields(v, fit);
     model_fields(v, fit);
     search_fields(v, fit.search);
     report_fields(v, fit);
     map_fields(v, fit);
-    v.list(key("profiles").items(0, 100).doc("Measured displacement along a line."), fit.profiles);
+    v.list(key("profiles").items(0, 100).doc("Measured displacement along a line."), fit.profiles,
+           [&](FitProfile& profile) { fields(v, profile, units); });
     v.list(key("trajectories").items(0, 100).doc("Measured tracks of rods."), fit.trajectories,
            [&](FitTrajectory& track) { fields(v, track, units); });
     v.list(
         key("maps").items(0, 100).doc("Measured displacement on a grid, fitted with an orthotropic medium."),
-        fit.maps);
+        fit.maps, [&](FitMap& map) { fields(v, map, units); });
     v.list(
         key("masks").items(0, 100).doc(
             "Which bins of the maps are left out. The first is that of the fit; it is made again with each "

@@ -6,7 +6,7 @@ namespace rodwake::scene {
 
 using enum Dimension;
 
-void fields(Visitor& v, FitMap& map) {
+void fields(Visitor& v, FitMap& map, const FitUnits& units) {
     v(key("files")
           .required()
           .items(1, 1000)
@@ -33,6 +33,7 @@ void fields(Visitor& v, FitMap& map) {
           .example("[\"78 a\", \"78 a\"]"),
       map.box);
     v(key("name").absent("from the files").doc("name in reports").example("\"free rod\""), map.name);
+    column_fields(v, map.columns, units);
 }
 
 void fields(Visitor& v, FitMask& mask) {

@@ -42,6 +42,11 @@ void Problems::add(const Place& place, std::string key, std::string message) {
 }
 
 void Problems::add(Problem problem) {
+    const auto same = [&](const Problem& one) {
+        return one.line == problem.line && one.column == problem.column && one.message == problem.message;
+    };
+    if (std::ranges::any_of(list_, same)) // of a key that is read twice
+        return;
     if (list_.size() < stored_at_most)
         list_.push_back(std::move(problem));
     else

@@ -33,7 +33,8 @@ Reader::Reader(const Node& root, Problems& problems) : problems_(problems) {
 
 const Entry* Reader::find(const Key& key) {
     Frame& frame = frames_.back();
-    frame.known.push_back(key.name);
+    if (!contains(frame.known, key.name))
+        frame.known.push_back(key.name);
     const Entry* entry = frame.table->find(key.name);
     if (!entry && key.is_required) {
         const std::string owner = frame.path.empty() ? "the scene" : frame.path;

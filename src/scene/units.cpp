@@ -133,6 +133,14 @@ bool split_quantity(const std::string& text, double& number, std::string& word) 
     return true;
 }
 
+/// Of a length in files whose unit is a mere name.
+std::string inconvertible(const Units& units) {
+    return fmt::format(
+        "the data are in {0} (fit.length_unit), and what a {0} is nobody said: give a plain number, "
+        "in {0}",
+        units.word);
+}
+
 Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}; }
 
 } // namespace
@@ -163,6 +171,9 @@ Quantity parse_quantity(const std::string& text, Dimension dimension, const Unit
         return failure("a string must be a finite number and a unit: " + known);
     if (word.empty())
         return failure("a string needs a unit: " + known);
+    const bool of_data = units.is_own() && dimension == Dimension::length;
+    if (of_data && word == units.word)
+        return {number, false, ""};
     const UnitWord* unit = find_word(word, units);
     if (!unit)
         return failure(fmt::format("unknown unit {}; known: {}", quoted(word), known));
@@ -171,11 +182,20 @@ Quantity parse_quantity(const std::string& text, Dimension dimension, const Unit
     double value = number * unit->numerator / unit->denominator;
     if (unit->kind == Kind::reduced)
         return {value, false, ""};
+    if (of_data && !metres(units.word, units.scales->bead_radius))
+        return failure(inconvertible(units));
     if (!units.scales)
         return {std::nullopt, true, ""};
     if (unit->kind == Kind::beads)
         value *= units.scales->bead_radius;
     return {si_to_reduced(value, dimension, *units.scales), false, ""};
+}
+
+std::optional<double> metres(std::string_view word, double bead_radius) {
+    for (const auto& unit : words)
+        if (word == unit.word && unit.dimension == Dimension::length && unit.kind != Kind::reduced)
+            return unit.kind == Kind::beads ? bead_radius : unit.numerator / unit.denominator;
+    return std::nullopt;
 }
 
 double to_reduced(double value, Dimension dimension, const Units& units) {

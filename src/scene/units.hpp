@@ -19,8 +19,9 @@ struct Units {
     std::optional<Scales> scales;
     bool reduced_words =
         true; ///< "f/mu", "v0" may be used; not in [scales], which defines them, nor in [granular]
-    bool bead_words = true; ///< "a", "a/s" may be used; not by the key that says what "a" is
-    std::string_view own{}; ///< name of a unit of length that the scene does not know; empty: none such
+    bool bead_words = true;  ///< "a", "a/s" may be used; not by the key that says what "a" is
+    std::string_view own{};  ///< in words, a unit of length that data files have; empty: none such
+    std::string_view word{}; ///< its name: lengths in it stay as they are
 
     bool is_own() const { return !own.empty(); }
 };
@@ -36,9 +37,18 @@ inline Units si_units(double bead_radius) {
     return {UnitSystem::si, Scales{1.0, 1.0, bead_radius}, false, true, ""};
 }
 
-/// Plain lengths are in the unit of measured files; strings with a unit are in bead radii.
-inline Units file_units(double bead_radius) {
-    return {UnitSystem::reduced, Scales{bead_radius, 1.0, bead_radius}, false, true, "of the profiles"};
+/// What a unit of length is worth; nothing for a word that is none, or none of a known size.
+std::optional<double> metres(std::string_view word, double bead_radius);
+
+/// Plain lengths are in the unit of measured files, `word`; strings with a unit become that, or are refused
+/// if nothing is known of it.
+inline Units file_units(double bead_radius, std::string_view word) {
+    return {UnitSystem::reduced,
+            Scales{metres(word, bead_radius).value_or(1.0), 1.0, bead_radius},
+            false,
+            true,
+            "of the profiles",
+            word};
 }
 
 /// A value read from a string: reduced, or the reason why it could not be.

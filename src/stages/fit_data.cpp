@@ -4,16 +4,14 @@
 #include "fit_map_data.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/fitting/independent.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/store/csv.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
-#include <string_view>
 
 namespace rodwake::stages {
 
@@ -40,17 +38,10 @@ const std::vector<double>* known_sigmas(const store::Table& table) {
     return any ? sigma : nullptr;
 }
 
-/// Median distance of neighbours: a gap where the rod was does not count. 0 for a single point.
-double spacing(std::vector<double> places) {
-    std::ranges::sort(places);
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < places.size(); ++i)
-        steps.push_back(places[i] - places[i - 1]);
-    if (steps.empty())
-        return 0.0;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::ranges::nth_element(steps, middle);
-    return *middle;
+std::vector<double> times(std::vector<double> values, double factor) {
+    for (double& value : values)
+        value *= factor;
+    return values;
 }
 
 /// Columns x<k>, y<k>, theta<k> of each rod in turn, as far as they go.
@@ -82,35 +73,6 @@ std::vector<double> state(const std::vector<const std::vector<double>*>& columns
     return values;
 }
 
-/// The heading that is nearest to the one before it, by whole turns. Untouched where it is near already.
-double unwrapped(double heading, double before) {
-    constexpr double turn = 2.0 * std::numbers::pi;
-    return std::abs(heading - before) <= std::numbers::pi
-               ? heading
-               : heading - turn * std::nearbyint((heading - before) / turn);
-}
-
-/// Of each rod along the rows; whether anything changed.
-bool unwrap(std::vector<std::vector<double>>& states) {
-    bool changed = false;
-    for (std::size_t row = 1; row < states.size(); ++row)
-        for (std::size_t k = 2; k < states[row].size(); k += 3) {
-            const double heading = unwrapped(states[row][k], states[row - 1][k]);
-            changed = changed || heading != states[row][k];
-            states[row][k] = heading;
-        }
-    return changed;
-}
-
-/// Rods that came in again at the other side go on where they were.
-void unwrap_places(std::vector<std::vector<double>>& states, const PeriodicBox& box) {
-    for (std::size_t row = 1; row < states.size(); ++row)
-        for (std::size_t k = 0; k < states[row].size(); ++k)
-            if (k % 3 != 2)
-                states[row][k] = states[row - 1][k] +
-                                 nearest_image(states[row][k] - states[row - 1][k], k % 3 ? box.y : box.x);
-}
-
 /// Rows before t = 0 in which the rods are held where they are then, as tracks.csv of a bed has them.
 std::size_t held_rows(const std::vector<double>& t, const std::vector<const std::vector<double>*>& columns) {
     const auto first = std::ranges::find_if(t, [](double time) { return time >= -1e-12; }) - t.begin();
@@ -128,6 +90,7 @@ void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
     out.data.sigma_position = out.sigma_known ? *keys.sigma_position / out.length : 1.0;
     out.data.sigma_heading = keys.sigma_heading.value_or(1.0);
     out.data.free_headings = keys.free_headings;
+    out.data.free_start = scene::fits_start(keys);
     if (keys.contact_distance)
         out.data.contact_distance = *keys.contact_distance / out.length;
     if (keys.contact_time)
@@ -183,7 +146,8 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
                                 std::optional<double> independent_spacing) {
     static const std::vector<std::string> required = {"x", "value"}, optional = {"sigma"};
     const store::Table table = store::read_csv(file, required, optional);
-    const auto &x = *table.find("x"), &value = *table.find("value");
+    const std::vector<double> x = times(*table.find("x"), keys.columns.place_factor);
+    const auto& value = *table.find("value");
     const auto* sigma = known_sigmas(table);
     FitProfileData out{name_or_stem(keys.name, file), file, {}, 0};
     fitting::Profile& data = out.data;
@@ -204,17 +168,16 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
                             "unknown",
                             where(file, table.lines[i]), (*sigma)[i]));
         data.place.push_back(x[i]);
-        data.value.push_back(value[i]);
+        data.value.push_back(value[i] * keys.columns.value_factor);
         if (sigma)
-            data.sigma.push_back((*sigma)[i]);
+            data.sigma.push_back((*sigma)[i] * keys.columns.value_factor);
         data.where.push_back(where(file, table.lines[i]));
     }
     if (data.place.empty())
         throw InputError(file.string() + ": holds no points to fit" +
                          (keys.range.empty() ? "" : " within fit.profiles.range"));
-    const double distance = spacing(data.place);
-    if (independent_spacing && distance > 0.0)
-        data.independent = std::min(1.0, distance / *independent_spacing);
+    if (independent_spacing)
+        fitting::share_data(data, *independent_spacing);
     return out;
 }
 
@@ -243,15 +206,10 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
     }
     if (out.data.times.size() < 2)
         throw InputError(file.string() + ": a trajectory needs at least two rows");
-    out.unwrapped = unwrap(out.data.states);
-    if (box) {
-        out.data.box = *box / out.length;
-        unwrap_places(out.data.states, *out.data.box);
-    }
-    const double interval = (out.data.times.back() - out.data.times.front()) * out.time /
-                            static_cast<double>(out.data.times.size() - 1);
+    assembly::settle_track(out, box ? std::optional(*box / out.length) : std::nullopt);
     if (keys.independent_time)
-        out.data.independent = std::min(1.0, interval / *keys.independent_time);
+        out.data.independent = fitting::mean_worth(
+            fitting::independent_worth(out.data.times, *keys.independent_time / out.time));
     return out;
 }
 
@@ -279,7 +237,7 @@ assembly::FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& r
             if (absent(name))
                 continue;
             inputs.maps.back() = read_fit_map(keys.maps[table], find_fit_file(name, scene, run_directory),
-                                              keys.independent_spacing, needs_speed(keys));
+                                              keys.independent_spacing, needs_speed(keys), keys.length_unit);
             inputs.maps.back()->table = table;
         }
     return inputs;

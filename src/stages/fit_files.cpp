@@ -85,6 +85,13 @@ void write_map(const fs::path& folder, std::size_t i, const fitting::Map& map, c
     store::write_atomically(folder / fmt::format("fit_map_{}.csv", i), store::to_csv(names, columns));
 }
 
+std::string findings_text(const assembly::FitPlan& plan, const FitResults& results) {
+    std::string text;
+    for (const std::string& line : findings(plan, results))
+        text += (text.empty() ? "\nLikelihood and predictions\n  - " : "  - ") + line + "\n";
+    return text;
+}
+
 /// Which medium the numbers belong to.
 std::string media(const assembly::FitPlan& plan) {
     std::string text;
@@ -109,7 +116,7 @@ void write_fit(const fs::path& folder, const assembly::FitPlan& plan, const FitR
         write_map(folder, i, plan.maps[i].data, results.maps[i]);
     store::write_atomically(folder / "fit.txt",
                             media(plan) + fitting::to_text(plan.problem, results.fit, results.report) +
-                                to_text(plan, results));
+                                findings_text(plan, results) + to_text(plan, results));
     store::write_atomically(folder / "fit.json", fit_json(plan, results, origin));
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fit_results.hpp"
+#include "rodwake/stages/fit_results.hpp"
 
 #include <string>
 

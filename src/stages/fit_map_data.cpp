@@ -148,7 +148,7 @@ std::size_t slot(const Column& places, double at) {
     return static_cast<std::size_t>(std::ranges::upper_bound(places, at) - places.begin()) - 1;
 }
 
-fitting::Map of_table(const fs::path& file) {
+fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
     static const std::vector<std::string> required = {"x", "y", "Ux", "Uy"},
                                           optional = {"sigma_x", "sigma_y"};
     const store::Table table = store::read_csv(file, required, optional);
@@ -174,6 +174,10 @@ fitting::Map of_table(const fs::path& file) {
         map.sigma_x[bin] = sigma_x ? (*sigma_x)[i] : std::nan("");
         map.sigma_y[bin] = sigma_y ? (*sigma_y)[i] : std::nan("");
     }
+    for (Column* places : {&map.x, &map.y})
+        std::ranges::for_each(*places, [&](double& place) { place *= units.place_factor; });
+    for (Column* values : {&map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y})
+        std::ranges::for_each(*values, [&](double& value) { value *= units.value_factor; });
     return map;
 }
 
@@ -184,10 +188,17 @@ bool needs_speed(const scene::Fit& keys) {
 }
 
 FitMapData read_fit_map(const scene::FitMap& keys, const fs::path& file,
-                        std::optional<double> independent_spacing, bool needs_speed) {
+                        std::optional<double> independent_spacing, bool needs_speed,
+                        const std::string& length_unit) {
     const bool table = file.extension() == ".csv";
     FitMapData out{keys.name.empty() ? file.filename().string() : keys.name, file, 0, {}, 0, false};
-    out.data = table ? of_table(file) : of_measure(file);
+    if (!table && (length_unit == "m" || length_unit == "cm" || length_unit == "mm" || length_unit == "um"))
+        refuse(file,
+               fmt::format(
+                   "it is in bead radii and fit.length_unit = \"{}\" is the unit of all lengths here: leave "
+                   "length_unit out, strings with a unit are converted to bead radii then",
+                   length_unit));
+    out.data = table ? of_table(file, keys.columns) : of_measure(file);
     fitting::Map& map = out.data;
     map.name = file.string();
     if (table && keys.box.empty())

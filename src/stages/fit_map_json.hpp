@@ -1,7 +1,7 @@
 #pragma once
 // What fit.json says of maps and of errors beyond the curvature.
 
-#include "fit_results.hpp"
+#include "rodwake/stages/fit_results.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 // medium.fitted: the medium of the rods and the field from what was fitted.
 
-#include "fit_results.hpp"
+#include "rodwake/stages/fit_results.hpp"
 #include "session.hpp"
 
 #include <utility>

@@ -1,6 +1,8 @@
-#include "fit_results.hpp"
+#include "rodwake/stages/fit_results.hpp"
 
 #include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -188,7 +190,43 @@ void set_derived(FitResults& results) {
                     {{"f_over_mu", 1.0 / *alpha}, {"alpha", -*strength / (*alpha * *alpha)}});
 }
 
+std::string interval_text(const fitting::ProfileLikelihood& one) {
+    if (one.low && one.high)
+        return fmt::format("{:.5g} to {:.5g}", *one.low, *one.high);
+    return one.high  ? fmt::format("up to {:.5g}, without a lower end within the bounds", *one.high)
+           : one.low ? fmt::format("{:.5g} and above, without an upper end within the bounds", *one.low)
+                     : "none: the data do not constrain it within the bounds";
+}
+
+void add_likelihood(const FitResults& results, const std::string& name, std::vector<std::string>& lines) {
+    const fitting::ProfileLikelihood& one = results.likelihood.at(name);
+    lines.push_back(fmt::format("{}: 95 % interval by the profile likelihood {}", name, interval_text(one)));
+    const double lowest = std::ranges::min(one.chi2), best = results.fit.objective;
+    if (lowest < best - 1e-3 * (1.0 + 1e-3 * best))
+        lines.push_back(fmt::format(
+            "on the way the likelihood of {} found an objective {:.3g} below that of the fit, at "
+            "{} = {:.5g}: begin there (fit.start), or with more fit.starts",
+            name, best - lowest, name,
+            one.value[static_cast<std::size_t>(std::ranges::min_element(one.chi2) - one.chi2.begin())]));
+}
+
 } // namespace
+
+std::vector<std::string> findings(const assembly::FitPlan& plan, const FitResults& results) {
+    std::vector<std::string> lines;
+    for (const auto& [name, one] : results.likelihood)
+        add_likelihood(results, name, lines);
+    for (std::size_t i = 0; i < results.profiles.size(); ++i)
+        if (const auto& excess = results.profiles[i].scale_factor;
+            excess && plan.keys.profiles[i].role == scene::FitRole::predict)
+            lines.push_back(fmt::format(
+                "{}: predicted; data over prediction {:.4g}{}, chi2 = {:.4g} for {} points",
+                plan.profiles[i].name, excess->scale,
+                std::isfinite(excess->standard_error) ? fmt::format(" +- {:.2g}", excess->standard_error)
+                                                      : ", error unknown",
+                excess->chi2, excess->points));
+    return lines;
+}
 
 FitResults fit_results(const assembly::FitPlan& plan, fitting::Fit fit) {
     FitResults results;

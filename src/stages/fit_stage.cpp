@@ -1,5 +1,6 @@
 #include "fit_stage.hpp"
 
+#include "fit_data.hpp"
 #include "fit_files.hpp"
 #include "fit_ledger.hpp"
 #include "fit_medium.hpp"
@@ -63,7 +64,9 @@ std::string line_of(const assembly::FitPlan& plan, const fitting::Report& r, std
     if (p.fixed)
         return value + unit + " (fixed)";
     if (e.at_lower || e.at_upper)
-        return value + unit + fmt::format(" (at its {} bound)", e.at_lower ? "lower" : "upper");
+        return value + unit +
+               fmt::format(" (at its {} bound), 95 % interval {:.5g} to {:.5g}",
+                           e.at_lower ? "lower" : "upper", e.low, e.high);
     if (std::isfinite(e.standard_error))
         return fmt::format("{} +- {:.2g}{}", value, e.standard_error, unit);
     return value + unit + (std::isfinite(r.error_factor) ? ", not fixed by the data" : ", error unknown");
@@ -87,6 +90,8 @@ void log_results(const assembly::FitPlan& plan, const FitResults& results, const
         if (const fitting::Estimate& e = results.report.estimates[k]; e.free)
             log->info("fit: {} = {:.6g} +- {:.2g} with what held constants, masks and runs add", e.name,
                       e.value, results.systematics.total[k]);
+    for (const std::string& line : findings(plan, results))
+        log->info("fit: {}", line);
     for (const std::string& remark : r.diagnostics)
         log->warn("fit: {}", remark);
 }

@@ -1,7 +1,7 @@
 #pragma once
 // The fit stage: [fit] solved and its files written.
 
-#include "fit_results.hpp"
+#include "rodwake/stages/fit_results.hpp"
 #include "session.hpp"
 
 namespace rodwake::stages {

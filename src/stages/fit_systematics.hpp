@@ -1,7 +1,7 @@
 #pragma once
 // Errors of a fit beyond its curvature (fitting/refits.hpp): constants that were held, masks, runs.
 
-#include "fit_results.hpp"
+#include "rodwake/stages/fit_results.hpp"
 
 namespace rodwake::stages {
 

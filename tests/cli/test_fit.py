@@ -5,7 +5,7 @@ import resource
 
 import numpy as np
 import rodwake
-from fits import FIELD, FIT, FITTED, KEYS, SIGMA, TRUE, X, FitTest, columns, wake
+from fits import FIELD, FIT, FITTED, KEYS, SIGMA, TRUE, X, FitTest, columns, profile_text, wake
 
 PRECISE = SIGMA / 8  # eta has an upper and a lower limit
 
@@ -69,7 +69,7 @@ role = "predict"
 name = "double"
 values = { f_over_mu = 4.4, alpha = 0.2 }
 """
-        found, _ = self.fit(text, "-s", "fit.core=5.0")
+        found, done = self.fit(text, "-s", "fit.core=5.0")
         self.assertEqual(set(found), KEYS["fit"])
         for name in TRUE:
             self.assertEqual(set(found["parameters"][name]), KEYS["parameter"])
@@ -81,7 +81,10 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
         self.assertTrue(likelihood["low"] < eta["value"] < likelihood["high"])
         self.assert_tables(found)
         self.assert_scores(found)
-        self.assertIn("eta", (self.folder / "out/fit.txt").read_text())
+        interval, excess = f"{likelihood['low']:.5g} to {likelihood['high']:.5g}", found["profiles"][1]["excess"]
+        for text in ((self.folder / "out/fit.txt").read_text(), done.stderr):
+            self.assertIn(f"eta: 95 % interval by the profile likelihood {interval}", text)
+            self.assertIn(f"uy: predicted; data over prediction {excess['scale']:.4g} +- {excess['stderr']:.2g}", text)
 
     def assert_tables(self, found):
         for index, profile in enumerate(found["profiles"]):
@@ -188,6 +191,70 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
             self.assertAlmostEqual(shared["parameters"][name]["value"], alone["parameters"][name]["value"], delta=1e-4 * alone["parameters"][name]["value"])
             self.assertAlmostEqual(shared["parameters"][name]["stderr"], 2.0 * alone["parameters"][name]["stderr"], delta=1e-3 * alone["parameters"][name]["stderr"])
 
+    def test_runs_in_one_file_and_equal_places_are_counted_for_what_they_are(self):
+        self.make_profile()
+        once, _ = self.fit(FIT, "-s", "fit.independent_spacing=4.0", out="once")
+        first = (self.folder / "ux.csv").read_text()
+        self.make_profile("second.csv", X + 0.01)
+        self.write("ux.csv", first + (self.folder / "second.csv").read_text().split("\n", 1)[1])
+        twice, _ = self.fit(FIT, "-s", "fit.independent_spacing=4.0", out="twice")
+        self.assertEqual((once["dof"], twice["dof"]), (10, 24))  # 53 and 106 points worth a quarter each, rounded
+        self.assertAlmostEqual(twice["parameters"]["xi"]["stderr"] / once["parameters"]["xi"]["stderr"], 2**-0.5, delta=0.15)  # scatter of the fit
+        self.assert_recovered(twice, TRUE)
+        self.write("ux.csv", "x,value,sigma\n" + 40 * "5.0,0.3,0.01\n5.0,0.31,0.01\n")
+        self.refuse(2, "80 data points worth 1 independent ones cannot fix 3 parameters", "fit", "fit.toml", "-o", "none", "-s", "fit.independent_spacing=4.0")
+
+    def test_lengths_with_a_unit_are_in_the_unit_of_the_data(self):
+        """One profile in bead radii (0.4 mm), and the same in mm and in um, beside keys in any unit."""
+        self.make_profile(at=4.0, box=78.0)
+        keys = 'box = "{} mm"\ncore = "{} um"\nindependent_spacing = "{} cm"\n'.format(0.4 * 78, 2400, 0.06)
+        text = FIT.replace("[[fit.prof", keys + "[[fit.prof") + 'at = "1.6 mm"\nrange = ["-12 mm", "6 mm"]\n'
+        radii, _ = self.fit(text, out="radii")
+        self.assert_recovered(radii, TRUE)
+        data = columns(self.folder / "ux.csv")
+        for unit, a in (("mm", 0.4), ("um", 400.0)):
+            self.write("ux.csv", profile_text(data["x"] * a, data["value"] * a, SIGMA * a))
+            scaled, _ = self.fit(text, "-s", f"fit.length_unit={unit}", "-s", f"fit.start={{ f_over_mu = {1.5 * a}, eta = 2.0, xi = {15 * a} }}", out=unit)
+            self.assert_same_fit(radii, scaled, a)
+            self.assertEqual(scaled["parameters"]["xi"]["unit"], unit)
+        # columns in units of their own: places in mm, displacements in um
+        self.write("ux.csv", profile_text(data["x"] * 0.4, data["value"] * 400, SIGMA * 400))
+        mixed, _ = self.fit(text, "-s", "fit.profiles.0.place_unit=mm", "-s", "fit.profiles.0.value_unit=um", out="mixed")
+        self.assert_same_fit(radii, mixed, 1.0)
+        self.refuse(2, r"fit\.box.*the data are in px \(fit\.length_unit\)", "check", "fit.toml", "-s", "fit.length_unit=px")
+        self.refuse(2, r'place_unit = "px" cannot be converted to length_unit = "a"', "check", "fit.toml", "-s", "fit.profiles.0.place_unit=px")
+        self.assertIn("core = 6.0", self.expect(0, "check", "fit.toml", "-s", "fit.length_unit=px", "-s", "fit.box=78 px", "-s", "fit.core=6 px", "-s",
+                                                "fit.independent_spacing=1.5", "-s", "fit.profiles.0.at=4", "-s", "fit.profiles.0.range=[-30, 15]").stdout)
+
+    def assert_same_fit(self, one, other, length):
+        """In a unit of length that is `length` times as small; the searches end within 1e-6 of an error."""
+        for name, factor in (("f_over_mu", length), ("eta", 1.0), ("xi", length)):
+            a, b = one["parameters"][name], other["parameters"][name]
+            self.assertAlmostEqual(b["value"] / factor, a["value"], delta=1e-4 * a["stderr"])
+            self.assertAlmostEqual(b["stderr"] / factor, a["stderr"], delta=1e-4 * a["stderr"])
+        self.assertEqual((one["dof"], one["profiles"][0]["used"]), (other["dof"], other["profiles"][0]["used"]))
+
+    def test_the_default_start_goes_with_the_data(self):
+        self.make_profile(at=2.0)
+        text = FIT.replace("start = { f_over_mu = 1.5, eta = 2.0, xi = 15.0 }\n", "") + "at = 2.0\n"
+        usual, _ = self.fit(text, out="usual")
+        data = columns(self.folder / "ux.csv")
+        for a in (1e9, 1e-9, 400.0):
+            self.write("ux.csv", profile_text(data["x"] * a, data["value"] * a, SIGMA * a))
+            scaled, _ = self.fit(text, "-s", f"fit.profiles.0.at={2 * a}", out=f"scaled{a}")
+            self.assert_same_fit(usual, scaled, a)
+            low, high = scaled["parameters"]["xi"]["bounds"]
+            self.assertTrue(low < scaled["parameters"]["xi"]["value"] < high)
+
+    def test_places_and_displacements_in_different_units_are_noticed(self):
+        self.make_profile(at=4.0)
+        data = columns(self.folder / "ux.csv")
+        for factor, told in ((1000.0, True), (1e-5, True), (1.0, False)):
+            self.write("ux.csv", profile_text(data["x"], data["value"] * factor, SIGMA * factor))
+            found, done = self.fit(FIT + "at = 4.0\n", out=f"out{factor}")
+            self.assertEqual("give place_unit or value_unit" in done.stderr, told)
+            self.assertEqual(any("value_unit" in remark for remark in found["remarks"]), told)
+
     def test_every_method_finds_the_same(self):
         self.make_profile()
         best, _ = self.fit(FIT)
@@ -250,7 +317,9 @@ class NotIdentifiableTest(FitTest):
         force, eta, xi = (found["free"].index(name) for name in ("f_over_mu", "eta", "xi"))
         self.assertEqual([found["correlation"][eta][k] for k in (force, eta, xi)], [None, 1.0, None])
         self.assertGreater(abs(found["correlation"][force][xi]), 0.01)
-        self.assertRegex(done.stderr, "eta = 0.6 \\(at its upper bound\\)")
+        low, high = (found["parameters"]["eta"][key] for key in ("low", "high"))
+        self.assertTrue(0.1 <= low < high == 0.6)
+        self.assertRegex(done.stderr, rf"eta = 0.6 \(at its upper bound\), 95 % interval {low:.5g} to 0.6")
 
 
 if __name__ == "__main__":

@@ -162,6 +162,42 @@ class TrajectoryTest(FitTest):
         for name in ("kappa", "alpha"):  # adding and taking 2 pi costs 1e-15, the tracks are good to 1e-11
             self.assertAlmostEqual(found["parameters"][name]["value"], plain["parameters"][name]["value"], delta=1e-8)
 
+    def changed(self, change):
+        """tracks.csv with its columns changed."""
+        table = columns(self.folder / "tracks.csv")
+        change(table)
+        lines = [",".join(table), *(",".join(repr(float(v)) for v in row) for row in zip(*table.values()))]
+        self.write("changed.csv", "\n".join(lines) + "\n")
+
+    def test_tracks_in_other_units_are_noticed(self):
+        self.tracks()
+        self.write("fit.toml", self.TRACKS.replace("tracks.csv", "changed.csv"))
+
+        def degrees(table):
+            for name in ("theta0", "theta1"):
+                table[name] = np.degrees(table[name])
+
+        def metres(table):
+            for name in ("x0", "y0", "x1", "y1"):
+                table[name] = 9e-4 * table[name]
+            table["t"] = 0.3 * table["t"]
+
+        for change, words in ((degrees, "the headings look like degrees: .*multiply theta by pi/180"), (metres, "the rods move at 0.003 .*f_over_mu and speed of")):
+            self.changed(change)
+            self.refuse(2, words, "fit", "fit.toml", "-o", "none")
+
+        def slow(table):
+            table["t"] = 2.0 * table["t"]
+
+        def turned(table):
+            for name in ("theta0", "theta1"):
+                table[name] = 0.5 * np.pi - table[name]
+
+        for change, words in ((slow, "the rods move at 0.5 in reduced units"), (turned, "do not move along their headings")):
+            self.changed(change)
+            found, _ = self.fit(self.TRACKS.replace("tracks.csv", "changed.csv"), "-s", "fit.max_evaluations=20", out=change.__name__)
+            self.assertRegex(found["remarks"][0], words)
+
     def test_rods_of_an_si_scene_are_fitted_by_the_same_scene(self):
         scales = 'units = "si"\n[scales]\nf_over_mu = "2 mm"\nv0 = "3 mm/s"\n'
         pair = PAIR.split("[rods_run]")[0].replace('title = "a pair"\n', scales).replace("kappa = 0.5", 'kappa = "0.75 1/s"').replace("2.5]", "0.005]")
@@ -198,6 +234,10 @@ class TrajectoryTest(FitTest):
         for name in ("heading.0.0", "heading.0.1"):
             self.assertAlmostEqual(found["parameters"][name]["value"], 0.0, delta=1e-6)
             self.assertEqual(found["parameters"][name]["unit"], "rad")
+        self.assertEqual((found["parameters"]["y.0.0"]["unit"], len(found["free"])), ("f/mu", 7))  # sigma is given: the whole start
+        for poses, names in (("exact", {"heading.0.0", "heading.0.1"}), ("fitted", {f"{name}.0.{rod}" for name in ("x", "y", "heading") for rod in (0, 1)})):
+            other, _ = self.fit(text, "-s", f"fit.trajectories.0.start_poses={poses}", "-s", "fit.method=lbfgs", out=poses)
+            self.assertEqual(set(other["free"]) - {"kappa"}, names)
 
     def test_profiles_and_tracks_together(self):
         self.write("pair.toml", PAIR.replace("contact_distance = 0.1\n", "rtol = 1e-11\n").replace("60.0", "20.0")

@@ -148,6 +148,87 @@ TEST_CASE("a parameter on a bound has no error, the others theirs with it fixed"
     CHECK(reported(problem).estimates[0].at_upper);
 }
 
+// chi2 along a, b fitted: ((a - a0)^2 - (bound - a0)^2)/error^2 above that on the bound.
+TEST_CASE("a parameter on a bound has a one-sided interval, up to where chi2 has risen by 3.84") {
+    const LineByHand hand;
+    const auto reach = [&](double bound, double rise) {
+        return std::sqrt(std::pow(bound - hand.a, 2) + rise * std::pow(hand.error_a, 2));
+    };
+    for (const bool log : {false, true}) {
+        Problem problem = toy::line(ys);
+        problem.parameters[0] = toy::bounded("a", 3.0, 2.0, 1e9);
+        problem.parameters[0].transform = log ? Transform::log : Transform::linear;
+        const Report r = reported(problem);
+        CHECK(r.estimates[0].low == 2.0);
+        CHECK(r.estimates[0].high == Approx(hand.a + reach(2.0, 3.841459)).epsilon(1e-6));
+        CHECK(says(r, "the data allow values up to"));
+        problem.parameters[0] =
+            toy::bounded("a", 0.2, 1e-9, 0.5); // far below what is allowed in the logarithm
+        problem.parameters[0].transform = log ? Transform::log : Transform::linear;
+        const Estimate upper = reported(problem).estimates[0];
+        CHECK(upper.high == 0.5);
+        CHECK(upper.low == 1e-9);
+    }
+    Problem problem = toy::line(ys);
+    problem.parameters[0] = toy::bounded("a", 0.2, -1e9, 0.5);
+    CHECK(reported(problem).estimates[0].low == Approx(hand.a - reach(0.5, 3.841459)).epsilon(1e-6));
+    problem.parameters[0] = toy::bounded("a", 2.05, 2.0, 2.1);
+    const Report r = reported(problem);
+    CHECK(r.estimates[0].high == 2.1);
+    CHECK(says(r, "the data do not constrain it: any value between its bounds fits within 95 %"));
+    CHECK_THAT(to_text(problem, fit(problem, {}), r), Contains("[2, 2.1]"));
+}
+
+TEST_CASE("the limit of a parameter at the end of the logarithm is found however far it is") {
+    Problem problem = toy::decay(40, 3);
+    problem.parameters[2] = toy::bounded("c", 0.1, 1e-6, 1e6); // the data want c below 0
+    problem.parameters[2].transform = Transform::log;
+    problem.evaluate = [inner = problem.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                                                  Eigen::MatrixXd* jacobian) {
+        inner(p, r, jacobian);
+        r.array() += 5.2; // of sigma 0.1: the constant is 0.5 - 0.52
+    };
+    const Fit best = fit(problem, {});
+    const Report said = report(problem, best);
+    REQUIRE(said.estimates[2].at_lower);
+    Problem held = problem;
+    held.parameters[2].fixed = true;
+    held.parameters[2].start = said.estimates[2].high;
+    CHECK(fit(held, {}).objective - best.objective == Approx(3.841459).epsilon(1e-5));
+    CHECK(said.estimates[2].high > 0.01);
+    const ProfileLikelihood profile = profile_likelihood(problem, {}, best, 2);
+    CHECK(profile.high.value() == Approx(said.estimates[2].high).epsilon(1e-6));
+    CHECK(profile.value.size() > 5);
+}
+
+TEST_CASE("minima as deep as each other are one, and what tells them apart is said") {
+    Problem problem;
+    problem.parameters = {toy::bounded("x", 0.5, -10.0, 10.0)};
+    problem.residuals = 2;
+    problem.evaluate = [](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                          Eigen::MatrixXd* jacobian) {
+        r << 3.0 * (p[0] * p[0] - 4.0), 1.0;
+        if (jacobian)
+            *jacobian << 6.0 * p[0], 0.0;
+    };
+    Method method;
+    method.starts = 12;
+    const Report r = reported(problem, method);
+    CHECK(r.same_optimum == 12);
+    CHECK(says(r, "of the 12 starts that ended at the best objective"));
+    CHECK(says(r, "the data do not tell these apart"));
+    CHECK_FALSE(says(r, "ended elsewhere"));
+}
+
+TEST_CASE("couplings that are none are said, and remarks about the data come first") {
+    Problem problem = toy::line({1e27, 2e27, 3.1e27});
+    problem.parameters[1].name = "kappa";
+    problem.remarks = {"tracks.csv: looks odd"};
+    const Report r = reported(problem);
+    CHECK(r.diagnostics.front() == "tracks.csv: looks odd");
+    CHECK(says(r, "is no coupling of rods"));
+}
+
 TEST_CASE("nearly flat directions are named too, with finite errors") {
     // y at two places only 1e-4 apart: level and slope can hardly be told apart
     Problem problem;

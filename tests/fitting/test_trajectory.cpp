@@ -89,6 +89,22 @@ TEST_CASE("gradients of trajectory residuals agree with differences, headings fr
     CHECK(gradient_error(problem) < gradient_bound);
 }
 
+TEST_CASE("gradients by the poses at the start agree with differences, the first row is data then") {
+    Trajectory mixed = trajectory_of(reference("mixed couplings")),
+               three = trajectory_of(reference("three rods"));
+    three.free_start = true;
+    three.free_headings = true; // of which it is part
+    const Problem problem = trajectory_problem(tight(), {mixed, three}, parameters(2.7, -1.3, 0.9, 1.2, 1.8));
+    REQUIRE(problem.parameters.size() == 5 + 9);
+    CHECK(problem.parameters[6].name == "y.1.0");
+    CHECK(problem.parameters[13].name == "heading.1.2");
+    CHECK(problem.residuals == 3 * 6 + 4 * 9);
+    CHECK(problem.residual_name(18 + 4) == "three rods, row 1 y1");
+    CHECK(gradient_error(problem) < gradient_bound);
+    const auto rows = predict(tight(), three, 1, problem.parameters, starts(problem));
+    CHECK(rows[0] == three.states[0]);
+}
+
 TEST_CASE("gradients hold by xi and by BDF") {
     std::vector<Parameter> by_xi = parameters(2.7, -1.3, 0.9, 1.2, 1.8);
     by_xi[4].name = "xi";

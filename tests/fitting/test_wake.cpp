@@ -4,6 +4,7 @@
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/field.hpp"
+#include "rodwake/fitting/independent.hpp"
 #include "synthetic_profiles.hpp"
 
 #include <set>
@@ -177,6 +178,70 @@ TEST_CASE("points that share data are weighed less") {
     CHECK(quarter.independent == Approx(0.25));
     data.independent = 0.0;
     CHECK_THROWS_WITH(wake_problem({}, {data}, list), Contains("independent = 0"));
+}
+
+namespace {
+
+/// Independent values in all.
+double values(const std::vector<double>& places, double spacing) {
+    return mean_worth(independent_worth(places, spacing)) * static_cast<double>(places.size());
+}
+
+std::vector<double> steps(std::size_t count, double step, double from = 0.0) {
+    std::vector<double> places;
+    for (std::size_t i = 0; i < count; ++i)
+        places.push_back(from + step * static_cast<double>(i));
+    return places;
+}
+
+std::vector<double> both(std::vector<double> a, const std::vector<double>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+} // namespace
+
+TEST_CASE("independent values are counted from the places themselves") {
+    const std::vector<double> run = steps(40, 1.0);
+    CHECK(independent_worth(run, 4.0) == std::vector<double>(40, 0.25));
+    CHECK(values(run, 1.0) == 40.0);
+    CHECK(values(run, 0.3) == 40.0);
+    CHECK(values(both(steps(20, 1.0), steps(20, 1.0, 27.5)), 4.0) == 10.0); // a gap is none of the steps
+    // two runs one after the other, whatever their places: each counts
+    for (const double from : {0.0, 0.01, 0.5, 100.0})
+        CHECK(values(both(run, steps(40, 1.0, from)), 4.0) == Approx(20.0));
+    CHECK(values(both(run, std::vector<double>(run.rbegin(), run.rend())), 4.0) == Approx(20.0).epsilon(0.1));
+    // in no order, or row by row, they are one: what is not known to be independent is not
+    std::vector<double> mixed;
+    for (std::size_t i = 0; i < 80; ++i)
+        mixed.push_back(static_cast<double>(i * 31 % 80) * 0.5);
+    CHECK(values(mixed, 4.0) == Approx(10.0));
+    std::vector<double> pairs;
+    for (const double place : run) {
+        pairs.push_back(place);
+        pairs.push_back(place + 1e-6);
+    }
+    CHECK(values(pairs, 4.0) == Approx(10.0).epsilon(0.1)); // ends of the run: half a step of 20
+    CHECK(values(std::vector<double>(10, 5.0), 4.0) == Approx(1.0));
+    CHECK(values({5.0}, 4.0) == 1.0);
+    // a dense part is one value, what is far from all else another
+    const std::vector<double> uneven = independent_worth(both(steps(100, 0.001), {10.0, 20.0, 30.0}), 4.0);
+    CHECK(uneven[100] + uneven[101] + uneven[102] == 3.0);
+    CHECK(uneven[50] == Approx(0.01));
+}
+
+TEST_CASE("points in a dense part of a profile are weighed less than the others") {
+    const auto list = parameters(monopole, {1.0, 1.0, 10.0});
+    Profile data = made_up({}, list, {2.0, 1.0, 10.0}, line(Component::Ux, Axis::x, 1.0), 20, 30.0, 0.1);
+    for (std::size_t i = 0; i < 10; ++i)
+        data.place[i] = -30.0 + 1e-3 * static_cast<double>(i);
+    share_data(data, 2.0);
+    CHECK(residual_scale(data, 3) == Approx(0.1 * std::sqrt(10.0)).epsilon(1e-9));
+    CHECK(residual_scale(data, 15) == Approx(0.1).epsilon(1e-12));
+    CHECK(wake_problem({}, {data}, list).independent == Approx(11.0 / 20.0));
+    share_data(data, 200.0); // all of it is one value or two: three parameters are too many
+    CHECK_THROWS_WITH(wake_problem({}, {data}, list), Contains("independent ones cannot fix 3 parameters") &&
+                                                          Contains("a smaller independent_spacing"));
 }
 
 TEST_CASE("chi2 of a prediction is that of the residuals the fit has") {

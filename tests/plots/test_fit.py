@@ -11,7 +11,7 @@ from fit_case import FitCase, figure
 from made_up_fit import FOUR, TWO, correlation, likelihood, parameter
 from made_up_granular import write_csv
 from made_up_result import write_result
-from rodwake_plots import draw, fit_correlation, fit_likelihood, fit_starts, ranges, run_dir
+from rodwake_plots import draw, fit_correlation, fit_likelihood, fit_words, fit_starts, ranges, run_dir
 
 ALL = ("fit", "fit_likelihood_eta", "fit_correlation", "fit_starts")
 EPS = np.finfo(float).eps
@@ -268,6 +268,14 @@ class CorrelationTest(FitCase):
     def test_what_nearly_is_one_is_not_called_one(self):
         self.assertEqual([fit_correlation.number(value) for value in (1, -1, 0.5, -0.004, 0.996, -0.9996)],
                          ["1", "−1", "0.50", "−0.00", "0.996", "−0.9996"])
+
+    def test_starts_of_tracks_are_named_and_left_out_of_large_matrices(self):
+        poses = [f"{name}.0.{rod}" for rod in range(4) for name in ("x", "y", "heading")]
+        self.assertEqual([fit_words.symbol(name) for name in poses[1:3]], ["y_{0}^{(0)}", r"\theta_{0}^{(0)}"])
+        self.assertEqual(fit_words.meaning("x.2.1"), "x of rod 1 at the start of trajectory 2")
+        for names, shown in ((["kappa", *poses], 1), (["kappa", *poses[:11]], 12)):
+            made = fit_correlation.of_matrix(names, np.eye(len(names)))
+            self.assertEqual(len(made.axes[0].get_xticklabels()), shown)
 
     def test_blank_without_an_error(self):
         self.rewrite(parameters=self.told["parameters"] | {"xi": parameter(21.6, None, unit="a")})

@@ -1,6 +1,7 @@
 """Fits from arrays: known values come back, and the bits are those of the program."""
 
 import unittest
+from dataclasses import replace
 
 import numpy as np
 import rodwake
@@ -45,6 +46,28 @@ class WakeTest(unittest.TestCase):
             self.assertEqual((one.value, one.standard_error), (theirs["parameters"][name]["value"], theirs["parameters"][name]["stderr"]))
         self.assertEqual((ours.chi2, ours.dof), (theirs["chi2"], theirs["dof"]))
 
+    def test_residuals_predictions_and_likelihoods(self):
+        fitted, other = noisy_profile(), noisy_profile("Uy", 3.0, 4)
+        found = rodwake.fit_wake([fitted, replace(other, role="predict")], ["f_over_mu", "eta", "xi"], core=2.0, likelihood=["eta"])
+        ours, theirs = found.profiles
+        self.assertEqual((ours.role, theirs.role, found.residuals.size), ("fit", "predict", ours.used.sum()))
+        self.assertAlmostEqual(np.sum(found.residuals**2), found.chi2, delta=1e-9 * found.chi2)  # round-off of two sums
+        np.testing.assert_allclose(ours.residual[ours.used], found.residuals, rtol=1e-9, atol=1e-9)
+        np.testing.assert_array_equal(ours.used, np.abs(PLACES) >= 2.0)
+        np.testing.assert_allclose(theirs.residual, (other.value - theirs.model) / SIGMA, rtol=1e-9, atol=1e-9)
+        self.assertLess(abs(theirs.excess - 1), 4 * theirs.excess_error)  # the model is that of the data
+        self.assertTrue(found.likelihood["eta"].low < found.parameters["eta"].value < found.likelihood["eta"].high)
+        figure = rodwake.plots.correlation(found, "errors")
+        self.assertEqual(len(figure.axes[0].texts), 9)
+        alone = rodwake.fit_wake([fitted], ["f_over_mu", "eta", "xi"], core=2.0)
+        self.assertEqual(alone.chi2, found.chi2)
+
+    def test_two_runs_in_one_profile(self):
+        one, other = noisy_profile(), noisy_profile(seed=5)
+        both = Profile(np.concatenate([PLACES, PLACES]), np.concatenate([one.value, other.value]), np.full(2 * PLACES.size, SIGMA), at=1.0)
+        dofs = [rodwake.fit_wake([profile], ["f_over_mu", "eta", "xi"], independent_spacing=2.0).dof for profile in (one, both)]
+        self.assertEqual(dofs, [round(81 / 4) - 3, round(162 / 4) - 3])  # half a unit of length a step
+
     def test_fixed_and_tied_parameters(self):
         found = rodwake.fit_wake([noisy_profile()], ["f_over_mu", "xi"], fixed={"eta": 2.0}, tied={"f2d_over_mu": ["f_over_mu", 1e-9]},
                                  start={"xi": 5.0}, bounds={"xi": [1.0, 11.0]})
@@ -71,6 +94,23 @@ class RodsTest(unittest.TestCase):
             self.assertAlmostEqual(found.parameters[name].value, truth, delta=1e-6)
         with self.assertRaisesRegex(rodwake.InputError, r"\(T, N, 3\)"):
             rodwake.fit_rods([Track(run.t, run.poses[1:], 1e-3, 1e-3)], ["kappa"], fixed={"eta": 1.0, "alpha": 1.0})
+
+    def test_headings_that_jump_and_headings_in_degrees(self):
+        run = rodwake.simulate([[0, 2.5, 3.0], [0, -2.5, 3.0]], rodwake.Medium(), kappa=0.5, t_end=20.0, output_times=np.linspace(0, 20, 21), rtol=1e-10)
+        jumping, degrees = run.poses.copy(), run.poses.copy()
+        jumping[..., 2] = (jumping[..., 2] + np.pi) % (2 * np.pi) - np.pi
+        jumping[::3, 0, 2] += 2 * np.pi
+        degrees[..., 2] = np.degrees(degrees[..., 2])
+        keys = {"parameters": ["kappa"], "fixed": {"eta": 1.0, "alpha": 1.0}}
+        found = rodwake.fit_rods([Track(run.t, jumping, 1e-3, 1e-3)], **keys)
+        self.assertAlmostEqual(found.parameters["kappa"].value, 0.5, delta=1e-6)
+        self.assertEqual(len(found.free), 7)
+        self.assertEqual(rodwake.fit_rods([Track(run.t, jumping, 1e-3, 1e-3, start_poses="exact")], **keys).free, ["kappa"])
+        self.assertLess(np.abs(found.tracks[0].model[:, :, :2] - run.poses[:, :, :2]).max(), 1e-5)
+        with self.assertRaisesRegex(rodwake.InputError, "look like degrees"):
+            rodwake.fit_rods([Track(run.t, degrees, 1e-3, 1e-3)], **keys)
+        with self.assertRaisesRegex(rodwake.InputError, "in Python is in reduced units"):
+            rodwake.fit_rods([Track(run.t, run.poses * [1e-3, 1e-3, 1.0], 1e-3, 1e-3)], **keys)
 
 
 if __name__ == "__main__":

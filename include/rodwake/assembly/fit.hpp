@@ -45,6 +45,11 @@ struct FitMapData {
     bool mirrored = false;    ///< its halves are the same data: those of y < 0 are left out
 };
 
+/// Settles a track as it was read or given: places go on where they were across the sides of the box,
+/// headings are brought within half a turn of the row before, since files give them modulo 2 pi or as one
+/// angle of many. Throws InputError where the headings are in degrees.
+void settle_track(FitTrackData& track, std::optional<PeriodicBox> box);
+
 /// Settles a map as it was read or given: sigmas that no bin has make equal weights; bins of unknown sigma
 /// beside others of known are left out, and so is one half of a map that was averaged with its mirror image;
 /// closer bins than `independent_spacing` share their worth.
@@ -71,6 +76,10 @@ struct FitPlan {
     fitting::Problem problem;
     fitting::Method method; ///< without threads and the calls that report and stop
 };
+
+/// What looks wrong in data that can be fitted: units that differ, rods that do not move along their
+/// headings. Throws InputError for tracks in which the rods are ten times too fast or too slow.
+std::vector<std::string> data_remarks(const FitPlan& plan);
 
 /// Of inputs that are complete. Throws InputError for data that cannot be fitted, and where the residuals at
 /// the start are not finite.

@@ -28,6 +28,7 @@ struct Parameter {
     std::string tied_to =
         {}; ///< name of a free parameter: value = tie_factor times its value; empty: not tied
     double tie_factor = 1.0;
+    bool spreads = true; ///< false: every search begins at `start`, which is a datum
 
     bool free() const { return !fixed && tied_to.empty(); }
 };
@@ -48,6 +49,8 @@ struct Problem {
     double independent = 1.0;
     /// What residual i is, for messages: "profile_Ux_x.csv:17".
     std::function<std::string(std::size_t)> residual_name;
+    /// What looks wrong in the data, in sentences: the report begins with it.
+    std::vector<std::string> remarks = {};
 };
 
 /// Throws InputError, naming what is wrong: no or duplicate names, reversed bounds, start outside its bounds,

@@ -4,7 +4,8 @@
 // Errors come from the curvature at the minimum, C = (J^T J)^-1 in the coordinates of the search (Transform),
 // by a singular value decomposition of J with columns scaled to unit length. Singular values below
 // `rank_tolerance` of the largest make a flat direction: the error of every parameter in it is infinite
-// (said), not a large number. A parameter held by a bound has no error.
+// (said), not a large number. A parameter held by a bound has no error; its interval reaches from the bound
+// to where the profile likelihood has risen by 3.84, at most to the other bound.
 
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/fitting/fit.hpp"
@@ -91,5 +92,9 @@ struct ProfileLikelihood {
 };
 ProfileLikelihood profile_likelihood(const Problem& problem, const Method& method, const Fit& best,
                                      std::size_t parameter, std::size_t points = 25);
+
+/// Of a parameter that is held by a bound: where chi2 has risen as much on the free side; empty: nowhere up
+/// to the other bound.
+std::optional<double> one_sided_limit(const Problem& problem, const Fit& best, std::size_t parameter);
 
 } // namespace rodwake::fitting

@@ -6,6 +6,7 @@
 //   v0)) kappa, gamma1, gamma2   couplings in the laplacian basis; absent: 0        v0 mu/f; v0 eta medium 1
 //   xi | alpha              medium; alpha = 1/xi                               f/mu; 1
 //   heading.<k>.<a>         initial heading of rod a of trajectory k, if free  rad
+//   x.<k>.<a>, y.<k>.<a>    its initial place, with Trajectory::free_start    f/mu
 //
 // Beside profiles (wake.hpp) alpha is the parameter that means the same for both: xi is in reduced units here
 // and in the unit of the profiles there.
@@ -18,15 +19,15 @@
 
 namespace rodwake::fitting {
 
-/// One trajectory, in reduced units. The first row is the start: its positions (and headings, unless free)
-/// are taken as exact. Free headings: those of the first row are data like the others. Headings are compared
+/// One trajectory, in reduced units. The first row is the start and taken as exact, unless its headings or
+/// all of it are free: they are parameters then, and the row is data like the others. Headings are compared
 /// as they are, so turns count.
 struct Trajectory {
     std::string name;
     std::vector<double> times;               ///< increasing
     std::vector<std::vector<double>> states; ///< x, y, heading of each rod in turn, at each time
     double sigma_position = 1.0, sigma_heading = 1.0;
-    bool free_headings = false;
+    bool free_headings = false;             ///< of the first row
     std::optional<double> contact_distance; ///< the run stops there; needed by contact_time
     std::optional<double> contact_time;     ///< a datum: when the rods met
     double sigma_contact = 1.0;
@@ -35,6 +36,7 @@ struct Trajectory {
                                          ///< absent: infinite plane
     double independent = 1.0; ///< independent rows a row is worth, in (0, 1]: below 1 if neighbours share
                               ///< noise; sigmas of rows are enlarged by 1/sqrt(independent)
+    bool free_start = false;  ///< places and headings of the first row
 };
 
 /// rtol 1e-10, as fits to 1e-6 need, and few steps, so that a search that strays to violent couplings turns
@@ -45,7 +47,7 @@ struct TrajectoryModel {
     integrate::OdeOptions ode = trajectory_ode_options();
 };
 
-/// Adds a parameter heading.<k>.<a> for each free heading that is not there yet (start: the first row's).
+/// Adds the parameters of free starts that are not there yet (start: the first row's).
 ///
 /// A model run that ends by contact before a datum has, for the rows after it, the state at contact. Without
 /// a contact distance a run ends where rods come a hundred times closer than in any row, since no solve gets
@@ -59,6 +61,9 @@ struct TrajectoryModel {
 /// parameters, method erk. The residuals throw RunError where a solve fails.
 Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Trajectory>& trajectories,
                            std::vector<Parameter> parameters);
+
+/// Whether it is of the kind heading.<k>.<a>, x.<k>.<a> or y.<k>.<a>.
+bool is_start_pose(const std::string& name);
 
 /// The model's states at the trajectory's times, for figures. `index`: k of its heading.<k>.<a>.
 std::vector<std::vector<double>> predict(const TrajectoryModel& model, const Trajectory& trajectory,

@@ -37,6 +37,7 @@ struct Profile {
     double independent = 1.0;       ///< independent values a point is worth, in (0, 1]: below 1 if neighbours
                                     ///< share data; sigma is enlarged by 1/sqrt(independent)
     std::vector<std::string> where = {}; ///< each point's origin for messages, "file.csv:7"; may be empty
+    std::vector<double> worth = {}; ///< `independent` of each point (independent.hpp); empty: all the same
 };
 
 struct WakeModel {
@@ -45,6 +46,9 @@ struct WakeModel {
     double core =
         0.0; ///< points closer than this to the rod's centre along the profile (|x| < core) are left out
 };
+
+/// Points of a run closer to each other than `spacing` share data (independent.hpp).
+void share_data(Profile& profile, double spacing);
 
 /// The part of the profile that is fitted: |place| >= core.
 Profile outside_core(const Profile& profile, double core);

@@ -15,12 +15,14 @@ enum class Parameter { kappa, gamma1, gamma2, eta, xi };
 double& value(RodProblem& problem, Parameter parameter);
 double value(const RodProblem& problem, Parameter parameter);
 
-/// Columns: `parameters`, then the initial headings of the rods named. With a contact distance the contact is
-/// a terminal event, its gradient that of the closest pair. A coupling that is 0 but a parameter is
-/// differentiated like any other. Throws InputError as simulate(), for parameters without a medium, for rods
-/// that are not there, and for a field without the derivatives needed.
+/// Columns: `parameters`, then the initial headings of the rods named, then initial `places`: 2 rod for its
+/// x, 2 rod + 1 for its y. With a contact distance the contact is a terminal event, its gradient that of the
+/// closest pair. A coupling that is 0 but a parameter is differentiated like any other. Throws InputError as
+/// simulate(), for parameters without a medium, for rods that are not there, and for a field without the
+/// derivatives needed.
 integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
                                                      std::span<const Parameter> parameters,
-                                                     std::span<const std::size_t> headings);
+                                                     std::span<const std::size_t> headings,
+                                                     std::span<const std::size_t> places = {});
 
 } // namespace rodwake::rods

@@ -1,7 +1,7 @@
 #pragma once
-// The [fit] table of a scene, after every value is checked. Lengths are in the unit of the profiles, whatever
-// `units` says; a string with a unit is in bead radii then (what `rodwake measure` writes). Whether a file is
-// there and what it holds is not known here.
+// The [fit] table of a scene, after every value is checked. Lengths are in the unit of the profiles,
+// Fit::length_unit, whatever `units` says; strings with a unit are converted to it. Whether a file is there
+// and what it holds is not known here.
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/fitting/method.hpp"
@@ -16,6 +16,17 @@
 namespace rodwake::scene {
 
 enum class FitRole { fit, predict };
+
+/// What the first row of a track is; automatic: fitted where sigma_position is given.
+enum class StartPoses { automatic, fitted, exact };
+
+/// Columns of a file in units of their own; empty: Fit::length_unit, which the factors lead to.
+struct ColumnUnits {
+    std::string place, value;
+    double place_factor = 1.0, value_factor = 1.0;
+
+    bool operator==(const ColumnUnits&) const = default;
+};
 
 /// [low, high] of a parameter.
 struct Interval {
@@ -40,7 +51,8 @@ struct FitProfile {
     double at = 0.0;
     std::vector<double> range; ///< [from, to] of the places that are read; empty: all
     FitRole role = FitRole::fit;
-    std::string name; ///< empty: from the file's
+    std::string name;         ///< empty: from the file's
+    ColumnUnits columns = {}; ///< of x, and of value and sigma
 
     bool operator==(const FitProfile&) const = default;
 };
@@ -50,6 +62,7 @@ struct FitTrajectory {
     std::string file;
     std::optional<double> sigma_position, sigma_heading; ///< absent: 1, and errors from the scatter
     bool free_headings = false;
+    StartPoses start_poses = StartPoses::automatic;
     std::optional<double> contact_distance, contact_time, sigma_contact;
     std::optional<double> independent_time; ///< rows closer than this share noise; absent: all independent
     double f_over_mu = 1.0, speed = 1.0;    ///< what the reduced units are in the file's numbers; those of
@@ -65,6 +78,7 @@ struct FitMap {
     std::optional<double> speed; ///< absent: as the file has it
     std::vector<double> box;     ///< sides along and across the heading; empty: as the file has it
     std::string name;            ///< empty: from the files
+    ColumnUnits columns = {};    ///< of a table: of x and y, and of displacements and sigmas
 
     bool operator==(const FitMap&) const = default;
 };
@@ -109,6 +123,11 @@ struct Fit {
 
     bool operator==(const Fit&) const = default;
 };
+
+inline bool fits_start(const FitTrajectory& track) {
+    return track.start_poses == StartPoses::automatic ? track.sigma_position.has_value()
+                                                      : track.start_poses == StartPoses::fitted;
+}
 
 /// Names a parameter may have.
 std::span<const std::string_view> fit_parameter_names();

@@ -1,7 +1,7 @@
 #pragma once
 // What a fit found, put beside its data: everything fit.json and its tables hold.
 
-#include "fit_data.hpp"
+#include "rodwake/assembly/fit.hpp"
 #include "rodwake/fitting/report.hpp"
 
 #include <map>
@@ -75,5 +75,9 @@ struct FitResults {
 
 /// Everything but likelihood and systematics, which take searches of their own.
 FitResults fit_results(const assembly::FitPlan& plan, fitting::Fit fit);
+
+/// What the report of the fit does not know of, in sentences: intervals by the profile likelihood, and the
+/// factors by which data exceed predictions.
+std::vector<std::string> findings(const assembly::FitPlan& plan, const FitResults& results);
 
 } // namespace rodwake::stages
