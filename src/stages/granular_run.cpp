@@ -249,7 +249,7 @@ private:
             write_records(task_.folder / "measure.rwc", *bed_.measures, *measures_);
         meter_.mark(&RunCost::output);
         done.cost = cost();
-        store::write_atomically(task_.folder / "summary.json", summary_json(bed_.problem, done));
+        store::write_atomically(task_.folder / "summary.json", summary_json(bed_, done));
         std::filesystem::rename(checkpoint_file_, task_.folder / "final.rwc");
         store::remove_generations(checkpoint_file_);
         files_.remove_logs();
@@ -306,7 +306,8 @@ private:
                            {"amplitude", p.plates.amplitude(p.gravity)},
                            {"gravity", p.gravity},
                            {"time_step", p.time_step},
-                           {"phi_b", granular::bead_area_fraction(p)},
+                           {"phi_b", phi_b(bed_)},
+                           {"beads_fraction", granular::bead_area_fraction(p)},
                            {"order_cutoff", bed_.schedule.order_cutoff},
                            {"run", static_cast<double>(task_.run + 1)}};
         if (!p.box.square())

@@ -54,6 +54,15 @@ class BedScanTest(BedScanCase):
         segments = np.array([segment[:, 1] for segment in bars[2][0].get_segments()])
         return y - segments[:, 0], segments[:, 1] - y
 
+    def test_times_are_those_of_capture(self):
+        """The lock of a pursuit has a time in a bed; a pursuit of the theory has none."""
+        made, caption = self.draw("scan_curve", column="time")
+        self.assertTrue(caption.startswith("Time to capture in s, against"), caption)
+        self.assertIn("time to capture", made.axes[0].get_ylabel())
+        with run_dir.RunDir(self.folder) as run:
+            self.assertEqual(scan_columns.quantity("time", run.scan).of, ("contact", "pursuit"))
+        self.assertEqual(scan_columns.quantity("time").of, ("contact",))
+
     def test_lengths_are_in_a(self):
         made, _ = self.draw("scan_curve", column="delta_y")
         self.assertEqual([text.get_text() for text in made.axes[0].get_legend().get_texts()][:3],
