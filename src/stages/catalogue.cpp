@@ -169,11 +169,16 @@ constexpr ColumnInfo outcome_values[] = {
     {"time", "{time}", "of contact, else the end of the run"},
     {"min_separation", "{length}", "smallest separation of any pair at any time"},
     {"min_separation_time", "{time}", "when"},
+    {"solver.time_step", "{time}", "of the first run with noise"},
     {"turn", "rad", "of each rod from start to end"},
     {"own_turn", "rad", "of it by the rod's own field"}};
 
 constexpr ColumnInfo noise_values[] = {
     {"capture_probability", "1", "share of the runs with contact or pursuit"},
+    {"capture_low", "1", "lower end of its interval"},
+    {"capture_high", "1", "upper end of its interval"},
+    {"capture_confidence", "1", "of that interval"},
+    {"runs_at_time", "1", "runs that went on at each of the times"},
     {"first_contact_time.mean", "{time}", "of the runs with contact"},
     {"first_contact_time.error", "{time}", "its standard error"},
     {"rotational_diffusion", "1/({time})", "of each heading"},
@@ -184,7 +189,12 @@ constexpr ColumnInfo noise_values[] = {
     {"mean_square_displacement", "({length})^2", "a row a time, a column a rod"},
     {"heading_correlation", "1", "a row a time, a column a rod"}};
 
-constexpr ColumnInfo order_values[] = {{"link", "{order length}", "rods nearer than this are linked"},
+constexpr ColumnInfo order_values[] = {{"polar", "1", "polar order, mean from `from` on"},
+                                       {"nematic", "1", "nematic order, mean from `from` on"},
+                                       {"mean_size", "1", "rods by clusters"},
+                                       {"weighted_size", "1", "mean size of the cluster that a rod is in"},
+                                       {"largest", "1", "rods of the largest cluster"},
+                                       {"link", "{order length}", "rods nearer than this are linked"},
                                        {"from", "{order time}", "means are from then on"},
                                        {"block", "{order time}", "of time, for the errors"}};
 

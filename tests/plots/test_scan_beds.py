@@ -56,12 +56,14 @@ class BedScanTest(BedScanCase):
 
     def test_times_are_those_of_capture(self):
         """The lock of a pursuit has a time in a bed; a pursuit of the theory has none."""
-        made, caption = self.draw("scan_curve", column="time")
-        self.assertTrue(caption.startswith("Time to capture in s, against"), caption)
-        self.assertIn("time to capture", made.axes[0].get_ylabel())
         with run_dir.RunDir(self.folder) as run:
+            self.assertEqual(scan_columns.label(run, "time", 1.0)[1], r"time to capture $t$ ($\mathrm{s}$)")
+            self.assertEqual(scan_columns.meaning("time", run.scan), "")
             self.assertEqual(scan_columns.quantity("time", run.scan).of, ("contact", "pursuit"))
-        self.assertEqual(scan_columns.quantity("time").of, ("contact",))
+            self.tell(subject="rods")
+        with run_dir.RunDir(self.folder) as run:
+            self.assertEqual(scan_columns.quantity("time", run.scan).of, ("contact",))
+            self.assertIn("no time of its own", scan_columns.meaning("time", run.scan))
 
     def test_lengths_are_in_a(self):
         made, _ = self.draw("scan_curve", column="delta_y")
