@@ -28,6 +28,7 @@ def draw(run, spec):
     panels = list(grid.ravel())
     label_axes(grid, len(panels) if overlay else len(runs), length.label, units.length("y", extent).label)
     if overlay:
+        figure.set_figheight(figure.get_figheight() - (0.9 if window.aspect < FLAT else 0.0))  # no colour bar below
         overlaid(panels[0], runs, units, window, look)
         canvas.heading(panels[0], "\n".join(filter(None, (style.safe(spec.title), shared(units, runs)))))
         return figure
@@ -55,7 +56,7 @@ def overlaid(axes, runs, units, window, look):
             axes.plot(x, y, color=colour, linewidth=1.3, scalex=False, scaley=False)
             for index, mark in ((0, path_panel.hollow), (-1, path_panel.filled)):
                 mark(axes, x[index], y[index], run.theta[index, rod], colour)
-    curves.legend(axes, loc="upper left", bbox_to_anchor=(0.0, -0.18), borderaxespad=0.0)
+    axes.figure.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False, fontsize=8.5, handlelength=1.6)
 
 
 def runs_of(result):

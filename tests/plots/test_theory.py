@@ -140,7 +140,7 @@ class PlotsTest(PlotCase):
             panels, one = trajectories.draw(run, apart), trajectories.draw(run, together)
             caption = trajectories.caption(run, together)
         self.assertGreaterEqual(len(panels.axes), 3)
-        self.assertEqual([len(one.axes), len(one.axes[0].get_legend().get_texts())], [1, 3])
+        self.assertEqual([len(one.axes), len(one.legends[0].get_texts())], [1, 3])
         self.assertEqual(len({line.get_color() for line in one.axes[0].lines if len(line.get_xdata()) > 2}), 3)  # one for both rods of each
         self.assertIn("in one panel", caption)
 
