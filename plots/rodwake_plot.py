@@ -13,9 +13,12 @@ from rodwake_plots.errors import PlotError, UsageError
 def arguments(argv):
     parser = argparse.ArgumentParser(prog="rodwake_plot.py", description="Figures and report of a finished run.")
     parser.add_argument("run_dir", help="directory that holds result.h5 and scene.toml")
+    parser.add_argument("--output", default="", metavar="DIR", help="folder for figures and report; the run directory stays as it is")
     parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too")
     parser.add_argument("--width", default="", metavar="W", help="width of figures: column, page, or a length such as 86mm; figures of several panels take two columns")
     parser.add_argument("--style", default="", metavar="S", help="paper (the default), slides, or a matplotlib style file")
+    parser.add_argument("--font-size", default="", metavar="PT", help="of axis numbers and legends in points; other text in proportion")
+    parser.add_argument("--overlay", action="store_true", help="paths of all variants in one panel, with a legend")
     parser.add_argument("--film", action="store_true", help="film of the beads, or of the rods, too")
     parser.add_argument("--quiet", action="store_true", help="do not list the files written")
     parser.add_argument("--report-only", action="store_true", help="keep the figures, write report.html again")
@@ -47,17 +50,17 @@ def plot(options):
     from rodwake_plots import draw, report, scan_page, style, tradeoff, ways
     from rodwake_plots.run_dir import RunDir
 
-    look = style.look(options.width, options.style)
+    look = style.look(options.width, options.style, options.font_size)
     if ways.is_there(options.run_dir):
-        print(*draw.in_style(ways.write, options.run_dir), sep="\n")
+        print(*draw.in_style(ways.write, options.run_dir, options.output), sep="\n")
         return
 
-    with RunDir(options.run_dir) as run:
+    with RunDir(options.run_dir, options.output) as run:
         if run.has_tradeoff and not options.report_only:
             print(*draw.in_style(tradeoff.write, run), sep="\n")
         if run.holds_tradeoff_alone:
             return
-        figures = draw.figures_of(run, film=options.film)
+        figures = draw.figures_of(run, options.film, options.overlay)
         failures = []
         if not options.report_only:
             figures, failures = draw.write_all(run, figures, pdf=options.pdf, look=look)

@@ -5,8 +5,10 @@ import os
 import string
 
 import matplotlib
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
 
@@ -51,6 +53,15 @@ def replacing(path):
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def enlarge(made, factor):
+    """All text of a figure; ticks that are made later have it from their axis."""
+    ticks = [(axis, axis.get_major_ticks(1)[0].label1.get_fontsize()) for axes in made.findobj(Axes) for axis in (axes.xaxis, axes.yaxis)]
+    for text in made.findobj(Text):
+        text.set_fontsize(factor * text.get_fontsize())
+    for axis, size in ticks:
+        axis.set_tick_params(which="both", labelsize=factor * size)
 
 
 PAD = 0.04  # inches around what is drawn

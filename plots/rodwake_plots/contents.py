@@ -1,5 +1,6 @@
 """What leads from the report to something else: its contents, the files behind each figure, the command that makes it again."""
 
+import os
 import re
 import shlex
 
@@ -37,11 +38,16 @@ def files_of(run, spec):
 def links(run, spec):
     """Data, and the figure as it goes into a paper."""
     found = files_of(run, spec)
-    parts = [link(path, path) for path in found[:MOST_FILES]] + ([f"and {len(found) - MOST_FILES} more"] if len(found) > MOST_FILES else [])
+    parts = [link(beside(run, path), path) for path in found[:MOST_FILES]] + ([f"and {len(found) - MOST_FILES} more"] if len(found) > MOST_FILES else [])
     text = f"Data: {', '.join(parts)}" if parts else ""
     drawn = [link(f"figures/{spec.name}{ending}", ending[1:].upper()) for ending in (".pdf", ".png", ".mp4", ".gif")
              if (run.figures_dir / f"{spec.name}{ending}").is_file()]
     return f'<div class="files">{" · ".join(filter(None, (text, *drawn)))}</div>'
+
+
+def beside(run, path):
+    """A file of the run as a link of the page, which may stand elsewhere."""
+    return path if run.output == run.path else os.path.relpath(run.path / path, run.output)
 
 
 def link(path, text):
@@ -58,7 +64,7 @@ def reproduce(run):
     seed = f", seed {words.number(told['seed'])}" if words.is_number(told.get("seed")) else ""
     took = f"; it took {words.number(float(told['wall_seconds']), 2)} s" if words.is_number(told.get("wall_seconds")) else ""
     return (f'<div class="reproduce">\n<pre>rodwake {words.escape(verb)} scene.toml -o again\nrodwake plot again --pdf</pre>\n'
-            f'<p>{link("scene.toml", "scene.toml")} is the scene with every default written out; the result does not depend on the number '
+            f'<p>{link(beside(run, "scene.toml"), "scene.toml")} is the scene with every default written out; the result does not depend on the number '
             f"of threads. Made by {program}{seed}{took}.</p>\n"
             + (f"<p>As it was called: <code>{words.escape(command)}</code></p>\n" if command else "") + "</div>")
 

@@ -5,13 +5,14 @@ a run whose scene asks for nothing. It may have hover_marks(run, spec, figure) -
 """
 
 import importlib
+import sys
 from dataclasses import replace
 
 import matplotlib
 
 from . import canvas, hover, schema, spec
 from .canvas import PAD, save
-from .errors import PlotError
+from .errors import MissingError, PlotError
 from .granular_run import TRAJECTORY
 from .medium_frames import FILE as MEDIUM_FRAMES
 from .style import SETTINGS, Look
@@ -22,10 +23,10 @@ FILMS = "movie", "medium_film", "rods_movie"
 KINDS = {kind: importlib.import_module(f".{kind}", __package__) for kind in schema.FIGURES}
 
 
-def figures_of(run, film=False):
+def figures_of(run, film=False, overlay=False):
     """As the scene asks, or all there is to draw; a film that was made on request stays in the report."""
     asked = spec.from_scene(run.scene)
-    found = asked + besides(run, asked) if asked else defaults(run)
+    found = [replace(one, overlay=overlay) for one in (asked + besides(run, asked) if asked else defaults(run))]
     there = run.figures_dir / f"{FILM}.png"
     return found + filmed(run, found) if film or there.is_file() else found
 
@@ -67,15 +68,19 @@ def first(specs, kind):
 
 
 def write_all(run, figures, pdf, look=Look(SETTINGS)):
-    """Those that could be drawn, and why the others could not."""
-    run.figures_dir.mkdir(exist_ok=True)
-    drawn, failures = [], []
+    """Those that could be drawn, and why the others could not; beside figures that are drawn, one without data is left out and told."""
+    run.figures_dir.mkdir(parents=True, exist_ok=True)
+    drawn, failures, missing = [], [], []
     for figure in figures:
         try:
             write_one(run, figure, (".png", ".pdf") if pdf else (".png",), look)
             drawn.append(figure)
         except PlotError as error:
-            failures.append(f'figure "{figure.name}": {error}')
+            (missing if isinstance(error, MissingError) else failures).append(f'figure "{figure.name}": {error}')
+    if not drawn:
+        return drawn, missing + failures
+    for one in missing:
+        print(f"rodwake plot: left out: {one}", file=sys.stderr)
     return drawn, failures
 
 
@@ -85,9 +90,7 @@ def write_one(run, figure, endings, look):
         if hasattr(kind, "write"):
             print(*kind.write(run, figure), sep="\n")
             return
-        made = kind.draw(run, figure)
-        if look.width:
-            canvas.fit_width(made, look.width)
+        made = dressed(kind.draw(run, figure), look)
         metadata = hover.metadata(hover.places(made, list(kind.hover_marks(run, figure, made)), PAD)) if hasattr(kind, "hover_marks") else None
         for ending in endings:
             path = run.figures_dir / (figure.name + ending)
@@ -95,9 +98,18 @@ def write_one(run, figure, endings, look):
             print(path)
 
 
-def in_style(write, *arguments):
+def dressed(made, look):
+    """The figure with text and width as asked for."""
+    if look.enlarged != 1.0:
+        canvas.enlarge(made, look.enlarged)
+    if look.width:
+        canvas.fit_width(made, look.width)
+    return made
+
+
+def in_style(write, *arguments, look=Look(SETTINGS)):
     """What does not stand in [[figures]], with the look of what does."""
-    with matplotlib.rc_context(SETTINGS):
+    with matplotlib.rc_context(look.settings):
         return write(*arguments)
 
 

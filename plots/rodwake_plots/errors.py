@@ -5,5 +5,9 @@ class PlotError(Exception):
     pass
 
 
+class MissingError(PlotError):
+    """What a figure shows was not computed in this folder: the other figures can be drawn."""
+
+
 class UsageError(PlotError):
     """An option that cannot be."""

@@ -7,7 +7,7 @@ from . import words
 PAIRS = (("bead_bead", "bead with bead", "particle_particle"), ("bead_rod", "bead with rod", "particle_particle"),
          ("rod_rod", "rod with rod", "particle_particle"), ("bead_wall", "bead with plate", None), ("rod_wall", "rod with plate", None))
 ROUNDING = 1e-9  # degrees
-TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "pressure", "rods", "beads", "phi_b", "bead_radius", "box", "runs"}
+TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "pressure", "rods", "beads", "phi_b", "beads_fraction", "bead_radius", "box", "runs"}
 
 
 def headline(run):
@@ -41,7 +41,9 @@ def modelled(run):
 def beads(bed, scene):
     yield "Beads", (f"{words.number(bed.need('beads'))} spheres, {words.equation('<i>a</i>', bed.a * 1e3, 'mm')}"
                     f"{of_density(scene.get('bead_density'))}")
-    yield "Area fraction of the beads", words.equation("<i>φ<sub>b</sub></i> = <i>Nπa</i>²/<i>L</i>²", bed.phi_b)
+    alone = bed.summary.get("beads_fraction")
+    yield "Area fraction asked for", words.equation("<i>φ<sub>b</sub></i>", bed.phi_b) + (
+        f"; the beads alone cover {words.number(alone)} of the box" if words.is_number(alone) else "")
 
 
 def of_density(value):
@@ -85,7 +87,7 @@ def measured(run):
     known = (("simulated_time", "Simulated time", "s", "from <i>t</i> = 0 on"),
              ("T_xy", "<i>T</i><sub>xy</sub>", "m²/s²", "(var <i>v<sub>x</sub></i> + var <i>v<sub>y</sub></i>)/2, centre of mass removed"),
              ("T_z", "<i>T</i><sub>z</sub>", "m²/s²", "var <i>v<sub>z</sub></i>, centre of mass removed"),
-             ("psi6", "<i>ψ</i><sub>6</sub>", "", "sixfold bond order of the bed"),
+             ("psi6", "<i>ψ</i><sub>6</sub>, rows of table.csv", "", f"|⟨<i>ψ</i><sub>6,<i>i</i></sub>⟩| over the beads; neighbours nearer than {cutoff(run)}"),
              ("max_overlap", "Largest overlap", "", "of the smaller radius"))
     for key, name, unit, meaning in known:
         if words.is_number(summary.get(key)) and (key == "simulated_time" or run.granular.need("beads")):
@@ -95,6 +97,12 @@ def measured(run):
         yield "Pressure", f"{words.number(pressure * 1e3)} mN/m", "in the plane, momentum that crosses a line per time and length"
     for number, rod in enumerate(run.granular.rods):
         yield from rod_measured(number, rod)
+
+
+def cutoff(run):
+    """granular.order_cutoff, whose default follows from phi_b."""
+    asked = run.scene.get("granular", {}).get("order_cutoff")
+    return f"{words.number(asked / run.granular.a)} <i>a</i>" if words.is_number(asked) else "1.4 lattice spacings"
 
 
 def rod_measured(number, rod):

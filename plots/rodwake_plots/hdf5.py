@@ -3,12 +3,12 @@
 import h5py
 import numpy as np
 
-from .errors import PlotError
+from .errors import MissingError, PlotError
 
 
 def open_file(path):
     if not path.is_file():
-        raise PlotError(f"{path}: no such file")
+        raise MissingError(f"{path}: no such file")
     try:
         return h5py.File(path, "r")
     except OSError as error:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import csv_columns, hdf5, words
-from .errors import PlotError
+from .errors import MissingError, PlotError
 from .granular_run import SUMMARY, GranularRun
 
 RESULTS, FIELDS, SERIES = "measure.json", "measure.h5", "series.csv"
@@ -53,7 +53,7 @@ class Part:
     def results(self):
         path = self.folder / RESULTS
         if not path.is_file():
-            raise PlotError(f"{path}: no such file: rodwake measure writes it")
+            raise MissingError(f"{path}: no such file: rodwake measure writes it")
         try:
             found = json.loads(path.read_text(encoding="utf-8"))
         except ValueError as error:
@@ -118,8 +118,8 @@ def holders(run, name, group=None):
     found = [part for part in parts(run) if (part.has_group(group) if group else part.has(name))]
     if not found:
         lacking = f"/{group} is missing" if group and (run.path / name).is_file() else "no such file"
-        raise PlotError(f"{run.path / name}: {lacking}: this run has not measured it; ask for it in [measure] and run "
-                        "rodwake measure on the stored frames, or the scene again")
+        raise MissingError(f"{run.path / name}: {lacking}: this run has not measured it; ask for it in [measure] and run "
+                           "rodwake measure on the stored frames, or the scene again")
     return found
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import bed, canvas, measured, panels, path_panel, track_curves, words
+from . import bed, canvas, curves, measured, panels, path_panel, style, track_curves, words
 from .errors import PlotError
 from .granular_run import TRACKS, track
 from .spec import Spec
@@ -18,6 +18,8 @@ def draw(run, spec):
     paths = [read(part) for part in parts]
     beside = [side_by_side(path) for path in paths]
     aspects = [0.8 if flat else aspect_of(path) for path, flat in zip(paths, beside)]
+    if spec.overlay and all(beside) and len(parts) > 1:
+        return overlaid(parts, paths, spec)
     figure, axes_list = panels.grid(parts, max(aspects), share=False)
     for axes, part, tracks, flat in zip(axes_list, parts, paths, beside):
         (draw_beside if flat else draw_plane)(axes, tracks, part.granular)
@@ -25,6 +27,18 @@ def draw(run, spec):
     for axes, flat in zip(axes_list, beside):  # each has a range of its own
         axes.tick_params(labelbottom=True, labelleft=True)
         axes.set(xlabel=r"way along the start heading ($a$)" if flat else r"$x/a$", ylabel=r"$y/a$")
+    return figure
+
+
+def overlaid(parts, paths, spec):
+    """The rods of all variants in one panel, a colour for each variant."""
+    figure, axes = curves.panel(len(parts))
+    for part, tracks, colour in zip(parts, paths, curves.colours(len(parts))):
+        draw_beside(axes, tracks, part.granular, colour)
+        axes.plot([], [], color=colour, label=part.label)
+    axes.set(xlabel=r"way along the start heading ($a$)", ylabel=r"$y/a$")
+    curves.legend(axes)
+    canvas.heading(axes, style.safe(spec.title))
     return figure
 
 
@@ -64,11 +78,11 @@ def seen(one):
     return [((place[:, rod] - place[0, rod]) @ ahead, (place[:, rod] - middle) @ left) for rod in (0, 1)]
 
 
-def draw_beside(axes, tracks, granular):
+def draw_beside(axes, tracks, granular, of_all=None):
     both = [seen(one) for one in tracks]
     for rod in (0, 1):
         runs = [(along / granular.a, across / granular.a) for along, across in (one[rod] for one in both)]
-        colour = bed.rod_colour(rod)
+        colour = of_all or bed.rod_colour(rod)
         axes.axhline(np.mean([across[0] for _, across in runs]), color=colour, linewidth=0.7, linestyle=(0, (5, 4)), alpha=0.8)
         for along, across in runs:
             axes.plot(along, across, color=colour, **(THIN if len(runs) > 1 else {}))

@@ -119,7 +119,7 @@ def notes(axes, scan, spec, drawing):
     pursuit = scan.outcome == OUTCOMES.index("pursuit")
     found = []
     for name, colour, there in (("pursuit", scan_outcomes.COLOURS["pursuit"], lacking & pursuit),
-                                ("not captured" if scan_columns.quantity(spec.colour).of else "no value", scan_outcomes.NOTHING,
+                                ("not captured" if scan_columns.quantity(spec.colour, scan).of else "no value", scan_outcomes.NOTHING,
                                  lacking & ~pursuit)):
         if there.any():
             found.append(Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=name))
@@ -138,7 +138,7 @@ def hover_marks(run, spec, figure):
     for axes, part in zip(figure.axes, scan_slices.slices(scan, spec.slices)):
         for row in np.flatnonzero(part.rows):
             told = "failed" if scan.failed[row] else OUTCOMES[scan.outcome[row]] if scan.outcome[row] >= 0 else "not evaluated"
-            told += f", {scan_columns.quantity(spec.colour).name} {values[row]:.4g}" if values is not None and np.isfinite(values[row]) else ""
+            told += f", {scan_columns.quantity(spec.colour, scan).name} {values[row]:.4g}" if values is not None and np.isfinite(values[row]) else ""
             places = [float(scan.place(index)[row]) for index in (0, 1)]
             at = ", ".join(axis.equals_text(place) for axis, place in zip(scan.axes, places))
             yield axes, *(place * axis.factor for axis, place in zip(scan.axes, places)), f"{at}: {told}".replace("-", "−")

@@ -74,8 +74,7 @@ def curve(axes, run, spec, name):
     factor, label = scan_columns.label(run, name, np.nanmax(np.abs(values), initial=0.0))
     norm, _, _ = scan_columns.scaling(name, values * factor)
     x, y = scan.place(0) * scan.axes[0].factor, values * factor
-    order = np.argsort(x)
-    axes.plot(x[order], y[order], color=style.GREY, linewidth=0.6, zorder=1)
+    axes.plot(*scan_outcomes.alike(x, y, scan.outcome), color=style.GREY, linewidth=0.6, zorder=1)
     axes.scatter(x, y, s=min(phase_panel.size(len(x)), 16), c=scan_outcomes.painted(scan.outcome) / 255, edgecolors=(0, 0, 0, 0.5),
                  linewidths=0.25, zorder=2)
     if isinstance(norm, LogNorm):

@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from . import canvas, curves, measured, rod_outline, style, words
+from . import canvas, curves, fit_panel, fit_words, measured, rod_outline, style, words
 from .errors import PlotError
 from .spec import Spec
+
+THEORY = fit_panel.COMPARED[0]
 
 
 def file_of(spec):
@@ -34,6 +36,7 @@ def paint(axes, run, spec, parts):
         place, value, sigma = read(run, spec, part)
         curves.points(axes, place, value, sigma, colour, part.label or None, curves.mark(index) if several else "o",
                       markersize=3.0 if several else 3.4)
+    theory(axes, run, spec)
     window = window_of(run, spec)
     axes.set(xlabel=rf"${spec.along}/a$", ylabel=ylabel(spec))
     if window:
@@ -45,6 +48,30 @@ def paint(axes, run, spec, parts):
     curves.legend(axes)
     canvas.heading(axes, style.safe(spec.title))
     note_line(axes, run, spec)
+
+
+def fitted(run, spec):
+    """What a fit of this run knows of the line; None without one."""
+    for one in run.fit.profiles if run.has_fit and run.fit.unit == "a" else ():
+        if (one.get("component"), one.get("along"), one.get("at")) == (spec.component, spec.along, line_of(run, spec)):
+            return fit_panel.View(one, run.fit.points(one), run.fit.curve(one))
+    return None
+
+
+def theory(axes, run, spec):
+    """The curve of the theory with the fitted parameters, which does not set the range."""
+    view = fitted(run, spec)
+    if not view:
+        return
+    axes.set_ylim(*axes.get_ylim())
+    x, model = fit_panel.broken(run.fit, view, view.curve.model)
+    factor = np.sqrt(np.abs(x)) if spec.sqrt_scaled else 1.0
+    fit_panel.line(axes, run.fit, x, factor * model, color=THEORY, linewidth=1.4, zorder=2)
+    axes.plot([], [], color=THEORY, label=f"theory, {told_of(view)}")
+
+
+def told_of(view):
+    return "predicted" if fit_words.predicted(view.profile) else "fitted"
 
 
 def read(run, spec, part):
@@ -87,6 +114,9 @@ def caption(run, spec):
     text = (f"Measured displacement {what} of the beads along <i>{spec.along}</i> at "
             f"{words.equation(f'<i>{other}</i>', at, '<i>a</i>' if at else '')} in the frame of the rod, which heads along +<i>x</i>; "
             f"{'bars: standard error' if known else 'the error is unknown'}; shaded: the rod's body. ")
+    if view := fitted(run, spec):
+        how_made = "predicted with what was fitted to other lines" if fit_words.predicted(view.profile) else "fitted to it"
+        text += f"Line: theory {how_made}, thin within {words.number(run.fit.number(run.fit.told, 'core', 0.0))} <i>a</i> of the rod, which are left out. "
     if spec.sqrt_scaled:
         text = text.replace("displacement ", f"|<i>{spec.along}</i>|<sup>1/2</sup>", 1)
         text += f"A level stretch is a fall-off as |<i>{spec.along}</i>|<sup>−1/2</sup>. "

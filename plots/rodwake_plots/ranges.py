@@ -35,7 +35,9 @@ def log_bar(figure, image, axes, extend, label, **place):
     few = np.log10(image.norm.vmax / image.norm.vmin) < 2
     axis = bar.ax.xaxis if bar.orientation == "horizontal" else bar.ax.yaxis
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,), numticks=20))
-    axis.set_major_formatter(LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(np.inf, np.inf)))
+    plain = few and image.norm.vmin >= 1e-2 and image.norm.vmax < 1e4  # 5 is read faster than 5 x 10^0
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}") if plain
+                             else LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(np.inf, np.inf)))
     bar.ax.tick_params(which="both", direction="in")
     bar.set_label(label)
     return bar

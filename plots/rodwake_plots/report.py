@@ -15,7 +15,7 @@ SCALE = 0.62  # image pixels (200 per inch) to page pixels: somewhat larger than
 
 
 def write(run, figures):
-    path = run.path / "report.html"
+    path = run.output / "report.html"
     page = document(run, figures)
     with replacing(path) as temporary:
         temporary.write_text(page, encoding="utf-8")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from . import hdf5
-from .errors import PlotError
+from .errors import MissingError, PlotError
 from .units import Units
 
 SCHEMA = 1
@@ -83,9 +83,13 @@ class Result:
             return default[0]
         raise PlotError(f"{self.path}: attribute {name} of {place} is missing")
 
+    def error(self, place):
+        """For what is missing: of a group that is there it is lost, else it was not computed."""
+        return PlotError if place.rsplit("/", 1)[0] in self.file else MissingError
+
     def data(self, place):
         if not self.has(place):
-            raise PlotError(f"{self.path}: dataset {place} is missing")
+            raise self.error(place)(f"{self.path}: dataset {place} is missing")
         return np.asarray(self.file[place][()], dtype=float)
 
     def grid(self, name):
@@ -103,7 +107,7 @@ class Result:
     def cut(self, index):
         place = f"/field/cuts/{index}"
         if not self.has(place):
-            raise PlotError(f"{self.path}: {place} is missing (the file holds {self.cut_count()} cuts)")
+            raise self.error(place)(f"{self.path}: {place} is missing (the file holds {self.cut_count()} cuts)")
         along, at = self.attribute(place, "along"), self.attribute(place, "at")
         return Cut(along, at, *(self.data(f"{place}/{name}") for name in ("s", "Ux", "Uy")))
 

@@ -9,25 +9,45 @@ from .periodic import wrapped_path
 from .spec import Spec
 
 STRAIGHT = 1e-6  # degrees: a heading that changes by less is not drawn
+FLAT = 0.62      # height over width of the paths, below which they have a row of their own
+MOST, MARGIN = 0.7, 8.0  # of a side of the box, beyond which all of it is shown; around paths, bead radii
 NUMBER = 4.0     # of a rod: its distance from the start, bead radii
 THIN = dict(linewidth=0.6, alpha=0.45)
 
 
 def draw(run, spec):
     tracks, granular = run.granular.tracks(), run.granular
-    figure = canvas.figure(style.WIDE + 0.6, 3.9)
     pair = track_curves.is_pair(tracks)
-    alone = pair or is_straight(tracks)
-    axes = figure.subplot_mosaic([["box", "first"], ["box", "first" if alone else "second"]], width_ratios=[1, 0.85])
+    window = window_of(tracks, granular)
+    figure, axes = layout(np.ptp(window[1]) / np.ptp(window[0]), pair or is_straight(tracks))
     for index, one in enumerate(axes.values()):
         canvas.letter(one, index)
-    draw_box(axes["box"], tracks, granular)
+    draw_box(axes["box"], tracks, granular, window)
     if pair:
         draw_pair(axes["first"], tracks, granular)
     else:
         draw_each(axes["first"], axes.get("second"), tracks)
     figure.suptitle(style.safe(spec.title) or f"{bed.density(granular)},  {duration(tracks)}", fontsize=10.5)
     return figure
+
+
+def layout(aspect, alone):
+    """Figure and panels: paths in a strip above the others, or beside them where they take the box's height."""
+    if aspect < FLAT:
+        figure = canvas.figure(style.WIDE, 6.2 * aspect + 3.2)
+        return figure, figure.subplot_mosaic([["box", "box"], ["first", "first" if alone else "second"]], height_ratios=[6.2 * aspect + 0.5, 2.4])
+    figure = canvas.figure(style.WIDE + 0.6, 3.9)
+    return figure, figure.subplot_mosaic([["box", "first"], ["box", "first" if alone else "second"]], width_ratios=[1, 0.85])
+
+
+def window_of(tracks, granular):
+    """((left, right), (bottom, top)) in a: along each side the part of the box where rods go, or all of it if they need most of it."""
+    found = []
+    for side, name in zip(granular.box, ("x", "y")):
+        places = np.concatenate([getattr(one, name).ravel() for one in tracks]) % side / granular.a
+        low, high, whole = places.min() - MARGIN, places.max() + MARGIN, side / granular.a
+        found.append((low, high) if high - low < MOST * whole else (0.0, whole))
+    return tuple(found)
 
 
 def is_straight(tracks):
@@ -40,9 +60,9 @@ def duration(tracks):
     return rf"$t = {tracks[0].t[0]:.3g}$ to ${tracks[0].t[-1]:.4g}$ s{runs}"
 
 
-def draw_box(axes, tracks, granular):
+def draw_box(axes, tracks, granular, window):
     a, box = granular.a, granular.box
-    canvas.window(axes, (0, box[0] / a), (0, box[1] / a))
+    canvas.window(axes, *window)
     axes.set(xlabel=r"$x/a$", ylabel=r"$y/a$")
     mean = track_curves.mean_track(tracks)
     for rod in range(mean.x.shape[1]):
@@ -144,7 +164,7 @@ def caption(run, spec):
     tracks = run.granular.tracks()
     several = len(tracks) > 1
     rods = tracks[0].x.shape[1]
-    text = f"(a) Path{'s' if rods > 1 else ''} of {'the rods' if rods > 1 else 'the rod'} in the periodic box"
+    text = f"(a) Path{'s' if rods > 1 else ''} of {'the rods' if rods > 1 else 'the rod'} in the periodic box, of which the part is shown where they go"
     text += f", thin for each of {len(tracks)} runs and bold for their mean" if several else ""
     text += (f"; hollow mark at the start, filled at the end, small marks every {words.number(mark_interval(tracks[0].t[-1]))} s; "
              f"the thin end points forward. ")

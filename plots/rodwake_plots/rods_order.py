@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import canvas, csv_columns, ranges, style, words
-from .errors import PlotError
+from .errors import MissingError
 from .spec import Spec
 from .units import Units
 
@@ -34,7 +34,7 @@ def draw(run, spec):
 def tables(run):
     means = run.rods_order
     if means is None:
-        raise PlotError(f"{run.path / MEANS}: no such file: [rods_order] in the scene and a finished run write it; of a bed rodwake measure does")
+        raise MissingError(f"{run.path / MEANS}: no such file: [rods_order] in the scene and a finished run write it; of a bed rodwake measure does")
     return csv_columns.read(run.path / SERIES), csv_columns.read(run.path / CLUSTERS), means
 
 

@@ -4,7 +4,7 @@ import json
 import tomllib
 from pathlib import Path
 
-from .errors import PlotError
+from .errors import MissingError, PlotError
 from .fit_result import FILE as FIT
 from .fit_result import FitResult
 from .granular_run import SUMMARY, GranularRun
@@ -17,8 +17,9 @@ from .units import Units
 class RunDir:
     """Opens result.h5, unless the run is a granular one, a fit, a scan or a tradeoff alone, for as long as the `with` block lasts."""
 
-    def __init__(self, path):
+    def __init__(self, path, output=None):
         self.path = Path(path)
+        self.output = Path(output or path)  # of figures and pages
         if not self.path.is_dir():
             raise PlotError(f"{path}: no such run directory")
         self.scene_text = self._text("scene.toml")
@@ -56,7 +57,7 @@ class RunDir:
     @property
     def result(self):
         if self._result is None:
-            raise PlotError(f"{self.path / 'result.h5'}: no such file: this run holds no field and no rods of the theory")
+            raise MissingError(f"{self.path / 'result.h5'}: no such file: this run holds no field and no rods of the theory")
         return self._result
 
     @property
@@ -65,7 +66,7 @@ class RunDir:
             status = (self.provenance or {}).get("status", "unknown")
             stopped = status in ("unfinished", "interrupted", "failed")
             why = f"this run is {status}; the same rodwake command goes on with it" if stopped else "this run holds no beads"
-            raise PlotError(f"{self.path / SUMMARY}: no such file: {why}")
+            raise MissingError(f"{self.path / SUMMARY}: no such file: {why}")
         return self._granular
 
     @property
@@ -75,7 +76,7 @@ class RunDir:
     @property
     def fit(self):
         if self._fit is None:
-            raise PlotError(f"{self.path / FIT}: no such file: this run has fitted nothing; [fit] in the scene and rodwake fit write it")
+            raise MissingError(f"{self.path / FIT}: no such file: this run has fitted nothing; [fit] in the scene and rodwake fit write it")
         return self._fit
 
     @property
@@ -85,7 +86,7 @@ class RunDir:
     @property
     def scan(self):
         if self._scan is None:
-            raise PlotError(f"{self.path / SCAN}: no such file: this run has scanned nothing; [scan] in the scene and rodwake scan write it")
+            raise MissingError(f"{self.path / SCAN}: no such file: this run has scanned nothing; [scan] in the scene and rodwake scan write it")
         return self._scan
 
     @property
@@ -108,7 +109,7 @@ class RunDir:
 
     @property
     def figures_dir(self):
-        return self.path / "figures"
+        return self.output / "figures"
 
     @property
     def title(self):

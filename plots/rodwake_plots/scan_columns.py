@@ -11,7 +11,7 @@ from . import ranges, style, words
 from .errors import PlotError
 from .scan_run import OUTCOMES
 
-WIDE = 30  # positive numbers that span more than this factor are coloured by their logarithm
+WIDE, WIDE_TIMES = 30, 4  # positive numbers, and times, that span more than this factor are shown by their logarithm
 BALANCED = colormaps["RdBu_r"]
 
 
@@ -49,6 +49,7 @@ KNOWN = {
     "failed_runs": Quantity("", "runs that failed", "", False),
 } | {name: Quantity("", f"share of runs that end in {name}" if name != "undecided" else "share of runs left undecided", "", False)
      for name in OUTCOMES if name != "finished"}
+OF_BEDS = {"time": Quantity("t", "time to capture", "time", False, ("contact", "pursuit"))}  # a pursuit has the time of its lock
 OF_RODS = {"mean_speed": ("v", "mean speed", "m/s"), "force": ("F", "mean force", "N")}
 BESIDES = ("_error", "_low", "_high", "_runs")  # columns that say something of another one
 MEANING = {
@@ -58,7 +59,14 @@ MEANING = {
 }
 
 
-def quantity(name):
+def meaning(name, scan):
+    """What the number says, for captions; empty: its name says it."""
+    return "" if scan.of_beds and name in OF_BEDS else MEANING.get(name, "")
+
+
+def quantity(name, scan=None):
+    if scan and scan.of_beds and name in OF_BEDS:
+        return OF_BEDS[name]
     turn = re.fullmatch(r"turn(\d+)", name)
     if turn:
         return Quantity(rf"\Delta\theta_{{{turn[1]}}}", f"turn of rod {turn[1]}", "rad", True)
@@ -97,7 +105,7 @@ def values(scan, name):
 
 def means(scan, name):
     """For which points the column means something."""
-    of = quantity(name).of or OUTCOMES
+    of = quantity(name, scan).of or OUTCOMES
     return np.isin(scan.outcome, [OUTCOMES.index(one) for one in of])
 
 
@@ -127,7 +135,7 @@ def unit_html(run, name, shown=True):
 
 def label(run, name, extent):
     """(factor, text) for an axis or a colour bar."""
-    told = quantity(name)
+    told = quantity(name, run.scan)
     factor, units = unit(run, name, extent)
     text = f"{told.name} ${told.symbol}$" if told.symbol else told.name
     return factor, f"{text} ({units})" if units else text
@@ -142,7 +150,7 @@ def scaling(name, shown):
     if told.signed:
         reach = told.largest or ranges.nice(np.percentile(np.abs(shown), 99.5) or 1.0, up=True)
         return Normalize(-reach, reach), extend(shown, -reach, reach), BALANCED
-    if low > 0 and high > WIDE * low:
+    if low > 0 and high > (WIDE_TIMES if told.unit == "time" else WIDE) * low:
         return *ranges.log_norm(shown), style.FIELD_MAP
     if low == high:
         return Normalize(low - 0.5, high + 0.5), "neither", style.FIELD_MAP

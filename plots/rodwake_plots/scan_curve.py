@@ -22,6 +22,7 @@ class Group(NamedTuple):
     x: np.ndarray  # numbers of the file
     y: np.ndarray
     sigma: np.ndarray  # [below, above][point]
+    outcome: np.ndarray  # of rods; of beds, whose numbers are means over runs of any outcome, all alike
 
 
 def draw(run, spec):
@@ -37,7 +38,7 @@ def draw(run, spec):
         axes.axhline(0, color=style.GREY, linewidth=0.6)
     for index, (group, colour) in enumerate(zip(found, curves.colours(len(found)))):
         x, y = apart(axis, group, index, len(found)) * axis.factor, group.y * factor
-        axes.plot(x, y, color=colour, linewidth=0.8, alpha=0.6, zorder=2)
+        axes.plot(*scan_outcomes.alike(x, y, group.outcome), color=colour, linewidth=0.8, alpha=0.6, zorder=2)
         curves.points(axes, x, y, group.sigma * factor, colour, group.title or None, curves.mark(index))
     if logarithmic:
         axes.set_yscale("log")
@@ -80,7 +81,7 @@ def groups(scan, name):
         rows = rows[np.argsort(scan.place(0)[rows], kind="stable")]
         if rows.size:
             title, html = (", ".join(say(axis, value) for axis, value in told[index]) for say in (Axis.equals, Axis.equals_html))
-            found.append(Group(title, html, scan.place(0)[rows], values[rows], sigma[:, rows]))
+            found.append(Group(title, html, scan.place(0)[rows], values[rows], sigma[:, rows], scan.outcome[rows] * (not scan.of_beds)))
     if not found:
         raise PlotError(f"{scan.path}: column {name} holds no numbers: nothing to draw")
     return found, len(kinds)
@@ -110,8 +111,8 @@ def failed(axes, scan):
 def caption(run, spec):
     scan, name = run.scan, column(run, spec)
     found, all_of_them = groups(scan, name)
-    told = scan_columns.quantity(name)
-    meaning, unit = scan_columns.MEANING.get(name), scan_columns.unit_html(run, name)
+    told = scan_columns.quantity(name, scan)
+    meaning, unit = scan_columns.meaning(name, scan), scan_columns.unit_html(run, name)
     text = words.escape(told.name[0].upper() + told.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
     text += f", against {scan.axes[0].name_html}: {scan_words.points_html(scan)}"
     if any(np.isfinite(group.sigma).any() for group in found):

@@ -35,6 +35,14 @@ def without_number(codes):
     return table[codes]
 
 
+def alike(x, y, codes):
+    """Points in order along x with gaps where the outcome changes, as plot() takes them: no line joins what differs."""
+    order = np.argsort(x, kind="stable")
+    x, y, codes = (np.asarray(part)[order] for part in (x, y, codes))
+    changes = np.flatnonzero(np.diff(codes)) + 1
+    return np.insert(x, changes, np.nan), np.insert(y, changes, np.nan)
+
+
 def handles(codes, failed, boundary):
     """Legend entries: the outcomes that occur, failed points with their number, the boundary."""
     there = [name for index, name in enumerate(OUTCOMES) if (codes == index).any()]

@@ -20,7 +20,7 @@ SCRIPTS = ("format", "table", "scales", "colours", "nearest", "paint", "frame", 
 
 
 def write(run):
-    path = run.path / scan_sections.PAGE
+    path = run.output / scan_sections.PAGE
     page = document(run)
     with replacing(path) as temporary:
         temporary.write_text(page, encoding="utf-8")
@@ -88,7 +88,7 @@ def columns(run, box):
 
 def colouring(run, name):
     """What a column of numbers means and how it colours points; without "norm" it does not."""
-    told = scan_columns.quantity(name)
+    told = scan_columns.quantity(name, run.scan)
     html = words.escape(told.name) + (f" {words.tex_html(told.symbol)}" if told.symbol else "")
     found = {"label": told.name, "html": html, "unit": scan_columns.unit_html(run, name, shown=False),
              "of": [OUTCOMES.index(one) for one in told.of] or None}

@@ -141,8 +141,8 @@ def what(run, spec):
         return "The outcome that most runs of a point had; capture is contact or pursuit"
     if spec.colour == "outcome":
         return "Outcome; capture is contact or pursuit"
-    told, unit = scan_columns.quantity(spec.colour), scan_columns.unit_html(run, spec.colour)
-    meaning = scan_columns.MEANING.get(spec.colour)
+    told, unit = scan_columns.quantity(spec.colour, run.scan), scan_columns.unit_html(run, spec.colour)
+    meaning = scan_columns.meaning(spec.colour, run.scan)
     return words.escape(told.name[0].upper() + told.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
 
 

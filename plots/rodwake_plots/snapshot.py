@@ -13,7 +13,7 @@ from .spec import Spec
 
 # The angles repeat every 60 degrees, and so does the map; turned so that rows along x and along y, the usual ones, stand out.
 ORIENTATION_MAP = ListedColormap(np.roll(matplotlib.colormaps["twilight"](np.linspace(0, 1, 256)), 64, axis=0), name="rows")
-LABELS = {"order": r"local bond order $|\psi_6|$", "orientation": "direction of the close-packed rows (°)"}
+LABELS = {"order": r"local bond order $|\psi_{6,i}|$", "orientation": "direction of the close-packed rows (°)"}
 
 
 def draw(run, spec):
@@ -88,7 +88,7 @@ def colours_told(run, spec, cutoff):
             f"{words.number(cutoff / run.granular.a)} <i>a</i>; ")
     if spec.colour == "orientation":
         return what + "shown is its angle over 6, the direction of the close-packed rows from <i>x</i>."
-    return what + "shown is its modulus |<i>ψ</i><sub>6</sub>|, 1 in a perfect triangular lattice."
+    return what + "shown is its modulus |<i>ψ</i><sub>6,<i>i</i></sub>|, 1 in a perfect triangular lattice."
 
 
 def defaults(run):

@@ -34,6 +34,7 @@ class Spec:
     column: str = ""         # scan_curve: what; empty: made from the data
     x: tuple = ()  # window; empty: fit to the data
     y: tuple = ()
+    overlay: bool = False  # variants in one panel: asked of all figures, no key of a scene
 
 
 def from_scene(scene):
@@ -52,7 +53,7 @@ def _spec(table):
     kind = table.get("kind", "")
     if kind not in schema.FIGURES:
         raise PlotError(f'figure "{name}": unknown kind "{kind}" (known: {", ".join(schema.FIGURES)})')
-    known = {key: table[key] for key in Spec.__dataclass_fields__ if key in table}
+    known = {key: table[key] for key in Spec.__dataclass_fields__ if key in table and key != "overlay"}
     for key in ("x", "y"):
         known[key] = _window(name, key, table.get(key, []))
     known["gammas"] = _gammas(name, table.get("gammas", []))

@@ -32,15 +32,28 @@ SMALL = {"font.size": 8, "axes.labelsize": 8.5, "axes.titlesize": 8.5, "xtick.la
 
 
 class Look(NamedTuple):
-    """What the command line asks of all figures: settings of matplotlib, and a width in inches, None: each has its own."""
+    """What the command line asks of all figures: settings of matplotlib, a width in inches, None: each has its own, and what all
+    text is enlarged by."""
     settings: dict
     width: float = None
+    enlarged: float = 1.0
 
 
-def look(width="", style=""):
+def look(width="", style="", font_size=""):
     inches = width_of(width) if width else None
     small = SMALL if inches and inches < SINGLE and style in ("", "paper") else {}
-    return Look({**SETTINGS, **small, **settings_of(style)}, inches)
+    settings = {**SETTINGS, **small, **settings_of(style)}
+    return Look(settings, inches, points_of(font_size) / settings["xtick.labelsize"] if font_size else 1.0)
+
+
+def points_of(text):
+    try:
+        points = float(text)
+    except ValueError:
+        raise UsageError(f"--font-size {text}: not a number of points, such as 9") from None
+    if not 4 <= points <= 40:
+        raise UsageError(f"--font-size {text}: text is 4 to 40 points high")
+    return points
 
 
 def width_of(text):

@@ -6,8 +6,8 @@ import string
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
-from . import canvas, path_panel, style, words
-from .errors import PlotError
+from . import canvas, curves, path_panel, style, words
+from .errors import MissingError
 from .paths import lie_on_each_other, mark_interval, seen_until, window_of
 from .spec import Spec
 
@@ -23,9 +23,15 @@ def draw(run, spec):
     length, time = units.length("x", extent), units.time("t", last)
     look = path_panel.Look(length.factor, time.factor, Normalize(0, last * time.factor or 1.0), mark_interval(last),
                            lie_on_each_other(runs, window))
-    figure, grid = layout(window, len(runs))
+    overlay = spec.overlay and len(runs) > 1
+    figure, grid = layout(window, 1 if overlay else len(runs))
     panels = list(grid.ravel())
-    label_axes(grid, len(runs), length.label, units.length("y", extent).label)
+    label_axes(grid, len(panels) if overlay else len(runs), length.label, units.length("y", extent).label)
+    if overlay:
+        figure.set_figheight(figure.get_figheight() - (0.9 if window.aspect < FLAT else 0.0))  # no colour bar below
+        overlaid(panels[0], runs, units, window, look)
+        canvas.heading(panels[0], "\n".join(filter(None, (style.safe(spec.title), shared(units, runs)))))
+        return figure
     for index, (axes, one) in enumerate(zip(panels, runs)):
         title(axes, units, one, spec, index if len(runs) > 1 else None)
         path_panel.draw(axes, one, window, look)
@@ -40,10 +46,23 @@ def draw(run, spec):
     return figure
 
 
+def overlaid(axes, runs, units, window, look):
+    """A colour for each run, and a legend."""
+    canvas.window(axes, *(tuple(look.length * edge for edge in pair) for pair in (window.x, window.y)))
+    for run, colour in zip(runs, curves.colours(len(runs))):
+        axes.plot([], [], color=colour, label=f"{style.safe(run.label)}: {outcome_line(units, run)}")
+        for rod in range(run.x.shape[1]):
+            x, y = run.x[:, rod] * look.length, run.y[:, rod] * look.length
+            axes.plot(x, y, color=colour, linewidth=1.3, scalex=False, scaley=False)
+            for index, mark in ((0, path_panel.hollow), (-1, path_panel.filled)):
+                mark(axes, x[index], y[index], run.theta[index, rod], colour)
+    axes.figure.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False, fontsize=8.5, handlelength=1.6)
+
+
 def runs_of(result):
     runs = result.runs()
     if not runs:
-        raise PlotError(f"{result.path}: group /rods is missing: no trajectories to draw")
+        raise MissingError(f"{result.path}: group /rods is missing: no trajectories to draw")
     return runs
 
 
@@ -111,7 +130,11 @@ def caption(run, spec):
     interval = words.number(mark_interval(seen_until(runs, window_of(runs, spec))))
     rods = runs[0].x.shape[1]
     text = f"Paths of {rods} rods" if rods > 1 else "Path of one rod"
-    apart = lie_on_each_other(runs, window_of(runs, spec))
+    overlay = spec.overlay and len(runs) > 1
+    apart = lie_on_each_other(runs, window_of(runs, spec)) and not overlay
+    text += ", of all variants in one panel: hollow mark at the start, filled at the end. " if overlay else ""
+    if overlay:
+        return text + " ".join(f"{words.label_html(one.label)}: {outcome_words(units, one)}." for one in runs)
     text += ", coloured by rod and moved apart by about a line's width where they would hide each other" if apart else ", coloured by time"
     text += f": hollow mark at the start, filled at the end, small marks every {interval} {units.time_html()}; the thin end points forward. "
     if any(run.samples for run in runs):

@@ -21,15 +21,15 @@ def is_there(folder):
     return (Path(folder) / FILE).is_file()
 
 
-def write(folder):
+def write(folder, output=None):
     """Paths of the figures made."""
-    folder = Path(folder)
+    folder, output = Path(folder), Path(output or folder)
     told = json.loads((folder / FILE).read_text(encoding="utf-8"))
     ways = [way for way in told["ways"] if way["found"]]
     if not ways:
         raise PlotError(f"{folder / FILE}: no way has a result")
-    (folder / "figures").mkdir(exist_ok=True)
-    path = folder / "figures" / "ways.png"
+    (output / "figures").mkdir(parents=True, exist_ok=True)
+    path = output / "figures" / "ways.png"
     canvas.save({"bed": draw_bed, "fit": draw_fit, "field": draw_field}[told["of"]](ways), path)
     return [path]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import importlib
 import math
 import sys
@@ -25,22 +26,35 @@ def kinds() -> list[str]:
     return [kind for kind, module in _plots("draw").KINDS.items() if hasattr(module, "draw")]
 
 
-def draw(run: Union[Run, Folder], kind: str, **options: Any) -> Any:
-    """One figure of a run. Options are keys of [[figures]]: draw(run, "cut", cut=0, component="Uy", title="The wake")."""
+def draw(run: Union[Run, Folder], kind: str, *, width: str = "", style: str = "", font_size: Union[float, str] = "", overlay: bool = False,
+         **options: Any) -> Any:
+    """One figure of a run. Options are keys of [[figures]]: draw(run, "cut", cut=0, component="Uy", title="The wake"); width, style,
+    font_size and overlay are those of `rodwake plot`."""
     arguments.kind("kind", kind, str, "a kind of figure")
     known = list(_plots("spec").Spec.__dataclass_fields__)
     for option in options:
         if option not in known:
             raise InputError(f"figure {kind!r}: unknown option {option!r} (known: {', '.join(known)})")
     with _opened(run) as folder:
-        return _drawn(folder, _plots("spec").from_scene({"figures": [{"name": kind, "kind": kind, **options}]})[0])
+        look = _plots("style").look(width, style, str(font_size))
+        figure = _plots("spec").from_scene({"figures": [{"name": kind, "kind": kind, **options}]})[0]
+        return _drawn(folder, dataclasses.replace(figure, overlay=overlay), look)
 
 
-def figures(run: Union[Run, Folder]) -> dict[str, Any]:
-    """The figures that the scene asks for, or else one for everything the run holds, by their names; films aside."""
+def figures(run: Union[Run, Folder], *, width: str = "", style: str = "", font_size: Union[float, str] = "",
+            overlay: bool = False) -> dict[str, Any]:
+    """The figures that the scene asks for and the run holds, or else one for everything it holds, by their names; films aside."""
     with _opened(run) as folder:
-        drawable = kinds()
-        return {one.name: _drawn(folder, one) for one in _plots("draw").figures_of(folder) if one.kind in drawable}
+        look, drawable = _plots("style").look(width, style, str(font_size)), kinds()
+        found, missing = {}, []
+        for one in _plots("draw").figures_of(folder, overlay=overlay):
+            try:
+                found |= {one.name: _drawn(folder, one, look)} if one.kind in drawable else {}
+            except _plots("errors").MissingError as error:
+                missing.append(error)
+        if missing and not found:
+            raise missing[0]
+        return found
 
 
 def correlation(found: FitResult, title: str = "") -> Any:
@@ -69,8 +83,8 @@ def _opened(run: Union[Run, Folder]) -> Iterator[Any]:
         raise InputError(str(error)) from error
 
 
-def _drawn(folder: Any, figure: Any) -> Any:
+def _drawn(folder: Any, figure: Any, look: Any) -> Any:
     kind = _plots("draw").KINDS[figure.kind]
     if not hasattr(kind, "draw"):
         raise InputError(f"kind {figure.kind!r} is written to a file, not drawn: rodwake plot does it")
-    return _plots("draw").in_style(kind.draw, folder, figure)
+    return _plots("draw").in_style(lambda: _plots("draw").dressed(kind.draw(folder, figure), look), look=look)

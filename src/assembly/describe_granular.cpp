@@ -23,11 +23,12 @@ constexpr double period_frames = 50.0, most_period_frames = 75.0;
 constexpr double large_output = 1e9; // B
 
 std::string beads_text(const scene::Granular& bed, const GranularProblem& problem) {
-    return fmt::format("{} beads of radius {:g} mm and {:g} kg/m^3: phi_b = {:.4f}{}", problem.beads,
-                       1e3 * problem.bead_radius, problem.bead_density, granular::bead_area_fraction(problem),
-                       bed.phi_b && bed.count_rod_area && !bed.rods.empty()
-                           ? fmt::format(" of the beads alone, {:g} with the rods' shadows", *bed.phi_b)
-                           : "");
+    const bool with_rods = bed.phi_b && bed.count_rod_area && !bed.rods.empty();
+    const double share = granular::bead_area_fraction(problem);
+    return fmt::format("{} beads of radius {:g} mm and {:g} kg/m^3: phi_b = {:g}{}, of which the beads cover "
+                       "{:.4f}",
+                       problem.beads, 1e3 * problem.bead_radius, problem.bead_density,
+                       bed.phi_b.value_or(share), with_rods ? " with the rods' shadows" : "", share);
 }
 
 std::string start_text(const scene::Granular& bed, const GranularProblem& problem) {

@@ -234,14 +234,20 @@ void add_verbs(CLI::App& app, Options& options) {
     CLI::App* plot =
         add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
                  "  rodwake plot results/quickstart --pdf\n"
-                 "  rodwake plot results/pair --width column --style paper --film");
+                 "  rodwake plot results/pair --width column --style paper --film\n"
+                 "  rodwake plot /archive/pair -o figures --font-size 9 --overlay");
     plot->add_option("RESULT", options.target, "run directory, or its result.h5")->required();
+    plot->add_option("-o,--output", options.output,
+                     "folder for figures and report, which then leaves RESULT as it is [RESULT]");
     plot->add_flag("--pdf", options.pdf, "PDF beside each PNG");
     plot->add_option(
         "--width", options.figure_width,
         "width of figures: column, page, or a length such as 86mm; several panels take two columns");
     plot->add_option("--style", options.figure_style,
                      "paper (the default), slides, or a matplotlib style file");
+    plot->add_option("--font-size", options.font_size,
+                     "of axis numbers and legends in points, 4 to 40; other text in proportion");
+    plot->add_flag("--overlay", options.overlay, "paths of all variants in one panel, with a legend");
     plot->add_flag("--film", options.film, "film of the beads, or of the rods, too");
     add_dry_run(*plot, options);
     add_quiet(*plot, options);

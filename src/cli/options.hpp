@@ -64,7 +64,9 @@ struct Options {
     // look of the figures, as the plotting program takes it
     std::string figure_width; ///< plot --width; empty: each its own
     std::string figure_style; ///< plot --style; empty: paper
+    std::string font_size;    ///< plot --font-size, pt; empty: of the style
     bool film = false;        ///< plot --film
+    bool overlay = false;     ///< plot --overlay
 };
 
 /// Result of parsing: either options to act on, or an exit code (help, version, usage error; the text is

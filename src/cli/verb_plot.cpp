@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -61,8 +62,14 @@ std::vector<std::string> looks_of(const Options& options) {
         looks.push_back("--width=" + options.figure_width);
     if (!options.figure_style.empty())
         looks.push_back("--style=" + options.figure_style);
+    if (!options.font_size.empty())
+        looks.push_back("--font-size=" + options.font_size);
+    if (options.overlay)
+        looks.emplace_back("--overlay");
     if (options.film)
         looks.emplace_back("--film");
+    if (!options.output.empty())
+        looks.push_back("--output=" + options.output);
     return looks;
 }
 
@@ -84,7 +91,8 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
         throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "
                                    "{0}, and rodwake plot {0} tries again",
                                    run_directory.string()));
-    stages::write_manifest(run_directory);
+    if (std::ranges::none_of(looks, [](const auto& look) { return look.starts_with("--output="); }))
+        stages::write_manifest(run_directory);
 }
 
 int verb_plot(const Options& options) {

@@ -17,7 +17,8 @@ void bead_fields(Visitor& v, Granular& bed) {
           .symbol("\\phi_b")
           .above(0.0, densest)
           .because("a layer of equal discs cannot be denser than pi/(2 sqrt 3)")
-          .doc("area fraction N pi a^2/(L_x L_y) that the number of beads N is made from, rounded")
+          .doc("area fraction that the number of beads is made from, rounded; rods count towards it unless "
+               "count_rod_area = false")
           .example("0.8"),
       bed.phi_b);
     v(key("beads").symbol("N").within(0, 1e7).doc("number of beads; 0 needs a rod").example("1549"),
@@ -129,7 +130,8 @@ void time_fields(Visitor& v, Granular& bed) {
     v(key("order_cutoff")
           .unit(length)
           .above(0.0, 1e3)
-          .absent("1.4 d with d = 2 a sqrt(0.9069/phi_b), near the first minimum of g(r)")
+          .absent(
+              "1.4 d with d = 2 a sqrt(0.9069/phi), phi of the beads alone, near the first minimum of g(r)")
           .doc("beads nearer than this are neighbours in the order parameter psi6")
           .example("\"2.9 a\""),
       bed.order_cutoff);

@@ -59,7 +59,8 @@ void colour_field(Visitor& v, Figure& figure) {
           .absent("order; phase_diagram: outcome")
           .written_if(has_key(figure, "colour"))
           .doc("what colours beads, their sixfold order or the direction of their close-packed rows (order, "
-               "orientation); of phase_diagram outcome, time (to capture), final_separation, "
+               "orientation); of phase_diagram outcome, time (to contact; of beds to capture), "
+               "final_separation, "
                "non_reciprocity or any column of scan.csv")
           .example("\"order\""),
       figure.colour);

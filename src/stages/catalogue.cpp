@@ -58,7 +58,7 @@ constexpr ColumnInfo table_columns[] = {
     {"kinetic", "J", "kinetic energy of beads and rods"},
     {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean since the row before"},
     {"T_z", "m^2/s^2", "var vz of the beads, mean since the row before"},
-    {"psi6", "1", "mean |psi6| of the beads"},
+    {"psi6", "1", "|mean over the beads of psi6|, neighbours nearer than granular.order_cutoff"},
     {"contacts", "1", "overlapping pairs a step, mean since the row before"},
     {"floor_impulse", "N s", "upward momentum from the floor since the start"},
     {"lid_impulse", "N s", "upward momentum from the lid since the start; negative"},
@@ -84,7 +84,7 @@ constexpr ColumnInfo runs_columns[] = {
     {"cpu_seconds", "s", "processor time"},
     {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean from t = 0"},
     {"T_z", "m^2/s^2", "var vz of the beads, mean from t = 0"},
-    {"psi6", "1", "mean |psi6| of the beads from t = 0"},
+    {"psi6", "1", "mean from t = 0 of the column psi6 of table.csv"},
     {"max_overlap", "a", "largest overlap, of the smaller radius"},
     {"p_xx", "N/m", "pressure along x in the plane, mean from t = 0"},
     {"p_xy", "N/m", "shear part of the pressure tensor, mean from t = 0"},
@@ -135,6 +135,69 @@ constexpr ColumnInfo fit_track_columns[] = {{"t", "{data}", "time"},
                                             {"model_y<k>", "{data}", "fitted place of rod k"},
                                             {"model_theta<k>", "rad", "fitted heading of rod k"}};
 
+constexpr ColumnInfo summary_values[] = {
+    {"simulated_time", "s", "time simulated from t = 0"},
+    {"cpu_seconds", "s", "processor time"},
+    {"wall_seconds", "s", "of the commands that worked on it"},
+    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean from t = 0"},
+    {"T_z", "m^2/s^2", "var vz of the beads, mean from t = 0"},
+    {"max_overlap", "1", "largest overlap, of the smaller radius"},
+    {"psi6", "1", "mean from t = 0 of the column psi6 of table.csv"},
+    {"pressure.<k>", "N/m", "in the plane, mean from t = 0"},
+    {"rods.<k>.mean_speed", "m/s", "along the heading, thin end first positive"},
+    {"rods.<k>.net_turn", "rad", "from t = 0 to the end"},
+    {"rods.<k>.force", "N", "on the beads along the heading, mean from t = 0"},
+    {"rods.<k>.thrust", "N", "of the plates on the rod along the heading, mean from t = 0"},
+    {"pair.separation_change", "m", "of two rods across their mean first heading, outwards positive"},
+    {"pair.half_box_time", "s", "when the rods had come half a box"},
+    {"pair.half_box_separation_change", "m", "separation change then"},
+    {"beads", "1", "number of the beads"},
+    {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"},
+    {"beads_fraction", "1", "area fraction of the beads alone, N pi a^2/(Lx Ly)"},
+    {"bead_radius", "m", "a"},
+    {"box", "m", "side of the periodic box, or both"},
+    {"time_step", "s", "of the simulation"},
+    {"gamma", "1", "largest acceleration of the plates over gravity"},
+    {"frequency", "Hz", "of the plates"},
+    {"gap", "m", "between the plates"},
+    {"orientation", "rad", "of the close-packed rows from x"},
+    {"cost.particle_steps", "1", "spheres times steps"},
+    {"cost.particle_steps_per_second", "1/s", "of wall clock, without the start"},
+    {"cost.<k>", "s", "of wall clock"}};
+
+constexpr ColumnInfo outcome_values[] = {
+    {"time", "{time}", "of contact, else the end of the run"},
+    {"min_separation", "{length}", "smallest separation of any pair at any time"},
+    {"min_separation_time", "{time}", "when"},
+    {"solver.time_step", "{time}", "of the first run with noise"},
+    {"turn", "rad", "of each rod from start to end"},
+    {"own_turn", "rad", "of it by the rod's own field"}};
+
+constexpr ColumnInfo noise_values[] = {
+    {"capture_probability", "1", "share of the runs with contact or pursuit"},
+    {"capture_low", "1", "lower end of its interval"},
+    {"capture_high", "1", "upper end of its interval"},
+    {"capture_confidence", "1", "of that interval"},
+    {"runs_at_time", "1", "runs that went on at each of the times"},
+    {"first_contact_time.mean", "{time}", "of the runs with contact"},
+    {"first_contact_time.error", "{time}", "its standard error"},
+    {"rotational_diffusion", "1/({time})", "of each heading"},
+    {"translational_diffusion", "({length})^2/({time})", "of each place"},
+    {"speed", "({length})/({time})", "of a rod, v0"},
+    {"time_step", "{time}", "of the integration"},
+    {"times", "{time}", "of the rows of the tables below"},
+    {"mean_square_displacement", "({length})^2", "a row a time, a column a rod"},
+    {"heading_correlation", "1", "a row a time, a column a rod"}};
+
+constexpr ColumnInfo order_values[] = {{"polar", "1", "polar order, mean from `from` on"},
+                                       {"nematic", "1", "nematic order, mean from `from` on"},
+                                       {"mean_size", "1", "rods by clusters"},
+                                       {"weighted_size", "1", "mean size of the cluster that a rod is in"},
+                                       {"largest", "1", "rods of the largest cluster"},
+                                       {"link", "{order length}", "rods nearer than this are linked"},
+                                       {"from", "{order time}", "means are from then on"},
+                                       {"block", "{order time}", "of time, for the errors"}};
+
 constexpr FileKind plain_kinds[] = {
     {"scene.toml", {}, record, "the scene as resolved: every key with its value"},
     {"provenance.json",
@@ -152,8 +215,10 @@ constexpr FileKind plain_kinds[] = {
     {"tracks.csv", Stage::granular, kept, "rods of the bed against time", track_columns},
     {"runs.csv", Stage::granular, kept, "a row a run of the ensemble", runs_columns},
     {"summary.json", Stage::granular, kept,
-     "means of the run, of an ensemble with their errors; SI; phi_b of the beads alone; cost by part in "
-     "seconds of wall clock; seconds of an ensemble are sums over its runs"},
+     "means of the run, of an ensemble with their errors; SI; cost by part in seconds of wall clock; seconds "
+     "of "
+     "an ensemble are sums over its runs",
+     summary_values},
     {"trajectory.h5md", Stage::granular, kept, "places and velocities of all spheres in every stored frame"},
     {"trajectory.xyz", Stage::granular, kept, "the same as extended XYZ"},
     {"last_period.h5md", Stage::granular, kept, "frames of the last period of the plates"},
@@ -165,10 +230,6 @@ constexpr FileKind plain_kinds[] = {
     {"frames.log", Stage::granular, progress, "frames so far"},
     {"last_period.log", Stage::granular, progress, "frames of the last period so far"},
 
-    {"measure.json", Stage::measure, result,
-     "what was measured, with errors; lengths in a, speeds in a/s; phi_b as the scene asks for it, with the "
-     "rods if "
-     "they count"},
     {"measure.h5", Stage::measure, result, "fields on grids in the rod's frame"},
     {"series.json", Stage::measure, result, "fits over the rows of series.csv"},
 
@@ -201,15 +262,16 @@ constexpr FileKind plain_kinds[] = {
      rods_order_columns},
     {"clusters.csv", Stage::order, result, "clusters of the rods by size", clusters_columns},
     {"rods_order.json", Stage::order, result,
-     "means of rods_order.csv from rods_order.from on, with standard errors"},
-    {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did"},
+     "means of rods_order.csv from rods_order.from on, with standard errors", order_values},
+    {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did", outcome_values},
     {"ensemble.csv", Stage::rods, result,
      "a row a run with noise, or a draw of the measured field's errors: how the rods end in it",
      ensemble_columns},
     {"noise.json", Stage::rods, result,
      "ensemble of runs with noise: probability of capture (contact or pursuit) with the ends of its interval "
      "of 95 %, endings, first contact; by time, of each rod: mean-square displacement and heading "
-     "correlation with standard errors"},
+     "correlation with standard errors",
+     noise_values},
     {"medium_film.h5", Stage::rods, result,
      "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
      "also where each rod feels those of the others alone; with the rods' places and headings"},
@@ -231,8 +293,28 @@ std::vector<ColumnInfo> columns_of_series() {
     return columns;
 }
 
+/// ValueInfo has the unit of the report, which may have a prefix.
+std::string_view unit_in_file(const assembly::ValueInfo& value) {
+    if (value.factor == 1.0)
+        return value.unit.empty() ? "1" : value.unit;
+    return value.unit.substr(value.unit.starts_with("\u00b5") ? 2 : 1); // micro has two bytes, milli one
+}
+
+std::vector<ColumnInfo> measured_values() {
+    static std::deque<std::string> names; // owns them
+    std::vector<ColumnInfo> values = {
+        {"units.a", "m", "the bead radius"},
+        {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"}};
+    for (const assembly::MeasureKind& kind : assembly::measure_kinds())
+        for (const assembly::ValueInfo& value : kind.values)
+            if (!value.is_text)
+                values.push_back({names.emplace_back(std::string(kind.name) + "." + std::string(value.key)),
+                                  unit_in_file(value), value.meaning});
+    return values;
+}
+
 std::vector<FileKind> all_kinds() {
-    static const std::vector<ColumnInfo> series = columns_of_series();
+    static const std::vector<ColumnInfo> series = columns_of_series(), measured = measured_values();
     std::vector<FileKind> all(std::begin(plain_kinds), std::end(plain_kinds));
     all.push_back({"scan.csv", Stage::scan, result, "a row a point of the scan; of beds means over its runs",
                    scan_columns()});
@@ -241,6 +323,8 @@ std::vector<FileKind> all_kinds() {
     all.push_back({"ways.csv", Stage::tradeoff, result,
                    "a row a way and quantity: value, bias, scatter, cost", ways_columns()});
     all.push_back({"scan_runs.csv", Stage::scan, result, "a row a run of a scan of beds", scan_columns()});
+    all.push_back({"measure.json", Stage::measure, result,
+                   "what was measured, with errors; lengths in a, speeds in a/s", measured});
     all.push_back(
         {"series.csv", Stage::measure, result, "a row for the scene and one for each variant", series});
     for (const assembly::MeasureKind& kind : assembly::measure_kinds())

@@ -28,7 +28,7 @@ struct FileKind {
     std::optional<assembly::Stage> stage; ///< absent: of the run as a whole
     Lifetime lifetime = Lifetime::result;
     std::string_view what;
-    std::span<const ColumnInfo> columns = {}; ///< of a CSV file
+    std::span<const ColumnInfo> columns = {}; ///< of a CSV file; of JSON its numbers, "rods.<k>.force"
 };
 
 std::span<const FileKind> file_kinds();

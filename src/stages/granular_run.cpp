@@ -267,7 +267,7 @@ private:
     }
 
     void write_summary(const GranularSummary& done) const {
-        store::write_atomically(task_.folder / "summary.json", summary_json(bed_.problem, done));
+        store::write_atomically(task_.folder / "summary.json", summary_json(bed_, done));
     }
 
     RodSummary rod_summary(std::size_t i, double time) const {
@@ -320,7 +320,8 @@ private:
                            {"amplitude", p.plates.amplitude(p.gravity)},
                            {"gravity", p.gravity},
                            {"time_step", p.time_step},
-                           {"phi_b", granular::bead_area_fraction(p)},
+                           {"phi_b", phi_b(bed_)},
+                           {"beads_fraction", granular::bead_area_fraction(p)},
                            {"order_cutoff", bed_.schedule.order_cutoff},
                            {"run", static_cast<double>(task_.run + 1)}};
         if (!p.box.square())

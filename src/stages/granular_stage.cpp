@@ -39,23 +39,33 @@ public:
     void finish(std::size_t job, double seconds) { progress_.update(job, seconds); }
 
     void update(std::size_t job, const granular::Simulation& s, const granular::TableRow* row) {
-        const bool told = progress_.update(job, static_cast<double>(s.step()) * s.problem().time_step);
-        if (told && row && single_ && static_cast<double>(s.step()) * s.problem().time_step >= next_line_)
+        const double time = static_cast<double>(s.step()) * s.problem().time_step;
+        if (!begun_ && s.step() > sample_every) // goes on from a checkpoint: rows as if it had not stopped
+            pass(time);
+        begun_ = true;
+        if (progress_.update(job, time) && row && single_ && time >= next_line_) {
             print(*row);
+            pass(time);
+        }
     }
 
 private:
     void print(const granular::TableRow& r) {
-        if (next_line_ == 0.0)
+        if (!headed_)
             log_->info("{:>9} {:>11} {:>10} {:>10} {:>6} {:>8} {:>10} {:>8}", "t/s", "energy/J", "T_xy",
                        "T_z", "psi6", "contacts", "floor/N s", "overlap");
         log_->info("{:9.3f} {:11.4e} {:10.3e} {:10.3e} {:6.3f} {:8.1f} {:10.3e} {:8.4f}", r.t, r.energy,
                    r.T_xy, r.T_z, r.psi6, r.contacts, r.floor_impulse, r.max_overlap);
-        next_line_ += of_one_ / 20.0;
+        headed_ = true;
+    }
+
+    void pass(double time) {
+        while (next_line_ <= time)
+            next_line_ += of_one_ / 20.0;
     }
 
     Logger log_;
-    bool single_;
+    bool single_, begun_ = false, headed_ = false;
     double of_one_, next_line_ = 0.0;
     SharedProgress progress_;
 };
@@ -116,7 +126,7 @@ StageEnd conclude(const Session& session, const BedWork& one) {
         report_one(session, finished[0]);
     if (one.results.size() > 1 && !finished.empty()) {
         session.directory.write(one.of().folder + "summary.json",
-                                ensemble_json(one.plan.bed.problem, finished, one.results.size()));
+                                ensemble_json(one.plan.bed, finished, one.results.size()));
         session.directory.write(one.of().folder + "runs.csv", ensemble_csv(one.plan.bed.problem, finished));
         session.log->info("dem{}: {} of {} runs finished; runs.csv and summary.json have the means", name,
                           finished.size(), one.results.size());
@@ -165,10 +175,12 @@ void require_like(const std::string& file, const granular::GranularProblem& stor
 void announce(const Session& session, const std::vector<BedWork>& all) {
     for (const BedWork& one : all) {
         const granular::GranularProblem& p = one.plan.bed.problem;
-        session.log->info(
-            "dem{}: beads {}, rods {}, phi_b = {:.4f}, runs {}, steps {} + {} of {:g} s; {} instructions",
-            one.of().suffix(), p.beads, p.rods.size(), granular::bead_area_fraction(p), one.tasks.size(),
-            p.equilibration_steps, p.steps, p.time_step, granular::vector_target());
+        session.log->info("dem{}: beads {}, which cover {:.4f} of the box, rods {}, phi_b = {:.4g}, runs {}, "
+                          "steps {} + {} of "
+                          "{:g} s; {} instructions",
+                          one.of().suffix(), p.beads, granular::bead_area_fraction(p), p.rods.size(),
+                          phi_b(one.plan.bed), one.tasks.size(), p.equilibration_steps, p.steps, p.time_step,
+                          granular::vector_target());
         if (const std::string advice = assembly::output_advice(one.plan.bed); !advice.empty())
             session.log->warn("dem{}: {}", one.of().suffix(), advice);
     }

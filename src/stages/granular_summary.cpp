@@ -21,10 +21,11 @@ using nlohmann::ordered_json;
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 /// What was modelled; the same in both files.
-ordered_json header(const granular::GranularProblem& problem) {
-    const granular::GranularProblem& p = problem;
+ordered_json header(const assembly::BedPlan& bed) {
+    const granular::GranularProblem& p = bed.problem;
     return {{"beads", p.beads},
-            {"phi_b", granular::bead_area_fraction(p)},
+            {"phi_b", phi_b(bed)},
+            {"beads_fraction", granular::bead_area_fraction(p)},
             {"bead_radius", p.bead_radius},
             {"box", p.box.square() ? ordered_json(p.box.x) : ordered_json{p.box.x, p.box.y}},
             {"time_step", p.time_step},
@@ -187,7 +188,11 @@ RunCost cost_of(std::span<const GranularSummary> runs) {
     return all;
 }
 
-std::string summary_json(const granular::GranularProblem& problem, const GranularSummary& s) {
+double phi_b(const assembly::BedPlan& bed) {
+    return bed.of.scene.granular->phi_b.value_or(granular::bead_area_fraction(bed.problem));
+}
+
+std::string summary_json(const assembly::BedPlan& bed, const GranularSummary& s) {
     ordered_json out = {{"simulated_time", s.simulated_time},
                         {"cpu_seconds", s.cpu_seconds},
                         {"wall_seconds", s.wall_seconds},
@@ -198,17 +203,17 @@ std::string summary_json(const granular::GranularProblem& problem, const Granula
                         {"pressure", pressure_json(s.pressure)},
                         {"absorbing_state", s.absorbing_state},
                         {"rods", rods_json(s.rods)}};
-    if (problem.rods.size() == 2)
+    if (bed.problem.rods.size() == 2)
         out["pair"] = pair_json(s.pair);
     out["state_hash"] = hash_text(s.state_hash);
     out["run"] = s.run + 1; // as its folder
     out["runs"] = 1;
-    out.update(header(problem));
+    out.update(header(bed));
     out["cost"] = cost_json(s.cost);
     return out.dump(2) + "\n";
 }
 
-std::string ensemble_json(const granular::GranularProblem& problem, std::span<const GranularSummary> runs,
+std::string ensemble_json(const assembly::BedPlan& bed, std::span<const GranularSummary> runs,
                           std::size_t asked) {
     ordered_json out;
     put_mean(out, "simulated_time", runs, [](const GranularSummary& s) { return s.simulated_time; });
@@ -229,13 +234,13 @@ std::string ensemble_json(const granular::GranularProblem& problem, std::span<co
     }
     out["max_overlap"] = worst;
     out["absorbing_runs"] = std::ranges::count(runs, true, &GranularSummary::absorbing_state);
-    out["rods"] = mean_rods(problem, runs);
-    if (problem.rods.size() == 2)
+    out["rods"] = mean_rods(bed.problem, runs);
+    if (bed.problem.rods.size() == 2)
         out["pair"] = mean_pair(runs);
     out["state_hash"] = hash_text(granular::combined_hash(hashes));
     out["runs"] = asked;
     out["finished_runs"] = runs.size();
-    out.update(header(problem));
+    out.update(header(bed));
     out["cost"] = cost_json(cost_of(runs));
     return out.dump(2) + "\n";
 }

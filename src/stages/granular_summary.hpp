@@ -12,9 +12,11 @@ namespace rodwake::stages {
 
 /// Summed over the runs.
 RunCost cost_of(std::span<const GranularSummary> runs);
-std::string summary_json(const granular::GranularProblem& problem, const GranularSummary& summary);
+/// As the scene asks for it: with the rods' shadows where they count; of a given number of beads their share.
+double phi_b(const assembly::BedPlan& bed);
+std::string summary_json(const assembly::BedPlan& bed, const GranularSummary& summary);
 /// Means with standard errors over the runs.
-std::string ensemble_json(const granular::GranularProblem& problem, std::span<const GranularSummary> runs,
+std::string ensemble_json(const assembly::BedPlan& bed, std::span<const GranularSummary> runs,
                           std::size_t asked);
 std::string ensemble_csv(const granular::GranularProblem& problem, std::span<const GranularSummary> runs);
 

@@ -44,17 +44,18 @@ ManifestUnits units_of(const fs::path& folder) {
 }
 
 std::string unit_of(std::string_view unit, const ManifestUnits& units) {
-    if (unit == "{length}")
-        return units.output.length_name;
-    if (unit == "{scan length}")
-        return units.scan_length;
-    if (unit == "{scan time}")
-        return units.scan_time;
-    if (unit == "{time}")
-        return units.output.time_name;
-    if (unit == "{order time}")
-        return units.order.time_name;
-    return unit == "{data}" ? units.data : std::string(unit);
+    const std::pair<std::string_view, std::string> names[] = {{"{length}", units.output.length_name},
+                                                              {"{time}", units.output.time_name},
+                                                              {"{scan length}", units.scan_length},
+                                                              {"{scan time}", units.scan_time},
+                                                              {"{order length}", units.order.length_name},
+                                                              {"{order time}", units.order.time_name},
+                                                              {"{data}", units.data}};
+    std::string told(unit);
+    for (const auto& [place, name] : names)
+        if (const auto at = told.find(place); at != std::string::npos)
+            told.replace(at, place.size(), name);
+    return told;
 }
 
 /// Columns of the axes of a scan are called as the keys that vary, in cells.csv with an ending.
@@ -108,6 +109,27 @@ fs::path run_of(const fs::path& file) {
     return own;
 }
 
+/// The numbers of a JSON file that the catalogue knows; a list, or a value with its error, is one.
+void add_values(const ordered_json& node, const std::string& name, const FileKind& kind,
+                const ManifestUnits& units, ordered_json& values) {
+    constexpr std::string_view error = "_error";
+    const bool is_error = name.ends_with(error);
+    if (const ColumnInfo* info = column_of(kind, name.substr(0, name.size() - (is_error ? error.size() : 0))))
+        values.push_back({{"name", name},
+                          {"unit", unit_of(info->unit, units)},
+                          {"meaning", is_error ? "standard error" : info->meaning}});
+    else if (node.is_structured())
+        for (const auto& [key, value] : node.items())
+            add_values(value, name.empty() ? key : name + "." + key, kind, units, values);
+}
+
+ordered_json values_json(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
+    std::ifstream in(file);
+    ordered_json values = ordered_json::array();
+    add_values(ordered_json::parse(in, nullptr, false), "", kind, units, values);
+    return values;
+}
+
 } // namespace
 
 std::vector<ColumnEntry> columns_of(const fs::path& file) {
@@ -142,7 +164,9 @@ std::string manifest_json(const fs::path& folder) {
         files[file.name] = {{"what", file.what}};
         if (const auto stage = kind ? stage_of(*kind, file.name) : std::nullopt)
             files[file.name]["stage"] = assembly::to_string(*stage);
-        if (kind && !kind->columns.empty())
+        if (kind && !kind->columns.empty() && file.name.ends_with(".json"))
+            files[file.name]["values"] = values_json(folder / file.name, *kind, units);
+        else if (kind && !kind->columns.empty())
             files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
     }
     files["manifest.json"] = {{"what", kind_of("manifest.json")->what}};

@@ -1,5 +1,6 @@
 #include "measure_stage.hpp"
 
+#include "granular_summary.hpp"
 #include "granular_task.hpp"
 #include "measure_frames.hpp"
 #include "measure_records.hpp"
@@ -118,8 +119,7 @@ CaseResults facts_of(const assembly::BedPlan& plan) {
     r.label = one.label;
     r.folder = one.folder;
     r.bead_radius = bed.bead_radius;
-    // what the scene asks for: beads that rods displace are counted in
-    r.phi_b = bed.phi_b.value_or(granular::bead_area_fraction(plan.problem));
+    r.phi_b = phi_b(plan);
     if (bed.rods.size() == 2) {
         const auto &p = bed.rods[0].position, &q = bed.rods[1].position;
         r.separation = nearest_distance(p[0] - q[0], p[1] - q[1], plan.problem.box);

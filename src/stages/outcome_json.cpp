@@ -16,7 +16,8 @@ std::string method_name(const assembly::RodsPlan& plan) {
                : integrate::to_string(integrate::Method::erk); // medium/simulate.hpp
 }
 
-nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly::RodsPlan& plan) {
+nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly::RodsPlan& plan,
+                                   const assembly::OutputUnits& units) {
     const integrate::OdeOptions& ode = plan.options.ode;
     const integrate::Statistics& n = result.solution.statistics;
     nlohmann::ordered_json solver;
@@ -34,7 +35,7 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const assembly
         solver["field_chosen"] = plan.field.why;
     if (plan.noise) {
         solver["run"] = 0; // of noise.runs
-        solver["time_step"] = plan.noise->noise.time_step;
+        solver["time_step"] = plan.noise->noise.time_step * units.time;
     } else {
         solver["rtol"] = ode.rtol;
         solver["atol"] = ode.atol;
@@ -75,7 +76,7 @@ std::string outcome_json(const rods::RodResult& result, const assembly::RodsPlan
         json["own_turn"] = own_turn;
     json["reason"] = outcome.reason;
     json["units"] = {{"length", units.length_name}, {"time", units.time_name}, {"turn", "rad"}};
-    json["solver"] = solver_json(result, plan);
+    json["solver"] = solver_json(result, plan, units);
     if (!ensemble.is_null())
         json["ensemble"] = ensemble;
     return json.dump(2) + "\n";

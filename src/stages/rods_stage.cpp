@@ -157,9 +157,9 @@ void store_attributes(Session& session, const Work& one, const std::string& grou
     out.attribute(group, "outcome", to_string(outcome.ending));
     out.attribute(group, "time", outcome.time * session.units.time);
     out.attribute(group, "min_separation", outcome.min_separation * session.units.length);
-    out.attribute(group, "kappa", c.kappa);
-    out.attribute(group, "gamma1", c.gamma1);
-    out.attribute(group, "gamma2", c.gamma2);
+    out.attribute(group, "kappa", c.kappa / session.units.time);
+    out.attribute(group, "gamma1", c.gamma1 * session.units.length / session.units.time);
+    out.attribute(group, "gamma2", c.gamma2 * session.units.length / session.units.time);
     if (one.of().scene.medium) {
         out.attribute(group, "field", assembly::to_string(one.plan->field.backend));
         out.attribute(group, "eta", one.of().scene.medium->eta);

@@ -80,9 +80,9 @@ void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const O
     }
     if (scene.coupling) {
         const rods::Couplings c = assembly::couplings_of(scene);
-        results.attribute("/coupling", "kappa", c.kappa);
-        results.attribute("/coupling", "gamma1", c.gamma1);
-        results.attribute("/coupling", "gamma2", c.gamma2);
+        results.attribute("/coupling", "kappa", c.kappa / units.time);
+        results.attribute("/coupling", "gamma1", c.gamma1 * units.length / units.time);
+        results.attribute("/coupling", "gamma2", c.gamma2 * units.length / units.time);
     }
 }
 

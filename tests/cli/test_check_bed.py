@@ -41,7 +41,7 @@ class CheckBedTest(ProgramTest):
         for phi_b in (0.7, 0.74, 0.78):
             self.assertEqual(self.beads(self.check(BED, f"granular.phi_b={phi_b}")), round(phi_b * 78**2 / math.pi))
         self.assertEqual(self.beads(self.check(BED, "granular.beads=12")), 12)
-        self.assertIn("phi_b = 0.7999", self.check(BED))  # 1549 pi/78^2
+        self.assertIn("phi_b = 0.8, of which the beads cover 0.7999", self.check(BED))  # 1549 pi/78^2
 
     def test_the_area_of_rods_is_taken_off_if_it_counts(self):
         alone = self.beads(self.check(BED + ROD, "granular.phi_b=0.78", "granular.count_rod_area=false"))

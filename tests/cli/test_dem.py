@@ -157,7 +157,9 @@ class FilesTest(BedTest):
         checked = self.expect(0, "check", "bed.toml").stdout
         self.dem("out")
         self.assertEqual(int(re.search(r"(\d+) beads of radius", checked)[1]), self.summary("out")["beads"])
-        self.assertIn(f"phi_b = {self.summary('out')['phi_b']:.4f}", checked)
+        self.assertIn(f"phi_b = 0.7 with the rods' shadows, of which the beads cover {self.summary('out')['beads_fraction']:.4f}", checked)
+        self.assertEqual(self.summary("out")["phi_b"], 0.7)  # as asked, to the bit
+        self.assertAlmostEqual(self.summary("out")["beads_fraction"], self.summary("out")["beads"] * math.pi / 16**2, delta=1e-12)
         self.assertIn("a table of 41 rows", checked)  # from t = 0 on
         self.assertIn("21 frames of", checked)
 

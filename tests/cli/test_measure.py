@@ -218,6 +218,12 @@ class NumbersTest(MeasureTest):
                     self.assertTrue(np.all(np.isnan([columns.pop("kernel"), columns.pop("kernel_error")])))
                 self.assertTrue(all(np.all(np.isfinite(values)) for values in columns.values()), name)
         self.assertIsNone(self.found["force"]["force"]["error"])  # one run: not known, not zero
+        summary = json.loads((self.run_folder / "summary.json").read_text())
+        self.assertEqual(self.found["phi_b"], summary["phi_b"])
+        self.assertAlmostEqual(self.found["force"]["speed"]["value"] * A, summary["rods"][0]["mean_speed"], delta=1e-12)  # of some mm/s
+        told = {value["name"]: value["unit"] for value in json.loads((self.run_folder / "manifest.json").read_text())["files"]["measure.json"]["values"]}
+        self.assertEqual([told[name] for name in ("force.speed", "force.force", "microrheology.spring", "microrheology.stiffness", "order.psi6")],
+                         ["a/s", "N", "N/m", "a^-2", "1"])
 
 
 class ManyCasesTest(MeasureTest):

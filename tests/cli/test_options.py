@@ -202,7 +202,7 @@ class InfoTest(ProgramTest):
         self.assertEqual(self.expect(0, "info", "--schema").stdout, text)
         told = json.loads(text)
         self.assertEqual(set(told), {"schema", "tables", "keys", "figures", "fit_parameters", "measures"})
-        self.assertIn({"measure": "force", "key": "speed", "title": "Speed", "unit": "mm/s", "factor": 1000.0,
+        self.assertIn({"measure": "force", "key": "speed", "title": "Speed", "unit": "a/s", "factor": 1.0,
                        "meaning": "of the rod along its heading"}, told["measures"])
 
 

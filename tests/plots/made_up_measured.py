@@ -41,7 +41,7 @@ def results(phi):
                          "row_angle": 0.0, "contrast": 310.0, "block_correlation": 0.12, "offset": [0.01, -0.002]},
         "pairs": {"half_box_change": estimate(-3.1, 0.6, 50), "not_there": 2, "non_reciprocity": estimate(0.4, 0.1, 50),
                   "turn_rear": estimate(0.3, 0.05), "turn_front": estimate(0.1, 0.04), "contact": 12, "pursuit": 5, "escape": 30, "undecided": 3},
-        "force": {"force": estimate(2.1e-6, 4e-8), "thrust": estimate(2.2e-6, 5e-8), "speed": estimate(1.2e-3, 1e-5)},
+        "force": {"force": estimate(2.1e-6, 4e-8), "thrust": estimate(2.2e-6, 5e-8), "speed": estimate(3.0, 0.03)},
         "phonons": {**{f"c_{name}": estimate(speed, 1.5) for name, speed in SOUND.items()}, "c_T": estimate(118.0, 1.2),
                     "drag_rate": estimate(DRAG, 0.6), "viscosity_L": estimate(VISCOSITY[0], 20.0), "viscosity_T": estimate(VISCOSITY[1], 9.0),
                     "temperature": estimate(5.4e-5, 1e-6), "coldest": 0.22, "eta": estimate(2.1, 0.1), "C66": estimate(3.71e-3, 1e-4), "C66_bare": estimate(2.92e-3, 4e-5),

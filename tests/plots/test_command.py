@@ -1,19 +1,22 @@
 """Tests of what the command line asks of all figures: width, style, film: /usr/bin/python3 tests/plots/test_command.py"""
 
 import contextlib
+import re
 import tomllib
+from html import unescape
 from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from unittest import TestCase, main, mock
 
+from matplotlib.text import Text
 from PIL import Image
 
 from made_up_result import LINE, PATHS
 from test_theory import PlotsTest as Theory
 from plot_case import PROGRAM, PlotCase
-from rodwake_plots import style
+from rodwake_plots import draw, run_dir, style
 from rodwake_plots.errors import PlotError
 
 
@@ -50,6 +53,34 @@ class CommandTest(PlotCase):
             done = self.plot("--style", wrong)
             self.assertEqual(done.returncode, 2)
             self.assertIn(told, done.stderr)
+
+    def test_text_as_high_as_asked_for(self):
+        self.build(figures=PATHS)
+        with run_dir.RunDir(self.folder) as run:
+            sizes = []
+            for look in (style.look(), style.look(font_size="18"), style.look("column", font_size="9")):
+                made = draw.in_style(lambda look=look: draw.dressed(draw.KINDS["trajectories"].draw(run, draw.figures_of(run)[0]), look), look=look)
+                made.axes[0].set_xticks(range(7))  # ticks that come later
+                made.draw_without_rendering()
+                sizes.append(sorted({round(text.get_fontsize(), 9) for text in made.findobj(Text) if text.get_text()}))
+        self.assertEqual(style.look().settings["xtick.labelsize"], 9)
+        self.assertEqual(sizes[1], [2 * size for size in sizes[0]])
+        self.assertIn(9, sizes[2])
+        for wrong in ("0", "tall", "99"):
+            with self.assertRaisesRegex(PlotError, "--font-size"):
+                style.look(font_size=wrong)
+
+    def test_figures_elsewhere(self):
+        self.build(figures=LINE)
+        before = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
+        with TemporaryDirectory() as place:
+            out = Path(place) / "deep" / "figures of it"
+            done = self.plot("--output", str(out))
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertEqual(sorted(path.name for path in out.rglob("*.*")), ["line.png", "report.html"])
+            links = re.findall(r'href="([^"#]+)"', (out / "report.html").read_text())
+            self.assertTrue(links and all((out / unescape(link)).is_file() for link in links), links)
+        self.assertEqual({path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}, before)
 
     def test_a_film_on_request_stays_in_the_report(self):
         with mock.patch("shutil.which", return_value=None):

@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import unittest
+from types import SimpleNamespace
 from unittest import mock
 
 import h5py
@@ -168,6 +169,13 @@ class GranularPlotsTest(PlotCase):
                 path = line.get_xydata()
                 self.assertTrue(np.isnan(path).any())  # these paths do leave the box
                 self.assertFalse(np.any(np.abs(np.diff(path, axis=0)) > 0.5 * box))
+
+    def test_the_panel_of_paths_is_where_the_paths_are(self):
+        granular = SimpleNamespace(a=1.0, box=np.array([78.0, 78.0]))
+        across = SimpleNamespace(x=np.array([[20.0, 60.0], [40.0, 130.0]]), y=np.array([[31.0, 47.0], [32.0, 46.0]]))
+        self.assertEqual(rod_tracks.window_of([across], granular), ((0.0, 78.0), (23.0, 55.0)))
+        self.assertEqual(rod_tracks.window_of([SimpleNamespace(x=across.x, y=across.x)], granular), ((0.0, 78.0), (0.0, 78.0)))
+        self.assertEqual(sorted(rod_tracks.layout(32 / 78, True)[1]), ["box", "first"])
 
     def test_plates_move(self):
         with run_dir.RunDir(self.folder) as run, run.granular.trajectory("last_period.h5md") as trajectory:

@@ -107,8 +107,9 @@ class AdaptiveTest(ScanCase):
         self.assert_colour(axes, *INSIDE["undecided"], scan_outcomes.NOTHING)
         self.assert_outcome(axes, *INSIDE["pursuit"], "pursuit")  # which has no time of its own
         time = made_up.results_at(10.0, 0.0, 0.0, np.array(0))[0]
-        low, high = bar.get_ylim()
-        self.assert_colour(axes, 10, 0, style.FIELD_MAP((time - low) / (high - low))[:3])
+        low, high = np.log(bar.get_ylim())  # times from 6 to 30
+        self.assertEqual(bar.get_yscale(), "log")
+        self.assert_colour(axes, 10, 0, style.FIELD_MAP((np.log(time) - low) / (high - low))[:3])
         self.assertIn("time to contact", bar.get_ylabel())
 
     def test_asymmetry_diverges_from_zero(self):
@@ -224,8 +225,20 @@ class OtherDesignsTest(ScanCase):
             self.assert_outcome(strip, place, 0.5, name)
         self.assertIn("final separation", upper.get_ylabel())
         self.assertEqual(upper.get_yscale(), "log")
+        self.assert_joins_like_outcomes(upper.lines[0])
+        made, _ = self.draw("scan_curve", column="final_separation")
+        self.assert_joins_like_outcomes(made.axes[0].lines[0])
         made, _ = self.draw(colour="non_reciprocity")
         self.assertEqual(made.axes[0].get_ylabel(), "turning asymmetry")
+
+    def assert_joins_like_outcomes(self, line):
+        """No piece of the line goes from a point to one that ended otherwise."""
+        with run_dir.RunDir(self.folder) as run:
+            ended = dict(zip(run.scan.place(0), run.scan.outcome))
+        x, y = line.get_data()
+        joined = [(ended[x[i]], ended[x[i + 1]]) for i in range(len(x) - 1) if np.isfinite([x[i:i + 2], y[i:i + 2]]).all()]
+        self.assertTrue(joined and all(one == other for one, other in joined))
+        self.assertGreater(len({one for one, _ in joined}), 1)
 
     def test_one_refined_axis(self):
         self.build(axes=(KAPPA,), start=16, resolution=256)

@@ -54,6 +54,17 @@ class BedScanTest(BedScanCase):
         segments = np.array([segment[:, 1] for segment in bars[2][0].get_segments()])
         return y - segments[:, 0], segments[:, 1] - y
 
+    def test_times_are_those_of_capture(self):
+        """The lock of a pursuit has a time in a bed; a pursuit of the theory has none."""
+        with run_dir.RunDir(self.folder) as run:
+            self.assertEqual(scan_columns.label(run, "time", 1.0)[1], r"time to capture $t$ ($\mathrm{s}$)")
+            self.assertEqual(scan_columns.meaning("time", run.scan), "")
+            self.assertEqual(scan_columns.quantity("time", run.scan).of, ("contact", "pursuit"))
+            self.tell(subject="rods")
+        with run_dir.RunDir(self.folder) as run:
+            self.assertEqual(scan_columns.quantity("time", run.scan).of, ("contact",))
+            self.assertIn("no time of its own", scan_columns.meaning("time", run.scan))
+
     def test_lengths_are_in_a(self):
         made, _ = self.draw("scan_curve", column="delta_y")
         self.assertEqual([text.get_text() for text in made.axes[0].get_legend().get_texts()][:3],

@@ -121,6 +121,29 @@ class PlotsTest(PlotCase):
         for key in ("output_interval", "form", "field"):
             self.assertTrue(rows[f"<code>{key}</code>"][3], key)
 
+    def test_a_figure_whose_data_are_not_there_is_left_out(self):
+        """A stage that was not run takes the figures of the others with it no more; a part that is lost is an error all the same."""
+        for kind, change, told in (("snapshot", None, "summary.json"), ("fit", None, "fit.json"), ("trajectories", lambda file: file.pop("rods"), "/rods"),
+                                   ("extensional_axis", lambda file: file["field"].pop("grid"), "/field/grid")):
+            self.build(figures=LINE + f'[[figures]]\nname = "lone"\nkind = "{kind}"\n')
+            change and self.edit(change)
+            done = self.plot()
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (0, 1), done.stderr)
+            self.assertRegex(done.stderr, f'left out: figure "lone": .*{told}')
+            self.assertNotIn("lone.png", done.stdout)
+            self.assertIn("line.png", (self.folder / "report.html").read_text())
+
+    def test_variants_in_one_panel(self):
+        self.build(figures=PATHS, variants=2)
+        with run_dir.RunDir(self.folder) as run:
+            apart, together = (draw.figures_of(run, overlay=overlay)[0] for overlay in (False, True))
+            panels, one = trajectories.draw(run, apart), trajectories.draw(run, together)
+            caption = trajectories.caption(run, together)
+        self.assertGreaterEqual(len(panels.axes), 3)
+        self.assertEqual([len(one.axes), len(one.legends[0].get_texts())], [1, 3])
+        self.assertEqual(len({line.get_color() for line in one.axes[0].lines if len(line.get_xdata()) > 2}), 3)  # one for both rods of each
+        self.assertIn("in one panel", caption)
+
     def test_missing_parts_are_named(self):
         self.edit(lambda file: file["field/grid"].pop("axis_angle"))
         self.assert_fails("/field/grid/axis_angle", "missing")

@@ -18,7 +18,7 @@ using scene::Measure, scene::Scene;
 constexpr ValueInfo values[] = {
     {"force", "Force", "\u00b5N", "of the rod on the beads, along its heading", 1e6},
     {"thrust", "Thrust", "\u00b5N", "of the plates on the rod, along its heading", 1e6},
-    {"speed", "Speed", "mm/s", "of the rod along its heading", 1e3},
+    {"speed", "Speed", "a/s", "of the rod along its heading"},
 };
 
 constexpr SeriesInfo series[] = {{{"force", "N", "of the rod on the beads along its heading"}},
@@ -32,12 +32,11 @@ Estimate of_rod(const MeasuredCase& data, const char* name) {
 
 MeasureReport report(const MeasuredCase& data) {
     const Estimate force = of_rod(data, "force"), thrust = of_rod(data, "thrust"),
-                   speed = of_rod(data, "mean_speed");
-    const Estimate speed_in_a = speed.scaled(1.0 / data.bead_radius());
+                   speed = of_rod(data, "mean_speed").scaled(1.0 / data.bead_radius());
     return {.values = {{"force", force}, {"thrust", thrust}, {"speed", speed}},
-            .series = {{"force", force}, {"speed", speed_in_a}, {"thrust", thrust}},
+            .series = {{"force", force}, {"speed", speed}, {"thrust", thrust}},
             .line = fmt::format("force on the beads {} uN, thrust {} uN, at {} a/s", text(force.scaled(1e6)),
-                                text(thrust.scaled(1e6)), text(speed_in_a))};
+                                text(thrust.scaled(1e6)), text(speed))};
 }
 
 // Force against the imposed speeds of several cases.

@@ -18,8 +18,10 @@ using scene::Measure, scene::Scene;
 
 constexpr ValueInfo values[] = {
     {.key = "phase", .title = "Phase", .meaning = "of the beads, by the decay of $g_B$", .is_text = true},
-    {"psi6", R"($\psi_6$)", "", "global bond order"},
-    {"local_psi6", R"($|\psi_{6,i}|$)", "", "mean over beads of the local bond order"},
+    {"psi6", R"($\psi_6$, measured frames)", "",
+     R"($|\langle\psi_{6,i}\rangle|$ over the beads; neighbours by the cut-off below, or Delaunay)"},
+    {"local_psi6", R"($\langle|\psi_{6,i}|\rangle$)", "",
+     "mean over beads of the size of the local bond order"},
     {"neighbours", "Neighbours", "", "of a bead, mean"},
     {"cutoff", "Cut-off", "a", "beads nearer than this are neighbours"},
     {"g_minimum", "First minimum of $g(r)$", "a", ""},
@@ -48,7 +50,7 @@ constexpr FileInfo files[] = {{"gr.csv", "pair correlation", gr_columns},
                               {"gB.csv", "bond-orientational correlation", gB_columns}};
 
 constexpr SeriesInfo series[] = {
-    {{"psi6", "1", "global bond-orientational order"}},
+    {{"psi6", "1", "|mean over the beads of psi6|, neighbours as measure.order has them"}},
     {{"exponent", "1", "of an algebraic decay of g_B"}},
     {{"class", "1", "of the decay of g_B: 0 exponential, 1 algebraic, 2 long-range"}, false}};
 

@@ -23,7 +23,7 @@ constexpr ColumnInfo numbers[] = {
     {"leader", "1", "rod that was ahead when the pair had turned most"},
     {"T_xy", "m^2/s^2", "mean over the run"},
     {"T_z", "m^2/s^2", "mean over the run"},
-    {"psi6", "1", "mean over the run"},
+    {"psi6", "1", "as in summary.json: neighbours nearer than granular.order_cutoff"},
     {"pressure", "N/m", "of the bed in the plane, mean over directions and the run"},
     {"max_overlap", "radii", "largest overlap of two bodies since the start"},
     {"mean_speed<k>", "m/s", "of rod k along its heading, thin end first positive"},
