@@ -125,10 +125,10 @@ void add_box(const FitTrackData& track, std::vector<std::string>& remarks) {
             if (k % 3 != 2)
                 largest = std::max(largest, std::abs(state[k] - state[k % 3]));
     if (track.data.box->shorter() > 100.0 * largest)
-        remarks.push_back(fmt::format("{}: fit.box = {:.3g} is far larger than the distances between the rods, up to "
-                                      "{:.3g}: for tracks it is in the unit of the file",
-                                      track.file.string(), track.data.box->shorter() * track.length,
-                                      largest * track.length));
+        remarks.push_back(fmt::format(
+            "{}: fit.box = {:.3g} is far larger than the distances between the rods, up to "
+            "{:.3g}: for tracks it is in the unit of the file",
+            track.file.string(), track.data.box->shorter() * track.length, largest * track.length));
 }
 
 /// Displacements against the distances at which they are: strains of above 1, or of nothing.
