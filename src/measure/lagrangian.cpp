@@ -12,7 +12,7 @@ namespace {
 
 constexpr double zone_begin = 0.3, zone_end = 0.45, first_zone_begin = 0.15; // of the box, ahead of the rod
 
-double mean(const std::vector<double>& values) {
+double mean_place(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
@@ -27,8 +27,8 @@ void LagrangianAccumulator::add(const Frame& frame) {
     const RodView rod(place, layout_.box);
     if (samples_.empty())
         start(frame, rod);
-    drift_x_ = mean(frame.unwrapped_x) - first_x_;
-    drift_y_ = mean(frame.unwrapped_y) - first_y_;
+    drift_x_ = mean_place(frame.unwrapped_x) - first_x_;
+    drift_y_ = mean_place(frame.unwrapped_y) - first_y_;
     double* sums = blocks_.at(frame.time, place.heading).sums.data();
     for (std::size_t i = 0; i < layout_.beads; ++i) {
         note_zone(i, frame, rod.at(frame.x[i], frame.y[i]));
@@ -38,8 +38,8 @@ void LagrangianAccumulator::add(const Frame& frame) {
 }
 
 void LagrangianAccumulator::start(const Frame& frame, const RodView& rod) {
-    first_x_ = mean(frame.unwrapped_x);
-    first_y_ = mean(frame.unwrapped_y);
+    first_x_ = mean_place(frame.unwrapped_x);
+    first_y_ = mean_place(frame.unwrapped_y);
     samples_.assign(layout_.beads, 0.0);
     in_zone_.assign(layout_.beads, 0.0);
     place_x_ = frame.unwrapped_x;
