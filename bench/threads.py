@@ -33,7 +33,7 @@ def bed_command(folder, beads, duration):
 
 def rods_command(rods, t_end):
     return ["rods", str(measure.SOURCE / "scenes" / "crowd.toml"), "-s", f"rods_random.count={rods}", "-s", f"rods_run.t_end={t_end}",
-            "-s", f"rods_random.extent={2.33 * math.sqrt(rods):.3g}", "-s", "rods_order.from=0"]
+            "-s", f"rods_random.extent={2.33 * math.sqrt(rods):.3g}", "-s", "rods_order.from=0", "-s", f"rods_run.output_interval={t_end / 10}"]
 
 
 @contextmanager

@@ -275,8 +275,9 @@ struct Simulation::Impl {
 };
 
 std::size_t worthwhile_threads(const GranularProblem& problem, std::size_t threads) {
-    // Two threads beside a busy process on two cores took 1.1 times as long as one for 24 440 beads, 1.0 for
-    // 50 000 and 0.9 for 100 000 (medians of five stretches of 0.3 s, in turns); bench/threads.py
+    // Two cores with a busy process and other work, in turns, medians of five stretches of 0.3 s: two threads
+    // took 0.9 to 1.1 times as long as one for 24 440 beads, 0.9 to 1.0 times for 50 000 and 100 000
+    // (bench/threads.py times whole runs)
     constexpr std::size_t beads_per_thread = 15'000;
     return threads_for(problem.beads, beads_per_thread, threads);
 }
