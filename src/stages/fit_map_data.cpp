@@ -83,9 +83,9 @@ Column even(const fs::path& file, Column places, const char* axis) {
                          "its {} are not evenly spaced: {:g} follows {:g}, and the first two are {:g} apart; "
                          "are rows of the table missing?",
                          axis, uneven[1], uneven[0], spacing(places)));
-    double start = 0.0;
-    for (std::size_t k = 0; k < places.size(); ++k)
-        start += (places[k] - static_cast<double>(k) * *step) / static_cast<double>(places.size());
+    // a grid that is the same on both sides of 0 stays so
+    const double start =
+        0.5 * (places.front() + places.back() - *step * static_cast<double>(places.size() - 1));
     for (std::size_t k = 0; k < places.size(); ++k)
         places[k] = start + static_cast<double>(k) * *step;
     return places;

@@ -20,8 +20,9 @@ void require_ledger(const fs::path& file, const assembly::ScanPlan& plan) {
 } // namespace
 
 scan::LedgerHead ledger_head(const assembly::ScanPlan& plan) {
-    const bool rows = is_long_list(plan.design);
-    return {plan.description, rows ? std::vector{scan::Axis{.name = "row"}} : plan.design.axes, plan.columns,
+    scan::Axis row;
+    row.name = "row";
+    return {plan.description, is_long_list(plan.design) ? std::vector{row} : plan.design.axes, plan.columns,
             plan.design.runs > 0};
 }
 
