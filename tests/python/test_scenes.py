@@ -228,7 +228,8 @@ class OpenTest(unittest.TestCase):
         self.assertRegex(repr(whole), r"finished: 2 runs \(members\), ")
         for ask, word in ((lambda: whole.trajectory(run=2), "run = 2: .* from 0 to 1"), (lambda: whole.trajectory("result.h5", run=0), "no such file"),
                           (lambda: whole.members[0].trajectory("summary.json"), "HDF5"), (lambda: whole.members[0].rods(), "no such file"),
-                          (lambda: rodwake.open_run(whole.folder / "variants"), "part"), (lambda: whole.table("scene.toml"), "not a table")):
+                          (lambda: rodwake.open_run(whole.folder / "variants"), "part"),
+                          (lambda: rodwake.plots.figures(whole.members[0]), "part of a run"), (lambda: whole.table("scene.toml"), "not a table")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 ask()
 
