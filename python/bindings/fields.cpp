@@ -166,17 +166,17 @@ private:
     bool finite(std::size_t i) const { return std::isfinite(r_.x[i]) && std::isfinite(r_.y[i]); }
 
     /// Images of a rod are found to rounding: their places are worked out.
-    bool at_image(std::size_t i) const {
+    bool at_rod(std::size_t i) const {
         const std::optional<PeriodicBox>& box = r_.medium.box;
-        return box && std::ranges::any_of(r_.rods, [&](const Source& rod) {
-                   const double x = r_.x[i] - rod.x, y = r_.y[i] - rod.y;
-                   return (std::abs(x) > 0.5 * box->x || std::abs(y) > 0.5 * box->y) &&
-                          elastic::is_singular(x, y, box);
-               });
+        return std::ranges::any_of(r_.rods, [&](const Source& rod) {
+            const double x = r_.x[i] - rod.x, y = r_.y[i] - rod.y;
+            const bool image = box && (std::abs(x) > 0.5 * box->x || std::abs(y) > 0.5 * box->y);
+            return elastic::is_singular(x, y, image ? box : std::nullopt);
+        });
     }
 
     bool add_point(std::size_t i) const {
-        if (!finite(i) || at_image(i))
+        if (!finite(i) || at_rod(i))
             return false;
         try {
             if (batched_)
@@ -184,7 +184,7 @@ private:
             else
                 one_by_one_->add(i, i + 1);
             return true;
-        } catch (const InputError&) { // the point is at a rod, or too far for numbers
+        } catch (const InputError&) { // too near a rod for numbers, or too far
             return false;
         }
     }

@@ -76,8 +76,11 @@ def _plots(module: str) -> Any:
 
 @contextlib.contextmanager
 def _opened(run: Union[Run, Folder]) -> Iterator[Any]:
+    opened = run if isinstance(run, Run) else open_run(run)
+    if opened.is_part:
+        raise InputError(f"{opened.folder}: a part of a run; figures are drawn of the whole, rodwake.open_run({str(opened.whole)!r})")
     try:
-        with _plots("run_dir").RunDir((run if isinstance(run, Run) else open_run(run)).folder) as folder:
+        with _plots("run_dir").RunDir(opened.folder) as folder:
             yield folder
     except _plots("errors").PlotError as error:
         raise InputError(str(error)) from error

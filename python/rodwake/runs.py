@@ -67,10 +67,15 @@ class Run:
 
     def __init__(self, folder: Union[str, "os.PathLike[str]"]) -> None:
         self.folder = Path(arguments.path("folder", folder))
-        self._whole = _run_around(self.folder)
-        self.manifest = _below(_manifest(self._whole), self.folder.resolve().relative_to(self._whole).as_posix())
-        if self.folder.resolve() != self._whole and not self.files:
-            raise InputError(f"{self.folder}: holds no run of rodwake, nor a part of that in {self._whole}; Run.files lists what is there")
+        self.whole = _run_around(self.folder)
+        self.manifest = _below(_manifest(self.whole), self.folder.resolve().relative_to(self.whole).as_posix())
+        if self.is_part and not self.files:
+            raise InputError(f"{self.folder}: holds no run of rodwake, nor a part of that in {self.whole}; Run.files lists what is there")
+
+    @property
+    def is_part(self) -> bool:
+        """Whether this is a part of the run in the folder `whole`."""
+        return self.folder.resolve() != self.whole
 
     @property
     def files(self) -> dict[str, str]:
@@ -185,19 +190,19 @@ class Run:
         own = [name for name in self.files if "/" not in name]
         parts = len({name.split("/")[1] for name in self.files if name.startswith("runs/")})
         held = [*([f"{parts} runs (members)"] if parts else []), *own]
-        state = self.status if (self._whole / "provenance.json").is_file() else "without provenance.json"
+        state = self.status if (self.whole / "provenance.json").is_file() else "without provenance.json"
         return f"<Run {str(self.folder)!r}, {state}: {', '.join(held)}>"
 
     def _part(self, name: str) -> Run:
         part = Run.__new__(Run)
-        part.folder, part._whole, part.manifest = self.folder / name, self._whole, _below(self.manifest, name)
+        part.folder, part.whole, part.manifest = self.folder / name, self.whole, _below(self.manifest, name)
         return part
 
     def _file(self, name: str) -> Path:
         arguments.kind("name", name, str, "the name of a file of the run")
         path = self.folder / name
         if not path.is_file() and name in ("scene.toml", "provenance.json"):  # a part has them of the whole
-            path = self._whole / name
+            path = self.whole / name
         if not path.is_file():
             members = ", and members those of an ensemble" if any(one.startswith("runs/") for one in self.files) else ""
             raise InputError(f"{path}: no such file; Run.files lists those of a run{members}")

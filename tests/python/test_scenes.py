@@ -54,8 +54,8 @@ class ReadTest(unittest.TestCase):
         scene = rodwake.Scene.load(PAIR)
         for ask, word in ((lambda: rodwake.Scene.load(3), "path: expected"), (lambda: rodwake.Scene.load(None), "path: expected"),
                           (lambda: rodwake.Scene.parse(None), "text: expected"), (lambda: scene.set(3, 4), "key: expected"),
-                          (lambda: scene.run(None), "PathLike"), (lambda: scene.run("x", stages=[3]), "stages: expected"),
-                          (lambda: scene.run("x", progress=3), "progress: expected a function"), (lambda: scene.check(3), "PathLike")):
+                          (lambda: scene.run(None), "folder: expected"), (lambda: scene.run("x", stages=[3]), "stages: expected"),
+                          (lambda: scene.run("x", progress=3), "progress: expected a function"), (lambda: scene.check(3), "folder: expected")):
             with self.assertRaisesRegex(TypeError, word):
                 ask()
         for options, word in (({"threads": -1}, "threads = -1"), ({"threads": 10**30}, "threads"), ({"threads": "two"}, "threads"), ({"seed": -1}, "seed = -1"),
@@ -228,7 +228,8 @@ class OpenTest(unittest.TestCase):
         self.assertRegex(repr(whole), r"finished: 2 runs \(members\), ")
         for ask, word in ((lambda: whole.trajectory(run=2), "run = 2: .* from 0 to 1"), (lambda: whole.trajectory("result.h5", run=0), "no such file"),
                           (lambda: whole.members[0].trajectory("summary.json"), "HDF5"), (lambda: whole.members[0].rods(), "no such file"),
-                          (lambda: rodwake.open_run(whole.folder / "variants"), "part"), (lambda: whole.table("scene.toml"), "not a table")):
+                          (lambda: rodwake.open_run(whole.folder / "variants"), "part"),
+                          (lambda: rodwake.plots.figures(whole.members[0]), "part of a run"), (lambda: whole.table("scene.toml"), "not a table")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 ask()
 
