@@ -116,7 +116,7 @@ def caption(run, spec):
             f"{'bars: standard error' if known else 'the error is unknown'}; shaded: the rod's body. ")
     if view := fitted(run, spec):
         how_made = "predicted with what was fitted to other lines" if fit_words.predicted(view.profile) else "fitted to it"
-        text += f"Line: theory {how_made}, thin within {words.number(run.fit.number(run.fit.told, 'core', 0.0))} <i>a</i> of the rod, which are left out. "
+        text += f"Line: theory {how_made}, thin within {words.number(run.fit.number(run.fit.told, 'core', 0.0))} <i>a</i> of the rod, where data are left out. "
     if spec.sqrt_scaled:
         text = text.replace("displacement ", f"|<i>{spec.along}</i>|<sup>1/2</sup>", 1)
         text += f"A level stretch is a fall-off as |<i>{spec.along}</i>|<sup>−1/2</sup>. "

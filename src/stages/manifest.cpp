@@ -164,9 +164,10 @@ std::string manifest_json(const fs::path& folder) {
         files[file.name] = {{"what", file.what}};
         if (const auto stage = kind ? stage_of(*kind, file.name) : std::nullopt)
             files[file.name]["stage"] = assembly::to_string(*stage);
-        if (kind && !kind->columns.empty() && file.name.ends_with(".json"))
+        const bool of_point = file.name.starts_with("points/"); // of a scan there may be very many
+        if (kind && !kind->columns.empty() && file.name.ends_with(".json") && !of_point)
             files[file.name]["values"] = values_json(folder / file.name, *kind, units);
-        else if (kind && !kind->columns.empty())
+        else if (kind && !kind->columns.empty() && file.name.ends_with(".csv"))
             files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
     }
     files["manifest.json"] = {{"what", kind_of("manifest.json")->what}};
