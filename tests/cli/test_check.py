@@ -36,7 +36,7 @@ class CheckTest(ProgramTest):
         said = r"rods: rods 0 and 1 start 5 apart, within the contact distance \(5\): the run ends in contact at time 0"
         self.write("near.toml", near + variants)
         told = self.expect(0, "check", "near.toml").stdout
-        self.assertRegex(told, r"# is this what you mean\?\n  " + said + r"\n  rods.*one_place: rods 0 and 1 start 0 apart.*\n\n")
+        self.assertRegex(told, r"# is this what you mean\?\n  " + said + r"\n  rods \(one_place\): rods 0 and 1 start 0 apart.*\n\n")
         self.assertRegex(self.expect(0, "rods", "near.toml", "-o", "near").stderr, said)
         ends = [self.outcome("near"), self.outcome("near/variants/one_place")]
         for end, apart in zip(ends, (5.0, 0.0)):

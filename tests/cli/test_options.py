@@ -64,7 +64,7 @@ class HelpTest(ProgramTest):
                 ("missed_rate", r"(?m)^missed_rate: key of scan\.json"), ("measure.json", r"(?m)^    psi6 ")):
             self.assertRegex(self.expect(0, "help", name).stdout, pattern)
         self.refuse(2, "coupling.kapa: no verb.*near it: coupling.kappa", "help", "coupling.kapa")
-        self.refuse(2, "near it: .*mean_speed<k>", "help", "mean_sped")
+        self.refuse(2, "near it: mean_speed", "help", "mean_sped")
         self.refuse(2, "near it: .*contact_distance", "help", "contact_distanc")
         self.refuse(2, "rodwake help lists the verbs", "help", "qwertyuiop")
         self.refuse(2, "extra: not expected; rodwake help takes one NAME", "help", "coupling.kappa", "extra")
@@ -176,7 +176,7 @@ class InfoTest(ProgramTest):
         told = self.expect(0, "info", "run/scan.csv").stdout
         self.assertLess(len(told.splitlines()), 20)
         self.assertRegex(told, r"^4096 rows, 3 columns\n  coupling\.kappa +mu v0/f +0 to 4095 +\S.*\n  outcome +1 +contact 3072, escape 1024 +contact, pursuit")
-        self.assertRegex(told, r"  time +f/\(mu v0\) +0\.125 to 511\.875, 2048 empty +of contact")
+        self.assertRegex(told, r"  time +0\.125 to 511\.875, 2048 empty +of contact")
         self.assertIn("\n0,escape,\n1,contact,0.125\n2,contact,\n... 4090 rows ...\n4093,", told)
         self.write("data.csv", "# a comment\nx,y\n1,2\n3,four\n")
         self.assertRegex(self.expect(0, "info", "data.csv").stdout, r"^2 rows, 2 columns\n  x +1 to 3 *\n  y +2, four 1 *\n\nx,y\n1,2\n3,four\n$")

@@ -150,7 +150,7 @@ TEST_CASE("rods that start within the contact distance are in contact at 0, what
             CHECK(result.outcome.pair.second == 1);
             CHECK(result.solution.status.ok());
             CHECK(result.solution.times == std::vector{0.0});
-            CHECK(result.solution.states == std::vector{rods::to_state(rods)});
+            CHECK(result.solution.states == std::vector(1, rods::to_state(rods)));
             CHECK_THAT(result.outcome.reason, Catch::Matchers::Contains("within the contact distance"));
         };
         for (const rods::Form form : {rods::Form::angle, rods::Form::director, rods::Form::dae}) {

@@ -194,7 +194,7 @@ TEST_CASE(
     "a pair that starts in contact ends there, as in rods::simulate, and the others are what they were") {
     PairProblem touching = crossing(1.0, 10.0), same = crossing(1.0, 0.1);
     same.rods[1] = same.rods[0];
-    const auto results = results_of({touching, crossing(1.0, 0.0), same});
+    const auto results = results_of({touching, crossing(1.0, 0.0), same}, {});
     for (const auto& [pair, result] : {std::pair(touching, results[0]), std::pair(same, results[2])}) {
         const RodOutcome expected = simulate(to_rod_problem(pair), {}).outcome, found = outcome_of(result);
         CHECK(found.ending == Ending::contact);
@@ -203,7 +203,7 @@ TEST_CASE(
         CHECK(found.min_separation == expected.min_separation);
         CHECK(result.separation == expected.min_separation);
     }
-    CHECK(results[1].state == results_of({crossing(1.0, 0.0)})[0].state);
+    CHECK(results[1].state == results_of({crossing(1.0, 0.0)}, {})[0].state);
 }
 
 TEST_CASE("a batch refuses what rods::simulate refuses") {
