@@ -95,12 +95,6 @@ void validate(const Problem& problem) {
         throw InputError(fmt::format("fit: {} data points cannot fix {} parameters: give more data or fix "
                                      "some of the parameters",
                                      problem.residuals, free));
-    if (degrees_of_freedom(problem) < 0)
-        throw InputError(
-            fmt::format("fit: {} data points worth {} independent ones cannot fix {} parameters: give "
-                        "more data, a smaller independent_spacing (independent_time of tracks) if "
-                        "neighbours share less, or fix some of the parameters",
-                        problem.residuals, independent_values(problem), free));
 }
 
 long independent_values(const Problem& problem) {

@@ -181,6 +181,17 @@ std::optional<std::string> trouble_at(const Problem& problem, std::span<const do
     return trouble_with(problem, r);
 }
 
+/// Neighbours that share data may leave less than there are parameters.
+void require_values(const Problem& problem) {
+    if (fitting::degrees_of_freedom(problem) < 0)
+        throw InputError(
+            fmt::format("fit: {} data points worth {} independent ones cannot fix {} parameters: give more "
+                        "data, a smaller independent_spacing (independent_time of tracks) if neighbours "
+                        "share less, or fix some of the parameters",
+                        problem.residuals, fitting::independent_values(problem),
+                        fitting::free_parameters(problem).size()));
+}
+
 /// A search from where nothing can be computed would only end with the same, later.
 void require_start(const Problem& problem) {
     std::vector<double> free;
@@ -272,6 +283,7 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     plan.track_model.ode.rtol = 1e-10;
     plan.track_model.ode.atol = 1e-12;
     plan.problem = fit_problem(plan);
+    require_values(plan.problem);
     plan.problem.remarks = data_remarks(plan);
     require_start(plan.problem);
     plan.method = {keys.search};
