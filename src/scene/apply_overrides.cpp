@@ -100,8 +100,8 @@ private:
         auto& list = *at_->as<Node::List>();
         const long index = list_index(segment);
         if (index < 0)
-            return fail(
-                fmt::format("{} is a list: give an index from 0 after it, not {}", walked_, quoted(segment)));
+            return fail(fmt::format("{} is a list: give an index from 0 after it, not {}", walked_,
+                                    in_quotes(segment)));
         if (static_cast<std::size_t>(index) >= list.size())
             return fail(
                 fmt::format("no entry {}: {} has {} (numbered from 0)", segment, walked_, list.size()));

@@ -34,14 +34,14 @@ public:
         add(key, "boolean", value ? "true" : "false", "true, false");
     }
     void operator()(const Key& key, std::string& value) override {
-        const std::string fallback = value.empty() ? std::string(key.absent_text) : quoted(value);
+        const std::string fallback = value.empty() ? std::string(key.absent_text) : in_quotes(value);
         const std::string legal = key.is_file_name ? "letters, digits, _ - ., at most 64" : "one line";
         add(key, "string", key.is_required ? "required" : fallback,
             key.choices.empty() ? legal : comma_list(key.choices));
     }
     void operator()(const Key& key, const Choice& value) override {
         const auto all = value.names();
-        add(key, "string", quoted(value.name(value.current)), comma_list(all));
+        add(key, "string", in_quotes(value.name(value.current)), comma_list(all));
         current().keys.back().choices.assign(all.begin(), all.end());
     }
     void operator()(const Key& key, std::optional<PeriodicBox>&) override {
@@ -72,7 +72,7 @@ public:
         }
         std::string fallback;
         for (const auto& item : value)
-            fallback += (fallback.empty() ? "" : ", ") + quoted(item);
+            fallback += (fallback.empty() ? "" : ", ") + in_quotes(item);
         add(key, key.count_text("names"), key.is_required ? "required" : "[" + fallback + "]",
             comma_list(key.choices));
     }

@@ -25,7 +25,7 @@ struct InlineText {
     std::string operator()(bool value) const { return value ? "true" : "false"; }
     std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
     std::string operator()(double value) const { return number_text(value); }
-    std::string operator()(const std::string& value) const { return quoted(value); }
+    std::string operator()(const std::string& value) const { return in_quotes(value); }
     std::string operator()(Node::Date) const { return "1970-01-01"; }
     std::string operator()(const Node::List& list) const {
         return fmt::format("[{}]", joined(list, to_inline));
@@ -64,7 +64,7 @@ std::string number_text(double value) {
     return integral ? text + ".0" : text;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
         const auto code = static_cast<unsigned char>(c);
@@ -78,7 +78,7 @@ std::string quoted(std::string_view text) {
     return out + '"';
 }
 
-std::string key_text(const std::string& key) { return is_bare(key) ? key : quoted(key); }
+std::string key_text(const std::string& key) { return is_bare(key) ? key : in_quotes(key); }
 
 std::string to_inline(const Node& node) { return std::visit(InlineText{}, node.value); }
 

@@ -51,7 +51,7 @@ struct Entry {
 std::string number_text(double value);
 
 /// TOML basic string with escapes.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 /// A bare key where TOML allows it, else quoted.
 std::string key_text(const std::string& key);

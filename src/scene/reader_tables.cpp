@@ -42,7 +42,7 @@ void Reader::entries(const Key& key, std::map<std::string, T>& value, const std:
         if (!contains(key.choices, item.key))
             problems_.add(item.key_place, item_path,
                           fmt::format("{}: unknown parameter {}{}. Known parameters: {}", path,
-                                      quoted(item.key), did_you_mean(item.key, key.choices),
+                                      in_quotes(item.key), did_you_mean(item.key, key.choices),
                                       comma_list(key.choices)));
         else if (const std::optional<T> found = read(item.value, item_path))
             value.emplace(item.key, *found);

@@ -251,7 +251,7 @@ void Reader::settings(const Key& key, std::vector<std::string>& value) {
         wrong(entry->value, path,
               fmt::format("expected {}, found {}", key.count_text("keys"), overrides.size()));
     else if (const auto* twice = repeated(overrides))
-        problems_.add(twice->place, path, fmt::format("{}: {} is set twice", path, quoted(twice->path)));
+        problems_.add(twice->place, path, fmt::format("{}: {} is set twice", path, in_quotes(twice->path)));
     else
         std::transform(overrides.begin(), overrides.end(), std::back_inserter(value),
                        [](const Override& item) { return item.text(); });

@@ -70,7 +70,7 @@ Value ValueSetter::held(const Value& written, std::size_t which) const {
     const std::string& text = std::get<std::string>(written);
     const Quantity found = parse_quantity(text, target.dimension, target.units);
     if (target.dimension == Dimension::none || !found.value)
-        throw InputError(fmt::format("{} = {}: expected {}{}{}", target.path_text(), quoted(text),
+        throw InputError(fmt::format("{} = {}: expected {}{}{}", target.path_text(), in_quotes(text),
                                      name_of(target.dimension), found.why.empty() ? "" : ": ",
                                      found.needs_scales ? "a physical unit needs [scales]" : found.why));
     return *found.value;

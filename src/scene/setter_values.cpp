@@ -84,7 +84,7 @@ T* Setter::entry(const Progress& p, std::vector<T>& list) {
     if (index >= 0 && static_cast<std::size_t>(index) < list.size())
         return &list[static_cast<std::size_t>(index)];
     fail(index < 0 ? fmt::format("{} is a list: give an index from 0 after it, not {}",
-                                 p.target->path_text(path.size() - 1), quoted(path.back().name))
+                                 p.target->path_text(path.size() - 1), in_quotes(path.back().name))
                    : fmt::format("no entry {}: {} has {} (numbered from 0)", index,
                                  p.target->path_text(path.size() - 1), list.size()));
     return nullptr;
@@ -203,7 +203,7 @@ void Setter::operator()(const Key& key, std::vector<long>& value) {
 bool Setter::is_parameter(const Key& key, const Progress& p, const std::string& name) {
     if (contains(key.choices, name))
         return true;
-    fail(fmt::format("{}: unknown parameter {}{}. Known parameters: {}", p.target->key, quoted(name),
+    fail(fmt::format("{}: unknown parameter {}{}. Known parameters: {}", p.target->key, in_quotes(name),
                      did_you_mean(name, key.choices), comma_list(key.choices)));
     return false;
 }

@@ -176,9 +176,9 @@ Quantity parse_quantity(const std::string& text, Dimension dimension, const Unit
         return {number, false, ""};
     const UnitWord* unit = find_word(word, units);
     if (!unit)
-        return failure(fmt::format("unknown unit {}; known: {}", quoted(word), known));
+        return failure(fmt::format("unknown unit {}; known: {}", in_quotes(word), known));
     if (unit->dimension != dimension)
-        return failure(fmt::format("{} is {}; known: {}", quoted(word), name_of(unit->dimension), known));
+        return failure(fmt::format("{} is {}; known: {}", in_quotes(word), name_of(unit->dimension), known));
     double value = number * unit->numerator / unit->denominator;
     if (unit->kind == Kind::reduced)
         return {value, false, ""};
@@ -212,7 +212,7 @@ std::string quantity_text(double reduced, Dimension dimension, const Units& unit
     for (const double si : {middle, std::nextafter(middle, -HUGE_VAL), std::nextafter(middle, HUGE_VAL)})
         if (si_to_reduced(si, dimension, *units.scales) == reduced)
             return number_text(si);
-    return quoted(fmt::format("{} {}", reduced, reduced_unit(dimension)));
+    return in_quotes(fmt::format("{} {}", reduced, reduced_unit(dimension)));
 }
 
 } // namespace rodwake::scene

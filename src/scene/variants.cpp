@@ -50,8 +50,8 @@ std::string settings_text(const std::vector<std::string>& settings) {
     for (const auto& setting : settings) {
         const auto parsed = parse_override(setting, ignored);
         text += text.empty() ? "" : ", ";
-        text += parsed && !parsed->unsets ? quoted(parsed->path) + " = " + to_inline(parsed->value)
-                                          : quoted(setting) + " = {}";
+        text += parsed && !parsed->unsets ? in_quotes(parsed->path) + " = " + to_inline(parsed->value)
+                                          : in_quotes(setting) + " = {}";
     }
     return "{ " + text + " }";
 }

@@ -18,7 +18,7 @@ std::string value_text(const Value& value) {
         return std::to_string(*whole);
     if (const auto* real = std::get_if<double>(&value))
         return number_text(*real);
-    return quoted(std::get<std::string>(value));
+    return in_quotes(std::get<std::string>(value));
 }
 
 class Writer : public Visitor {
@@ -43,13 +43,13 @@ public:
     }
     void operator()(const Key& key, bool& value) override { line(key, value ? "true" : "false"); }
     void operator()(const Key& key, const Choice& value) override {
-        line(key, quoted(value.name(value.current)));
+        line(key, in_quotes(value.name(value.current)));
     }
     void operator()(const Key& key, std::string& value) override {
         if (value.empty())
             absent(key);
         else
-            line(key, quoted(value));
+            line(key, in_quotes(value));
     }
     void operator()(const Key& key, const TimeOrTravel& value) override { (*this)(key, value.time); }
     void operator()(const Key& key, BoxSize& value) override {
@@ -97,7 +97,7 @@ public:
     void operator()(const Key& key, std::vector<std::string>& value) override {
         std::string inner;
         for (const auto& item : value)
-            inner += (inner.empty() ? "" : ", ") + quoted(item);
+            inner += (inner.empty() ? "" : ", ") + in_quotes(item);
         line(key, "[" + inner + "]");
     }
     void operator()(const Key& key, std::vector<long>& value) override {
@@ -115,7 +115,7 @@ public:
     }
     void operator()(const Key& key, std::map<std::string, Tie>& value) override {
         entries(key, value, [](const Tie& tie) {
-            return fmt::format("[{}, {}]", quoted(tie.to), number_text(tie.factor));
+            return fmt::format("[{}, {}]", in_quotes(tie.to), number_text(tie.factor));
         });
     }
     void settings(const Key& key, std::vector<std::string>& value) override {

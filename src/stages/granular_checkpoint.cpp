@@ -19,7 +19,7 @@ using store::ByteWriter;
 
 /// Of every block: counted up when what is written changes, so that an older file is refused instead of
 /// misread.
-constexpr std::uint32_t layout = 1;
+constexpr std::uint32_t block_layout = 1;
 
 /// Numbers of one rod in the file: position, velocity, orientation w x y z, angular momentum.
 using RodNumbers = std::array<double, 13>;
@@ -46,7 +46,7 @@ Block head_block(const GranularCheckpoint& c) {
     out.put(c.cpu_seconds);
     out.put(c.wall_seconds);
     out.put(c.logs);
-    return {"run", out.take(), layout};
+    return {"run", out.take(), block_layout};
 }
 
 Block state_block(const granular::State& state) {
@@ -59,7 +59,7 @@ Block state_block(const granular::State& state) {
     for (const granular::RodBody& rod : state.rods)
         rods.push_back(numbers(rod));
     out.put_array(rods);
-    return {"state", out.take(), layout};
+    return {"state", out.take(), block_layout};
 }
 
 void put_vectors(ByteWriter& out, const std::vector<Eigen::Vector3d>& vectors) {
@@ -85,41 +85,41 @@ Block tally_block(const granular::Tallies& t) {
          {t.bead_bead, t.bead_plate, t.bead_rod, t.rod_plate, t.rod_rod, t.overlaps})
         out.put(value);
     put_vectors(out, t.impulse_on_beads);
-    return {"tallies", out.take(), layout};
+    return {"tallies", out.take(), block_layout};
 }
 
 Block thrust_block(const GranularCheckpoint& c) {
     ByteWriter out;
     put_vectors(out, c.tallies.impulse_from_plates);
     out.put_array(c.thrust);
-    return {"thrust", out.take(), layout};
+    return {"thrust", out.take(), block_layout};
 }
 
 Block pressure_block(const GranularCheckpoint& c) {
     ByteWriter out;
     out.put(c.tallies.virial);
     out.put(c.pressure.value());
-    return {"pressure", out.take(), layout};
+    return {"pressure", out.take(), block_layout};
 }
 
 Block record_block(const GranularCheckpoint& c) {
     ByteWriter out;
     out.put(c.sums);
     out.put_array(c.progress);
-    return {"record", out.take(), layout};
+    return {"record", out.take(), block_layout};
 }
 
 Block measure_block(const GranularCheckpoint& c) {
     ByteWriter out;
     out.put_text(c.measure_keys);
     out.put_array(c.measures);
-    return {"measures", out.take(), layout};
+    return {"measures", out.take(), block_layout};
 }
 
 Block cost_block(const GranularCheckpoint& c) {
     ByteWriter out;
     out.put(c.cost);
-    return {"cost", out.take(), layout};
+    return {"cost", out.take(), block_layout};
 }
 
 void read_head(GranularCheckpoint& c, ByteReader in) {
@@ -196,8 +196,8 @@ std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& fil
         return std::nullopt;
     const auto block = [&](const char* name) {
         const std::string where = loaded->file.string() + ": block " + name;
-        return ByteReader(store::find_block(loaded->blocks, name, loaded->file.string(), layout).content,
-                          where);
+        return ByteReader(
+            store::find_block(loaded->blocks, name, loaded->file.string(), block_layout).content, where);
     };
     LoadedCheckpoint result{{}, loaded->notice};
     read_head(result.checkpoint, block("run"));

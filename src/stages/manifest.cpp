@@ -123,7 +123,7 @@ void add_values(const ordered_json& node, const std::string& name, const FileKin
             add_values(value, name.empty() ? key : name + "." + key, kind, units, values);
 }
 
-ordered_json values_json(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
+ordered_json described_values(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
     std::ifstream in(file);
     ordered_json values = ordered_json::array();
     add_values(ordered_json::parse(in, nullptr, false), "", kind, units, values);
@@ -166,7 +166,7 @@ std::string manifest_json(const fs::path& folder) {
             files[file.name]["stage"] = assembly::to_string(*stage);
         const bool of_point = file.name.starts_with("points/"); // of a scan there may be very many
         if (kind && !kind->columns.empty() && file.name.ends_with(".json") && !of_point)
-            files[file.name]["values"] = values_json(folder / file.name, *kind, units);
+            files[file.name]["values"] = described_values(folder / file.name, *kind, units);
         else if (kind && !kind->columns.empty() && file.name.ends_with(".csv"))
             files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
     }

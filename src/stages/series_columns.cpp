@@ -13,7 +13,7 @@ constexpr SeriesInfo of_case[] = {{{"name", "1", "of the variant; scene: as writ
                                   {{"d0", "a", "distance of two rods at the start"}, false},
                                   {{"imposed_speed", "a/s", "of the rod; empty: it is free"}, false}};
 /// Of the case too, but readers know it behind this column.
-constexpr SeriesInfo runs = {{"runs", "1", "finished runs"}, false};
+constexpr SeriesInfo run_count = {{"runs", "1", "finished runs"}, false};
 constexpr std::string_view before_runs = "delta_y";
 
 } // namespace
@@ -25,7 +25,7 @@ std::span<const SeriesInfo> series_columns() {
             all.insert(all.end(), kind.series.begin(), kind.series.end());
         const auto before =
             std::ranges::find(all, before_runs, [](const SeriesInfo& c) { return c.column.name; });
-        all.insert(before == all.end() ? before : before + 1, runs);
+        all.insert(before == all.end() ? before : before + 1, run_count);
         return all;
     }();
     return columns;
