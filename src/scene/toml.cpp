@@ -57,7 +57,7 @@ struct Converter {
 };
 
 /// What toml++ quotes from the file.
-std::string in_quotes(const std::string& why) {
+std::string what_is_quoted(const std::string& why) {
     const auto begin = why.find('\''), end = why.find('\'', begin + 1);
     return end == std::string::npos ? "" : why.substr(begin + 1, end - begin - 1);
 }
@@ -81,7 +81,7 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, P
         return Converter{source}.convert(toml::parse(text));
     } catch (const toml::parse_error& error) {
         const auto at = error.source().begin;
-        const std::string why(error.description()), number = in_quotes(why);
+        const std::string why(error.description()), number = what_is_quoted(why);
         problems.add({source, at.line, at.column}, "",
                      is_too_large(number) ? number + " is too large for a number, which ends at 1.8e308"
                                           : "not valid TOML: " + why);
