@@ -157,10 +157,8 @@ void add_bounds(Diagnostics& diagnostics, const Problem& problem, const Report& 
                 "hold for it fixed there; {}",
                 e.name, e.at_lower ? "lower" : "upper", e.at_lower ? p.lower : p.upper, allowed(p, e)));
         else if (e.free && e.standard_error > 0.0 && e.low < p.lower && e.high > p.upper)
-            diagnostics.push_back(
-                fmt::format("the data do not constrain {}: its 95 % interval, {:.3g} to {:.3g}, "
-                            "reaches beyond both of its bounds",
-                            e.name, e.low, e.high));
+            diagnostics.push_back(fmt::format(
+                "the data do not constrain {}: its 95 % interval reaches beyond both of its bounds", e.name));
     }
 }
 

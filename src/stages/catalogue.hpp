@@ -36,9 +36,6 @@ std::span<const FileKind> file_kinds();
 /// The kind of a file by its name without folders; nullptr for one that is not ours.
 const FileKind* kind_of(std::string_view name);
 
-/// The columns of a CSV file, and the keys of a JSON file that have a meaning of their own.
-std::span<const ColumnInfo> names_in(const FileKind& kind);
-
 /// The entry of a column by its name in a file; nullptr if the kind has none such.
 const ColumnInfo* column_of(const FileKind& kind, std::string_view name);
 

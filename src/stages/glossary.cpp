@@ -81,7 +81,7 @@ std::string maker(const FileKind& kind) {
 std::string file_text(const FileKind& kind) {
     std::string text = fmt::format("{}: file of a run{}\n", kind.pattern, maker(kind));
     text += line("holds", std::string(kind.what));
-    for (const ColumnInfo& column : names_in(kind))
+    for (const ColumnInfo& column : kind.columns)
         text += fmt::format("    {:<22} {:<8} {}\n", column.name, unit_text(column.unit), column.meaning);
     if (kind.pattern == "measure.json")
         for (const assembly::MeasureKind& measure : assembly::measure_kinds())
@@ -90,8 +90,10 @@ std::string file_text(const FileKind& kind) {
     return text;
 }
 
-/// "mean_speed" for mean_speed<k>, and each of its names.
+/// "mean_speed" for mean_speed<k> and rods.<k>.mean_speed, and each name of the first.
 bool names_column(const std::string& name, std::string_view pattern) {
+    if (const auto dot = pattern.rfind('.'); dot != std::string_view::npos && name == pattern.substr(dot + 1))
+        return true;
     const auto gap = pattern.find("<k>");
     const bool starts = gap != 0 && gap != std::string_view::npos && name == pattern.substr(0, gap);
     return starts || name == pattern || (gap != 0 && fits(name, pattern));
@@ -100,10 +102,11 @@ bool names_column(const std::string& name, std::string_view pattern) {
 std::string columns_text(const std::string& name) {
     std::string text;
     for (const FileKind& kind : file_kinds())
-        for (const ColumnInfo& column : names_in(kind))
+        for (const ColumnInfo& column : kind.columns)
             if (names_column(name, column.name))
-                text += fmt::format("{}: {} of {}{}\n", column.name, kind.columns.empty() ? "key" : "column",
-                                    kind.pattern, maker(kind)) +
+                text += fmt::format("{}: {} of {}{}\n", column.name,
+                                    kind.pattern.ends_with(".json") ? "key" : "column", kind.pattern,
+                                    maker(kind)) +
                         line("meaning", std::string(column.meaning)) + line("unit", unit_text(column.unit));
     return text;
 }
@@ -152,7 +155,7 @@ std::vector<std::pair<std::string, std::string>> all_names() {
     }
     for (const FileKind& kind : file_kinds()) {
         names.emplace_back(kind.pattern, kind.what);
-        for (const ColumnInfo& column : names_in(kind))
+        for (const ColumnInfo& column : kind.columns)
             names.emplace_back(column.name, column.meaning);
     }
     for (const assembly::MeasureKind& kind : assembly::measure_kinds())

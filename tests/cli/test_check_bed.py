@@ -46,7 +46,7 @@ class CheckBedTest(ProgramTest):
     def test_the_area_of_rods_is_taken_off_if_it_counts(self):
         alone = self.beads(self.check(BED + ROD, "granular.phi_b=0.78", "granular.count_rod_area=false"))
         text = self.check(BED + ROD, "granular.phi_b=0.78")
-        self.assertIn("of the beads alone, 0.78 with the rods' shadows", text)
+        self.assertIn("phi_b = 0.78 with the rods' shadows, of which the beads cover", text)
         shared = self.beads(text)
         self.assertEqual(alone, round(0.78 * 78**2 / math.pi))
         # The shadow of the rod is within that of two rectangles 4.5 mm long, as thick as its thin and its thick end.

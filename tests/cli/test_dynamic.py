@@ -169,11 +169,12 @@ class DynamicTest(ProgramTest):
     def test_what_does_not_fit_is_refused(self):
         for setting, said in (("medium.dynamic.force_width=0.5", r"force_width = 0.5 is below the grid spacing box/modes = 0.5333"),
                               ("medium.dynamic.box=2", r"box = 2 is less than 4 force_width = 2.4"),
-                              ("rods.0.position=[0.0, -1.5]", r"rods\[0\] and rods\[1\] start 0.5 apart, closer than force_width = 0.6"),
+                              ("rods.0.position=[0.0,-1.5] rods_run.contact_distance=0.3", r"rods\[0\] and rods\[1\] start 0.5 apart, closer than force_width = 0.6"),
                               ("rods_run.method=bdf", r"a method of their own"),
                               ("medium.dynamic.inertia=-1", r"medium.dynamic.inertia = -1: must be >= 0"),
                               ("medium.periodic=16", r"leave one out")):
-            self.assertRegex(self.expect(2, "check", "pair.toml", "-s", setting).stderr, said)
+            settings = [word for one in setting.split() for word in ("-s", one)]
+            self.assertRegex(self.expect(2, "check", "pair.toml", *settings).stderr, said)
         done = self.expect(2, "tradeoff", "pair.toml")
         self.assertIn("there is nothing to choose", done.stderr)
 

@@ -199,7 +199,7 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
         self.write("ux.csv", first + (self.folder / "second.csv").read_text().split("\n", 1)[1])
         twice, _ = self.fit(FIT, "-s", "fit.independent_spacing=4.0", out="twice")
         self.assertEqual((once["dof"], twice["dof"]), (10, 24))  # 53 and 106 points worth a quarter each, rounded
-        self.assertAlmostEqual(twice["parameters"]["xi"]["stderr"] / once["parameters"]["xi"]["stderr"], 2**-0.5, delta=0.15)  # scatter of the fit
+        self.assertAlmostEqual(twice["parameters"]["xi"]["stderr"] / once["parameters"]["xi"]["stderr"], 2**-0.5, delta=0.25)  # the error of xi goes with xi, which scatters
         self.assert_recovered(twice, TRUE)
         self.write("ux.csv", "x,value,sigma\n" + 40 * "5.0,0.3,0.01\n5.0,0.31,0.01\n")
         self.refuse(2, "80 data points worth 1 independent ones cannot fix 3 parameters", "fit", "fit.toml", "-o", "none", "-s", "fit.independent_spacing=4.0")
