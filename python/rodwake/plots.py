@@ -46,7 +46,8 @@ def figures(run: Union[Run, Folder], *, width: str = "", style: str = "", font_s
     """The figures that the scene asks for and the run holds, or else one for everything it holds, by their names; films aside."""
     with _opened(run) as folder:
         look, drawable = _plots("style").look(width, style, str(font_size)), kinds()
-        found, missing = {}, []
+        found: dict[str, Any] = {}
+        missing = []
         for one in _plots("draw").figures_of(folder, overlay=overlay):
             try:
                 found |= {one.name: _drawn(folder, one, look)} if one.kind in drawable else {}

@@ -71,7 +71,11 @@ std::vector<double> EventFinder::times_to_look_at(const Step& step, std::span<co
             if (const std::optional<double> t = calls_.candidate_time(i, step))
                 add(*t);
     if (sampler_.needed())
-        std::ranges::for_each(times, add);
+        for (const double t : times) {
+            if (t >= step.time) // they increase
+                break;
+            add(t);
+        }
     return inside;
 }
 

@@ -168,7 +168,7 @@ bool EventSampler::is_settled(std::size_t k, const Samples& samples, const Part&
 }
 
 /// By how much the rounding of the state changes an event in which it cancels; 0 if the event is random.
-double EventSampler::rounding(std::size_t k, const Samples& samples, const Part& part) {
+double EventSampler::rounding(std::size_t k, const Samples& samples, const Part& part) try {
     const double t = time_of(part, fineness * (panels_ / 2)), value = samples.values[panels_ / 2];
     stepper_->sample(t, state_);
     if (calls_.event(sampled_[k], t, state_) != value)
@@ -176,6 +176,8 @@ double EventSampler::rounding(std::size_t k, const Samples& samples, const Part&
     for (double& y : state_)
         y *= 1.0 + 4.0 * roundoff;
     return std::abs(calls_.event(sampled_[k], t, state_) - value);
+} catch (const StepFailure&) {
+    return 0.0; // the event is not defined beside the state
 }
 
 /// All times of the part to be looked at.

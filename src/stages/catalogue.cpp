@@ -135,18 +135,6 @@ constexpr ColumnInfo fit_track_columns[] = {{"t", "{data}", "time"},
                                             {"model_y<k>", "{data}", "fitted place of rod k"},
                                             {"model_theta<k>", "rad", "fitted heading of rod k"}};
 
-constexpr ColumnInfo scan_values[] = {
-    {"requested", "1", "points asked for, of an adaptive scan those of the full grid; of beds runs"},
-    {"evaluated", "1", "points that were evaluated; of beds runs"},
-    {"failed", "1", "of those, the ones that failed"},
-    {"left", "1", "points not evaluated yet"},
-    {"missed_rate", "1", "share of the audited places where the refinement had missed another outcome"},
-    {"missed_rate_high", "1", "upper end of its 95 % interval"},
-    {"wall_seconds", "s", "of the last command"},
-    {"cpu_seconds", "s", "summed over the points"}};
-constexpr ColumnInfo fit_values[] = {{"chi2", "1", "sum of the squared residuals over their errors"},
-                                     {"dof", "1", "independent data less free parameters"}};
-
 constexpr ColumnInfo summary_values[] = {
     {"simulated_time", "s", "time simulated from t = 0"},
     {"cpu_seconds", "s", "processor time"},
@@ -245,7 +233,7 @@ constexpr FileKind plain_kinds[] = {
     {"measure.h5", Stage::measure, result, "fields on grids in the rod's frame"},
     {"series.json", Stage::measure, result, "fits over the rows of series.csv"},
 
-    {"fit.json", Stage::fit, result, "parameters with errors, and how good the fit is", fit_values},
+    {"fit.json", Stage::fit, result, "parameters with errors, and how good the fit is"},
     {"fit.txt", Stage::fit, result, "the same to read"},
     {"medium.json", Stage::fit, result, "the medium that the fit gives to field and rods"},
     {"fit_profile_<k>.csv", Stage::fit, result, "a profile with its fit", fit_profile_columns},
@@ -261,8 +249,7 @@ constexpr FileKind plain_kinds[] = {
     {"ledger.sqlite-wal", Stage::scan, progress, "the newest rows of the ledger while it is open"},
     {"ledger.sqlite-shm", Stage::scan, progress, "for who reads the ledger while it is open"},
     {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},
-    {"scan.json", Stage::scan, result, "axes, counts, causes of failures, rate of what was missed",
-     scan_values},
+    {"scan.json", Stage::scan, result, "axes, counts, causes of failures, rate of what was missed"},
     {"scan.html", Stage::scan, result, "the scan to explore in a browser"},
     {"cells.csv", Stage::scan, result, "cells of the refinement that were not divided", cells_columns},
     {"boundary.csv", Stage::scan, result, "boundaries between outcomes as curves", boundary_columns},

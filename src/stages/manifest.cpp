@@ -4,6 +4,7 @@
 #include "rodwake/scene/document.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/stages/run.hpp"
+#include "rodwake/stages/run_folder.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
 
@@ -157,7 +158,25 @@ std::vector<FileEntry> files_of_run(const fs::path& folder) {
     return files;
 }
 
-std::string manifest_json(const fs::path& folder) {
+/// What a manifest listed of stages whose files are lost and not yet made again.
+ordered_json lost_entries(const fs::path& folder) {
+    std::ifstream records(folder / "provenance.json"), before(folder / "manifest.json");
+    const ordered_json provenance = ordered_json::parse(records, nullptr, false),
+                       manifest = ordered_json::parse(before, nullptr, false);
+    ordered_json lost = ordered_json::object();
+    if (!provenance.is_object() || !provenance.contains("stages") || !manifest.is_object() ||
+        !manifest.contains("files"))
+        return lost;
+    const ordered_json& stages = provenance["stages"];
+    for (const auto& [name, entry] : manifest["files"].items())
+        if (entry.is_object() && entry.contains("stage") && entry["stage"].is_string() &&
+            stages.value(entry["stage"].get<std::string>(), ordered_json()) == files_lost &&
+            !fs::exists(folder / name))
+            lost[name] = entry;
+    return lost;
+}
+
+ordered_json manifest_of_files(const fs::path& folder) {
     const ManifestUnits units = units_of(folder);
     ordered_json files = ordered_json::object();
     for (const FileEntry& file : files_of_run(folder)) {
@@ -172,11 +191,17 @@ std::string manifest_json(const fs::path& folder) {
             files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
     }
     files["manifest.json"] = {{"what", kind_of("manifest.json")->what}};
-    return ordered_json{{"schema", 1}, {"files", std::move(files)}}.dump(2) + "\n";
+    return {{"schema", 1}, {"files", std::move(files)}};
 }
 
+std::string manifest_json(const fs::path& folder) { return manifest_of_files(folder).dump(2) + "\n"; }
+
 void write_manifest(const fs::path& folder) {
-    store::write_atomically(folder / "manifest.json", manifest_json(folder));
+    ordered_json manifest = manifest_of_files(folder);
+    const ordered_json lost = lost_entries(folder);
+    for (const auto& [name, entry] : lost.items())
+        manifest["files"][name] = entry;
+    store::write_atomically(folder / "manifest.json", manifest.dump(2) + "\n");
 }
 
 } // namespace rodwake::stages

@@ -57,6 +57,15 @@ bool lacks_records(const fs::path& folder) {
     return !run_status(folder).empty() && !provenance_of(folder).contains("stages");
 }
 
+/// Below a run may lie shares of a scan, what a tradeoff tried and runs of the user's own.
+constexpr std::string_view own_folders[] = {"figures", "variants", "points", "runs"};
+
+bool is_own(const std::string& name) {
+    const auto slash = name.find('/');
+    return slash == std::string::npos ||
+           std::ranges::find(own_folders, std::string_view(name).substr(0, slash)) != std::end(own_folders);
+}
+
 bool is_drawn(const std::string& name) { return name.starts_with("figures/") || name.ends_with(".html"); }
 
 nlohmann::json manifest_of(const fs::path& folder) {
@@ -74,9 +83,11 @@ LostFiles lost_files(const fs::path& folder) {
         const bool passing =
             kind && (kind->lifetime == Lifetime::progress || kind->lifetime == Lifetime::record);
         std::error_code none;
-        if (passing || fs::exists(folder / name, none))
+        if (passing || !is_own(name) || fs::exists(folder / name, none))
             continue;
-        lost[is_drawn(name) || !entry.is_object() ? "" : entry.value("stage", "")].push_back(name);
+        const bool of_stage =
+            !is_drawn(name) && entry.is_object() && entry.contains("stage") && entry["stage"].is_string();
+        lost[of_stage ? entry["stage"].get<std::string>() : ""].push_back(name);
         if (name == "result.h5")
             for (const Stage stage : {Stage::field, Stage::rods}) // whose datasets it holds
                 lost[to_string(stage)].push_back(name);
@@ -162,7 +173,7 @@ std::vector<fs::path> files_of(const fs::path& folder) {
                 files.push_back(entry.path());
     };
     add(fs::directory_iterator(folder));
-    for (const char* sub : {"figures", "variants", "points", "runs"})
+    for (const std::string_view sub : own_folders)
         if (fs::is_directory(folder / sub))
             add(fs::recursive_directory_iterator(folder / sub));
     return files;
@@ -176,7 +187,7 @@ std::string stage_status(const fs::path& folder, Stage stage) {
     if (record == records.end())
         return "";
     const bool lost = record->second == "finished" && lost_files(folder).contains(record->first);
-    return lost ? "unfinished" : record->second;
+    return lost || record->second == files_lost ? "unfinished" : record->second;
 }
 
 std::string run_status(const fs::path& folder) {
@@ -214,11 +225,14 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         lost_ = lost_files(path_);
     std::erase_if(lost_, [&](const auto& one) {
         const auto record = old_.find(one.first);
-        return !one.first.empty() && (record == old_.end() || record->second != "finished");
+        return !one.first.empty() &&
+               (record == old_.end() || (record->second != "finished" && record->second != files_lost));
     });
     for (auto& [name, status] : old_)
-        if (lost_.contains(name))
-            status = "unfinished";
+        if (status == files_lost || lost_.contains(name)) {
+            lost_[name];
+            status = files_lost;
+        }
     if (lacks_records(path_) && !force)
         throw InputError(path_.string() +
                          ": holds a run of an earlier version of rodwake; choose another folder with -o, or "
@@ -286,6 +300,13 @@ void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> 
     const auto redone = [&](Stage other) { // a fit may have other data by now
         return contains(stages_, other) && (other == Stage::fit || !contains(restored_, other));
     };
+    const auto refuse_to_drop = [&](Stage stage) {
+        if (contains(restored_, Stage::fit) && !contains(asked, stage) && !anew_)
+            throw InputError(
+                fmt::format("{}: files of the fit are gone, and {} follows from it: rodwake run SCENE makes "
+                            "both again; --force makes the fit and removes {}",
+                            path_.string(), to_string(stage), to_string(stage)));
+    };
     const auto new_field = [&] {
         return (fitted && redone(Stage::fit)) ||
                (own_field && (redone(Stage::measure) || redone(Stage::granular)));
@@ -313,6 +334,7 @@ void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> 
     };
     for (const Stage stage : std::vector(kept_)) // in the order in which they are done
         if (outdated(stage)) {
+            refuse_to_drop(stage);
             (contains(asked, stage) ? stages_ : dropped_).push_back(stage);
             std::erase(kept_, stage);
             unaffected_.erase(to_string(stage));
@@ -327,7 +349,7 @@ StageRecords RunFolder::records(const std::string& status) const {
     for (const Stage stage : kept_)
         records[to_string(stage)] = old_.at(to_string(stage));
     for (const Stage stage : stages_)
-        records[to_string(stage)] = status;
+        records[to_string(stage)] = contains(restored_, stage) && status != "finished" ? files_lost : status;
     return records;
 }
 

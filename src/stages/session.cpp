@@ -26,7 +26,9 @@ std::string worst(const StageRecords& records) {
         for (const auto& [stage, of] : records)
             if (of == status)
                 return status;
-    return "finished";
+    return std::ranges::any_of(records, [](const auto& one) { return one.second == files_lost; })
+               ? "unfinished"
+               : "finished";
 }
 
 /// The seed of everything random; 0 where nothing is.
@@ -109,12 +111,14 @@ Session::Session(assembly::Plan given, const std::filesystem::path& folder, RunC
 }
 
 void Session::tell_lost() const {
-    const StageRecords records = directory.records("made");
+    const StageRecords records = directory.records("finished");
     for (const auto& [stage, files] : directory.lost()) {
+        if (files.empty()) // told by the command that found them gone
+            continue;
         const auto record = records.find(stage);
         const bool made =
             stage.empty() ? context.draws || files.back().ends_with(".json") || files.back().ends_with(".h5")
-                          : record != records.end() && record->second == "made";
+                          : record != records.end() && record->second == "finished";
         log->info("{}{}{} {} gone; {}", stage.empty() ? "" : stage + ": ", files.front(),
                   files.size() == 1 ? "" : fmt::format(" and {} more files", files.size() - 1),
                   files.size() == 1 ? "is" : "are", made ? "made again" : "left so by this command");

@@ -195,7 +195,7 @@ class TrajectoryTest(FitTest):
 
         for change, words in ((slow, "the rods move at 0.5 in reduced units"), (turned, "do not move along their headings")):
             self.changed(change)
-            found, _ = self.fit(self.TRACKS.replace("tracks.csv", "changed.csv"), "-s", "fit.max_evaluations=20", code=1, out=change.__name__)  # no model of them: where the search ends is open
+            found, _ = self.fit(self.TRACKS.replace("tracks.csv", "changed.csv"), out=change.__name__)
             self.assertRegex(found["remarks"][0], words)
 
     def test_rods_of_an_si_scene_are_fitted_by_the_same_scene(self):

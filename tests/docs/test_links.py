@@ -67,7 +67,7 @@ class PagesTest(unittest.TestCase):
         """CMakeLists.txt has it; the record to cite and the changelog repeat it."""
         version = re.search(r"^project\(rodwake VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
         self.assertEqual(re.search(r"^version: (\S+)$", (SOURCE / "CITATION.cff").read_text(), re.MULTILINE)[1], version)
-        self.assertEqual(re.search(r"^## (\S+)", (SOURCE / "CHANGELOG.md").read_text(), re.MULTILINE)[1], version)
+        self.assertEqual(re.search(r"^## (\d\S*)", (SOURCE / "CHANGELOG.md").read_text(), re.MULTILINE)[1], version)
 
 
 class CheckTest(unittest.TestCase):

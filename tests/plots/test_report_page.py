@@ -70,7 +70,7 @@ class PageTest(FitCase):
         self.assertEqual(page.count("<circle"), page.count(", theory "))
 
     def test_how_to_make_it_again(self):
-        run = SimpleNamespace(version="0.1.0", provenance={"command": "/usr/bin/rodwake scan 'my scene.toml' -j 2", "version": "0.2.0", "git": "abc",
+        run = SimpleNamespace(version="0.1.0", path=self.folder, output=self.folder, provenance={"command": "/usr/bin/rodwake scan 'my scene.toml' -j 2", "version": "0.2.0", "git": "abc",
                                                            "seed": 7, "wall_seconds": 12.7})
         made = text(contents.reproduce(run))
         self.assertIn("rodwake scan scene.toml -o again", made)

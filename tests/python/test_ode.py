@@ -160,11 +160,11 @@ class IntegrateTest(unittest.TestCase):
     def test_other_callbacks_of_the_wrong_kind(self):
         scene = rodwake.Scene.load(SCENES / "pair.toml")
         folder = new_folder(self)
-        with self.assertRaisesRegex(rodwake.InputError, "progress is 5"):
+        with self.assertRaisesRegex(TypeError, "progress: expected a function"):
             scene.run(folder / "run", progress=5)
         with self.assertRaisesRegex(rodwake.InputError, "executor is 'pool'"):
             rodwake.scan(scene, {"coupling.kappa": [1.0]}, executor="pool")
-        with self.assertRaisesRegex(rodwake.InputError, "observer is None"):
+        with self.assertRaisesRegex(TypeError, "observer: expected a function"):
             rodwake.run_bed(scene, None)
         self.assertFalse((folder / "run").exists())
 

@@ -23,8 +23,10 @@ namespace rodwake::stages {
 
 struct FileKind;
 
-/// "unfinished" | "finished" | "interrupted" | "failed" of each stage a run holds, by its name.
+/// "unfinished" | "finished" | "interrupted" | "failed" | files_lost of each stage a run holds, by its name.
 using StageRecords = std::map<std::string, std::string>;
+/// Of a stage that was finished, until its files are there again: what follows from it stays.
+inline constexpr const char* files_lost = "files lost";
 
 /// Files that the manifest lists and that are gone, by the stage that made them; of none: of the run as a
 /// whole and what is drawn.
@@ -111,7 +113,7 @@ private:
     void remove_outdated() const;
     bool is_outdated(const FileKind& kind, const std::string& name) const;
     /// Only files that were gone are made again, of the same content.
-    bool only_restores() const { return stages_.size() == restored_.size(); }
+    bool only_restores() const { return stages_.size() == restored_.size() && dropped_.empty(); }
 
     std::filesystem::path path_;
     FolderLock lock_;

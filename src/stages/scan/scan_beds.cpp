@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 
@@ -86,6 +87,14 @@ private:
     Logger log_;
 };
 
+/// None of a folder that somebody else made.
+std::optional<long> number_of(const std::string& text) {
+    long number = 0;
+    const char* end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, number);
+    return error == std::errc() && rest == end && number > 0 ? std::optional(number) : std::nullopt;
+}
+
 } // namespace
 
 fs::path bed_folder(const fs::path& scan, std::int64_t id) {
@@ -96,7 +105,8 @@ std::optional<std::int64_t> bed_of(const fs::path& file) {
     const std::vector<fs::path> parts(file.begin(), file.end());
     if (parts.size() != 5 || parts[0] != "points" || parts[2] != "runs")
         return std::nullopt;
-    return scan::id_of_run(std::stol(parts[1].string()) - 1, std::stol(parts[3].string()) - 1);
+    const auto place = number_of(parts[1].string()), run = number_of(parts[3].string());
+    return place && run ? std::optional(scan::id_of_run(*place - 1, *run - 1)) : std::nullopt;
 }
 
 scan::Evaluate evaluate_beds(const assembly::ScanPlan& plan, fs::path folder, RunContext context,
