@@ -52,6 +52,8 @@ void log_data(const assembly::FitPlan& plan, const Logger& log) {
                 "whole turns",
                 t.file.string());
     }
+    for (const std::string& remark : plan.problem.remarks) // here too: the fit may fail of it
+        log->warn("fit: {}", remark);
 }
 
 std::string with_unit(const std::string& unit) { return unit.empty() || unit == "1" ? "" : " " + unit; }

@@ -195,8 +195,8 @@ class TrajectoryTest(FitTest):
 
         for change, words in ((slow, "the rods move at 0.5 in reduced units"), (turned, "do not move along their headings")):
             self.changed(change)
-            found, _ = self.fit(self.TRACKS.replace("tracks.csv", "changed.csv"), out=change.__name__)
-            self.assertRegex(found["remarks"][0], words)
+            self.write("fit.toml", self.TRACKS.replace("tracks.csv", "changed.csv"))
+            self.assertRegex(self.run_program("fit", "fit.toml", "-o", change.__name__, "-s", "fit.max_evaluations=20").stderr, words)  # it may fail
 
     def test_rods_of_an_si_scene_are_fitted_by_the_same_scene(self):
         scales = 'units = "si"\n[scales]\nf_over_mu = "2 mm"\nv0 = "3 mm/s"\n'

@@ -162,7 +162,7 @@ class IntegrateTest(unittest.TestCase):
         folder = new_folder(self)
         with self.assertRaisesRegex(TypeError, "progress: expected a function"):
             scene.run(folder / "run", progress=5)
-        with self.assertRaisesRegex(rodwake.InputError, "executor is 'pool'"):
+        with self.assertRaisesRegex(TypeError, "executor: expected"):
             rodwake.scan(scene, {"coupling.kappa": [1.0]}, executor="pool")
         with self.assertRaisesRegex(TypeError, "observer: expected a function"):
             rodwake.run_bed(scene, None)
