@@ -147,9 +147,17 @@ const std::vector<std::string> bases{
         "position = [0.001, 0.002]\n")};
 
 /// What numbers mean is settled when the scene is read; a single modulus says nothing.
-const std::vector<std::string> never{"units",     "scales.bead_radius", "scales.f_over_mu",
-                                     "scales.v0", "medium.lame_lambda", "medium.bulk_modulus",
-                                     "medium.mu"};
+const std::vector<std::string> never{"units",
+                                     "scales.bead_radius",
+                                     "scales.f_over_mu",
+                                     "scales.v0",
+                                     "medium.lame_lambda",
+                                     "medium.bulk_modulus",
+                                     "medium.mu",
+                                     "fit.maps[].place_unit",
+                                     "fit.maps[].value_unit",
+                                     "fit.profiles[].place_unit",
+                                     "fit.profiles[].value_unit"};
 
 } // namespace
 
