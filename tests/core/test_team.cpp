@@ -172,7 +172,7 @@ TEST_CASE("a team's loops hand on the exception of the lowest index", "[threads]
     CHECK(once_each(round_of(team, 5))); // and goes on
 }
 
-TEST_CASE("threads by the work there is") {
+TEST_CASE("threads by the work there is", "[threads]") {
     CHECK(rodwake::threads_for(0, 10, 8) == 1);
     CHECK(rodwake::threads_for(19, 10, 8) == 1);
     CHECK(rodwake::threads_for(20, 10, 8) == 2);

@@ -113,7 +113,7 @@ TEST_CASE("threads do not change a bit of a short run", "[threads]") { // small 
     CHECK(hash_with(problem, start, 3, 60) == one);
 }
 
-TEST_CASE("small beds get one thread, large ones as many as have work") {
+TEST_CASE("small beds get one thread, large ones as many as have work", "[threads]") {
     const auto threads = [](std::size_t beads, std::size_t most) {
         GranularProblem problem;
         problem.beads = beads;

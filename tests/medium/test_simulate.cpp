@@ -119,7 +119,7 @@ TEST_CASE("a run that is taken up again goes on to the bit, on any number of thr
     CHECK(rest.outcome.min_separation == whole.outcome.min_separation);
 }
 
-TEST_CASE("few modes get one thread, many as many as have work") {
+TEST_CASE("few modes get one thread, many as many as have work", "[threads]") {
     const auto threads = [](std::size_t modes, std::size_t rods, Evaluation evaluation, std::size_t most) {
         DynamicMedium medium;
         medium.modes = modes;
