@@ -234,11 +234,11 @@ class TreeTest(unittest.TestCase):
             self.assertNotRegex(text, MACHINE_PATH)
 
     def test_long_files_and_tabs(self):
-        """Over 420 lines a file is due for a split; generated tables and data are not read by people."""
+        """Over 470 lines a file is due for a split; generated tables and data are not read by people."""
         for path in tracked():
             if path.suffix in (".hpp", ".cpp", ".py"):
                 text = text_of(path)
-                self.assertLessEqual(text.count("\n"), 420, path)
+                self.assertLessEqual(text.count("\n"), 470, path)
                 self.assertNotIn("\t", text, path)
 
 
