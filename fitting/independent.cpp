@@ -1,6 +1,6 @@
 // How many independent values there are in data of which neighbours share noise.
 
-#include "rodwake/fitting/independent.hpp"
+#include "rodwake/fitting/wake.hpp"
 
 #include <algorithm>
 #include <cmath>

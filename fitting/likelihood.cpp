@@ -26,9 +26,9 @@ struct Place {
     std::vector<double> values; ///< of all parameters: start of the neighbour's search
 };
 
-class Profile {
+class LikelihoodProfile {
 public:
-    Profile(const Problem& problem, const Method& method, const Fit& best, std::size_t parameter)
+    LikelihoodProfile(const Problem& problem, const Method& method, const Fit& best, std::size_t parameter)
         : problem_(problem), method_(method), best_(best), parameter_(parameter), space_(problem) {
         while (space_.free()[k_] != parameter)
             ++k_;
@@ -116,7 +116,7 @@ private:
 };
 
 /// Between neighbours below and above the threshold: Illinois' false position, to a millionth of the rise.
-double crossing(const Profile& profile, Place inside, Place outside) {
+double crossing(const LikelihoodProfile& profile, Place inside, Place outside) {
     const double wanted = std::sqrt(threshold);
     double low = inside.z - wanted, high = outside.z - wanted, a = inside.u, b = outside.u;
     Place nearest = inside;
@@ -141,7 +141,7 @@ double crossing(const Profile& profile, Place inside, Place outside) {
 }
 
 /// Outward until the objective has risen enough, a bound or the limit is reached. The first is the centre.
-std::vector<Place> walk(const Profile& profile, int side, std::size_t steps) {
+std::vector<Place> walk(const LikelihoodProfile& profile, int side, std::size_t steps) {
     std::vector<Place> places{profile.centre()};
     const double end = profile.end(side), wanted = std::sqrt(far_enough) / static_cast<double>(steps);
     double step = wanted * profile.error();
@@ -164,7 +164,7 @@ std::vector<Place> walk(const Profile& profile, int side, std::size_t steps) {
     return places;
 }
 
-std::optional<double> bound_of(const Profile& profile, const std::vector<Place>& places) {
+std::optional<double> bound_of(const LikelihoodProfile& profile, const std::vector<Place>& places) {
     const double wanted = std::sqrt(threshold);
     for (std::size_t i = 1; i < places.size(); ++i)
         if (places[i].z >= wanted && !profile.stopped()) {
@@ -193,7 +193,7 @@ std::optional<double> one_sided_limit(const Problem& problem, const Fit& best, s
     Method method;
     method.loss = best.loss;
     method.loss_width = best.loss_width;
-    const Profile profile(problem, method, best, parameter);
+    const LikelihoodProfile profile(problem, method, best, parameter);
     const int side = on_lower_bound(problem.parameters[parameter], best.values[parameter]) ? +1 : -1;
     return bound_of(profile, walk(profile, side, 6));
 }
@@ -201,7 +201,7 @@ std::optional<double> one_sided_limit(const Problem& problem, const Fit& best, s
 ProfileLikelihood profile_likelihood(const Problem& problem, const Method& method, const Fit& best,
                                      std::size_t parameter, std::size_t points) {
     check(problem, parameter);
-    const Profile profile(problem, method, best, parameter);
+    const LikelihoodProfile profile(problem, method, best, parameter);
     const std::size_t steps = std::max<std::size_t>(points / 2, 2);
     const std::vector<Place> down = walk(profile, -1, steps), up = walk(profile, +1, steps);
     ProfileLikelihood result;

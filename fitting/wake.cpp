@@ -4,7 +4,6 @@
 #include "rodwake/core/box_sides.hpp"
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/fitting/independent.hpp"
 #include "wake_terms.hpp"
 
 #include <fmt/format.h>

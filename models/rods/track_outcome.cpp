@@ -1,4 +1,3 @@
-#include "rodwake/rods/track_outcome.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/conclude.hpp"

@@ -52,7 +52,7 @@ def columns(lines, wanted, kind):
 def parts(path):
     """Names of the columns, and the other lines."""
     if not path.is_file():
-        raise MissingError(f"{path}: no such file")
+        raise MissingError(path, "no such file")
     with path.open(encoding="utf-8", errors="replace") as file:
         lines = [line for line in file if line.strip() and not line.startswith("#")]
     return [name.strip() for name in (lines[0] if lines else "").split(",")], lines[1:]

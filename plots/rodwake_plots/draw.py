@@ -76,7 +76,8 @@ def write_all(run, figures, pdf, look=Look(SETTINGS)):
             write_one(run, figure, (".png", ".pdf") if pdf else (".png",), look)
             drawn.append(figure)
         except PlotError as error:
-            (missing if isinstance(error, MissingError) else failures).append(f'figure "{figure.name}": {error}')
+            left_out = isinstance(error, MissingError) and not run.has_lost(error.file)
+            (missing if left_out else failures).append(f'figure "{figure.name}": {error}')
     if not drawn:
         return drawn, missing + failures
     for one in missing:

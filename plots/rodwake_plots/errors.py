@@ -6,7 +6,11 @@ class PlotError(Exception):
 
 
 class MissingError(PlotError):
-    """What a figure shows was not computed in this folder: the other figures can be drawn."""
+    """What a figure shows is not in a file of this folder. If it never was, the other figures can be drawn."""
+
+    def __init__(self, file, why):
+        super().__init__(f"{file}: {why}")
+        self.file = file
 
 
 class UsageError(PlotError):

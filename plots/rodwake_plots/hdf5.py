@@ -8,7 +8,7 @@ from .errors import MissingError, PlotError
 
 def open_file(path):
     if not path.is_file():
-        raise MissingError(f"{path}: no such file")
+        raise MissingError(path, "no such file")
     try:
         return h5py.File(path, "r")
     except OSError as error:

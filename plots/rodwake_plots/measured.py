@@ -53,7 +53,7 @@ class Part:
     def results(self):
         path = self.folder / RESULTS
         if not path.is_file():
-            raise MissingError(f"{path}: no such file: rodwake measure writes it")
+            raise MissingError(path, "no such file: rodwake measure writes it")
         try:
             found = json.loads(path.read_text(encoding="utf-8"))
         except ValueError as error:
@@ -118,7 +118,7 @@ def holders(run, name, group=None):
     found = [part for part in parts(run) if (part.has_group(group) if group else part.has(name))]
     if not found:
         lacking = f"/{group} is missing" if group and (run.path / name).is_file() else "no such file"
-        raise MissingError(f"{run.path / name}: {lacking}: this run has not measured it; ask for it in [measure] and run "
+        raise MissingError(run.path / name, f"{lacking}: this run has not measured it; ask for it in [measure] and run "
                            "rodwake measure on the stored frames, or the scene again")
     return found
 

@@ -38,7 +38,7 @@ def cases(run):
             label = one.label if one.attrs.get("label") else rf"$D_r = {words.math_number(means['rotational_diffusion'])}$"
             found.append(Case(label, means, csv_columns.read_with_gaps(folder / RUNS)))
     if not found:
-        raise MissingError(f"{run.path / MEANS}: no such file: [noise] in the scene and a finished run of its rods write it")
+        raise MissingError(run.path / MEANS, "no such file: [noise] in the scene and a finished run of its rods write it")
     return found
 
 

@@ -83,13 +83,14 @@ class Result:
             return default[0]
         raise PlotError(f"{self.path}: attribute {name} of {place} is missing")
 
-    def error(self, place):
+    def error(self, place, why):
         """For what is missing: of a group that is there it is lost, else it was not computed."""
-        return PlotError if place.rsplit("/", 1)[0] in self.file else MissingError
+        lost = place.rsplit("/", 1)[0] in self.file
+        return PlotError(f"{self.path}: {why}") if lost else MissingError(self.path, why)
 
     def data(self, place):
         if not self.has(place):
-            raise self.error(place)(f"{self.path}: dataset {place} is missing")
+            raise self.error(place, f"dataset {place} is missing")
         return np.asarray(self.file[place][()], dtype=float)
 
     def grid(self, name):
@@ -107,7 +108,7 @@ class Result:
     def cut(self, index):
         place = f"/field/cuts/{index}"
         if not self.has(place):
-            raise self.error(place)(f"{self.path}: {place} is missing (the file holds {self.cut_count()} cuts)")
+            raise self.error(place, f"{place} is missing (the file holds {self.cut_count()} cuts)")
         along, at = self.attribute(place, "along"), self.attribute(place, "at")
         return Cut(along, at, *(self.data(f"{place}/{name}") for name in ("s", "Ux", "Uy")))
 

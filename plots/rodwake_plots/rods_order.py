@@ -34,7 +34,7 @@ def draw(run, spec):
 def tables(run):
     means = run.rods_order
     if means is None:
-        raise MissingError(f"{run.path / MEANS}: no such file: [rods_order] in the scene and a finished run write it; of a bed rodwake measure does")
+        raise MissingError(run.path / MEANS, "no such file: [rods_order] in the scene and a finished run write it; of a bed rodwake measure does")
     return csv_columns.read(run.path / SERIES), csv_columns.read(run.path / CLUSTERS), means
 
 

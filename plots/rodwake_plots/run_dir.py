@@ -57,7 +57,7 @@ class RunDir:
     @property
     def result(self):
         if self._result is None:
-            raise MissingError(f"{self.path / 'result.h5'}: no such file: this run holds no field and no rods of the theory")
+            raise MissingError(self.path / "result.h5", "no such file: this run holds no field and no rods of the theory")
         return self._result
 
     @property
@@ -66,7 +66,7 @@ class RunDir:
             status = (self.provenance or {}).get("status", "unknown")
             stopped = status in ("unfinished", "interrupted", "failed")
             why = f"this run is {status}; the same rodwake command goes on with it" if stopped else "this run holds no beads"
-            raise MissingError(f"{self.path / SUMMARY}: no such file: {why}")
+            raise MissingError(self.path / SUMMARY, f"no such file: {why}")
         return self._granular
 
     @property
@@ -76,7 +76,7 @@ class RunDir:
     @property
     def fit(self):
         if self._fit is None:
-            raise MissingError(f"{self.path / FIT}: no such file: this run has fitted nothing; [fit] in the scene and rodwake fit write it")
+            raise MissingError(self.path / FIT, "no such file: this run has fitted nothing; [fit] in the scene and rodwake fit write it")
         return self._fit
 
     @property
@@ -86,7 +86,7 @@ class RunDir:
     @property
     def scan(self):
         if self._scan is None:
-            raise MissingError(f"{self.path / SCAN}: no such file: this run has scanned nothing; [scan] in the scene and rodwake scan write it")
+            raise MissingError(self.path / SCAN, "no such file: this run has scanned nothing; [scan] in the scene and rodwake scan write it")
         return self._scan
 
     @property
@@ -106,6 +106,11 @@ class RunDir:
     @property
     def version(self):
         return self.result.version if self.has_result else str((self.provenance or {}).get("version", "unknown"))
+
+    def has_lost(self, file):
+        """The run wrote the file, and it is gone."""
+        name, manifest = file.relative_to(self.path).as_posix(), self._json("manifest.json") or {}
+        return name in manifest.get("files", {}) and not file.exists()
 
     @property
     def figures_dir(self):

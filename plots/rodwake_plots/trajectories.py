@@ -62,7 +62,7 @@ def overlaid(axes, runs, units, window, look):
 def runs_of(result):
     runs = result.runs()
     if not runs:
-        raise MissingError(f"{result.path}: group /rods is missing: no trajectories to draw")
+        raise MissingError(result.path, "group /rods is missing: no trajectories to draw")
     return runs
 
 

@@ -5,7 +5,7 @@
 #include "bind.hpp"
 #include "medium.hpp"
 #include "rod_problem.hpp"
-#include "rodwake/rods/track_outcome.hpp"
+#include "rodwake/rods/conclude.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>

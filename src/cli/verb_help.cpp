@@ -3,7 +3,7 @@
 #include "definition.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
-#include "rodwake/stages/glossary.hpp"
+#include "rodwake/stages/run.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>

@@ -33,6 +33,15 @@ struct FileKind {
 
 std::span<const FileKind> file_kinds();
 
+/// Where files of a run are besides its folder. Below it may also lie shares of a scan, what a tradeoff tried
+/// and runs of the user's own.
+inline constexpr std::string_view own_folders[] = {"figures", "variants", "points", "runs"};
+
+/// Figures and pages, by their name from the run folder on: they follow from the results.
+inline bool is_drawn(std::string_view name) {
+    return name.starts_with("figures/") || name.ends_with(".html");
+}
+
 /// The kind of a file by its name without folders; nullptr for one that is not ours.
 const FileKind* kind_of(std::string_view name);
 

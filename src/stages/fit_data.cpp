@@ -4,7 +4,7 @@
 #include "fit_map_data.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/fitting/independent.hpp"
+#include "rodwake/fitting/wake.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/store/csv.hpp"
 

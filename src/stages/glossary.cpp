@@ -1,4 +1,4 @@
-#include "rodwake/stages/glossary.hpp"
+#include "rodwake/stages/run.hpp"
 
 #include "catalogue.hpp"
 #include "rodwake/assembly/measure_kind.hpp"

@@ -111,6 +111,11 @@ fs::path run_of(const fs::path& file) {
     return own;
 }
 
+ordered_json json_of(const fs::path& file) {
+    std::ifstream in(file);
+    return ordered_json::parse(in, nullptr, false);
+}
+
 /// The numbers of a JSON file that the catalogue knows; a list, or a value with its error, is one.
 void add_values(const ordered_json& node, const std::string& name, const FileKind& kind,
                 const ManifestUnits& units, ordered_json& values) {
@@ -126,10 +131,55 @@ void add_values(const ordered_json& node, const std::string& name, const FileKin
 }
 
 ordered_json described_values(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
-    std::ifstream in(file);
     ordered_json values = ordered_json::array();
-    add_values(ordered_json::parse(in, nullptr, false), "", kind, units, values);
+    add_values(json_of(file), "", kind, units, values);
     return values;
+}
+
+bool is_own(std::string_view name) {
+    const auto slash = name.find('/');
+    return slash == std::string_view::npos || std::ranges::count(own_folders, name.substr(0, slash)) > 0;
+}
+
+/// Rewritten by the run itself, or there only while it goes on.
+bool comes_and_goes(const FileKind& kind) {
+    return kind.lifetime == Lifetime::progress || kind.lifetime == Lifetime::record;
+}
+
+std::string stage_in(const ordered_json& entry) {
+    const bool has = entry.is_object() && entry.contains("stage") && entry["stage"].is_string();
+    return has ? entry["stage"].get<std::string>() : "";
+}
+
+/// Entries of files that are gone stay, until the stage that makes them is done again.
+void keep_lost(const fs::path& folder, ordered_json& files) {
+    const ordered_json provenance = json_of(folder / "provenance.json"),
+                       before = json_of(folder / "manifest.json");
+    if (!provenance.is_object() || !provenance.contains("stages"))
+        return;
+    const ordered_json& records = provenance["stages"];
+    for (const auto& [stage, names] : lost_files(folder))
+        if (records.contains(stage) && records[stage] == files_lost)
+            for (const std::string& name : names)
+                files[name] = before["files"][name];
+}
+
+ordered_json manifest_of_files(const fs::path& folder) {
+    const ManifestUnits units = units_of(folder);
+    ordered_json files = ordered_json::object();
+    for (const FileEntry& file : files_of_run(folder)) {
+        const FileKind* kind = kind_of(fs::path(file.name).filename().string());
+        files[file.name] = {{"what", file.what}};
+        if (const auto stage = kind ? stage_of(*kind, file.name) : std::nullopt)
+            files[file.name]["stage"] = assembly::to_string(*stage);
+        const bool of_point = file.name.starts_with("points/"); // of a scan there may be very many
+        if (kind && !kind->columns.empty() && file.name.ends_with(".json") && !of_point)
+            files[file.name]["values"] = described_values(folder / file.name, *kind, units);
+        else if (kind && !kind->columns.empty() && file.name.ends_with(".csv"))
+            files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
+    }
+    files["manifest.json"] = {{"what", kind_of("manifest.json")->what}};
+    return {{"schema", 1}, {"files", std::move(files)}};
 }
 
 } // namespace
@@ -158,49 +208,30 @@ std::vector<FileEntry> files_of_run(const fs::path& folder) {
     return files;
 }
 
-/// What a manifest listed of stages whose files are lost and not yet made again.
-ordered_json lost_entries(const fs::path& folder) {
-    std::ifstream records(folder / "provenance.json"), before(folder / "manifest.json");
-    const ordered_json provenance = ordered_json::parse(records, nullptr, false),
-                       manifest = ordered_json::parse(before, nullptr, false);
-    ordered_json lost = ordered_json::object();
-    if (!provenance.is_object() || !provenance.contains("stages") || !manifest.is_object() ||
-        !manifest.contains("files"))
-        return lost;
-    const ordered_json& stages = provenance["stages"];
-    for (const auto& [name, entry] : manifest["files"].items())
-        if (entry.is_object() && entry.contains("stage") && entry["stage"].is_string() &&
-            stages.value(entry["stage"].get<std::string>(), ordered_json()) == files_lost &&
-            !fs::exists(folder / name))
-            lost[name] = entry;
-    return lost;
-}
-
-ordered_json manifest_of_files(const fs::path& folder) {
-    const ManifestUnits units = units_of(folder);
-    ordered_json files = ordered_json::object();
-    for (const FileEntry& file : files_of_run(folder)) {
-        const FileKind* kind = kind_of(fs::path(file.name).filename().string());
-        files[file.name] = {{"what", file.what}};
-        if (const auto stage = kind ? stage_of(*kind, file.name) : std::nullopt)
-            files[file.name]["stage"] = assembly::to_string(*stage);
-        const bool of_point = file.name.starts_with("points/"); // of a scan there may be very many
-        if (kind && !kind->columns.empty() && file.name.ends_with(".json") && !of_point)
-            files[file.name]["values"] = described_values(folder / file.name, *kind, units);
-        else if (kind && !kind->columns.empty() && file.name.ends_with(".csv"))
-            files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
+LostFiles lost_files(const fs::path& folder) {
+    const ordered_json manifest = json_of(folder / "manifest.json");
+    if (!manifest.is_object() || !manifest.contains("files"))
+        return {{"", {"manifest.json"}}};
+    LostFiles lost;
+    for (const auto& [name, entry] : manifest["files"].items()) {
+        const FileKind* kind = kind_of(fs::path(name).filename().string());
+        std::error_code none;
+        if ((kind && comes_and_goes(*kind)) || !is_own(name) || fs::exists(folder / name, none))
+            continue;
+        lost[is_drawn(name) ? "" : stage_in(entry)].push_back(name);
+        if (name == "result.h5")
+            for (const assembly::Stage stage :
+                 {assembly::Stage::field, assembly::Stage::rods}) // its datasets
+                lost[assembly::to_string(stage)].push_back(name);
     }
-    files["manifest.json"] = {{"what", kind_of("manifest.json")->what}};
-    return {{"schema", 1}, {"files", std::move(files)}};
+    return lost;
 }
 
 std::string manifest_json(const fs::path& folder) { return manifest_of_files(folder).dump(2) + "\n"; }
 
 void write_manifest(const fs::path& folder) {
     ordered_json manifest = manifest_of_files(folder);
-    const ordered_json lost = lost_entries(folder);
-    for (const auto& [name, entry] : lost.items())
-        manifest["files"][name] = entry;
+    keep_lost(folder, manifest["files"]);
     store::write_atomically(folder / "manifest.json", manifest.dump(2) + "\n");
 }
 

@@ -57,42 +57,9 @@ bool lacks_records(const fs::path& folder) {
     return !run_status(folder).empty() && !provenance_of(folder).contains("stages");
 }
 
-/// Below a run may lie shares of a scan, what a tradeoff tried and runs of the user's own.
-constexpr std::string_view own_folders[] = {"figures", "variants", "points", "runs"};
-
-bool is_own(const std::string& name) {
-    const auto slash = name.find('/');
-    return slash == std::string::npos ||
-           std::ranges::find(own_folders, std::string_view(name).substr(0, slash)) != std::end(own_folders);
-}
-
-bool is_drawn(const std::string& name) { return name.starts_with("figures/") || name.ends_with(".html"); }
-
 nlohmann::json manifest_of(const fs::path& folder) {
     std::ifstream file(folder / "manifest.json");
     return nlohmann::json::parse(file, nullptr, false);
-}
-
-LostFiles lost_files(const fs::path& folder) {
-    const nlohmann::json manifest = manifest_of(folder);
-    if (!manifest.is_object() || !manifest.contains("files"))
-        return {{"", {"manifest.json"}}};
-    LostFiles lost;
-    for (const auto& [name, entry] : manifest["files"].items()) {
-        const FileKind* kind = kind_of(fs::path(name).filename().string());
-        const bool passing =
-            kind && (kind->lifetime == Lifetime::progress || kind->lifetime == Lifetime::record);
-        std::error_code none;
-        if (passing || !is_own(name) || fs::exists(folder / name, none))
-            continue;
-        const bool of_stage =
-            !is_drawn(name) && entry.is_object() && entry.contains("stage") && entry["stage"].is_string();
-        lost[of_stage ? entry["stage"].get<std::string>() : ""].push_back(name);
-        if (name == "result.h5")
-            for (const Stage stage : {Stage::field, Stage::rods}) // whose datasets it holds
-                lost[to_string(stage)].push_back(name);
-    }
-    return lost;
 }
 
 StageRecords records_of(const fs::path& folder) {

@@ -335,6 +335,23 @@ std::vector<std::string> csv_names(const std::filesystem::path& path) {
     return names;
 }
 
+void for_each_csv_row(const std::filesystem::path& path,
+                      const std::function<void(std::string_view, std::span<const std::string>)>& use) {
+    Header header;
+    std::vector<std::string> fields;
+    for_each_line(path, {}, [&](std::string_view line, Place& at) {
+        if (header.columns.empty())
+            header = read_names(line, at);
+        fields.clear();
+        for_each_field(line, header.separator, at, [&](std::size_t index, std::string_view field) {
+            if (index < header.columns.size() && !header.columns[index].name.empty())
+                fields.emplace_back(field);
+        });
+        use(line, fields);
+        return true;
+    });
+}
+
 Table read_csv(const std::filesystem::path& path, std::span<const std::string> required,
                std::span<const std::string> optional) {
     Table table;

@@ -1,6 +1,6 @@
 #include "rodwake/store/h5md.hpp"
 
-#include "h5md_places.hpp"
+#include "h5md_format.hpp"
 #include "hdf5_file.hpp"
 
 #include <limits>

@@ -1,7 +1,6 @@
 #include "rodwake/store/h5md_reader.hpp"
 
-#include "h5md_places.hpp"
-#include "h5md_units.hpp"
+#include "h5md_format.hpp"
 
 #include <fmt/format.h>
 

@@ -180,6 +180,8 @@ class InfoTest(ProgramTest):
         self.assertIn("\n0,escape,\n1,contact,0.125\n2,contact,\n... 4090 rows ...\n4093,", told)
         self.write("data.csv", "# a comment\nx,y\n1,2\n3,four\n")
         self.assertRegex(self.expect(0, "info", "data.csv").stdout, r"^2 rows, 2 columns\n  x +1 to 3 *\n  y +2, four 1 *\n\nx,y\n1,2\n3,four\n$")
+        self.write("data.csv", ";x;y\n% theirs\n0;1,5;2\n1;3;4;\n")  # an index without a name, a comma in a field, a separator at the end
+        self.assertRegex(self.expect(0, "info", "data.csv").stdout, r"^2 rows, 2 columns\n  x +3, 1,5 1 *\n  y +2 to 4 *\n\n;x;y\n0;1,5;2\n")
         self.write("long.json", json.dumps({"list": list(range(1000)), "table": {f"k{k}": k for k in range(1000)}}))
         told = self.expect(0, "info", "long.json").stdout
         self.assertEqual(json.loads(told)["list"], [0, 1, 2, "... 1000 in all ...", 999])

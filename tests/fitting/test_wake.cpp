@@ -4,7 +4,7 @@
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/field.hpp"
-#include "rodwake/fitting/independent.hpp"
+#include "rodwake/fitting/wake.hpp"
 #include "synthetic_profiles.hpp"
 
 #include <set>

@@ -4,14 +4,17 @@
 #include "rodwake/core/rng.hpp"
 #include "rodwake/fitting/report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 namespace toy {
 
+using rodwake::fitting::Method;
 using rodwake::fitting::Parameter;
 using rodwake::fitting::Problem;
+using rodwake::fitting::Report;
 using rodwake::fitting::Transform;
 
 inline Parameter parameter(const std::string& name, double start) {
@@ -110,6 +113,31 @@ inline Problem waves(double start) {
             *jacobian << 0.25, 0.0, 3.0 * std::sin(3.0 * d), 0.0, 0.0, 1.0;
     };
     return problem;
+}
+
+/// Points of a line with scatter, at x = 0, 1, ...
+inline const std::vector<double> ys{1.2, 2.9, 5.1, 6.8, 9.3, 10.7};
+
+/// Residuals of the problem times a factor, as if sigma were smaller by it.
+inline Problem times(Problem problem, double factor) {
+    problem.evaluate = [factor, inner = problem.evaluate](std::span<const double> p,
+                                                          Eigen::Ref<Eigen::VectorXd> r,
+                                                          Eigen::MatrixXd* jacobian) {
+        inner(p, r, jacobian);
+        r *= factor;
+        if (jacobian)
+            *jacobian *= factor;
+    };
+    return problem;
+}
+
+inline bool says(const Report& report, const std::string& words) {
+    return std::ranges::any_of(report.diagnostics,
+                               [&](const std::string& r) { return r.find(words) != std::string::npos; });
+}
+
+inline Report reported(const Problem& problem, const Method& method = {}) {
+    return report(problem, fit(problem, method));
 }
 
 } // namespace toy

@@ -226,19 +226,22 @@ class TreeTest(unittest.TestCase):
         self.assertEqual(found, [])
 
     def test_machine_paths_are_seen(self):
-        for text in ("/work/main", "see /root/x", "/tmp/build_jobs", "/home/someone/x", '"/Users/me/rodwake"', "=/scratch/me", "(/workspace/x)",
-                     "/var/tmp/y", "/mnt/disk", "file:///home/me", r"C:\Users\me", "/builds/group/project"):
+        def whole(*texts):  # in pieces here, so that these are not found themselves
+            return [text.replace("%", "") for text in texts]
+
+        for text in whole("/%work/x", "see /%root/x", "/%tmp/x", "/%home/x", '"/%Users/x"', "=/%scratch/x", "(/%workspace/x)", "/%var/tmp/x",
+                          "/%mnt/x", "file:///%home/x", r"C:\%Users\x", "/%builds/x"):
             self.assertRegex(text, MACHINE_PATH)
-        for text in ("/tools/x", "framework/main", "https://example.org/work/x", "~/work/x", "${sourceDir}/build/x", "results/work/x", "a/home/b",
-                     "/usr/bin/python3", "/dev/full", "/particles/trajectory", "time/work", "/*/work/*"):
+        for text in whole("/tools/x", "framework/main", "https://example.org/%work/x", "~/%work/x", "${sourceDir}/build/x", "results/%work/x",
+                          "a/%home/b", "/usr/bin/python3", "/dev/full", "/particles/trajectory", "time/%work", "/*/%work/*"):
             self.assertNotRegex(text, MACHINE_PATH)
 
     def test_long_files_and_tabs(self):
-        """Over 470 lines a file is due for a split; generated tables and data are not read by people."""
+        """Over 400 lines a file is due for a split; generated tables and data are not read by people."""
         for path in tracked():
             if path.suffix in (".hpp", ".cpp", ".py"):
                 text = text_of(path)
-                self.assertLessEqual(text.count("\n"), 470, path)
+                self.assertLessEqual(text.count("\n"), 400, path)
                 self.assertNotIn("\t", text, path)
 
 

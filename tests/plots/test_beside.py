@@ -1,15 +1,17 @@
-"""Tests of the figure with the bed beside the theory, on made-up results: /usr/bin/python3 tests/plots/test_beside.py"""
+"""Tests of figures with the bed beside the theory, on made-up results: /usr/bin/python3 tests/plots/test_beside.py"""
 
 import shutil
 import unittest
 
 import h5py
+import numpy as np
 
+from made_up_fit import write_fit
 from made_up_granular import SCENE
 from made_up_measured import write_measured
 from made_up_result import write_result
 from plot_case import PlotCase
-from rodwake_plots import draw, run_dir, theory_beside_bed
+from rodwake_plots import draw, profile, run_dir, theory_beside_bed
 
 FIGURE = '[[figures]]\nname = "fig"\nkind = "theory_beside_bed"\n'
 
@@ -59,6 +61,31 @@ class BesideTest(PlotCase):
         self.assertIn("Below: |<i>x</i>|", caption)
         self.edit(lambda file: file.pop("field/cuts"))
         self.assert_fails("no line along x both measured", "[[field.cuts]]")
+
+
+class FittedProfileTest(PlotCase):
+    def build(self):
+        shutil.rmtree(self.folder)
+        self.folder.mkdir()
+        write_measured(self.folder)
+        (self.folder / "scene.toml").write_text(SCENE + FIGURE.replace("theory_beside_bed", "profile"))
+
+    def draw(self):
+        with run_dir.RunDir(self.folder) as run:
+            spec = draw.figures_of(run)[0]
+            return profile.draw(run, spec), draw.caption(run, spec)
+
+    def test_theory_beside_the_profile_it_was_fitted_to(self):
+        _, caption = self.draw()
+        self.assertNotIn("theory", caption)
+        write_fit(self.folder)
+        made, caption = self.draw()
+        curve = max(made.axes[0].lines, key=lambda line: len(line.get_xdata()) if line.get_color() == profile.THEORY else 0)
+        given = np.genfromtxt(self.folder / "fit_curve_0.csv", delimiter=",", names=True)
+        x, y = curve.get_data()
+        np.testing.assert_allclose(np.interp(20.0, x, y), np.interp(20.0, given["x"], given["model"]), rtol=1e-9)  # digits of the file
+        self.assertEqual(made.axes[0].get_legend().get_texts()[-1].get_text(), "theory, fitted")
+        self.assertIn("theory fitted to it", caption)
 
 
 if __name__ == "__main__":

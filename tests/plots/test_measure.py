@@ -8,7 +8,6 @@ import unittest
 import h5py
 import numpy as np
 
-from made_up_fit import write_fit
 from made_up_granular import A, SCENE
 from made_up_measured import results, variants, write_measured, write_series
 from plot_case import PlotCase
@@ -123,18 +122,6 @@ class OneRunTest(MeasureCase):
         self.ask("[measure]\nprofile_offset = 0.002\n", figure("profile", component="Uy"))
         with run_dir.RunDir(self.folder) as run:
             self.assertAlmostEqual(profile.line_of(run, draw.figures_of(run)[0]), 5, delta=20 * EPS)
-
-    def test_theory_beside_the_profile_it_was_fitted_to(self):
-        _, caption = self.draw("profile")
-        self.assertNotIn("theory", caption)
-        write_fit(self.folder)
-        made, caption = self.draw("profile")
-        curve = max(made.axes[0].lines, key=lambda line: len(line.get_xdata()) if line.get_color() == profile.THEORY else 0)
-        given = np.genfromtxt(self.folder / "fit_curve_0.csv", delimiter=",", names=True)
-        x, y = curve.get_data()
-        np.testing.assert_allclose(np.interp(20.0, x, y), np.interp(20.0, given["x"], given["model"]), rtol=1e-9)  # digits of the file
-        self.assertEqual(made.axes[0].get_legend().get_texts()[-1].get_text(), "theory, fitted")
-        self.assertIn("theory fitted to it", caption)
 
     def test_stiffness(self):
         """Points of the file, a star at s = 0 and a line to the end of the window."""

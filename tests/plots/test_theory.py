@@ -256,6 +256,8 @@ class CrowdTest(PlotCase):
         done = self.plot()
         self.assertEqual(done.returncode, 0, done.stderr)  # the others are drawn
         self.assertRegex(done.stderr, r"rods_order\.json: no such file.*\[rods_order\]")
+        (self.folder / "manifest.json").write_text(json.dumps({"files": {"rods_order.json": {}}}))  # it was written
+        self.assert_fails("rods_order.json", "no such file", "[rods_order]")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,9 @@
 // A run folder: who may write in it, what of an earlier run stays, and what is refused.
 
-#include "rodwake/core/error.hpp"
-#include "rodwake/scene/write.hpp"
-#include "rodwake/stages/run_folder.hpp"
+#include "held_folder.hpp"
 #include "scenes.hpp"
-#include "store/scratch.hpp"
 
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,51 +12,9 @@ using namespace rodwake;
 using namespace store_test;
 using assembly::Stage;
 using stages::RunFolder;
-using stages_test::bed;
-using stages_test::pair;
+using namespace stages_test;
 
 namespace {
-
-using Names = std::set<std::string>;
-using Stages = std::vector<Stage>;
-
-std::string provenance(const stages::StageRecords& records, const std::string& status = "unfinished") {
-    return nlohmann::json{{"status", status}, {"stages", records}}.dump();
-}
-
-/// Begins, but stops before the record of this number is written, as one that is killed does.
-void begin(const RunFolder& folder, const scene::Scene& scene, int killed_at = 3) {
-    int record = 0;
-    folder.begin(
-        [&](const stages::StageRecords& records) {
-            if (++record == killed_at)
-                throw RunError("killed");
-            return provenance(records);
-        },
-        scene::to_toml(scene));
-}
-
-/// A folder run/ that holds these stages of a scene.
-void hold(const Scratch& scratch, const scene::Scene& scene, const stages::StageRecords& records) {
-    scratch.file("run/scene.toml", scene::to_toml(scene));
-    scratch.file("run/provenance.json", provenance(records));
-    scratch.file("run/manifest.json", R"({"files": {}})");
-}
-
-std::string refusal(const Scratch& scratch, const scene::Scene& scene, const Stages& stages) {
-    return error_of<InputError>([&] { RunFolder(scratch / "run", scene, stages, false); });
-}
-
-/// Files in run/, seen from there, without those of the run itself.
-Names files_of_run(const Scratch& scratch) {
-    Names files;
-    for (const std::string& name : scratch.entries())
-        if (!fs::is_directory(scratch / name))
-            files.insert(name.substr(4));
-    for (const char* own : {"provenance.json", "scene.toml", "rodwake.lock", "manifest.json"})
-        files.erase(own);
-    return files;
-}
 
 /// What of these files is left when the stages begin in a folder that holds the records.
 Names left_by_begin(const Scratch& scratch, const Names& files, const scene::Scene& scene,

@@ -37,7 +37,7 @@ struct Profile {
     double independent = 1.0;       ///< independent values a point is worth, in (0, 1]: below 1 if neighbours
                                     ///< share data; sigma is enlarged by 1/sqrt(independent)
     std::vector<std::string> where = {}; ///< each point's origin for messages, "file.csv:7"; may be empty
-    std::vector<double> worth = {}; ///< `independent` of each point (independent.hpp); empty: all the same
+    std::vector<double> worth = {}; ///< `independent` of each point (independent_worth); empty: all the same
 };
 
 struct WakeModel {
@@ -47,7 +47,17 @@ struct WakeModel {
         0.0; ///< points closer than this to the rod's centre along the profile (|x| < core) are left out
 };
 
-/// Points of a run closer to each other than `spacing` share data (independent.hpp).
+/// What each row is worth, in (0, 1], if rows of a run closer than `spacing` (> 0) share data: the mean step
+/// between the rows within that distance over it, at least one value for all of them together. n rows with
+/// the step h are worth n h/spacing, a row that is farther than `spacing` from all others 1, rows in the same
+/// place 1 together. A run ends where the places turn back, so that runs written one after the other count
+/// each; rows in no order are one run.
+std::vector<double> independent_worth(std::span<const double> places, double spacing);
+
+/// Independent values a row is worth on average.
+double mean_worth(std::span<const double> worth);
+
+/// Points of a run closer to each other than `spacing` share data (independent_worth).
 void share_data(Profile& profile, double spacing);
 
 /// The part of the profile that is fitted: |place| >= core.

@@ -31,6 +31,7 @@ inline constexpr const char* files_lost = "files lost";
 /// Files that the manifest lists and that are gone, by the stage that made them; of none: of the run as a
 /// whole and what is drawn.
 using LostFiles = std::map<std::string, std::vector<std::string>>;
+LostFiles lost_files(const std::filesystem::path& folder);
 
 /// "finished", "unfinished", ... of the run in a folder: the worst of its stages; empty if there is none.
 std::string run_status(const std::filesystem::path& folder);

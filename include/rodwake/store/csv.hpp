@@ -4,8 +4,10 @@
 // write: columns without a name in front (an index) or behind the last one, separators at the end of rows.
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rodwake::store {
@@ -30,6 +32,11 @@ Table read_csv(const std::filesystem::path& path, std::span<const std::string> r
 
 /// The names in the header, in order. Throws as read_csv.
 std::vector<std::string> csv_names(const std::filesystem::path& path);
+
+/// Shows the header and then each row: its text, and its fields in the columns that have a name (fewer in a
+/// short row). Throws as read_csv, but for what the fields hold and for their number.
+void for_each_csv_row(const std::filesystem::path& path,
+                      const std::function<void(std::string_view, std::span<const std::string>)>& use);
 
 /// Header and rows, 17 significant digits (exact round trip); NaN is an empty field.
 std::string to_csv(std::span<const std::string> names, std::span<const std::vector<double>> columns);

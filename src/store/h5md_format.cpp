@@ -1,4 +1,4 @@
-#include "h5md_units.hpp"
+#include "h5md_format.hpp"
 
 #include <fmt/format.h>
 
