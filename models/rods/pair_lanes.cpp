@@ -157,7 +157,8 @@ bool PairQueue::passes_through(std::size_t lane, const PairResult& result) const
     const double first = separation(numbers(lanes.start, lane));
     return pair.contact_distance == 0.0 && pair.couplings.any() &&
            result.min_separation <=
-               passing_resolution(result.state, first, std::min(options_.atol, 0.1 * options_.rtol));
+               passing_resolution(result.state, first,
+                                  options_.rtol + std::min(options_.atol, 0.1 * options_.rtol));
 }
 
 void PairQueue::finish(std::size_t lane, PairEnding end) {

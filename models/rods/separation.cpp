@@ -132,14 +132,14 @@ Separation closest_pair(State y, Box box) {
     return best;
 }
 
-double passing_resolution(State y, double first, double atol) {
+double passing_resolution(State y, double first, double tolerance) {
     double farthest = 0.0;
     for (std::size_t i = 0; i < y.size(); ++i)
         if (i % 3 != 2)
             farthest = std::max(farthest, std::abs(y[i]));
     constexpr double few_steps = 64.0; // of rounding
     const double rounding = few_steps * std::numeric_limits<double>::epsilon() * farthest;
-    return std::min(std::max(atol, rounding), 1e-3 * first);
+    return std::min(std::max(tolerance, rounding), 1e-3 * first);
 }
 
 // No relative speed is above 2, so a pair farther apart than 3 * 2 times the present limit cannot lower it.

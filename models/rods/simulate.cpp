@@ -117,13 +117,13 @@ RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& prob
 /// Without a contact distance a solver may step across the singularity of a head-on meeting. What follows is
 /// no solution.
 void refuse_passing(integrate::Solution& solution, const SeparationRecord& record, const RodProblem& problem,
-                    double atol) {
+                    double tolerance) {
     if (!solution.status.ok() || problem.contact_distance || problem.rods.size() < 2 ||
         !(problem.medium && problem.couplings.any()))
         return;
     const double first = closest_pair(to_state(problem.rods), problem.box).distance;
     const Separation& pair = record.smallest;
-    if (pair.distance > passing_resolution(solution.final_state, first, atol))
+    if (pair.distance > passing_resolution(solution.final_state, first, tolerance))
         return;
     integrate::Status& status = solution.status;
     status.termination = integrate::Termination::failed;
@@ -203,7 +203,7 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
     prepend(result.solution, from, times);
     if (equations.singular) {
         explain_collision(result.solution, problem.box);
-        refuse_passing(result.solution, record, problem, solver.atol);
+        refuse_passing(result.solution, record, problem, solver.rtol + solver.atol); // relative_cap is 1
     }
     result.outcome =
         conclude(problem, equations.interacting, rates, result.solution, record, options.criteria);

@@ -73,7 +73,7 @@ class SignalTest(ProgramTest):
 
     def test_a_part_of_a_field_is_not_stored(self):
         self.write("field.toml", "schema = 1\n[medium]\neta = 1.0\nalpha = 1.0\n[field]\nx = [-9.0, 9.0]\ny = [-9.0, 9.0]\n"
-                   "nx = 1200\nny = 1200\n")
+                   "nx = 2000\nny = 2000\n")
         returned, _, err = self.interrupt(signal.SIGTERM, "field", "field.toml")
         self.assertEqual(returned, 143, err)
         self.assertEqual(self.status("out"), "interrupted")

@@ -39,9 +39,10 @@ Offset offset(integrate::State y, std::size_t a, std::size_t b, Box box = {});
 double encounter_step(integrate::State y, Box box = {});
 
 /// Closest approach at or below which two rods pass through each other as far as a solve can tell: the side
-/// on which they pass, and with it their turning in fields that are singular there, is within `atol` of their
-/// places, or within rounding of the state `y`. At most a thousandth of the separation `first` they start at.
-double passing_resolution(integrate::State y, double first, double atol);
+/// on which they pass, and with it their turning in fields that are singular there, is within `tolerance` of
+/// their places, or within rounding of the state `y`. At most a thousandth of the separation `first` they
+/// start at.
+double passing_resolution(integrate::State y, double first, double tolerance);
 
 /// The closest approach of a pair inside a step, if it comes closer there than at both ends and than `below`,
 /// which saves looking at the others; the first of equals.
