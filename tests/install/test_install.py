@@ -136,18 +136,19 @@ class InstallTest(unittest.TestCase):
         self.assertIn("rodwake", done.stderr)
 
     def test_what_is_installed_elsewhere_is_not_seen(self):
-        """A package in each place that CMake looks at by itself: found there if nothing is said, and not found alone."""
-        package, registry = self.folder / "elsewhere/lib/cmake/rodwake", self.folder / "home/.cmake/packages/rodwake"
+        """A package in each place that CMake looks at by itself: found there if nothing is said, and not found alone.
+        Of a name of its own: rodwake itself may be in /usr/local."""
+        package, registry = self.folder / "elsewhere/lib/cmake/stub", self.folder / "home/.cmake/packages/stub"
         for path in (package, registry, self.folder / "elsewhere/bin", self.folder / "asks"):
             path.mkdir(parents=True)
-        (package / "rodwakeConfig.cmake").touch()
+        (package / "stubConfig.cmake").touch()
         prefix = self.folder / "elsewhere"
         (registry / "there").write_text(str(prefix))
-        (self.folder / "asks/CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(asks LANGUAGES NONE)\nfind_package(rodwake)\n"
-                                                         "message(STATUS \"found: ${rodwake_FOUND}\")\n")
+        (self.folder / "asks/CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(asks LANGUAGES NONE)\nfind_package(stub)\n"
+                                                         "message(STATUS \"found: ${stub_FOUND}\")\n")
         places = {"system": ({}, [f"-DCMAKE_INSTALL_PREFIX={prefix}"]),  # stands in one list with /usr/local
                   "path": ({"PATH": f"{prefix / 'bin'}:{os.environ['PATH']}"}, []), "registry": ({"HOME": str(self.folder / "home")}, []),
-                  "environment": ({"CMAKE_PREFIX_PATH": str(prefix)}, []), "root": ({"rodwake_ROOT": str(prefix)}, [])}
+                  "environment": ({"CMAKE_PREFIX_PATH": str(prefix)}, []), "root": ({"stub_ROOT": str(prefix)}, [])}
         for name, (environment, options) in places.items():
             for found, alone in (("1", []), ("0", [self.alone])):
                 done = run(CMAKE, "-S", self.folder / "asks", "-B", self.folder / f"asked-{name}-{found}", "-G", "Ninja", *options, *alone,

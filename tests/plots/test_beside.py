@@ -68,9 +68,9 @@ class FittedProfileTest(PlotCase):
         shutil.rmtree(self.folder)
         self.folder.mkdir()
         write_measured(self.folder)
-        (self.folder / "scene.toml").write_text(SCENE + FIGURE.replace("theory_beside_bed", "profile"))
 
     def draw(self):
+        (self.folder / "scene.toml").write_text(SCENE + FIGURE.replace("theory_beside_bed", "profile"))
         with run_dir.RunDir(self.folder) as run:
             spec = draw.figures_of(run)[0]
             return profile.draw(run, spec), draw.caption(run, spec)
