@@ -39,6 +39,9 @@ bool Evaluator::all_finite(const Point& point, const Eigen::MatrixXd* in_values)
 bool Evaluator::guarded(std::span<const double> values, Point& point, Eigen::MatrixXd* in_values) {
     try {
         problem_.evaluate(values, point.r, in_values);
+    } catch (const std::bad_alloc&) {
+        stopped_ = out_of_memory_ = true;
+        return false;
     } catch (const std::exception& error) {
         trouble_ = error.what();
         return false;

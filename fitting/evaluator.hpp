@@ -5,6 +5,8 @@
 #include "rodwake/fitting/method.hpp"
 #include "search_space.hpp"
 
+#include <new>
+
 namespace rodwake::fitting {
 
 /// Loss functions of the squared residual s = r^2; the objective is sum rho(s).
@@ -53,6 +55,12 @@ public:
     const SearchSpace& space() const { return space_; }
     long evaluations() const { return evaluations_; }
     bool stopped() const { return stopped_; }
+    /// Out of memory is no property of a point, as other exceptions are: the search stops, and whoever ran it
+    /// calls this, for none may pass through NLopt.
+    void require_memory() const {
+        if (out_of_memory_)
+            throw std::bad_alloc();
+    }
     bool found() const { return best_ < std::numeric_limits<double>::infinity(); }
     double best() const { return best_; }
     const Eigen::VectorXd& best_u() const { return best_u_; }
@@ -70,7 +78,7 @@ private:
     std::function<bool()> stop_;
     Eigen::MatrixXd in_values_;
     long evaluations_ = 0;
-    bool stopped_ = false;
+    bool stopped_ = false, out_of_memory_ = false;
     double best_ = std::numeric_limits<double>::infinity();
     Eigen::VectorXd best_u_;
     std::string trouble_;

@@ -116,6 +116,7 @@ StartResult run_start(const Problem& problem, const Method& method, std::size_t 
     RandomStream random(method.seed, static_cast<std::uint32_t>(index), 1);
     const SearchResult end =
         search(evaluator, method, space.coordinates(result.start), static_cast<std::uint32_t>(random.bits()));
+    evaluator.require_memory();
     result.end = space.free_values(end.u);
     result.objective = end.objective;
     result.termination = to_string(end.termination) + ": " + end.reason;
@@ -186,6 +187,7 @@ void look_at(const Problem& problem, const Method& method, Fit& fit) {
     const SearchSpace space(problem);
     Evaluator evaluator(problem, space, {method.loss, method.loss_width});
     const Point point = evaluator(space.coordinates(free), true);
+    evaluator.require_memory();
     fit.chi2 = fit.distance = std::numeric_limits<double>::infinity();
     if (!point.finite())
         return;

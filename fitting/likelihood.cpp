@@ -53,6 +53,7 @@ public:
         for (const std::size_t i : others.free())
             start.push_back(from.values[i]);
         const SearchResult end = levenberg_marquardt(evaluator, others.coordinates(start));
+        evaluator.require_memory();
         stopped_ = stopped_ || evaluator.stopped();
         place.objective = end.objective;
         place.values = others.values(end.u);
@@ -88,6 +89,7 @@ private:
         for (const std::size_t i : space_.free())
             free.push_back(best_.values[i]);
         const Point point = evaluator(space_.coordinates(free), true);
+        evaluator.require_memory();
         if (!point.finite())
             throw RunError("fit: no profile likelihood: the residuals are not finite at the best values (" +
                            evaluator.trouble() + ")");

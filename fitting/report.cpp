@@ -167,6 +167,7 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     const LossShape loss{fit.loss, fit.loss_width};
     Evaluator evaluator(problem, space, loss);
     const Point point = evaluator(space.coordinates(free_values(fit, space)), true);
+    evaluator.require_memory();
     if (!point.finite()) {
         Report report = without_curvature(problem, fit);
         report.diagnostics = diagnostics_of(problem, fit, report, 1.0, false);

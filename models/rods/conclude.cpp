@@ -3,6 +3,7 @@
 
 #include "outcome_text.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/elastic/wake_bound.hpp"
 
 #include <fmt/format.h>
 
@@ -14,9 +15,16 @@ namespace {
 
 using integrate::State;
 
+/// Of the theory's own field in the plane; of another one it is not known how far it reaches.
+bool may_follow(const RodProblem& problem, double distance, const EndingCriteria& criteria) {
+    return !problem.medium || problem.field || problem.box ||
+           reaches(*problem.medium, problem.couplings, distance, problem.t_end, criteria.residual_turn);
+}
+
 /// Ending of all pairs together; sets the pair it is about.
-void classify(RodOutcome& outcome, bool interacting, const StateRates& rates, State y,
-              const SeparationRecord& record, const EndingCriteria& criteria, Box box) {
+void classify(RodOutcome& outcome, bool interacting, const RodProblem& problem, const StateRates& rates,
+              State y, const SeparationRecord& record, const EndingCriteria& criteria) {
+    const Box box = problem.box;
     const std::size_t rods = y.size() / 3;
     std::vector<double> ydot(y.size());
     rates(y, ydot);
@@ -25,10 +33,12 @@ void classify(RodOutcome& outcome, bool interacting, const StateRates& rates, St
         for (std::size_t b = a + 1; b < rods; ++b) {
             const Ending ending = classify_pair(y, ydot, a, b, record.late[a * rods + b], criteria, box);
             all_escape = all_escape && ending == Ending::escape;
-            if (ending == Ending::pursuit && interacting && outcome.ending != Ending::pursuit) {
+            const Offset d = offset(y, a, b, box);
+            const double distance = std::hypot(d.x, d.y);
+            if (ending == Ending::pursuit && outcome.ending != Ending::pursuit && interacting &&
+                may_follow(problem, distance, criteria)) {
                 outcome.ending = Ending::pursuit;
-                const Offset d = offset(y, a, b, box);
-                outcome.pair = {a, b, std::hypot(d.x, d.y)};
+                outcome.pair = {a, b, distance};
             }
         }
     if (all_escape)
@@ -102,6 +112,16 @@ void validate(const RodProblem& problem) {
                         *problem.contact_distance, pair.distance, pair.first, pair.second));
 }
 
+bool reaches(const elastic::Medium& medium, const Couplings& c, double distance, double time, double angle) {
+    const elastic::WakeBound bound(medium);
+    double rate = 0.0;
+    if (c.apolar())
+        rate += std::abs(c.kappa) * bound.strain(distance, 0.0);
+    if (c.polar())
+        rate += (std::abs(c.gamma1) + std::abs(c.gamma2)) * bound.polar(distance, 0.0);
+    return rate * time > angle;
+}
+
 std::vector<double> output_times(const RodProblem& problem) {
     std::vector<double> times = problem.output_times;
     if (times.empty() || times.back() < problem.t_end)
@@ -127,7 +147,7 @@ RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRate
     if (contact)
         outcome.ending = Ending::contact;
     else if (solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
-        classify(outcome, interacting, rates, y, record, criteria, problem.box);
+        classify(outcome, interacting, problem, rates, y, record, criteria);
     describe(outcome, rods, solution.status);
     return outcome;
 }

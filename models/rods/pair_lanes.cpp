@@ -1,6 +1,7 @@
 #include "pair_lanes.hpp"
 
 #include "elastic/wake_kernel.hpp"
+#include "rodwake/rods/conclude.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -184,8 +185,11 @@ void PairQueue::finish(std::size_t lane, PairEnding end) {
     else if (end == PairEnding::finished) {
         const LatePart late{l.late_least[lane], l.late_most[lane], l.late_turning[lane]};
         const Ending ending = classify_pair(result.state, result.rate, 0, 1, late, options_.criteria);
-        const bool alone = !pairs_[pair_[lane]].couplings.any(); // nobody follows whom he does not feel
-        result.ending = alone && ending == Ending::pursuit ? Ending::undecided : ending;
+        const PairProblem& pair = pairs_[pair_[lane]];
+        const bool alone = ending == Ending::pursuit && // nobody follows whom he does not feel
+                           !reaches(pair.medium, pair.couplings, result.separation, pair.t_end,
+                                    options_.criteria.residual_turn);
+        result.ending = alone ? Ending::undecided : ending;
     }
     next(lane);
 }

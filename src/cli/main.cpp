@@ -1,6 +1,7 @@
 #include "options.hpp"
 #include "rodwake/core/error.hpp"
 #include "signals.hpp"
+#include "terminal.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -51,7 +52,7 @@ int flushed(int code) {
 }
 
 int fail(const std::exception& error, int code) {
-    fmt::print(stderr, "rodwake: {}\n", describe(error));
+    tell(fmt::format("rodwake: {}\n", describe(error)));
     return code;
 }
 
@@ -61,6 +62,7 @@ int fail(const std::exception& error, int code) {
 
 int main(int argc, char** argv) {
     using namespace rodwake::cli;
+    open_standard_streams();
     const Parsed parsed = parse_command_line(argc, argv);
     if (parsed.exit_now)
         return parsed.exit_code;

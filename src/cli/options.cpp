@@ -112,7 +112,7 @@ Parsed parse_command_line(int argc, const char* const* argv) {
     } catch (const CLI::ParseError& error) {
         parsed.exit_now = true;
         parsed.exit_code = 2;
-        fmt::print(stderr, "rodwake: {}\n", usage_text(app, error));
+        tell(fmt::format("rodwake: {}\n", usage_text(app, error)));
     }
     return parsed;
 }

@@ -32,6 +32,8 @@ void install_signal_handlers() {
     std::signal(SIGINT, request_stop);
     std::signal(SIGTERM, request_stop);
     std::signal(SIGUSR1, request_checkpoint);
+    std::signal(SIGCHLD, SIG_DFL); // whoever started us may ignore it, and then no child tells how it ended
+    std::signal(SIGXFSZ, SIG_IGN); // a write beyond the limit fails and says so
 }
 
 int checkpoint_requests() { return checkpoint_requested; }

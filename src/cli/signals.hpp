@@ -1,6 +1,7 @@
 #pragma once
 // SIGUSR1 asks for a checkpoint. Ctrl-C and SIGTERM ask the running stage to stop at its next step; a second
-// one ends the program at once.
+// one ends the program at once. A file beyond the system's limit is a failed write, not an end without a
+// word.
 
 namespace rodwake::cli {
 

@@ -1,6 +1,7 @@
 #include "terminal.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
 #include "signals.hpp"
 
 #include <fmt/format.h>
@@ -10,8 +11,10 @@
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <fcntl.h>
 #include <mutex>
 #include <unistd.h>
 
@@ -91,7 +94,7 @@ public:
     void log(Severity severity, const std::string& message) {
         const std::lock_guard lock(mutex_);
         wipe();
-        logger_.log(level(severity), message);
+        logger_.log(level(severity), printable(message));
     }
 
     void progress(const stages::ProgressReport& report) {
@@ -124,14 +127,18 @@ private:
         const std::lock_guard lock(mutex_);
         if (!terminal_)
             return logger_.info(line);
-        fmt::print(stderr, "\r\033[K{}", line);
-        std::fflush(stderr);
+        draw("\r\033[K" + line);
         drawn_ = true;
+    }
+
+    static void draw(const std::string& text) {
+        std::fwrite(text.data(), 1, text.size(), stderr);
+        std::fflush(stderr);
     }
 
     void wipe() {
         if (drawn_)
-            fmt::print(stderr, "\r\033[K");
+            draw("\r\033[K");
         drawn_ = false;
     }
 
@@ -144,6 +151,17 @@ private:
 };
 
 } // namespace
+
+void tell(const std::string& text) {
+    const std::string line = printable(text);
+    std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+void open_standard_streams() {
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream)
+        if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF)
+            ::open("/dev/null", O_RDWR); // takes the lowest number that is free: this one
+}
 
 stages::RunContext context_of(const Options& options) {
     const auto screen = std::make_shared<Screen>(options);

@@ -6,6 +6,12 @@
 
 namespace rodwake::cli {
 
+/// To standard error, without what a terminal would obey. That it is closed or full is nobody's failure.
+void tell(const std::string& text);
+
+/// Standard input, output and error that are closed become /dev/null, so that no file takes their place.
+void open_standard_streams();
+
 /// The context of a command: its threads, --force and command line; messages and progress go to standard
 /// error as --quiet and -v want them, and to --log-json; Ctrl-C and SIGTERM stop, SIGUSR1 asks for a
 /// checkpoint. Throws RunError if the JSON log cannot be opened.

@@ -117,10 +117,10 @@ int answer(const Options& options, const Ways& ways) {
                                  nearest(ways, quantity))
                    : fmt::format("no way that was tried takes {} or less", time_text(*options.want_time)));
     if (!options.quiet)
-        fmt::print(stderr, "{}\n", describe(*best));
+        tell(fmt::format("{}\n", describe(*best)));
     if (!options.quiet && wanted && best->found->bias_error > error)
-        fmt::print(stderr, "its bias is known less well than what was asked for: a longer --limit with "
-                           "--force knows more\n");
+        tell(fmt::format("its bias is known less well than what was asked for: a longer --limit with "
+                         "--force knows more\n"));
     fmt::print("{}", lines_of(*best));
     return 0;
 }
@@ -177,8 +177,8 @@ int tradeoff_of_ways(const Options& options, const scene::Scene& scene, stages::
     const Ways ways = *stages::read_ways(folder);
     if (earlier && earlier->finished && earlier->limit == ways.limit) {
         if (!options.quiet)
-            fmt::print(stderr, "measured already in {}, with --limit {:g}s; --force measures anew\n",
-                       folder.string(), ways.limit);
+            tell(fmt::format("measured already in {}, with --limit {:g}s; --force measures anew\n",
+                             folder.string(), ways.limit));
     } else {
         make_figures(folder, false, true);
     }

@@ -4,6 +4,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/store/atomic_file.hpp"
+#include "terminal.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -143,7 +144,7 @@ std::string bed_scene(const Answers& answers) {
 /// Asks until the answer is legal. Throws InputError at the end of input.
 std::string ask(const Question& question) {
     for (;;) {
-        fmt::print(stderr, "{} [{}] ", question.text, question.fallback);
+        tell(fmt::format("{} [{}] ", question.text, question.fallback));
         std::string answer;
         if (!std::getline(std::cin, answer))
             throw InputError("no answer; rodwake new --help names the options that answer");
@@ -152,7 +153,7 @@ std::string ask(const Question& question) {
         const std::string wrong = question.legal(answer);
         if (wrong.empty())
             return answer;
-        fmt::print(stderr, "{}\n", wrong);
+        tell(fmt::format("{}\n", wrong));
     }
 }
 
@@ -207,8 +208,8 @@ int verb_new(const Options& options) {
         throw InputError(options.target +
                          ": is there already; choose another name, or --force to replace it");
     store::write_atomically(options.target, text);
-    fmt::print(stderr, "{}: written; rodwake check {} says what it models, rodwake run {} runs it\n",
-               options.target, options.target, options.target);
+    tell(fmt::format("{}: written; rodwake check {} says what it models, rodwake run {} runs it\n",
+                     options.target, options.target, options.target));
     return 0;
 }
 

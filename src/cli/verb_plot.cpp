@@ -12,8 +12,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <spawn.h>
 #include <thread>
@@ -32,7 +34,10 @@ constexpr int usage_error = 2; ///< of the plotting program
 /// Passes a signal that asks us to stop on to the child; Ctrl-C reaches it anyway, SIGTERM does not.
 int wait_for(pid_t child) {
     int status = 0;
-    while (::waitpid(child, &status, WNOHANG) == 0) {
+    for (pid_t ended = 0; ended != child; ended = ::waitpid(child, &status, WNOHANG)) {
+        if (ended < 0 && errno != EINTR)
+            throw RunError(
+                fmt::format("how the plotting program ended is not known: {}", std::strerror(errno)));
         if (stop_signal())
             ::kill(child, SIGTERM);
         std::this_thread::sleep_for(std::chrono::milliseconds(10));

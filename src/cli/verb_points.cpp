@@ -7,6 +7,7 @@
 #include "rodwake/elastic/wake_field.hpp"
 #include "rodwake/stages/wake_tables.hpp"
 #include "rodwake/store/csv.hpp"
+#include "terminal.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -147,11 +148,11 @@ int verb_field_points(const Options& options) {
         (std::fwrite(out.data(), 1, out.size(), stdout) != out.size() || std::fflush(stdout) != 0))
         throw RunError("cannot write to standard output");
     for (const std::string& message : failed)
-        fmt::print(stderr, "rodwake: {}\n", message);
+        tell(fmt::format("rodwake: {}\n", message));
     if (failed.empty())
         return 0;
-    fmt::print(stderr, "rodwake: {} of {} points have no field: nan in their rows\n", failed.size(),
-               points.size());
+    tell(fmt::format("rodwake: {} of {} points have no field: nan in their rows\n", failed.size(),
+                     points.size()));
     return 3;
 }
 

@@ -93,8 +93,8 @@ int answer(const Options& options, const scene::Scene& scene, const stages::Trad
                                          : fmt::format("takes {} or less", time_text(*options.want_time)),
                                    advice(table, kind, error.has_value())));
     if (!options.quiet)
-        fmt::print(stderr, "{} {:.2g}; {} for {}, {} right-hand sides\n", to_string(kind),
-                   error_of(*best, kind), time_text(best->seconds), table.unit, best->rhs_evaluations);
+        tell(fmt::format("{} {:.2g}; {} for {}, {} right-hand sides\n", to_string(kind),
+                         error_of(*best, kind), time_text(best->seconds), table.unit, best->rhs_evaluations));
     fmt::print("{}", scene_keys(scene, best->setting));
     return 0;
 }
@@ -123,8 +123,8 @@ bool is_done(const Options& options, const scene::Scene& scene, const std::files
                          ": holds a measurement of other points of the scan; choose another folder "
                          "with -o, or --force to replace it");
     if (!options.quiet)
-        fmt::print(stderr, "measured already in {}, with --limit {:g}s; --force measures anew\n",
-                   folder.string(), table.limit);
+        tell(fmt::format("measured already in {}, with --limit {:g}s; --force measures anew\n",
+                         folder.string(), table.limit));
     return true;
 }
 

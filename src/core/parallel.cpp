@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -69,9 +70,19 @@ Team::~Team() {
         worker.join();
 }
 
+/// Where the system has no more threads, those that are there do it.
 void Team::start() {
-    while (workers_.size() + 1 < threads_)
-        workers_.emplace_back([this] { work(); });
+    try {
+        while (workers_.size() + 1 < threads_)
+            workers_.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+        threads_ = workers_.size() + 1;
+    }
+}
+
+std::size_t Team::started() {
+    start();
+    return threads_;
 }
 
 void Team::take_tasks(std::uint64_t one) {

@@ -1,5 +1,7 @@
 #include "rodwake/core/spelling.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <vector>
@@ -53,6 +55,34 @@ std::string_view nearest_word(std::string_view name, std::span<const std::string
 std::string did_you_mean(std::string_view name, std::span<const std::string_view> known) {
     const std::string_view near = nearest_word(name, known);
     return near.empty() ? "" : " (did you mean \"" + std::string(near) + "\"?)";
+}
+
+namespace {
+
+std::string escaped(std::string_view text, std::string_view kept) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto code = static_cast<unsigned char>(text[i]),
+                   next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+        const bool c1 = code == 0xC2 && next >= 0x80 && next < 0xA0; // controls beyond ASCII, in UTF-8
+        if ((code >= 0x20 && code != 0x7F && !c1) || kept.find(text[i]) != std::string_view::npos)
+            out += text[i];
+        else
+            out += fmt::format("\\x{:02x}", c1 ? static_cast<unsigned char>(text[++i]) : code);
+    }
+    return out;
+}
+
+} // namespace
+
+std::string printable(std::string_view text) { return escaped(text, "\t\n"); }
+
+std::string shown(std::string_view word) {
+    constexpr std::size_t most = 60;
+    std::size_t end = std::min(word.size(), most);
+    while (end > 0 && end < word.size() && (word[end] & 0xC0) == 0x80) // not within a character of UTF-8
+        --end;
+    return escaped(word.substr(0, end), "") + (end < word.size() ? "..." : "");
 }
 
 } // namespace rodwake

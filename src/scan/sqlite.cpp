@@ -11,12 +11,18 @@ namespace rodwake::scan {
 
 namespace {
 
-/// SQLite reads a last page that was cut short as rows of zeros. Where there is a log, it may hold the page.
+/// Whether there is something beside the file that SQLite goes by when it opens it.
+bool has_beside(const std::filesystem::path& file, const char* ending) {
+    std::error_code none;
+    const auto size = std::filesystem::file_size(file.string() + ending, none);
+    return !none && size > 0;
+}
+
+/// SQLite reads a last page that was cut short as rows of zeros. A log may hold the page, and a journal takes
+/// back what was being written when the disk was full.
 void require_whole_pages(const std::filesystem::path& file) {
     std::array<char, 18> head{}; // ends with the size of pages, big-endian; 1 stands for 65536
-    std::error_code none;
-    const auto log = std::filesystem::file_size(file.string() + "-wal", none);
-    if (!none && log > 0)
+    if (has_beside(file, "-wal") || has_beside(file, "-journal"))
         return;
     if (!std::ifstream(file, std::ios::binary).read(head.data(), head.size()))
         return;

@@ -6,6 +6,7 @@
 #include "rodwake/assembly/measure_report.hpp"
 #include "rodwake/assembly/plan.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,6 +37,15 @@ std::span<const FileKind> file_kinds();
 /// Where files of a run are besides its folder. Below it may also lie shares of a scan, what a tradeoff tried
 /// and runs of the user's own.
 inline constexpr std::string_view own_folders[] = {"figures", "variants", "points", "runs"};
+
+/// Whether a file of this name from the run folder on can be the run's.
+inline bool is_own(std::string_view name) {
+    const auto slash = name.find('/');
+    return slash == std::string_view::npos || std::ranges::count(own_folders, name.substr(0, slash)) > 0;
+}
+
+/// Left behind by a run that was killed: see PendingFile.
+bool is_temporary(const std::string& name);
 
 /// Figures and pages, by their name from the run folder on: they follow from the results.
 inline bool is_drawn(std::string_view name) {

@@ -136,11 +136,6 @@ ordered_json described_values(const fs::path& file, const FileKind& kind, const 
     return values;
 }
 
-bool is_own(std::string_view name) {
-    const auto slash = name.find('/');
-    return slash == std::string_view::npos || std::ranges::count(own_folders, name.substr(0, slash)) > 0;
-}
-
 /// Rewritten by the run itself, or there only while it goes on.
 bool comes_and_goes(const FileKind& kind) {
     return kind.lifetime == Lifetime::progress || kind.lifetime == Lifetime::record;

@@ -25,13 +25,6 @@ namespace {
 constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,  Stage::field,
                                 Stage::rods,     Stage::order,   Stage::scan, Stage::tradeoff};
 
-/// Left behind by a run that was killed: see PendingFile.
-bool is_temporary(const std::string& name) {
-    const auto end = name.rfind(".tmp");
-    return end != std::string::npos && end + 4 < name.size() &&
-           name.find_first_not_of("0123456789", end + 4) == std::string::npos;
-}
-
 /// What is no run's yet: of one that was killed before its first file was in place, shares of a scan, and
 /// what ways to compute a part of the scene cost.
 bool is_no_run(const fs::path& file) {
@@ -55,11 +48,6 @@ nlohmann::json provenance_of(const fs::path& folder) {
 /// Whether a run of a version that keeps no record of its stages is in the folder.
 bool lacks_records(const fs::path& folder) {
     return !run_status(folder).empty() && !provenance_of(folder).contains("stages");
-}
-
-nlohmann::json manifest_of(const fs::path& folder) {
-    std::ifstream file(folder / "manifest.json");
-    return nlohmann::json::parse(file, nullptr, false);
 }
 
 StageRecords records_of(const fs::path& folder) {
@@ -99,51 +87,45 @@ bool lacks_medium(const fs::path& folder, const scene::Scene& scene, Stage stage
     return stage == Stage::fit && scene.medium && scene.medium->fitted && !fs::exists(folder / "medium.json");
 }
 
-/// Figures that a run made; others are not ours to remove.
-bool is_listed(const nlohmann::json& manifest, const std::string& name) {
-    return manifest.is_object() && manifest.contains("files") && manifest["files"].contains(name);
-}
-
-void remove_empty_runs(const fs::path& runs) {
-    std::error_code ignored; // a folder with files of others stays
-    std::vector<fs::path> folders;
-    for (const fs::directory_entry& entry : fs::directory_iterator(runs, ignored))
-        if (entry.is_directory() && !entry.is_symlink() && fs::is_empty(entry.path(), ignored))
-            folders.push_back(entry.path());
-    for (const fs::path& folder : folders)
-        fs::remove(folder, ignored);
-    if (fs::is_directory(runs, ignored) && fs::is_empty(runs, ignored))
-        fs::remove(runs, ignored);
-}
-
-void remove_empty_points(const fs::path& points) {
-    std::error_code ignored;
-    std::vector<fs::path> folders;
-    for (const fs::directory_entry& entry : fs::directory_iterator(points, ignored))
-        folders.push_back(entry.path());
-    for (const fs::path& folder : folders) {
-        remove_empty_runs(folder / "runs");
-        if (fs::is_directory(folder, ignored) && fs::is_empty(folder, ignored))
-            fs::remove(folder, ignored);
+/// The scene and the files it names, wherever they may be.
+std::vector<fs::path> inputs_of(const scene::Scene& scene) {
+    std::vector<std::string> names;
+    if (scene.fit) {
+        for (const auto& one : scene.fit->profiles)
+            names.push_back(one.file);
+        for (const auto& one : scene.fit->trajectories)
+            names.push_back(one.file);
+        for (const auto& one : scene.fit->maps)
+            names.insert(names.end(), one.files.begin(), one.files.end());
     }
-    if (fs::is_directory(points, ignored) && fs::is_empty(points, ignored))
-        fs::remove(points, ignored);
+    if (scene.measure)
+        names.push_back(scene.measure->trajectory);
+    if (scene.granular)
+        names.push_back(scene.granular->restart_from);
+    if (scene.scan)
+        names.push_back(scene.scan->file);
+    if (scene.medium && scene.medium->measured)
+        names.push_back(scene.medium->measured->file);
+    std::vector<fs::path> places = {scene.path};
+    for (const std::string& name : names)
+        if (!name.empty())
+            places.insert(places.end(), {name, fs::path(scene.path).parent_path() / name});
+    return places;
 }
 
-/// Files of a run are in its folder, in variants/<name>/, in points/<number>/, in runs/<number>/ of each, and
-/// figures/.
-std::vector<fs::path> files_of(const fs::path& folder) {
-    std::vector<fs::path> files;
-    const auto add = [&](const auto& entries) {
-        for (const fs::directory_entry& entry : entries)
-            if (entry.is_regular_file())
-                files.push_back(entry.path());
-    };
-    add(fs::directory_iterator(folder));
-    for (const std::string_view sub : own_folders)
-        if (fs::is_directory(folder / sub))
-            add(fs::recursive_directory_iterator(folder / sub));
-    return files;
+/// In a folder that holds no run yet: an input that bears the name of a result would be replaced.
+void refuse_inputs_as_results(const fs::path& folder, const scene::Scene& scene) {
+    std::error_code none;
+    for (const fs::path& input : inputs_of(scene)) {
+        const std::string name = fs::weakly_canonical(input, none)
+                                     .lexically_relative(fs::weakly_canonical(folder, none))
+                                     .generic_string();
+        if (kind_of(input.filename().string()) && is_own(name) && fs::exists(folder / name, none))
+            throw InputError(
+                fmt::format("{}: is read by this command, and results of that name would replace it; "
+                            "choose another folder with -o, or give the file another name",
+                            (folder / name).string()));
+    }
 }
 
 } // namespace
@@ -204,6 +186,8 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         throw InputError(path_.string() +
                          ": holds a run of an earlier version of rodwake; choose another folder with -o, or "
                          "--force to replace it");
+    if (!had_run_)
+        refuse_inputs_as_results(path_, scene);
     const std::optional<scene::Scene> old = scene_of(path_);
     const auto same = [&](Stage stage) { return old && stage_key(*old, stage) == stage_key(scene, stage); };
     const auto refuse = [&](const std::string& why) {
@@ -254,7 +238,9 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         }
     }
     const auto general = lost_.find("");
-    const bool lacks = general != lost_.end() && (draws || !std::ranges::all_of(general->second, is_drawn));
+    const bool undrawn = draws && had_run_ && !fs::exists(path_ / "report.html"), // which is drawn last
+        lacks =
+            undrawn || (general != lost_.end() && (draws || !std::ranges::all_of(general->second, is_drawn)));
     if (stages_.empty() && !lacks)
         refuse("holds a finished run of this scene");
     drop_outdated(scene, stages);
@@ -325,47 +311,11 @@ bool RunFolder::keeps_datasets() const {
 }
 
 void RunFolder::begin(const Provenance& provenance, std::string_view scene) const {
+    refuse_links();
     write("provenance.json", provenance(unaffected_));
     remove_outdated();
     write("scene.toml", scene);
     write("provenance.json", provenance(records("unfinished")));
-}
-
-bool RunFolder::is_outdated(const FileKind& kind, const std::string& name) const {
-    const std::optional<Stage> stage = stage_of(kind, name);
-    if (!stage || (only_restores() && is_drawn(name)))
-        return kind.lifetime == Lifetime::result && !only_restores();
-    if (contains(dropped_, *stage))
-        return true;
-    if (!contains(stages_, *stage))
-        return false;
-    const bool goes_on = !anew_ && old_.contains(to_string(*stage));
-    return !goes_on || kind.lifetime == Lifetime::result;
-}
-
-void RunFolder::remove_outdated() const {
-    std::error_code error;
-    const nlohmann::json manifest = manifest_of(path_);
-    for (const fs::path& file : files_of(path_)) {
-        const std::string name = file.filename().string();
-        const FileKind* kind = kind_of(name);
-        const bool figure = !only_restores() && file.parent_path() == path_ / "figures" &&
-                            is_listed(manifest, "figures/" + name);
-        const bool litter = is_temporary(name) && kind_of(name.substr(0, name.rfind(".tmp")));
-        if (!litter &&
-            !(had_run_ &&
-              (figure || (kind && is_outdated(*kind, file.lexically_relative(path_).generic_string())))))
-            continue;
-        if (name == "result.h5" && keeps_datasets()) // it is replaced as a whole, with what is kept
-            continue;
-        if (fs::remove(file, error); error)
-            throw RunError(file.string() +
-                           ": cannot remove this result of the earlier run: " + error.message());
-    }
-    if (anew_) {
-        remove_empty_runs(path_ / "runs");
-        remove_empty_points(path_ / "points");
-    }
 }
 
 void RunFolder::write(std::string_view name, std::string_view content) const {

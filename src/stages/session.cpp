@@ -3,6 +3,7 @@
 #include "fit_medium.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/build_info.hpp"
+#include "rodwake/core/parallel.hpp"
 #include "rodwake/scene/write.hpp"
 #include "rodwake/stages/run.hpp"
 #include "rodwake/store/provenance.hpp"
@@ -103,6 +104,7 @@ Session::Session(assembly::Plan given, const std::filesystem::path& folder, RunC
     else if (directory.extended())
         log->info("{}: going on with a finished run", directory.path().string());
     tell_lost();
+    tell_threads();
     for (const assembly::Stage stage : plan.stages)
         if (std::ranges::count(directory.kept(), stage) > 0)
             log->info("{}: done already", to_string(stage));
@@ -123,6 +125,14 @@ void Session::tell_lost() const {
                   files.size() == 1 ? "" : fmt::format(" and {} more files", files.size() - 1),
                   files.size() == 1 ? "is" : "are", made ? "made again" : "left so by this command");
     }
+}
+
+/// Loops go on with fewer of themselves.
+void Session::tell_threads() const {
+    const std::size_t wanted = context.thread_count(), started = Team(wanted).started();
+    if (started < wanted)
+        log->warn("only {} of {} threads can be started (a limit of the system's); going on with these",
+                  started, wanted);
 }
 
 void Session::take_kept() {

@@ -1,6 +1,7 @@
 #include "rodwake/store/atomic_file.hpp"
 
 #include "descriptor.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -9,7 +10,8 @@ namespace rodwake::store {
 
 PendingFile::PendingFile(std::filesystem::path target) : target_(std::move(target)), temporary_(target_) {
     temporary_ += ".tmp" + std::to_string(::getpid());
-    const Descriptor probe(temporary_, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC);
+    ::unlink(temporary_.c_str()); // of a process that had our number, or a link that somebody put there
+    const Descriptor probe(temporary_, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC);
     if (probe.get() < 0)
         system_failure(target_, "write");
 }
@@ -33,7 +35,11 @@ void PendingFile::commit() {
     if (::rename(temporary_.c_str(), target_.c_str()) != 0)
         system_failure(target_, "rename the finished file to");
     committed_ = true;
-    sync_folder_of(target_);
+    try {
+        sync_folder_of(target_);
+    } catch (
+        const RunError&) { // the file is whole and in place; without power the one before it may come back
+    }
 }
 
 void write_atomically(const std::filesystem::path& target, std::string_view content) {

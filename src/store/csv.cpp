@@ -1,6 +1,7 @@
 #include "rodwake/store/csv.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
 
 #include <fmt/format.h>
 
@@ -34,21 +35,6 @@ std::string_view trimmed(std::string_view text) {
     if (first == std::string_view::npos)
         return {};
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-/// Text of the file in a message: cut, and without what a terminal would obey.
-std::string shown(std::string_view text) {
-    constexpr std::size_t most = 60;
-    std::size_t end = std::min(text.size(), most);
-    while (end > 0 && end < text.size() && (text[end] & 0xC0) == 0x80) // not within a character of UTF-8
-        --end;
-    std::string out;
-    for (const char c : text.substr(0, end))
-        if (const auto code = static_cast<unsigned char>(c); code < 0x20 || code == 0x7F)
-            out += fmt::format("\\x{:02x}", code);
-        else
-            out += c;
-    return out + (end < text.size() ? "..." : "");
 }
 
 /// Lines that end with LF, CR LF or CR.

@@ -40,16 +40,17 @@ void write_units(hid_t file) {
         write_attribute(units.get(), what, unit);
 }
 
-void write_integers(hid_t file, const std::string& path, const std::vector<std::int32_t>& values) {
-    write_dataset(file, path, H5T_STD_I32LE, {values.size()}, values.data());
+void write_integers(Hdf5File& file, const std::string& path, const std::vector<std::int32_t>& values) {
+    file.dataset(path, H5T_STD_I32LE, {values.size()}, values.data());
 }
 
-void write_numbers(hid_t file, const std::string& path, const std::vector<double>& values) {
-    write_dataset(file, path, H5T_IEEE_F64LE, {values.size()}, values.data());
+void write_numbers(Hdf5File& file, const std::string& path, const std::vector<double>& values) {
+    file.dataset(path, H5T_IEEE_F64LE, {values.size()}, values.data());
 }
 
-void write_parameters(hid_t file, const FrameLayout& layout, const H5mdInfo& info) {
-    const Hdf5Handle group = open_group(file, "parameters"), kinds = open_group(file, "parameters/kinds");
+void write_parameters(Hdf5File& file, const FrameLayout& layout, const H5mdInfo& info) {
+    const Hdf5Handle group = open_group(file.get(), "parameters"),
+                     kinds = open_group(file.get(), "parameters/kinds");
     for (const auto& [name, value] : info.parameters)
         write_attribute(group.get(), name, value);
     std::int32_t number = 0;
@@ -57,12 +58,12 @@ void write_parameters(hid_t file, const FrameLayout& layout, const H5mdInfo& inf
         write_attribute(kinds.get(), kind.name, H5T_NATIVE_INT32, &number);
         ++number;
     }
-    write_units(file);
+    write_units(file.get());
     if (layout.rods() > 0)
         write_integers(file, "parameters/rod_of_sphere", layout.rod_of_sphere);
 }
 
-void write_constants(hid_t file, const FrameLayout& layout) {
+void write_constants(Hdf5File& file, const FrameLayout& layout) {
     write_integers(file, spheres + "species", layout.species);
     write_numbers(file, spheres + "mass", layout.mass);
     write_numbers(file, spheres + "radius", layout.radius);
@@ -92,8 +93,8 @@ struct H5mdWriter::Impl {
     Impl(const std::filesystem::path& target, FrameLayout checked_layout, const H5mdInfo& info)
         : file(target), layout(std::move(checked_layout)), deflate(info.deflate) {
         write_metadata(file.get(), info);
-        write_parameters(file.get(), layout, info);
-        write_constants(file.get(), layout);
+        write_parameters(file, layout, info);
+        write_constants(file, layout);
         add_times();
         add_bodies(spheres, layout.particles());
         if (layout.rods() > 0)
@@ -184,7 +185,8 @@ void H5mdWriter::add_frame(const Frame& frame) {
 
 void H5mdWriter::commit() {
     const Hdf5Guard guard;
-    impl_->file.flush(); // closing the series would not tell what could not be written
+    for (auto& [path, series] : impl_->series)
+        impl_->file.expect(series.close());
     impl_->series.clear();
     impl_->file.commit();
 }

@@ -311,11 +311,21 @@ struct H5mdReader::Impl {
             refuse(frame, "positions that are not finite");
     }
 
+    /// Numbers of the box so large that nothing walks there, and that places would lose their digits.
+    void check_images(std::size_t frame, const char* kind, const std::vector<std::int32_t>& box) const {
+        constexpr std::int32_t most = 1'000'000;
+        const auto far = std::ranges::find_if(box, [](std::int32_t n) { return n > most || n < -most; });
+        if (far != box.end())
+            refuse(frame, fmt::format("{} {} is in image {} of the box, farther than {}", kind,
+                                      (far - box.begin()) / 3, *far, most));
+    }
+
     void read_beads(std::size_t frame, StoredFrame& out) {
         places.read(frame, info.box);
         velocity.read(frame);
         scale(velocity.value, speed);
         check(frame, "bead", info.beads, places.place);
+        check_images(frame, "bead", places.box);
         if (!finite(velocity.value))
             refuse(frame, "velocities that are not finite");
         take(places.place, 0, out.x);
@@ -341,6 +351,7 @@ struct H5mdReader::Impl {
         rods->places.read(frame, info.box);
         rods->orientation.read(frame);
         check(frame, "rod", info.rods, rods->places.place);
+        check_images(frame, "rod", rods->places.box);
         for (std::size_t i = 0; i < info.rods; ++i)
             if (!is_orientation((out.rods[i] = rod(i)).orientation))
                 refuse(frame, fmt::format("the orientation of rod {} is 0 or not finite", i));

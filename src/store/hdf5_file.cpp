@@ -7,6 +7,14 @@
 
 namespace rodwake::store {
 
+std::vector<hsize_t> extent_of(hid_t dataset) {
+    const Hdf5Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
+    std::vector<hsize_t> extent(
+        static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space.get()))));
+    H5Sget_simple_extent_dims(space.get(), extent.data(), nullptr);
+    return extent;
+}
+
 namespace {
 
 hid_t create(const std::filesystem::path& path, const std::filesystem::path& target) {
@@ -30,10 +38,11 @@ herr_t find_reason(unsigned, const H5E_error2_t* error, void* found) {
 }
 
 void write_in_space(hid_t object, const std::string& name, hid_t type, hid_t space, const void* value) {
-    const Hdf5Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
-                               H5Aclose, "create attribute " + name);
+    Hdf5Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                         "create attribute " + name);
     if (H5Awrite(attribute.get(), type, value) < 0)
         throw RunError("HDF5: cannot write attribute " + name + hdf5_reason());
+    attribute.close("write attribute " + name);
 }
 
 void write_row(hid_t object, const std::string& name, hid_t type, hsize_t count, const void* values) {
@@ -48,7 +57,95 @@ Hdf5Handle string_type(std::size_t size) {
     return Hdf5Handle(type, H5Tclose, "make a string type");
 }
 
+/// Of the extents from the `from`th on; 1 for none.
+hsize_t product(const std::vector<hsize_t>& extent, std::size_t from) {
+    return std::accumulate(extent.begin() + static_cast<std::ptrdiff_t>(std::min(from, extent.size())),
+                           extent.end(), hsize_t{1}, std::multiplies<hsize_t>());
+}
+
+/// Rows of a dataset, in the file and in memory.
+struct RowSelection {
+    Hdf5Handle file, memory;
+
+    RowSelection(hid_t dataset, hsize_t first, hsize_t count)
+        : RowSelection(dataset, extent_of(dataset), first, count) {}
+
+private:
+    RowSelection(hid_t dataset, std::vector<hsize_t> extent, hsize_t first, hsize_t count)
+        : file(H5Dget_space(dataset), H5Sclose, "read a shape"),
+          memory(
+              H5Screate_simple(static_cast<int>(extent.size()), (extent[0] = count, extent.data()), nullptr),
+              H5Sclose, "shape rows") {
+        std::vector<hsize_t> start(extent.size(), 0);
+        start[0] = first;
+        if (H5Sselect_hyperslab(file.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) <
+            0)
+            throw RunError("HDF5: cannot select rows" + hdf5_reason());
+    }
+};
+
+/// Makes the groups on the way to what is created.
+Hdf5Handle link_with_parents() {
+    const hid_t properties = H5Pcreate(H5P_LINK_CREATE);
+    H5Pset_create_intermediate_group(properties, 1);
+    return Hdf5Handle(properties, H5Pclose, "set up links");
+}
+
+Hdf5Handle create_dataset(hid_t file, const std::string& path, hid_t type, const std::vector<hsize_t>& extent,
+                          const std::string& unit) {
+    const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
+                           H5Sclose, "shape " + path);
+    const Hdf5Handle links = link_with_parents();
+    Hdf5Handle data(H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT),
+                    H5Dclose, "create " + path);
+    if (!unit.empty())
+        write_attribute(data.get(), "unit", unit);
+    return data;
+}
+
+/// Of rows as they are in the file.
+std::uint64_t checksum_of(hid_t data, hid_t type, hsize_t first, hsize_t count) {
+    std::string bytes(count * product(extent_of(data), 1) * H5Tget_size(type), '\0');
+    if (!bytes.empty() && !read_rows(data, type, first, count, bytes.data()))
+        throw RunError("HDF5: cannot read back" + hdf5_reason());
+    return xxh3(bytes);
+}
+
+bool is_as_written(hid_t file, const WrittenRows& rows) {
+    const Hdf5Handle data(H5Dopen2(file, rows.path.c_str(), H5P_DEFAULT), H5Dclose, "read back " + rows.path);
+    return checksum_of(data.get(), rows.type, rows.first, rows.count) == rows.checksum;
+}
+
+/// Datasets with a checksum: those that were copied, too. An exception must not cross HDF5's C code.
+herr_t require_checksum(hid_t root, const char* name, const H5O_info_t* info, void*) try {
+    if (info->type != H5O_TYPE_DATASET || H5Aexists_by_name(root, name, checksum_name, H5P_DEFAULT) <= 0)
+        return 0;
+    const Hdf5Handle attribute(H5Aopen_by_name(root, name, checksum_name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                               "read a checksum"),
+        text(H5Aget_type(attribute.get()), H5Tclose, "read a checksum"),
+        data(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose, "read back"),
+        type(H5Dget_type(data.get()), H5Tclose, "read back");
+    std::string told(H5Tget_size(text.get()), '\0');
+    const std::vector<hsize_t> extent = extent_of(data.get());
+    const hsize_t count = extent.empty() ? 1 : extent[0];
+    return H5Aread(attribute.get(), text.get(), told.data()) >= 0 &&
+                   told.c_str() == checksum_text(checksum_of(data.get(), type.get(), 0, count))
+               ? 0
+               : -1;
+} catch (const std::exception&) {
+    return -1;
+}
+
 } // namespace
+
+std::string checksum_text(std::uint64_t checksum) { return fmt::format("{:016x}", checksum); }
+
+bool read_rows(hid_t dataset, hid_t type, hsize_t first, hsize_t count, void* values) {
+    if (extent_of(dataset).empty())
+        return H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+    const RowSelection selected(dataset, first, count);
+    return H5Dread(dataset, type, selected.memory.get(), selected.file.get(), H5P_DEFAULT, values) >= 0;
+}
 
 std::string hdf5_reason() {
     std::string found;
@@ -64,24 +161,69 @@ Hdf5File::~Hdf5File() {
         H5Fclose(file_);
 }
 
-void Hdf5File::flush() {
-    if (H5Fflush(file_, H5F_SCOPE_LOCAL) < 0)
-        throw RunError(target_.string() + ": HDF5 cannot write the file" + hdf5_reason());
+void Hdf5File::dataset(const std::string& path, hid_t type, const std::vector<hsize_t>& extent,
+                       const void* values, const std::string& unit) {
+    const hsize_t elements = product(extent, 0);
+    Hdf5Handle data = create_dataset(file_, path, type, extent, unit);
+    if (elements > 0 && H5Dwrite(data.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+        throw RunError("HDF5: cannot write " + path + hdf5_reason());
+    const std::uint64_t checksum = xxh3({static_cast<const char*>(values), elements * H5Tget_size(type)});
+    write_attribute(data.get(), checksum_name, checksum_text(checksum));
+    data.close("write " + path);
+    expect({{path, type, 0, extent.empty() ? 1 : extent[0], checksum}});
+}
+
+void Hdf5File::part(const std::string& path, std::span<const double> values, hsize_t first,
+                    const std::vector<hsize_t>& extent, const std::string& unit) {
+    const hid_t type = H5T_IEEE_F64LE;
+    Hdf5Handle data = H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0
+                          ? Hdf5Handle(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path)
+                          : create_dataset(file_, path, type, extent, unit);
+    if (values.empty())
+        return data.close("write " + path);
+    const hsize_t row = product(extent, 1), count = row == 0 ? 0 : values.size() / row;
+    if (count * row != values.size())
+        throw RunError(fmt::format("HDF5: {}: {} values are no whole rows of {}", path, values.size(), row));
+    const RowSelection selected(data.get(), first, count);
+    if (H5Dwrite(data.get(), type, selected.memory.get(), selected.file.get(), H5P_DEFAULT, values.data()) <
+        0)
+        throw RunError("HDF5: cannot write " + path + hdf5_reason());
+    data.close("write " + path);
+    expect({{path, type, first, count, xxh3(as_text(std::as_bytes(values)))}});
+}
+
+void Hdf5File::expect(const std::vector<WrittenRows>& rows) {
+    expected_.insert(expected_.end(), rows.begin(), rows.end());
+}
+
+void Hdf5File::close() {
+    const bool flushed = H5Fflush(file_, H5F_SCOPE_LOCAL) >= 0;
+    const std::string reason = flushed ? "" : hdf5_reason();
+    const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
+    if (!flushed || !closed)
+        throw RunError(target_.string() + ": HDF5 cannot write the file" +
+                       (flushed ? hdf5_reason() : reason));
+}
+
+/// What is read here is what whoever opens the file will read.
+void Hdf5File::read_back() const {
+    const Hdf5Handle file(H5Fopen(pending_.temporary().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+                          "read back " + target_.string());
+    const auto lost = [&](const std::string& what) {
+        throw RunError(fmt::format("{}: {} is not in the file as it was written: the system lost it",
+                                   target_.string(), what));
+    };
+    for (const WrittenRows& rows : expected_)
+        if (!is_as_written(file.get(), rows))
+            lost(rows.path);
+    if (H5Ovisit2(file.get(), H5_INDEX_NAME, H5_ITER_INC, require_checksum, nullptr, H5O_INFO_BASIC) < 0)
+        lost("a dataset");
 }
 
 void Hdf5File::commit() {
-    flush();
-    const herr_t closed = H5Fclose(file_);
-    file_ = -1;
-    if (closed < 0)
-        throw RunError(target_.string() + ": HDF5 cannot finish writing the file" + hdf5_reason());
+    close();
+    read_back();
     pending_.commit();
-}
-
-Hdf5Handle link_with_parents() {
-    const hid_t properties = H5Pcreate(H5P_LINK_CREATE);
-    H5Pset_create_intermediate_group(properties, 1);
-    return Hdf5Handle(properties, H5Pclose, "set up links");
 }
 
 Hdf5Handle open_group(hid_t file, const std::string& group) {
@@ -90,60 +232,6 @@ Hdf5Handle open_group(hid_t file, const std::string& group) {
     const Hdf5Handle links = link_with_parents();
     return Hdf5Handle(H5Gcreate2(file, group.c_str(), links.get(), H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
                       "create " + group);
-}
-
-Hdf5Handle write_dataset(hid_t file, const std::string& path, hid_t type, const std::vector<hsize_t>& extent,
-                         const void* values) {
-    const bool empty = std::ranges::find(extent, hsize_t{0}) != extent.end();
-    const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
-                           H5Sclose, "shape " + path);
-    const Hdf5Handle links = link_with_parents();
-    const hid_t data =
-        H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT);
-    if (data >= 0 && !empty && H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
-        const std::string reason = hdf5_reason();
-        H5Dclose(data);
-        throw RunError("HDF5: cannot write " + path + reason);
-    }
-    return Hdf5Handle(data, H5Dclose, "create " + path);
-}
-
-namespace {
-
-void make_dataset(hid_t file, const std::string& path, const std::vector<hsize_t>& extent,
-                  const std::string& unit) {
-    const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
-                           H5Sclose, "shape " + path);
-    const Hdf5Handle links = link_with_parents();
-    const Hdf5Handle data(
-        H5Dcreate2(file, path.c_str(), H5T_IEEE_F64LE, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT),
-        H5Dclose, "create " + path);
-    if (!unit.empty())
-        write_attribute(data.get(), "unit", unit);
-}
-
-} // namespace
-
-void write_part(hid_t file, const std::string& path, std::span<const double> values, hsize_t first,
-                const std::vector<hsize_t>& extent, const std::string& unit) {
-    if (H5Lexists(file, path.c_str(), H5P_DEFAULT) <= 0)
-        make_dataset(file, path, extent, unit);
-    if (values.empty())
-        return;
-    const Hdf5Handle data(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
-    const hsize_t row =
-        std::accumulate(extent.begin() + 1, extent.end(), hsize_t{1}, std::multiplies<hsize_t>());
-    if (row == 0 || values.size() % row != 0)
-        throw RunError(fmt::format("HDF5: {}: {} values are no whole rows of {}", path, values.size(), row));
-    std::vector<hsize_t> start(extent.size(), 0), count = extent;
-    start[0] = first;
-    count[0] = values.size() / row;
-    const Hdf5Handle there(H5Dget_space(data.get()), H5Sclose, "read the shape of " + path);
-    const Hdf5Handle here(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose,
-                          "shape a part of " + path);
-    if (H5Sselect_hyperslab(there.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
-        H5Dwrite(data.get(), H5T_NATIVE_DOUBLE, here.get(), there.get(), H5P_DEFAULT, values.data()) < 0)
-        throw RunError("HDF5: cannot write " + path + hdf5_reason());
 }
 
 void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
@@ -209,17 +297,25 @@ Hdf5Series::Hdf5Series(hid_t file, const std::string& path, const Layout& layout
       data_(create(file, path, layout), H5Dclose, "create " + path) {}
 
 void Hdf5Series::append(const void* row) {
-    std::vector<hsize_t> start(extent_.size(), 0), count = extent_;
-    start[0] = extent_[0]++;
-    count[0] = 1;
+    const hsize_t first = extent_[0]++;
     if (H5Dset_extent(data_.get(), extent_.data()) < 0)
         throw RunError("HDF5: cannot extend " + path_ + hdf5_reason());
-    const Hdf5Handle file_space(H5Dget_space(data_.get()), H5Sclose, "read the shape of " + path_);
-    const Hdf5Handle row_space(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
-                               H5Sclose, "shape a row of " + path_);
-    H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-    if (H5Dwrite(data_.get(), type_, row_space.get(), file_space.get(), H5P_DEFAULT, row) < 0)
+    const RowSelection selected(data_.get(), first, 1);
+    if (H5Dwrite(data_.get(), type_, selected.memory.get(), selected.file.get(), H5P_DEFAULT, row) < 0)
         throw RunError("HDF5: cannot write " + path_ + hdf5_reason());
+    checksums_.push_back(xxh3({static_cast<const char*>(row), product(extent_, 1) * H5Tget_size(type_)}));
+}
+
+std::vector<WrittenRows> Hdf5Series::close() {
+    constexpr std::size_t most = 16; // rows that are read again
+    data_.close("write " + path_);
+    std::vector<WrittenRows> rows;
+    const std::size_t count = std::min(most, checksums_.size());
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t row = count == 1 ? 0 : k * (checksums_.size() - 1) / (count - 1);
+        rows.push_back({path_, type_, row, 1, checksums_[row]});
+    }
+    return rows;
 }
 
 } // namespace rodwake::store

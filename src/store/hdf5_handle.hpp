@@ -7,6 +7,8 @@
 
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace rodwake::store {
 
@@ -45,14 +47,22 @@ class Hdf5Handle {
 public:
     using Close = herr_t (*)(hid_t);
     /// Throws RunError saying what could not be done, and why, if the handle is not valid.
-    Hdf5Handle(hid_t id, Close close, const std::string& doing) : id_(id), close_(close) {
+    Hdf5Handle(hid_t id, Close closing, const std::string& doing) : id_(id), close_(closing) {
         if (id_ < 0)
             throw RunError("HDF5: cannot " + doing + hdf5_reason());
     }
-    ~Hdf5Handle() { close_(id_); }
+    ~Hdf5Handle() {
+        if (id_ >= 0)
+            close_(id_);
+    }
+    /// Of what was written: with this call goes what the library still held of it. Throws RunError.
+    void close(const std::string& doing) {
+        if (close_(std::exchange(id_, -1)) < 0)
+            throw RunError("HDF5: cannot " + doing + hdf5_reason());
+    }
     Hdf5Handle(const Hdf5Handle&) = delete;
     Hdf5Handle& operator=(const Hdf5Handle&) = delete;
-    Hdf5Handle(Hdf5Handle&&) = delete;
+    Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
     Hdf5Handle& operator=(Hdf5Handle&&) = delete;
     hid_t get() const { return id_; }
 
@@ -60,5 +70,11 @@ private:
     hid_t id_;
     Close close_;
 };
+
+/// Extents of a dataset; none of a scalar.
+std::vector<hsize_t> extent_of(hid_t dataset);
+
+/// Rows of a dataset, which is read whole if it is a scalar, into `values`; false if HDF5 cannot.
+bool read_rows(hid_t dataset, hid_t type, hsize_t first, hsize_t count, void* values);
 
 } // namespace rodwake::store

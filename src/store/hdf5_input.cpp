@@ -21,6 +21,8 @@ hid_t open_for_reading(const std::filesystem::path& path, const std::string& adv
         refuse("no such file");
     if (kind != std::filesystem::file_type::regular)
         refuse("not a file that can be read");
+    if (!hdf5_survives(path))
+        refuse("the HDF5 file is damaged: the HDF5 library crashes on it, or finds no end");
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0 && H5Fis_hdf5(path.c_str()) > 0)
         refuse("the HDF5 file is cut short or damaged");
@@ -29,24 +31,27 @@ hid_t open_for_reading(const std::filesystem::path& path, const std::string& adv
     return file;
 }
 
+herr_t refuse_link(const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) { return -1; }
+
+/// How links are followed: not to other files, for whoever opens a file reads that file.
+Hdf5Handle within_file(hid_t kind = H5P_LINK_ACCESS) {
+    const hid_t access = H5Pcreate(kind);
+    H5Pset_elink_cb(access, refuse_link, nullptr);
+    return Hdf5Handle(access, H5Pclose, "set up reading");
+}
+
 /// Rows are read once and in order: a cache of chunks would only copy them.
-Hdf5Handle without_cache(const Hdf5Input& file) {
-    const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
-    H5Pset_chunk_cache(access, 0, 0, 0.0);
-    return file.handle(access, H5Pclose, "set up reading");
+Hdf5Handle without_cache() {
+    Hdf5Handle access = within_file(H5P_DATASET_ACCESS);
+    H5Pset_chunk_cache(access.get(), 0, 0, 0.0);
+    return access;
 }
 
 Hdf5Handle open_dataset(const Hdf5Input& file, const std::string& path) {
     if (!file.has(path))
         file.refuse(fmt::format("dataset {} is missing", path));
-    const Hdf5Handle access = without_cache(file);
+    const Hdf5Handle access = without_cache();
     return file.handle(H5Dopen2(file.get(), path.c_str(), access.get()), H5Dclose, "open dataset " + path);
-}
-
-std::vector<hsize_t> extents(hid_t space) {
-    std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
-    H5Sget_simple_extent_dims(space, shape.data(), nullptr);
-    return shape;
 }
 
 double product(const std::vector<hsize_t>& shape) {
@@ -80,13 +85,13 @@ Hdf5Handle Hdf5Input::handle(hid_t id, Hdf5Handle::Close close, const std::strin
 }
 
 bool Hdf5Input::has(const std::string& path) const {
-    return path == "/" || H5Lexists(get(), path.c_str(), H5P_DEFAULT) > 0;
+    return path == "/" || H5Lexists(get(), path.c_str(), within_file().get()) > 0;
 }
 
 Hdf5Table::Hdf5Table(const Hdf5Input& file, std::string path, hid_t type)
     : file_(&file), path_(std::move(path)), type_(type), data_(open_dataset(file, path_)),
       space_(file.handle(H5Dget_space(data_.get()), H5Sclose, "read the shape of " + path_)),
-      shape_(extents(space_.get())) {
+      shape_(extent_of(data_.get())) {
     check_storage(check_type());
 }
 
@@ -103,6 +108,10 @@ std::size_t Hdf5Table::check_type() const {
 /// What was never written would be read as zeros, and a damaged shape would ask for any amount of memory.
 void Hdf5Table::check_storage(std::size_t bytes) const {
     const Hdf5Handle made = file_->handle(H5Dget_create_plist(get()), H5Pclose, "read about " + path_);
+    if (H5Pget_external_count(made.get()) > 0 || H5Pget_layout(made.get()) == H5D_VIRTUAL)
+        file_->refuse(path_ +
+                      " has its values in another file, which is not looked at; copy them into this one "
+                      "(h5repack does)");
     const double most = H5Pget_nfilters(made.get()) > 0 ? 1100.0 : 1.0; // deflate's best is 1032
     const double needed = product(shape_) * static_cast<double>(bytes);
     if (needed > most * stored_bytes(*file_, get()))
@@ -122,14 +131,7 @@ void Hdf5Table::read(void* values) const {
 }
 
 void Hdf5Table::read_rows(hsize_t first, hsize_t count, void* values) const {
-    std::vector<hsize_t> start(shape_.size(), 0), extent = shape_;
-    start[0] = first;
-    extent[0] = count;
-    const Hdf5Handle rows =
-        file_->handle(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose,
-                      "shape rows of " + path_);
-    H5Sselect_hyperslab(space_.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr);
-    if (H5Dread(get(), type_, rows.get(), space_.get(), H5P_DEFAULT, values) < 0)
+    if (!store::read_rows(get(), type_, first, count, values))
         file_->refuse(fmt::format("{} cannot be read from row {} on{}: the file is damaged", path_, first,
                                   hdf5_reason()));
 }
@@ -149,9 +151,11 @@ std::vector<double> read_numbers(const Hdf5Input& file, const std::string& path,
 namespace {
 
 Hdf5Handle open_attribute(const Hdf5Input& file, const std::string& owner, const std::string& name) {
-    if (!file.has(owner) || H5Aexists_by_name(file.get(), owner.c_str(), name.c_str(), H5P_DEFAULT) <= 0)
+    if (!file.has(owner) ||
+        H5Aexists_by_name(file.get(), owner.c_str(), name.c_str(), within_file().get()) <= 0)
         file.refuse(fmt::format("attribute {} of {} is missing", name, owner));
-    const hid_t id = H5Aopen_by_name(file.get(), owner.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t id =
+        H5Aopen_by_name(file.get(), owner.c_str(), name.c_str(), H5P_DEFAULT, within_file().get());
     return file.handle(id, H5Aclose, fmt::format("open attribute {} of {}", name, owner));
 }
 
@@ -237,7 +241,7 @@ std::vector<std::string> real_attributes(const Hdf5Input& file, const std::strin
     std::vector<std::string> names;
     hsize_t start = 0;
     if (H5Aiterate_by_name(file.get(), owner.c_str(), H5_INDEX_NAME, H5_ITER_INC, &start, add_name, &names,
-                           H5P_DEFAULT) < 0)
+                           within_file().get()) < 0)
         file.refuse(fmt::format("the attributes of {} cannot be listed", owner));
     std::erase_if(names, [&](const std::string& name) {
         return !is_one(open_attribute(file, owner, name).get(), H5T_NATIVE_DOUBLE);

@@ -28,6 +28,9 @@ private:
     Hdf5Handle file_;
 };
 
+/// False if HDF5 crashes on what is in the file, or does not come to an end: a child process looks first.
+bool hdf5_survives(const std::filesystem::path& path);
+
 /// A dataset of numbers of one type, which is that of the file: values come bit for bit. Whole numbers of any
 /// size come as H5T_NATIVE_INT64 if asked for as such. Must not outlive the file.
 class Hdf5Table {

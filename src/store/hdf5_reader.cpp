@@ -1,5 +1,6 @@
 #include "rodwake/store/hdf5_reader.hpp"
 
+#include "hdf5_file.hpp"
 #include "hdf5_input.hpp"
 
 #include <fmt/format.h>
@@ -41,9 +42,17 @@ Hdf5Dataset Hdf5Reader::dataset(const std::string& path, bool or_unknown) const 
     const Hdf5Guard guard;
     const Hdf5Table table(*file_, path, H5T_IEEE_F64LE);
     const auto& shape = table.shape();
-    return {read_numbers(*file_, path, table, or_unknown),
-            {shape.begin(), shape.end()},
-            one_text(*file_, path, "unit")};
+    Hdf5Dataset out{read_numbers(*file_, path, table, or_unknown),
+                    {shape.begin(), shape.end()},
+                    one_text(*file_, path, "unit")};
+    if (H5Aexists(table.get(), checksum_name) > 0 && // files of earlier versions have none
+        one_text(*file_, path, checksum_name) !=
+            checksum_text(xxh3(as_text(std::as_bytes(std::span(out.values))))))
+        file_->refuse(
+            fmt::format("{} is damaged: its values are not those that were written (if they were changed on "
+                        "purpose, remove its attribute {})",
+                        path, checksum_name));
+    return out;
 }
 
 double Hdf5Reader::real(const std::string& group, const std::string& name) const {

@@ -16,15 +16,14 @@ void Hdf5Writer::dataset(const std::string& path, std::span<const double> values
                          const std::vector<std::size_t>& shape, const std::string& unit) {
     const Hdf5Guard guard;
     const std::vector<hsize_t> extent(shape.begin(), shape.end());
-    const Hdf5Handle data = write_dataset(file_->get(), path, H5T_IEEE_F64LE, extent, values.data());
-    write_attribute(data.get(), "unit", unit);
+    file_->dataset(path, H5T_IEEE_F64LE, extent, values.data(), unit);
 }
 
 void Hdf5Writer::part(const std::string& path, std::span<const double> values, std::size_t first,
                       const std::vector<std::size_t>& shape, const std::string& unit) {
     const Hdf5Guard guard;
     const std::vector<hsize_t> extent(shape.begin(), shape.end());
-    write_part(file_->get(), path, values, first, extent, unit);
+    file_->part(path, values, first, extent, unit);
 }
 
 void Hdf5Writer::attribute(const std::string& group, const std::string& name, double value) {

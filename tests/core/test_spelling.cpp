@@ -17,3 +17,14 @@ TEST_CASE("edit distance and the nearest name") {
     CHECK(nearest_word("x", known) == "");
     CHECK(nearest_word(std::string(100000, 'k'), known) == "");
 }
+
+TEST_CASE("words of others are shown without what a terminal would obey, and cut") {
+    using namespace rodwake;
+    CHECK(printable("plain, zwei Stäbe\n\tand a tab") == "plain, zwei Stäbe\n\tand a tab");
+    CHECK(printable("\x1b[2J\x07\x7f") == "\\x1b[2J\\x07\\x7f");
+    CHECK(printable("\xc2\x9b"
+                    "31m") == "\\x9b31m"); // the same in one character
+    CHECK(shown("a\nb") == "a\\x0ab");
+    CHECK(shown(std::string(5'000'000, '9')) == std::string(60, '9') + "...");
+    CHECK(shown(std::string(59, 'x') + "ä") == std::string(59, 'x') + "..."); // not within a character
+}

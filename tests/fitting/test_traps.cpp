@@ -248,3 +248,17 @@ TEST_CASE("the search for NaN finds one") {
     r.estimates[1].low = std::numeric_limits<double>::quiet_NaN();
     CHECK(any_nan(best, r));
 }
+
+TEST_CASE("out of memory is not taken for a bad point") {
+    Problem problem = toy::decay(40, 3);
+    int left = 5;
+    problem.evaluate = [inner = problem.evaluate, &left](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                                                         Eigen::MatrixXd* jacobian) {
+        if (--left == 0)
+            throw std::bad_alloc();
+        inner(p, r, jacobian);
+    };
+    Method method;
+    method.threads = 1;
+    CHECK_THROWS_AS(fit(problem, method), std::bad_alloc);
+}

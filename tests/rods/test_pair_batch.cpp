@@ -264,3 +264,15 @@ TEST_CASE("rods that pass through each other are handed over") {
     simulate_pairs({&pair, 1}, {}, {&result, 1});
     CHECK(result.ending == Ending::contact);
 }
+
+TEST_CASE("rods that are too far apart to turn each other do not pursue, in the batch and beside it") {
+    for (const auto& [distance, ending] : {std::pair(10.0, Ending::pursuit), std::pair(1e300, Ending::undecided)}) {
+        PairProblem pair;
+        pair.couplings.kappa = 1.0;
+        pair.rods = {Pose{0.0, 0.0, 0.0}, Pose{-distance, 0.0, 0.0}};
+        pair.t_end = 20.0;
+        CAPTURE(distance);
+        CHECK(results_of({pair}, {})[0].ending == ending);
+        CHECK(reference(pair, 1e-8).outcome.ending == ending);
+    }
+}

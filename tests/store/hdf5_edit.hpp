@@ -39,13 +39,15 @@ public:
     void remove_attribute(const std::string& owner, const std::string& name) const {
         want(H5Adelete_by_name(file_, owner.c_str(), name.c_str(), H5P_DEFAULT) >= 0, "remove", name);
     }
-    /// One element, counted in C order.
+    /// One element, counted in C order; the checksum goes.
     void set(const std::string& path, std::size_t index, double value) const {
         with_dataset(path, [&](hid_t data) {
             std::vector<double> all(count(data));
             want(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) >= 0, "read",
                  path);
             all.at(index) = value;
+            if (H5Aexists(data, "xxh3") > 0)
+                want(H5Adelete(data, "xxh3") >= 0, "remove checksum of", path);
             want(H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) >= 0, "write",
                  path);
         });

@@ -153,3 +153,62 @@ TEST_CASE("Files that are not HDF5, or not whole, are refused in silence") {
               }
           }).empty());
 }
+
+TEST_CASE("A value that is not the one that was written is refused") {
+    const Scratch scratch;
+    const auto with = [&](auto spoil) {
+        write_example(scratch / "r.h5");
+        std::string bytes = content(scratch / "r.h5");
+        const double wanted = -1.0 / 3.0; // in the grid alone
+        const auto at = bytes.find(std::string(reinterpret_cast<const char*>(&wanted), sizeof wanted));
+        REQUIRE(at != std::string::npos);
+        bytes[at] = static_cast<char>(bytes[at] ^ 1); // a last digit
+        scratch.file("r.h5", bytes);
+        spoil(Hdf5Edit(scratch / "r.h5"));
+        return store::Hdf5Reader(scratch / "r.h5").dataset("/field/grid/Ux").values[4];
+    };
+    CHECK(has(error_of<InputError>([&] { with(as_it_is); }), "/field/grid/Ux is damaged: its values are not"));
+    CHECK(with([](const Hdf5Edit& f) { f.remove_attribute("/field/grid/Ux", "xxh3"); }) ==
+          Approx(-1.0 / 3.0).epsilon(1e-9));
+}
+
+TEST_CASE("What lies in another file is not read") {
+    const Scratch scratch;
+    write_example(scratch / "other.h5");
+    write_example(scratch / "r.h5");
+    {
+        const hid_t file = H5Fopen((scratch / "r.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+        REQUIRE(H5Lcreate_external("other.h5", "/field", file, "link", H5P_DEFAULT, H5P_DEFAULT) >= 0);
+        const hid_t made = H5Pcreate(H5P_DATASET_CREATE);
+        REQUIRE(H5Pset_external(made, (scratch / "other.h5").c_str(), 0, 32) >= 0);
+        const hsize_t four = 4;
+        const hid_t space = H5Screate_simple(1, &four, nullptr);
+        H5Dclose(H5Dcreate2(file, "outside", H5T_IEEE_F64LE, space, H5P_DEFAULT, made, H5P_DEFAULT));
+        H5Sclose(space);
+        H5Pclose(made);
+        H5Fclose(file);
+    }
+    const store::Hdf5Reader in(scratch / "r.h5");
+    CHECK(in.dataset("/row").values.size() == 4);
+    CHECK_THROWS_AS(in.dataset("/link/grid/Ux"), InputError);
+    CHECK(has(error_of<InputError>([&] { in.dataset("/outside"); }), "has its values in another file"));
+}
+
+TEST_CASE("A changed byte takes the file with it, not the program") {
+    const Scratch scratch;
+    write_example(scratch / "whole.h5");
+    const std::string whole = content(scratch / "whole.h5");
+    std::size_t refused = 0;
+    for (std::size_t place = 9; place < whole.size(); place += whole.size() / 97) {
+        std::string bytes = whole;
+        bytes[place] = static_cast<char>(~bytes[place]);
+        scratch.file("r.h5", bytes);
+        try {
+            store::list_hdf5(scratch / "r.h5");
+            store::Hdf5Reader(scratch / "r.h5").dataset("/row");
+        } catch (const InputError&) {
+            ++refused;
+        }
+    }
+    CHECK(refused > 0);
+}

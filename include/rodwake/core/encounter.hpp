@@ -14,7 +14,8 @@
 //   lateral_offset r
 //              of the other's axis and behind it, and r varied by at most steady_separation of its mean
 //              (midway between its extremes) over the last part of the run. Rods that do not interact cannot
-//              pursue each other
+//              pursue each other, nor can those of which the front one's wake is too weak to turn the rear
+//              one by residual_turn in the whole run
 //   escape     r' > 0, and in the time r/|v_a - v_b| in which the separation doubles at these velocities
 //   neither
 //              heading turns by more than residual_turn, at the rate of the last part of the run

@@ -20,13 +20,16 @@ std::size_t threads_for(std::size_t work, std::size_t least, std::size_t threads
 /// other programs may be long.
 class Team {
 public:
-    /// `threads` in all, the caller among them; 1: no thread is started.
+    /// `threads` in all, the caller among them, or as many as the system starts; 1: no thread is started.
     explicit Team(std::size_t threads) : threads_(threads) {}
     ~Team();
     Team(const Team&) = delete;
     Team& operator=(const Team&) = delete;
     Team(Team&&) = delete;
     Team& operator=(Team&&) = delete;
+
+    /// Starts the threads now and says how many there are, the caller among them.
+    std::size_t started();
 
     /// Calls task(i) once for each i in [0, count) and returns when all are done. Which thread does which is
     /// left open, but in every loop the caller begins at the first and the others at the last, so that data

@@ -1,6 +1,6 @@
 #pragma once
-// The known word that a misspelt one most likely stands for: keys and values of scenes, words of the command
-// line.
+// Words in messages: the known one that a misspelt one most likely stands for (keys and values of scenes,
+// words of the command line), and how words of others are shown.
 
 #include <cstddef>
 #include <span>
@@ -17,5 +17,11 @@ std::string_view nearest_word(std::string_view name, std::span<const std::string
 
 /// ` (did you mean "kappa"?)`, or empty.
 std::string did_you_mean(std::string_view name, std::span<const std::string_view> known);
+
+/// Without what a terminal would obey: control characters but for tabs and ends of lines as \x1b.
+std::string printable(std::string_view text);
+
+/// A word of a file, in a message: printable on one line, and cut after 60 bytes.
+std::string shown(std::string_view word);
 
 } // namespace rodwake

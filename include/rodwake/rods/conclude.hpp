@@ -15,6 +15,11 @@ void validate(const RodProblem& problem);
 /// over; others: nothing. Throws InputError as validate does for all but the separation.
 std::optional<RodResult> contact_at_start(const RodProblem& problem);
 
+/// Whether the wake of a rod can turn another one, `distance` behind it, by `angle` in this time: by the
+/// bounds of elastic/wake_bound.hpp, which are a few times the field. Rods that cannot do not interact.
+bool reaches(const elastic::Medium& medium, const Couplings& couplings, double distance, double time,
+             double angle);
+
 /// Those of the problem, and t_end.
 std::vector<double> output_times(const RodProblem& problem);
 

@@ -110,6 +110,7 @@ public:
 private:
     /// Stages that follow from one that is done again: done again too if asked for, else dropped.
     void drop_outdated(const scene::Scene& scene, std::span<const assembly::Stage> asked);
+    void refuse_links() const;
     /// Files of stages that are done again or dropped, and what killed runs left half written.
     void remove_outdated() const;
     bool is_outdated(const FileKind& kind, const std::string& name) const;

@@ -1,0 +1,49 @@
+"""A write, sync, rename, open, unlink or allocation fails: the program says so and ends with 1, or its results are whole; and
+the same command goes on from there. A quick round; tools/validate_faults.py has the long one."""
+
+import os
+import tempfile
+import unittest
+from pathlib import Path
+
+from faults import CALLS, ERRORS, VERBS, Bench, spread
+
+SHIM = os.environ["RODWAKE_FAULTY_SYSTEM"]
+MOST = {"write": 8, "fsync": 3, "rename": 3, "open": 4, "unlink": 2, "malloc": 4}  # faults of each verb
+
+
+class Faults(unittest.TestCase):
+    def bench(self, verb):
+        folder = tempfile.TemporaryDirectory(prefix="rodwake-faults-")
+        self.addCleanup(folder.cleanup)
+        return Bench(verb, Path(folder.name), SHIM)
+
+    def quick_round(self, verb):
+        bench = self.bench(verb)
+        seen = 0
+        for call in CALLS:
+            for k, number in enumerate(spread(bench.counts[call], MOST[call])):
+                error = ERRORS[call][k % len(ERRORS[call])]
+                with self.subTest(call=call, number=number, error=error):
+                    wrong, done = bench.fault(call, number, error)
+                    self.assertEqual(wrong, [], done.stderr)
+                    seen += done.returncode == 1
+        self.assertGreater(seen, 0, "no fault had any effect")
+
+    def test_a_fault_that_is_not_told_is_seen(self):
+        bench = self.bench("rods")
+        place = bench.fresh()
+        done = bench.run(place)
+        self.assertEqual(bench.judge(place, done), [])
+        (place / "out/rods.csv").write_text("t\n0\n")
+        self.assertRegex(" ".join(bench.judge(place, done)), "silent: .*rods.csv")
+        done.returncode = 1
+        self.assertIn("failed, and told as finished", bench.judge(place, done))
+
+
+for _verb in VERBS:
+    if _verb not in ("plot", "tradeoff"):  # drawing takes seconds, and times differ: the long round has them
+        setattr(Faults, f"test_{_verb}", lambda self, verb=_verb: self.quick_round(verb))
+
+if __name__ == "__main__":
+    unittest.main()

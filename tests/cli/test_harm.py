@@ -1,0 +1,198 @@
+"""Surroundings that are against the program: closed streams, limits of the system, links, inputs under the names of results,
+damaged files. Nothing is lost without a word, nothing of others is touched, and no end is unseemly."""
+
+import json
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import unittest
+
+import h5py
+from fits import FitTest
+from rodwake import PAIR, PROGRAM, SOURCE, ProgramTest, snapshot, wait_until
+from scans import GRID, rows_of
+
+PLOTS = SOURCE / "plots/rodwake_plot.py"
+SHORT = PAIR.replace("t_end = 60.0", "t_end = 5.0")
+
+
+class Surroundings(ProgramTest):
+    def shell(self, line):
+        """The process of a line of bash, in which $RODWAKE is the program."""
+        return subprocess.run(["bash", "-c", line], cwd=self.folder, text=True, capture_output=True, timeout=120,
+                              env={**os.environ, "RODWAKE": str(PROGRAM)})
+
+    def setUp(self):
+        super().setUp()
+        self.write("pair.toml", SHORT)
+
+
+class Streams(Surroundings):
+    def test_an_error_keeps_its_exit_code_without_standard_error(self):
+        for closed in ("2>&-", "2>/dev/full", "2>&- >&- <&-"):
+            self.assertEqual(self.shell(f"$RODWAKE rods nowhere.toml {closed}").returncode, 2, closed)
+            self.assertEqual(self.shell(f"$RODWAKE rods pair.toml -o out --force {closed}").returncode, 0, closed)
+        self.assertEqual(self.shell("$RODWAKE nonsense 2>/dev/full").returncode, 2)
+
+    def test_no_file_takes_the_place_of_a_closed_stream(self):
+        self.assertEqual(self.shell("$RODWAKE rods pair.toml -o out <&- >&- 2>&-").returncode, 0)
+        self.assertNotIn(b"rods:", (self.folder / "out/rods.csv").read_bytes())
+        self.assertEqual(self.status("out"), "finished")
+
+    def test_figures_are_made_without_streams(self):
+        done = self.shell("$RODWAKE run pair.toml -o out <&- >&- 2>&-")
+        self.assertEqual(done.returncode, 0)
+        self.assertTrue((self.folder / "out/report.html").exists())
+
+    def test_a_full_standard_output_is_told(self):
+        done = self.shell("$RODWAKE info --schema >/dev/full")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("standard output", done.stderr)
+
+
+class Drawing(Surroundings):
+    def test_figures_that_failed_are_told_where_children_are_ignored(self):
+        self.expect(0, "rods", "pair.toml", "-o", "out")
+        (self.folder / "out/rods.csv").write_text("no table\n")
+        done = self.shell("trap '' CHLD; $RODWAKE plot out")
+        self.assertEqual(done.returncode, 1, done.stderr)
+
+    def test_a_run_killed_while_it_draws_goes_on_with_its_figures(self):
+        with self.started("run", "pair.toml", "-o", "out", start_new_session=True) as process:
+            drawing = wait_until(lambda: (self.folder / "out/provenance.json").exists() and self.status("out") == "finished", 60)
+            self.assertTrue(drawing)
+            os.killpg(process.pid, signal.SIGKILL)
+        before = (self.folder / "out/rods.csv").stat().st_mtime_ns
+        self.assertFalse((self.folder / "out/report.html").exists(), "killed too late")
+        self.expect(0, "run", "pair.toml", "-o", "out")
+        self.assertTrue((self.folder / "out/report.html").exists())
+        self.assertTrue(list((self.folder / "out/figures").glob("*.png")))
+        self.assertEqual((self.folder / "out/rods.csv").stat().st_mtime_ns, before, "computed again")
+        self.refuse(2, "holds a finished run", "run", "pair.toml", "-o", "out")
+
+
+class Limits(Surroundings):
+    def test_a_file_that_is_too_large_is_told(self):
+        self.write("scan.toml", GRID)
+        for verb, scene in (("rods", "pair.toml"), ("scan", "scan.toml")):
+            done = self.shell(f"ulimit -f 8; $RODWAKE {verb} {scene} -o {verb}")
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertRegex(done.stderr, "(?i)file too large|disk I/O error|disk is full")
+            self.assertEqual(self.shell(f"$RODWAKE {verb} {scene} -o {verb}").returncode, 0, verb)
+
+    def test_fewer_threads_than_asked_for(self):
+        done = self.shell("ulimit -v 4000000; $RODWAKE rods pair.toml -o out -j 1000")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stderr, r"only \d+ of 1000 threads can be started")
+
+    def test_a_ledger_with_a_journal_is_taken_back(self):
+        self.write("scan.toml", GRID)
+        self.expect(0, "scan", "scan.toml", "-o", "whole")
+        self.expect(0, "scan", "scan.toml", "-o", "out")
+        ledger = self.folder / "out/ledger.sqlite"
+        with sqlite3.connect(ledger, isolation_level=None) as connection:
+            connection.execute("PRAGMA journal_mode = DELETE")
+            connection.execute("PRAGMA cache_size = 1")
+            connection.execute("BEGIN")
+            connection.execute("CREATE TABLE many (x BLOB)")
+            for _ in range(50):
+                connection.execute("INSERT INTO many VALUES (zeroblob(30000))")
+            journal = ledger.with_name("ledger.sqlite-journal")
+            self.assertGreater(journal.stat().st_size, 0)
+            torn = [(file, file.read_bytes()) for file in (ledger, journal)]
+            connection.execute("ROLLBACK")
+        for file, content in torn:
+            file.write_bytes(content)
+        with ledger.open("ab") as file:
+            file.write(b"half a page")
+        (self.folder / "out/scan.csv").unlink()
+        self.expect(0, "scan", "scan.toml", "-o", "out")
+        self.assertEqual(rows_of(self.folder / "out/scan.csv"), rows_of(self.folder / "whole/scan.csv"))
+
+
+class SmallStack(FitTest):
+    def test_a_fit_on_a_small_stack(self):
+        self.make_profile()
+        self.write("fit.toml", 'schema = 1\n[fit]\nparameters = ["f_over_mu", "eta"]\nstart = { f_over_mu = 1.5, eta = 2.0 }\n'
+                   'fixed = { xi = 22.0 }\n[[fit.profiles]]\nfile = "ux.csv"\n')
+        done = subprocess.run(["bash", "-c", f"ulimit -s 64; exec {PROGRAM} fit fit.toml -o out -j 2"], cwd=self.folder, text=True,
+                              capture_output=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
+class Others(Surroundings):
+    def test_an_input_is_not_replaced_by_a_result(self):
+        self.write("scene.toml", SHORT)
+        self.refuse(2, r"scene\.toml: is read by this command", "rods", "scene.toml", "-o", ".", "--force")
+        self.write("there/scan.csv", "coupling.kappa\n0.1\n")
+        self.write("list.toml", SHORT + '[scan]\ndesign = "list"\nfile = "there/scan.csv"\n')
+        self.refuse(2, r"scan\.csv: is read by this command", "scan", "list.toml", "-o", "there", "--force")
+
+    def test_a_run_in_the_folder_of_its_scene(self):
+        self.write("mine.toml", SHORT)
+        self.expect(0, "rods", "mine.toml", "-o", ".", "--force")
+        self.expect(0, "rods", "scene.toml", "-o", ".", "--force")  # of the run itself
+
+    def test_nothing_is_written_through_links(self):
+        self.expect(0, "rods", "pair.toml", "-o", "out")
+        self.write("elsewhere/precious.txt", "precious")
+        for name, target in (("log.txt", "elsewhere/precious.txt"), ("rods.csv", "elsewhere/precious.txt"), ("variants", "elsewhere")):
+            shutil.copytree(self.folder / "out", self.folder / "linked")
+            (self.folder / "linked" / name).unlink(missing_ok=True)
+            (self.folder / "linked" / name).symlink_to(self.folder / target)
+            before = snapshot(self.folder / "elsewhere")
+            done = self.expect(2, "rods", "pair.toml", "-o", "linked", "--force")
+            self.assertRegex(done.stderr, f"{name}: is a link")
+            self.assertEqual(snapshot(self.folder / "elsewhere"), before)
+            shutil.rmtree(self.folder / "linked")
+
+    def test_a_result_kept_elsewhere_is_read(self):
+        self.expect(0, "rods", "pair.toml", "-o", "out")
+        shutil.move(self.folder / "out/rods.csv", self.folder / "moved.csv")
+        (self.folder / "out/rods.csv").symlink_to(self.folder / "moved.csv")
+        self.write("more.toml", SHORT + "[field]\nx = [-5, 3]\ny = [-2, 2]\nnx = 5\nny = 3\n")
+        self.expect(0, "field", "more.toml", "-o", "out")
+        self.assertTrue((self.folder / "out/rods.csv").is_symlink())
+
+    def test_words_of_files_do_not_reach_the_terminal_as_they_are(self):
+        self.write("points.csv", "x,y\n\x1b[31m" + "9" * 5_000_000 + ",1\n")
+        done = self.expect(2, "field", "--points", "points.csv")
+        self.assertNotIn("\x1b", done.stderr)
+        self.assertLess(len(done.stderr), 500)
+        self.write("odd.toml", SHORT + '[odd]\n"\\u001b[2J" = 1\n')
+        self.assertNotIn("\x1b", self.expect(2, "check", "odd.toml").stderr)
+
+
+class Damaged(Surroundings):
+    def test_info_of_a_changed_byte(self):
+        """The library that reads HDF5 crashes on some of these; the program does not."""
+        self.expect(0, "rods", "pair.toml", "-o", "out")
+        whole = (self.folder / "out/result.h5").read_bytes()
+        for place in range(96, len(whole), max(1, len(whole) // 60)):
+            spoilt = bytearray(whole)
+            spoilt[place] ^= 0xFF
+            (self.folder / "spoilt.h5").write_bytes(spoilt)
+            done = self.run_program("info", "spoilt.h5")
+            self.assertIn(done.returncode, (0, 2), f"byte {place}: {done.stderr}")
+
+    def test_links_to_other_files_are_not_followed(self):
+        self.write("bed.toml", 'schema = 1\n[medium]\neta = 1.0\nalpha = 1.0\nfield = "measured"\n[medium.measured]\nfile = "link.h5"\n'
+                   "[field]\nx = [-5, 3]\ny = [-2, 2]\nnx = 5\nny = 3\n")
+        with h5py.File(self.folder / "other.h5", "w") as file:
+            file["displacement/Ux"] = [1.0]
+        with h5py.File(self.folder / "link.h5", "w") as file:
+            file["displacement"] = h5py.ExternalLink("other.h5", "/displacement")
+        self.assertIn("link.h5", self.expect(2, "field", "bed.toml", "-o", "out").stderr)
+
+    def test_rods_that_cannot_reach_each_other_do_not_pursue(self):
+        far = SHORT.replace("[0.0, 2.5]", "[0.0, 0.0]").replace("[0.0, -2.5]", "[-1e300, 0.0]")
+        self.write("far.toml", far)
+        self.expect(0, "rods", "far.toml", "-o", "far")
+        outcome = json.loads((self.folder / "far/outcome.json").read_text())
+        self.assertNotIn("pursuit", json.dumps(outcome))
+
+
+if __name__ == "__main__":
+    unittest.main()
