@@ -2,6 +2,7 @@
 #include "rodwake/assembly/schema.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
 #include "rodwake/scan/ledger.hpp"
 #include "rodwake/scene/document.hpp"
 #include "rodwake/stages/run.hpp"
@@ -240,7 +241,7 @@ int describe_run(const fs::path& folder) {
         if (file.name.ends_with(".json") && file.name.find('/') == std::string::npos &&
             file.name != "manifest.json" && !file.progress) {
             fmt::print("\n{}\n", file.name);
-            fmt::print("{}", file_text(folder / file.name));
+            fmt::print("{}", printable(file_text(folder / file.name)));
         }
     if (fs::exists(folder / "ledger.sqlite") && !fs::exists(folder / "scan.json"))
         fmt::print("\nledger.sqlite\n{}", file_text(folder / "ledger.sqlite"));
@@ -279,7 +280,7 @@ int verb_info(const Options& options) {
         throw InputError(options.target + ": no such file or folder");
     if (fs::is_directory(options.target))
         return describe_run(options.target);
-    fmt::print("{}", file_text(options.target));
+    fmt::print("{}", printable(file_text(options.target)));
     return 0;
 }
 

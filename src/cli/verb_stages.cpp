@@ -10,6 +10,7 @@
 #include "verbs.hpp"
 
 #include <algorithm>
+#include <memory>
 
 namespace rodwake::cli {
 
@@ -152,10 +153,12 @@ int verb_stages(const Options& options) {
     context.draws = options.verb == Verb::run;
     if (job && job->rank() > 0)
         return serve(options, scene, stages, context, *job);
-    const assembly::Plan plan = stages::plan_run(scene, stages, output_folder(options), context);
-    for (const std::string& doubt : assembly::doubts(plan))
+    const auto plan = // large for a small stack
+        std::make_unique<const assembly::Plan>(
+            stages::plan_run(scene, stages, output_folder(options), context));
+    for (const std::string& doubt : assembly::doubts(*plan))
         context.log(stages::Severity::warning, doubt);
-    return finish(options, stages::run(plan, output_folder(options), context));
+    return finish(options, stages::run(*plan, output_folder(options), context));
 }
 
 } // namespace rodwake::cli

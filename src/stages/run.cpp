@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 
 namespace rodwake::stages {
 
@@ -149,7 +150,8 @@ void serve(const Plan& plan, const fs::path& folder, const RunContext& context, 
 
 StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context) {
     require_all(plan, folder, context);
-    Session session(plan, folder, context);
+    const auto held = std::make_unique<Session>(plan, folder, context); // large for a small stack
+    Session& session = *held;
     const StageEnd end = run_recorded(session);
     if (end == StageEnd::interrupted)
         session.log->warn(

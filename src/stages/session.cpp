@@ -156,6 +156,7 @@ void Session::use_medium(double eta, double xi) {
 }
 
 void Session::close(StageEnd end) {
+    closing_ = true;
     results.commit();
     write_manifest(directory.path());
     write_provenance(end == StageEnd::finished || end == StageEnd::incomplete
@@ -164,8 +165,11 @@ void Session::close(StageEnd end) {
                      true);
 }
 
-void Session::fail(const std::string& why) const noexcept {
+void Session::fail(const std::string& why) noexcept {
     try {
+        if (closing_ &&
+            !finished_.empty()) // who ends with an error has not finished, whatever is there already
+            finished_.pop_back();
         write_provenance("failed", false);
         for (const auto& sink : log->sinks())
             if (sink == log->sinks().front()) // log.txt; the caller hears it from the exception

@@ -32,7 +32,7 @@ public:
     /// Puts the result file in place and records how the run ended.
     void close(StageEnd end);
     /// Records that an exception ended the run; its results are dropped.
-    void fail(const std::string& why) const noexcept;
+    void fail(const std::string& why) noexcept;
 
 private:
     /// What later stages need of those that an earlier command finished.
@@ -41,6 +41,7 @@ private:
     void tell_threads() const;
     void write_provenance(const std::string& status, bool results_kept) const;
     std::vector<assembly::Stage> finished_;
+    bool closing_ = false;
     std::optional<scene::Scene> fitted_;
     std::chrono::steady_clock::time_point start_;
 };

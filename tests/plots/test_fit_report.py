@@ -39,7 +39,7 @@ class ReportTest(FitCase):
 
     def test_self_contained(self):
         page = self.page()
-        self.assertNotIn("http", page)
+        self.assertNotRegex(page, "https?:")
         self.assertEqual(set(re.findall(r'src="([^"]{0,22})', page)), {"data:image/png;base64,"})
 
     def test_no_degrees_of_freedom_and_no_remarks(self):

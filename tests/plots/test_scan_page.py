@@ -27,7 +27,7 @@ class ShownTest(PageCase):
                               ("<script>console.error('alas')</script>", "alas"),
                               ('<img src="https://example.org/a.png">', "example.org")):
             path = self.folder / "spoilt.html"
-            path.write_text(self.path.read_text().replace("<main>", "<main>" + inside))
+            path.write_text(browser.unprotected(self.path.read_text()).replace("<main>", "<main>" + inside))
             with Page(path) as page, self.assertRaisesRegex(AssertionError, found):
                 page.wait_for(lambda: len(page.requests) + len(page.errors) > 1, "nothing was seen", 10)
                 self.assert_clean(page)

@@ -1,6 +1,8 @@
 """Tests of the pieces that figures and page of a scan are made of: /usr/bin/python3 tests/plots/test_scan_pieces.py"""
 
 import base64
+import contextlib
+import io
 import itertools
 import tomllib
 import unittest
@@ -186,6 +188,12 @@ class AxisTest(unittest.TestCase):
             if equals and told:
                 self.assertEqual(axis.equals(3.0), equals)
         self.assertEqual(self.axis(unit="", symbol="", key="granular.max_overlap").name_html, "max overlap")
+
+    def test_a_label_that_is_no_tex_stands_as_it_is(self):
+        with contextlib.redirect_stderr(io.StringIO()):
+            axis = self.axis(label="a < $\\frac{", unit="v0")
+        self.assertEqual((axis.label, axis.equals(3.0)), (r"a < \$\frac{ ($v_0$)", r"a < \$\frac{ $= 3\ v_0$"))
+        self.assertEqual((axis.name_html, axis.equals_text(3.0)), (r"a &lt; $\frac{", r"a < $\frac{ = 3"))
 
     def test_lengths_of_si_have_a_handy_prefix(self):
         axis = self.axis(spacing="linear", unit="m", symbol="d", **{"from": -2e-3, "to": 5e-3})

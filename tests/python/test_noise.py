@@ -78,7 +78,7 @@ class NoiseTest(unittest.TestCase):
                               (dict(output_times=[-1.0]), "output_times: -1"), (dict(capture_error=0.1, most_runs=0), "most_runs = 0")):
             with self.subTest(changes), self.assertRaisesRegex(rodwake.InputError, word):
                 rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), **{**PAIR, "runs": 2, **changes})
-        for poses, changes, word in (([[float("nan"), 0, 0]], {}, "rods: nan"), ([[0, 0, 0]], dict(capture_error=0.1), "two rods")):
+        for poses, changes, word in (([[float("nan"), 0, 0]], {}, "poses: nan"), ([[0, 0, 0]], dict(capture_error=0.1), "two rods")):
             with self.subTest(poses), self.assertRaisesRegex(rodwake.InputError, word):
                 rodwake.simulate_noise(poses, None, rotational_diffusion=0.1, t_end=1.0, runs=2, **changes)
 

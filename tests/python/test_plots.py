@@ -4,6 +4,7 @@ import io
 import unittest
 
 import rodwake
+from matplotlib.figure import Figure
 from program import SCENES, new_folder
 
 
@@ -23,7 +24,7 @@ class PlotsTest(unittest.TestCase):
         png = io.BytesIO()
         made["wake"].savefig(png, dpi=50)
         self.assertTrue(png.getvalue().startswith(b"\x89PNG"))
-        self.assertEqual(type(made["wake"]).__name__, "Figure")
+        self.assertIsInstance(made["wake"], Figure)
 
     def test_one_figure_with_options(self):
         made = rodwake.plots.draw(self.run_of_pair.folder, "cut", component="Uy", title="Beside the rod", x=[-5.0, 5.0])

@@ -229,7 +229,7 @@ class OpenTest(unittest.TestCase):
         for ask, word in ((lambda: whole.trajectory(run=2), "run = 2: .* from 0 to 1"), (lambda: whole.trajectory("result.h5", run=0), "no such file"),
                           (lambda: whole.members[0].trajectory("summary.json"), "HDF5"), (lambda: whole.members[0].rods(), "no such file"),
                           (lambda: rodwake.open_run(whole.folder / "variants"), "part"),
-                          (lambda: rodwake.plots.figures(whole.members[0]), "part of a run"), (lambda: whole.table("scene.toml"), "not a table")):
+                          (lambda: rodwake.plots.figures(whole.members[0]), "part of a run"), (lambda: whole.table("scene.toml"), "no table")):
             with self.assertRaisesRegex(rodwake.InputError, word):
                 ask()
 
@@ -241,7 +241,7 @@ class OpenTest(unittest.TestCase):
         again = rodwake.open_run(run.folder)
         self.assertEqual(({**again.files, "manifest.json": files["manifest.json"]}, again.units("rods.csv")), (files, units))
         (run.folder / "manifest.json").write_text("[1]")
-        with self.assertRaisesRegex(rodwake.InputError, "not the manifest"):
+        with self.assertRaisesRegex(rodwake.RunError, "manifest.json: damaged JSON"):
             rodwake.open_run(run.folder)
 
     def test_what_is_not_there_is_told(self):

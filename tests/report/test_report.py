@@ -4,7 +4,10 @@ import csv
 import json
 import math
 import re
+import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 import browser
 import rodwake
@@ -145,11 +148,12 @@ class RealRunsTest(ReportCase):
 class BrokenReportsTest(ReportCase):
     """The checks above see what is wrong."""
 
-    def setUp(self):
-        super().setUp()
-        write_fit(self.folder / "out", profiles=(), trajectories=1, number_of_starts=1, likelihoods=(), names=("kappa",))
-        self.expect(0, "plot", "out", "--quiet")
-        self.page = self.page_of("out")
+    @classmethod
+    def setUpClass(cls):
+        with tempfile.TemporaryDirectory(prefix="rodwake-test-") as folder:
+            write_fit(Path(folder) / "out", profiles=(), trajectories=1, number_of_starts=1, likelihoods=(), names=("kappa",))
+            subprocess.run(rodwake.command("plot", Path(folder) / "out", "--quiet"), check=True)
+            cls.page = (Path(folder) / "out/report.html").read_text(encoding="utf-8")
 
     def refused(self, page, *found):
         with self.assertRaisesRegex(AssertionError, "|".join(found)):
@@ -176,20 +180,18 @@ class BrokenReportsTest(ReportCase):
         self.assertTrue(any("example.org" in text for text in seen["errors"]), seen)
 
     def test_an_error_in_a_script(self):
-        self.refused(self.page.replace("<main>", "<main><script>nothing.at.all</script>"), "nothing is not defined")
-        self.refused(self.page.replace("<main>", "<main><script>console.error('alas')</script>"), "alas")
+        for script, told in (("nothing.at.all", "nothing is not defined"), ("console.error('alas')", "alas")):
+            page = self.page.replace("<main>", f"<main><script>{script}</script>")
+            self.refused(browser.unprotected(page), told)
+            self.refused(page, "Content Security Policy")
 
     def test_what_sticks_out_of_a_narrow_window(self):
         page = self.page.replace("<main>", '<main><div style="width: 500px">wide</div>')
-        self.assertEqual(browser.look(page, 1200)["beyond"], [])
+        self.assertEqual(browser.look(page)["beyond"], [])
         self.refused(page, "DIV: wide")
 
     def test_no_title(self):
         self.refused(re.sub("<title>.*?</title>", "<title> </title>", self.page), "False is not true", "'' is not true")
-
-    def test_a_page_that_never_ends(self):
-        with self.assertRaisesRegex(AssertionError, "did not get to the end"):
-            browser.look(self.page.replace("</body>", ""))
 
 
 if __name__ == "__main__":

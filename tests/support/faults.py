@@ -25,8 +25,8 @@ ERRORS = {"write": (errno.EIO, errno.ENOSPC, HALF), "fsync": (errno.EIO,), "rena
           "unlink": (errno.EPERM,), "malloc": (errno.ENOMEM,)}
 # A destructor, a signal and an uncaught exception are no way to end.
 UNSEEMLY = re.compile(r"terminate called|Traceback \(most recent|core dumped|Segmentation|AddressSanitizer")
-# Written as the run goes, of no weight, or drawn from the rest. A ledger is compared by scan.csv, which is made of it.
-PASSED_OVER = re.compile(r"log\.txt$|\.lock$|ledger\.sqlite|provenance\.json$")
+# Written as the run goes, or with the time it took (resume points). A ledger is compared by scan.csv, which is made of it.
+PASSED_OVER = re.compile(r"log\.txt$|\.lock$|ledger\.sqlite|provenance\.json$|\.rwc")
 
 SHORT_PAIR = PAIR.replace("t_end = 60.0", "t_end = 8.0").replace("output_interval = 10.0", "output_interval = 1.0")
 SHORT_BED = BED.replace('duration = "0.2 s"', 'duration = "0.05 s"').replace('"0.005 s"', '"0.01 s"')

@@ -1,111 +1,70 @@
-"""A page in headless Chromium that is used as a reader uses it: pointer, wheel, keys, downloads.
-
-Speaks the DevTools protocol over two pipes: messages are JSON, each ended by a zero byte.
-"""
+"""A page in headless Chromium that is used as a reader uses it: pointer, wheel, keys, downloads."""
 
 import base64
+import contextlib
 import json
-import os
-import select
-import subprocess
 import tempfile
 import time
 from pathlib import Path
 
-import browser
+from chromium import Browser
 
 KEYS = {"Enter": 13, "Escape": 27, "Tab": 9, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40}
 SHIFT = 8
 
 
 class Page:
-    """`with Page(path) as page:`; errors of the page's scripts are in `errors`, whatever it loads in `requests`."""
+    """`with Page(path) as page:`; errors of the page's scripts are in `errors`, whatever it loads in `requests`. `first` is a script
+    that runs before those of the page."""
 
-    def __init__(self, path, width=1200, height=1000, dark=False, timeout=60):
-        self.path, self.size, self.dark, self.timeout = Path(path).resolve(), (width, height), dark, timeout
-        self.errors, self.requests, self._number, self._buffer, self._events = [], [], 0, b"", []
+    def __init__(self, path, width=1200, height=1000, dark=False, timeout=60, first=""):
+        self.path, self.size, self.dark, self.timeout, self.first = Path(path).resolve(), (width, height), dark, timeout, first
+        self.errors, self.requests, self._events = [], [], []
 
     def __enter__(self):
+        """In a context of its own: no page sees what another one kept."""
         self._keeper = tempfile.TemporaryDirectory(prefix="rodwake-page-", ignore_cleanup_errors=True)
-        self.folder = Path(self._keeper.name)
-        self.downloads, self._complaints = self.folder / "downloads", self.folder / "complaints"
-        self.downloads.mkdir()
-        self._start()
+        self.downloads = Path(self._keeper.name)
+        self.browser = Browser.shared()
         try:
+            self._context = self.browser.send("Target.createBrowserContext")["browserContextId"]
             self._open()
-        except BaseException:
-            self.__exit__()
+        except BaseException:  # whatever hangs: the next page has another browser
+            self.browser.close()
+            self._keeper.cleanup()
             raise
         return self
 
     def __exit__(self, *_):
-        os.close(self._out)
-        self._process.kill()
-        self._process.wait()
-        os.close(self._in)
+        self.browser.pages.pop(self._session, None)
+        with contextlib.suppress(AssertionError):
+            self.browser.send("Target.disposeBrowserContext", browserContextId=self._context, timeout=10)
         self._keeper.cleanup()
 
-    def _start(self):
-        """The browser reads commands at 3 and answers at 4. By bash: other shells take descriptors of one digit only."""
-        theirs_in, self._out = os.pipe()
-        self._in, theirs_out = os.pipe()
-        command = browser.command(self.folder, *self.size)
-        shell = ["bash", "-c", f'exec "$@" 3<&{theirs_in} 4>&{theirs_out}', "bash"]
-        with self._complaints.open("wb") as complaints:
-            self._process = subprocess.Popen([*shell, *command, "--remote-debugging-pipe", "about:blank"], stdout=subprocess.DEVNULL,
-                                             stderr=complaints, pass_fds=(theirs_in, theirs_out))
-        os.close(theirs_in)
-        os.close(theirs_out)
-
     def _open(self):
-        self._session = None
-        self.send("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.downloads), eventsEnabled=True)
-        target = next(one for one in self.send("Target.getTargets")["targetInfos"] if one["type"] == "page")
-        self._session = self.send("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
+        self.browser.send("Browser.setDownloadBehavior", behavior="allow", browserContextId=self._context, downloadPath=str(self.downloads))
+        target = self.browser.send("Target.createTarget", url="about:blank", browserContextId=self._context)["targetId"]
+        self._session = self.browser.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self.browser.pages[self._session] = self
         for domain in ("Page", "Runtime", "Network", "Log"):
             self.send(f"{domain}.enable")
         self.send("Emulation.setDeviceMetricsOverride", width=self.size[0], height=self.size[1], deviceScaleFactor=1, mobile=False)
+        self.send("Emulation.setFocusEmulationEnabled", enabled=True)
+        self.send("Page.addScriptToEvaluateOnNewDocument", source=self.first)
         self.set_dark(self.dark)
-        self.send("Page.navigate", url=self.path.as_uri())
+        self.go(self.path)
+
+    def go(self, path):
+        """To another file."""
+        self._events.clear()
+        self.send("Page.navigate", url=Path(path).resolve().as_uri())
         self.wait_for(lambda: any(event["method"] == "Page.loadEventFired" for event in self._events), "the page did not load")
 
     def send(self, method, **parameters):
         """Its answer; what else the browser tells is sorted into the lists."""
-        self._number += 1
-        message = {"id": self._number, "method": method, "params": parameters} | ({"sessionId": self._session} if self._session else {})
-        try:
-            os.write(self._out, json.dumps(message).encode() + b"\0")
-        except BrokenPipeError:
-            self._has_ended()
-        end = time.monotonic() + self.timeout
-        while time.monotonic() < end:
-            for answer in self._messages(end):
-                if answer.get("id") == self._number:
-                    if "error" in answer:
-                        raise AssertionError(f"{method}: {answer['error'].get('message')}")
-                    return answer["result"]
-        raise AssertionError(f"{method}: the browser did not answer")
+        return self.browser.send(method, self._session, self.timeout, **parameters)
 
-    def _has_ended(self):
-        said = self._complaints.read_text(errors="replace")[-1500:]
-        raise AssertionError(f"the browser has ended (exit code {self._process.wait()}): {said}")
-
-    def _messages(self, end):
-        """What has come since; events are noted."""
-        ready, _, _ = select.select([self._in], [], [], max(0.0, end - time.monotonic()))
-        if not ready:
-            return []
-        found = os.read(self._in, 1 << 20)
-        if not found:
-            self._has_ended()
-        *whole, self._buffer = (self._buffer + found).split(b"\0")
-        messages = [json.loads(text) for text in whole]
-        for message in messages:
-            if "id" not in message:
-                self._note(message)
-        return messages
-
-    def _note(self, event):
+    def note(self, event):
         method, told = event["method"], event.get("params", {})
         self._events.append(event)
         if method == "Runtime.exceptionThrown":

@@ -4,6 +4,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from chromium import Browser
 from page_driver import Page
 
 TEXT = """<!doctype html><title>t</title><body><main>
@@ -81,15 +82,32 @@ class PageDriverTest(unittest.TestCase):
 
     def test_many_open_files(self):
         """The descriptors of the pipes have two digits then."""
+        Browser.shared().close()
         for _ in range(20):
             self.enterContext(open(__file__))
         self.assertEqual(self.page().evaluate("1 + 1"), 2)
 
     def test_a_browser_that_ends(self):
         page = self.page()
-        page._process.kill()
+        page.browser.process.kill()
         with self.assertRaisesRegex(AssertionError, "the browser has ended"):
             page.evaluate("1")
+        self.assertEqual(self.page().evaluate("1 + 1"), 2)  # in another one
+
+    def test_one_browser_serves_all_pages_and_they_are_strangers(self):
+        one, two = self.page(), self.page()
+        self.assertIs(one.browser, two.browser)
+        for page, message in ((one, "mine"), (two, "yours")):
+            page.evaluate(f"console.error({message!r})")
+        self.assertEqual((one.errors, two.errors), (["mine"], ["yours"]))
+
+    def test_a_script_before_those_of_the_page_and_another_page(self):
+        page = self.page(first="window.early = typeof say")
+        self.assertEqual(page.evaluate("early"), "undefined")
+        other = page.path.with_name("other.html")
+        other.write_text("<!doctype html><title>other</title>")
+        page.go(other)
+        self.assertEqual(page.evaluate("[document.title, early]"), ["other", "undefined"])
 
     def test_dark(self):
         page = self.page(dark=True)
