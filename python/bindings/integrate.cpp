@@ -185,26 +185,14 @@ py::tuple told(integrate::Solution&& s) {
                           to_string(s.status.termination), s.status.message(), statistics_of(s.statistics));
 }
 
-py::tuple solve(const py::object& rhs, const py::object& y0, const py::object& output_times,
-                const py::object& t0, const std::optional<py::function>& jacobian,
-                const std::vector<EventTuple>& events, const std::string& method, const py::object& rtol,
-                const py::object& atol, long max_steps, const py::object& max_step) {
+py::tuple solve(const py::object& rhs, const Array& y0, const Array& times, double t0,
+                const std::optional<py::function>& jacobian, const std::vector<EventTuple>& events,
+                const std::string& method, double rtol, std::optional<double> atol, long max_steps,
+                double max_step) {
     Callbacks calls;
     Interrupt interrupt;
-    const auto one_for_all = [](const py::object& value, const char* what) {
-        return real_number(value, std::string(what) + " is"); // of each component alike
-    };
-    const std::optional<double> absolute =
-        atol.is_none() ? std::nullopt : std::optional(one_for_all(atol, "atol"));
-    const integrate::OdeOptions options = ode_options(
-        {method, one_for_all(rtol, "rtol"), absolute, max_steps, one_for_all(max_step, "max_step")},
-        interrupt);
-    const bool poses = py::isinstance<RodEquations>(rhs);
-    const Array start = poses ? real_numbers(y0, "y0 is", "x, y and heading of each rod")
-                              : real_vector(y0, "y0 is", "a list of real numbers"),
-                times = real_vector(output_times, "times is", "a list of real numbers");
-    const integrate::OdeProblem problem =
-        problem_with(rhs, start, real_number(t0, "start is"), jacobian, events, calls);
+    const integrate::OdeOptions options = ode_options({method, rtol, atol, max_steps, max_step}, interrupt);
+    const integrate::OdeProblem problem = problem_with(rhs, y0, t0, jacobian, events, calls);
     integrate::Solution solution;
     {
         const py::gil_scoped_release release;

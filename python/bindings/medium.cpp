@@ -14,17 +14,9 @@ namespace {
 
 using Number = std::optional<double>;
 
-/// None, a side or two.
 std::optional<PeriodicBox> box_of(const py::object& given) {
-    if (given.is_none())
-        return std::nullopt;
-    const bool both =
-        PySequence_Check(given.ptr()) != 0 && !py::isinstance<py::str>(given) && py::len(given) == 2;
-    const auto side = [&](py::ssize_t k) {
-        const py::object one = both ? py::object(given[py::int_(k)]) : given;
-        return argument("number", "periodic", one, py::arg("above") = 0.0).cast<double>();
-    };
-    return PeriodicBox(side(0), side(1));
+    const auto sides = argument("sides", "periodic", given).cast<std::optional<std::pair<double, double>>>();
+    return sides ? std::optional(PeriodicBox(sides->first, sides->second)) : std::nullopt;
 }
 
 /// A square by its side.

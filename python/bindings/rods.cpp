@@ -10,6 +10,8 @@
 
 #include <pybind11/stl.h>
 
+#include <cstring>
+
 namespace rodwake::python {
 
 namespace {
@@ -136,6 +138,25 @@ py::tuple saved(const Run& run) {
                                       s.error_test_failures, s.convergence_failures});
 }
 
+/// Bit for bit, so that a solve that failed on NaN equals its copy too.
+bool same_bits(const Array& a, const Array& b) {
+    return a.nbytes() == b.nbytes() &&
+           std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.nbytes())) == 0;
+}
+
+py::object without_arrays(const Run& run) {
+    const py::tuple values = saved(run);
+    return values[py::slice(2, static_cast<py::ssize_t>(values.size()), 1)];
+}
+
+bool equal(const Run& run, const py::object& given) {
+    if (!py::isinstance<Run>(given))
+        return false;
+    const Run& other = given.cast<const Run&>();
+    return same_bits(run.t, other.t) && same_bits(run.poses, other.poses) &&
+           without_arrays(run).equal(without_arrays(other));
+}
+
 Run restored(const py::tuple& v) {
     const auto number = [&](std::size_t k) { return v[k].cast<double>(); };
     const auto text = [&](std::size_t k) { return v[k].cast<std::string>(); };
@@ -191,6 +212,7 @@ void bind_rods(py::module_& module) {
         .def_readonly("method", &Run::method, "'bdf', 'adams' or 'erk': what 'auto' chose; '' from classify")
         .def_property_readonly("statistics", counted, "what the solver counted: steps, rhs_evaluations, ...")
         .def("__repr__", &text_of)
+        .def("__eq__", &equal)
         .def(py::pickle(&saved, &restored));
     module.def("simulate", &simulate);
     module.def("classify", &classify);

@@ -25,18 +25,14 @@ _ORIGIN = np.zeros((1, 3))
 
 def _field(evaluate: Callable[..., Floats], x: ArrayLike, y: ArrayLike, medium: Medium, rods: Optional[ArrayLike], threads: int,
            shape: tuple[int, ...]) -> Floats:
-    x, y = arguments.array("x", x), arguments.array("y", y)
+    x, y = arguments.gaps("x", x), arguments.gaps("y", y)
     if x.shape != y.shape:
         try:
             x, y = np.broadcast_arrays(x, y)
         except ValueError:
             raise InputError(f"x has the shape {x.shape} and y {y.shape}: they must broadcast to one; for a grid give x and y[:, None]") from None
     arguments.kind("medium", medium, Medium, "a rodwake.Medium")
-    sources = _ORIGIN
-    if rods is not None:
-        sources = arguments.poses("rods", rods)
-        if not np.isfinite(sources).all():
-            raise InputError(f"rods: {sources[~np.isfinite(sources)][0]}: places and headings must be finite")
+    sources = _ORIGIN if rods is None else arguments.poses("rods", rods)
     values = evaluate(x, y, medium, sources, arguments.threads(threads))
     return values.reshape(x.shape + shape)
 

@@ -8,7 +8,7 @@ from typing import Any, Literal, Mapping, Optional, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from . import _core, arguments
 from .errors import InputError
 from .toml import toml
 
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Profile:
-    """Displacement along a line in the frame of the rod, in any unit of length, the same for all."""
+    """Displacement along a line in the frame of the rod, in any unit of length, the same for all. Rows with a masked value are left out."""
 
     place: ArrayLike  # (P,): the coordinate that varies
     value: ArrayLike  # (P,)
@@ -32,7 +32,7 @@ class Profile:
 @dataclass(frozen=True)
 class Track:
     """Measured motion of rods in reduced units: t (T,) and poses (T, N, 3) of x, y, heading in rad, which may jump by whole turns.
-    The first row is the start. Without sigmas the errors come from the scatter."""
+    The first row is the start; rows with a masked value are left out. Without sigmas the errors come from the scatter."""
 
     t: ArrayLike
     poses: ArrayLike
@@ -54,10 +54,10 @@ class Map:
 
     x: ArrayLike  # (nx,): evenly spaced, rising
     y: ArrayLike  # (ny,)
-    Ux: ArrayLike  # (ny, nx): along the heading; NaN: no data
+    Ux: ArrayLike  # (ny, nx): along the heading; NaN or masked: no data
     Uy: ArrayLike  # (ny, nx)
     box: tuple[float, float]  # along and across the heading
-    sigma_x: Optional[ArrayLike] = None  # (ny, nx): standard errors; NaN: the bin is left out; None, or all NaN: equal and unknown
+    sigma_x: Optional[ArrayLike] = None  # (ny, nx): standard errors; NaN or masked: the bin is left out; None, or all so: equal and unknown
     sigma_y: Optional[ArrayLike] = None  # (ny, nx)
     speed: Optional[float] = None  # of the rod against the medium, length/s; needed for zeta, rho and eta_s
     name: str = "map"
@@ -78,7 +78,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class FittedProfile:
-    """A profile beside the model, at every point."""
+    """A profile beside the model, at every point that is not masked."""
 
     name: str
     role: str
@@ -96,7 +96,7 @@ class FittedProfile:
 
 @dataclass(frozen=True)
 class FittedTrack:
-    """The model's poses (T, N, 3) at the times of a track, and what is left, root mean square."""
+    """The model's poses (T, N, 3) at the times of a track that are not masked, and what is left, root mean square."""
 
     name: str
     model: Floats
@@ -130,7 +130,6 @@ class FitResult:
     data that were given, in their order (empty if the fit failed)."""
 
     def __init__(self, core: Any) -> None:
-        self._core = core
         self.parameters: dict[str, Estimate] = {one.name: one for one in core.estimates(Estimate)}
         self.free: list[str] = core.free()
         self.covariance: Floats = core.covariance()
@@ -147,10 +146,11 @@ class FitResult:
         self.tracks: list[FittedTrack] = core.tracks(FittedTrack)
         self.maps: list[FittedMap] = core.maps(FittedMap)
         self.likelihood: dict[str, Likelihood] = core.likelihood(Likelihood)  # of the parameters in `likelihood = [...]`
+        self._report: str = core.text()
 
     def report(self) -> str:
         """All of it as a page of text."""
-        return str(self._core.text())
+        return self._report
 
     def __repr__(self) -> str:
         values = ", ".join(f"{one.name}={one.value:.6g}" for one in self.parameters.values())
@@ -191,12 +191,35 @@ def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> F
 def fit(*, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), maps: Sequence[Map] = (),
         threads: int = 1, **options: Any) -> FitResult:
     """Profiles, tracks and maps in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fitting.md)."""
-    keys: dict[str, Any] = {"parameters": list(parameters), **options, "profiles": [_profile_keys(one, i) for i, one in enumerate(profiles)],
+    names = _listed("parameters", parameters, str, "names")
+    profiles, tracks, maps = (_listed("profiles", profiles, Profile, "rodwake.Profile"), _listed("tracks", tracks, Track, "rodwake.Track"),
+                              _listed("maps", maps, Map, "rodwake.Map"))
+    keys: dict[str, Any] = {"parameters": names, **options, "profiles": [_profile_keys(one, i) for i, one in enumerate(profiles)],
             "trajectories": [_track_keys(one, i) for i, one in enumerate(tracks)], "maps": [_map_keys(one, i) for i, one in enumerate(maps)]}
-    text = f"schema = 1\nfit = {toml({key: value for key, value in keys.items() if value is not None and value != []})}\n"
-    scene = _core.parse_scene(text, "fit", [])
-    return FitResult(_core.fit(scene, [(one.place, one.value, one.sigma) for one in profiles], [(one.t, one.poses, one.independent) for one in tracks],
-                               [_map(one) for one in maps], threads))
+    scene = _core.parse_scene(f"schema = 1\nfit = {_toml(keys)}\n", "fit", [])
+    return FitResult(_core.fit(scene, [_profile(f"profiles[{i}]", one) for i, one in enumerate(profiles)],
+                               [_track(f"tracks[{i}]", one) for i, one in enumerate(tracks)],
+                               [_map(f"maps[{i}]", one) for i, one in enumerate(maps)], arguments.threads(threads)))
+
+
+def _listed(name: str, given: Any, kind: type, wanted: str) -> list[Any]:
+    try:
+        listed = None if isinstance(given, (str, bytes, Mapping)) else list(given)
+    except TypeError:
+        listed = None
+    if listed is None:
+        raise InputError(f"{name}: expected a list of {wanted}, not {type(given).__name__} ({arguments.shown(given)})")
+    for index, one in enumerate(listed):
+        if not isinstance(one, kind):
+            raise InputError(f"{name}[{index}]: expected a list of {wanted}, not of {type(one).__name__} ({arguments.shown(one)})")
+    return listed
+
+
+def _toml(keys: Mapping[str, Any]) -> str:
+    try:
+        return toml({key: value for key, value in keys.items() if value is not None and not (isinstance(value, list) and not value)})
+    except TypeError as error:
+        raise InputError(str(error)) from error
 
 
 def _profile_keys(one: Profile, index: int) -> Mapping[str, Any]:
@@ -210,24 +233,44 @@ def _track_keys(one: Track, index: int) -> Mapping[str, Any]:
 
 
 def _map_keys(one: Map, index: int) -> Mapping[str, Any]:
-    keys: dict[str, Any] = {"files": [f"map {index}.csv"], "name": one.name, "box": list(one.box)}
+    keys: dict[str, Any] = {"files": [f"map {index}.csv"], "name": one.name, "box": one.box}
     return keys if one.speed is None else keys | {"speed": one.speed}
 
 
-def _map(one: Map) -> tuple[Sequence[ArrayLike], tuple[float, float], float]:
+def _profile(name: str, one: Profile) -> tuple[Floats, Floats, Optional[Floats]]:
+    columns = {"place": (one.place, 1), "value": (one.value, 1)}
+    if one.sigma is None:
+        place, value = arguments.rows(name, columns, "place and value (P,)")
+        return place, value, None
+    place, value, sigma = arguments.rows(name, columns | {"sigma": (one.sigma, 1)}, "place, value and sigma (P,)")
+    return place, value, sigma
+
+
+def _track(name: str, one: Track) -> tuple[Floats, Floats, float]:
+    t, poses = arguments.rows(name, {"t": (one.t, 1), "poses": (one.poses, 3)}, "t (T,) and poses (T, N, 3)")
+    return t, poses, arguments.number(f"{name}.independent", one.independent, above=0, most=1)
+
+
+def _map(name: str, one: Map) -> tuple[Sequence[Floats], tuple[float, float], float]:
     """Places, displacements and errors, checked; NaN stands for what is not there."""
-    x, y = (np.asarray(places, dtype=float) for places in (one.x, one.y))
-    for axis, places, side in (("x", x, one.box[0]), ("y", y, one.box[1])):
-        steps = np.diff(places) if places.ndim == 1 else np.array([])
-        if steps.size < 1 or not (steps[0] > 0 and np.all(np.abs(steps - steps[0]) <= 1e-6 * steps[0])):
-            raise InputError(f"{one.name}: {axis} must be two places or more, rising and evenly spaced")
-        if places[-1] - places[0] > side * (1 + 1e-6):
-            raise InputError(f"{one.name}: the grid of {places[-1] - places[0]:g} along {axis} is larger than the box of {side:g}")
+    box = (arguments.number(f"{name}.box", one.box[0], above=0), arguments.number(f"{name}.box", one.box[1], above=0))
+    x, y = (_evenly_spaced(f"{name}.{axis}", places, side) for axis, places, side in (("x", one.x, box[0]), ("y", one.y, box[1])))
     if (one.sigma_x is None) != (one.sigma_y is None):
-        raise InputError(f"{one.name}: sigma_x and sigma_y come together")
-    fields = [one.Ux, one.Uy, *(np.full((y.size, x.size), np.nan) if sigma is None else sigma for sigma in (one.sigma_x, one.sigma_y))]
-    grids = [np.asarray(field, dtype=float) for field in fields]
-    for name, grid in zip(("Ux", "Uy", "sigma_x", "sigma_y"), grids):
+        raise InputError(f"{name}: sigma_x and sigma_y come together")
+    fields = {"Ux": one.Ux, "Uy": one.Uy, "sigma_x": one.sigma_x, "sigma_y": one.sigma_y}
+    grids = [np.full((y.size, x.size), np.nan) if field is None else arguments.gaps(f"{name}.{key}", field) for key, field in fields.items()]
+    for key, grid in zip(fields, grids):
         if grid.shape != (y.size, x.size):
-            raise InputError(f"{one.name}: {name} has the shape {grid.shape}, expected (ny, nx) = {(y.size, x.size)}")
-    return (x, y, *grids), one.box, 0.0 if one.speed is None else one.speed
+            raise InputError(f"{name}: {key} has the shape {grid.shape}, expected (ny, nx) = {(y.size, x.size)}")
+    return (x, y, *grids), box, 0.0 if one.speed is None else arguments.number(f"{name}.speed", one.speed)
+
+
+def _evenly_spaced(name: str, given: ArrayLike, side: float) -> Floats:
+    """Places along an axis of a map, within the side of its box."""
+    places = arguments.array(name, given)
+    steps = np.diff(places) if places.ndim == 1 else np.array([])
+    if steps.size < 1 or not (steps[0] > 0 and np.all(np.abs(steps - steps[0]) <= 1e-6 * steps[0])):
+        raise InputError(f"{name}: must be two places or more, rising and evenly spaced")
+    if places[-1] - places[0] > side * (1 + 1e-6):
+        raise InputError(f"{name}: the grid of {places[-1] - places[0]:g} is larger than the box of {side:g}")
+    return places

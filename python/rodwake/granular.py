@@ -99,7 +99,8 @@ class Bed:
     def body_acceleration(self, places: Optional[ArrayLike] = None) -> Floats:
         """(M, 2), m/s^2: what [granular.body_force] gives beads at these places, (M, 2) of x and y in m (None: those of the beads), now.
         Zero before t = 0 and in a bed without that table."""
-        return self._core.body_acceleration(None if places is None else arguments.array("places", places, "an array of shape (M, 2) or (M, 3)"))
+        wanted = "an array of shape (M, 2) or (M, 3)"
+        return self._core.body_acceleration(None if places is None else arguments.array("places", places, wanted, finite=True))
 
     @property
     def temperatures(self) -> tuple[float, float]:

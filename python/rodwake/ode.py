@@ -8,7 +8,7 @@ from typing import Callable, Literal, Optional, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from . import _core, arguments
 from ._core import RodEquations
 from .errors import InputError
 
@@ -89,7 +89,6 @@ def integrate(rhs: Union[RodEquations, Rate], y0: Optional[ArrayLike] = None, ti
     _check("rhs", rhs, callable(rhs), "a function of (t, y), or RodEquations")
     _check("jacobian", jacobian, jacobian is None or callable(jacobian), "a function of (t, y)")
     _check("method", method, isinstance(method, str), "'adams', 'bdf' or 'erk'")
-    _check("max_steps", max_steps, isinstance(max_steps, (int, np.integer)) and 0 < max_steps < 2**63, "a whole number above 0")
     _check("events", events, isinstance(events, Sequence), "a list of rodwake.Event")
     for number, event in enumerate(events):
         _check_event(f"events[{number}]", event)
@@ -97,7 +96,11 @@ def integrate(rhs: Union[RodEquations, Rate], y0: Optional[ArrayLike] = None, ti
         if not isinstance(rhs, RodEquations):
             raise InputError("y0 is missing: only RodEquations have a state of their own")
         y0 = rhs.y0
-    found = _core.solve(rhs, y0, times, start, jacobian, [(event.name, event.value, event.direction, bool(event.terminal), event.candidate_time) for event in events],
-                        method, rtol, atol, max_steps, max_step)
+    state = (arguments.array("y0", y0, "x, y and heading of each rod").ravel() if isinstance(rhs, RodEquations)
+             else arguments.vector("y0", y0, "a list of real numbers"))
+    found = _core.solve(rhs, state, arguments.vector("times", times, "a list of real numbers"), arguments.number("start", start), jacobian,
+                        [(event.name, event.value, event.direction, bool(event.terminal), event.candidate_time) for event in events],
+                        method, arguments.number("rtol", rtol, above=0), arguments.maybe("atol", atol, above=0),
+                        arguments.whole("max_steps", max_steps, 1), arguments.number("max_step", max_step, least=0))
     t, y, final_time, final_y, hits, status, message, statistics = found
     return OdeResult(t, y, final_time, final_y, [Hit(*hit) for hit in hits], status, message, statistics)

@@ -8,11 +8,12 @@ import importlib
 import math
 import sys
 from pathlib import Path
-from typing import Any, Iterator, Union
+from typing import Any, Callable, Iterator, Union
 
 from . import arguments
-from .errors import InputError
+from .errors import Error, InputError, RunError
 from .fitting import FitResult
+from .reading import reading
 from .runs import Run, open_run
 from .scenes import Folder
 
@@ -35,23 +36,29 @@ def draw(run: Union[Run, Folder], kind: str, *, width: str = "", style: str = ""
     for option in options:
         if option not in known:
             raise InputError(f"figure {kind!r}: unknown option {option!r} (known: {', '.join(known)})")
-    with _opened(run) as folder:
+    with _telling(InputError):
         look = _plots("style").look(width, style, str(font_size))
         figure = _plots("spec").from_scene({"figures": [{"name": kind, "kind": kind, **options}]})[0]
+    if not hasattr(_plots("draw").KINDS[kind], "draw"):
+        raise InputError(f"kind {kind!r} is written to a file, not drawn: rodwake plot does it")
+    with _opened(run) as folder:
         return _drawn(folder, dataclasses.replace(figure, overlay=overlay), look)
 
 
 def figures(run: Union[Run, Folder], *, width: str = "", style: str = "", font_size: Union[float, str] = "",
             overlay: bool = False) -> dict[str, Any]:
     """The figures that the scene asks for and the run holds, or else one for everything it holds, by their names; films aside."""
-    with _opened(run) as folder:
+    with _telling(InputError):
         look, drawable = _plots("style").look(width, style, str(font_size)), kinds()
+    with _opened(run) as folder:
         found: dict[str, Any] = {}
         missing = []
         for one in _plots("draw").figures_of(folder, overlay=overlay):
             try:
                 found |= {one.name: _drawn(folder, one, look)} if one.kind in drawable else {}
             except _plots("errors").MissingError as error:
+                if folder.has_lost(error.file):
+                    raise
                 missing.append(error)
         if missing and not found:
             raise missing[0]
@@ -80,15 +87,35 @@ def _opened(run: Union[Run, Folder]) -> Iterator[Any]:
     opened = run if isinstance(run, Run) else open_run(run)
     if opened.is_part:
         raise InputError(f"{opened.folder}: a part of a run; figures are drawn of the whole, rodwake.open_run({str(opened.whole)!r})")
+    with reading(opened.folder, "run"):
+        with _telling(RunError):
+            entered = _plots("run_dir").RunDir(opened.folder)
+        with entered as folder:
+            try:
+                yield folder
+            except _plots("errors").PlotError as error:
+                _read_all(opened)
+                lost = isinstance(error, _plots("errors").MissingError) and folder.has_lost(error.file)
+                raise (RunError if lost else InputError)(str(error)) from error
+
+
+@contextlib.contextmanager
+def _telling(kind: type[Error]) -> Iterator[None]:
     try:
-        with _plots("run_dir").RunDir(opened.folder) as folder:
-            yield folder
+        yield
     except _plots("errors").PlotError as error:
-        raise InputError(str(error)) from error
+        raise kind(str(error)) from error
+
+
+def _read_all(run: Run) -> None:
+    """Raises RunError if a file of the run is damaged: the plots tell that as they tell a figure that the run has no data for."""
+    readers: dict[str, Callable[[str], Any]] = {".json": run.json, ".csv": run.table, ".h5": run.datasets, ".h5md": run.datasets}
+    for name in run.files:
+        path = run.folder / name
+        if path.suffix in readers and path.is_file():
+            readers[path.suffix](name)
 
 
 def _drawn(folder: Any, figure: Any, look: Any) -> Any:
     kind = _plots("draw").KINDS[figure.kind]
-    if not hasattr(kind, "draw"):
-        raise InputError(f"kind {figure.kind!r} is written to a file, not drawn: rodwake plot does it")
     return _plots("draw").in_style(lambda: _plots("draw").dressed(kind.draw(folder, figure), look), look=look)

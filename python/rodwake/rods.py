@@ -50,6 +50,14 @@ def simulate(poses: ArrayLike, medium: Optional[Medium] = None, *, kappa: float 
                           arguments.maybe("atol", atol, above=0), arguments.whole("max_steps", max_steps, 1, MOST_STEPS))
 
 
+def _rates(value: Any, size: int) -> Floats:
+    wanted = f"a function that returns {size} numbers"
+    rates = arguments.array("law", value, wanted).ravel()
+    if rates.size != size:
+        raise InputError(f"law: expected {wanted}; it returned {rates.size}")
+    return rates
+
+
 def classify(t: ArrayLike, poses: ArrayLike, medium: Optional[Medium] = None, *, contact_distance: Optional[float] = None,
              law: Union[RodEquations, Callable[[float, Floats], ArrayLike], None] = None) -> RodResult:
     """How rods ended that moved like this, by the criteria of simulate and the program: for rods with a turning law of their own.
@@ -83,7 +91,5 @@ def classify(t: ArrayLike, poses: ArrayLike, medium: Optional[Medium] = None, *,
         turning = np.gradient(rows[..., 2], times, axis=0, edge_order=2 if len(times) > 2 else 1)
     else:
         arguments.function("law", law)
-        turning = np.array([arguments.array("law", law(time, row.ravel())).reshape(-1, 3)[:, 2] for time, row in zip(times.tolist(), rows)])
-        if turning.shape != rows.shape[:2]:
-            raise InputError(f"law: expected a function that returns {rows[0].size} numbers")
+        turning = np.array([_rates(law(time, row.ravel()), row.size)[2::3] for time, row in zip(times.tolist(), rows)])
     return _core.classify(times, rows, turning, medium, arguments.maybe("contact_distance", contact_distance, above=0))

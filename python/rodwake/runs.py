@@ -6,15 +6,18 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Optional, Union, overload
+from typing import Any, Mapping, Optional, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, arguments
-from .errors import InputError
+from .errors import InputError, RunError
+from .reading import open_hdf5, read_json, read_record, read_table, reading
 
 Floats = NDArray[np.float64]
+_OF_THE_WHOLE = ("scene.toml", "provenance.json")  # every run has them, and its parts share them
+_ENDINGS = {"table": (".csv",), "JSON file": (".json",), "HDF5 file": (".h5", ".h5md")}
 
 
 @dataclass(frozen=True, repr=False)
@@ -63,11 +66,13 @@ class Trajectory:
 
 class Run:
     """The folder of a run: its manifest lists what is there. Files are read when they are asked for. A run that is still going on, or was
-    killed, has what was written so far; a part of a run (runs/0001 of an ensemble, points/0003 of a scan) has the files of that part."""
+    killed, has what was written so far; a part of a run (runs/0001 of an ensemble, points/0003 of a scan) has the files of that part.
+    A file that is damaged or lost raises RunError, what the run never held InputError."""
 
     def __init__(self, folder: Union[str, "os.PathLike[str]"]) -> None:
         self.folder = Path(arguments.path("folder", folder))
-        self.whole = _run_around(self.folder)
+        with reading(self.folder, "folder"):
+            self.whole = _run_around(self.folder)
         self.manifest = _below(_manifest(self.whole), self.folder.resolve().relative_to(self.whole).as_posix())
         if self.is_part and not self.files:
             raise InputError(f"{self.folder}: holds no run of rodwake, nor a part of that in {self.whole}; Run.files lists what is there")
@@ -84,22 +89,28 @@ class Run:
 
     def json(self, name: str) -> Any:
         """A JSON file: 'outcome.json', 'summary.json', 'fit.json', 'provenance.json'."""
-        return _json(self._file(name))
+        return read_json(self._file(name, "JSON file"))
 
     @property
     def outcome(self) -> dict[str, Any]:
         """How an encounter of rods ended."""
-        return dict(self.json("outcome.json"))
+        return read_record(self._file("outcome.json"))
 
     @property
     def status(self) -> str:
         """'finished', 'unfinished', 'interrupted' or 'failed'; of a part that of the whole run."""
-        return str(self.json("provenance.json")["status"])
+        path = self._file("provenance.json")
+        status = read_record(path).get("status")
+        if not isinstance(status, str):
+            raise RunError(f"{path}: damaged JSON: holds no status")
+        return status
 
     def scene(self) -> Any:
         """The scene that was run, every key with its value; of a part that of the whole run."""
         from .scenes import Scene
-        return Scene.load(self._file("scene.toml"))
+        path = self._file("scene.toml")
+        with reading(path, "scene"):
+            return Scene.load(path)
 
     def units(self, name: str) -> dict[str, str]:
         """Unit of each column of a table."""
@@ -107,15 +118,10 @@ class Run:
 
     def table(self, name: str) -> Any:
         """A CSV file, 'rods.csv': a pandas DataFrame whose attrs have the units, or without pandas a NumPy structured array."""
-        path = self._file(name)
-        if path.suffix != ".csv":
-            raise InputError(f"{path}: not a table; those of this run: {', '.join(one for one in self.files if one.endswith('.csv')) or 'none'}")
-        try:
-            import pandas
-        except ImportError:
-            return np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8", deletechars=""))
-        table = pandas.read_csv(path, comment="#", float_precision="round_trip")
-        table.attrs["units"] = self.units(name)
+        path, units = self._file(name, "table"), self.units(name)
+        table = read_table(path, units)
+        if hasattr(table, "attrs"):
+            table.attrs["units"] = units
         return table
 
     def dataset(self, name: str, file: str = "result.h5") -> Quantity:
@@ -149,9 +155,10 @@ class Run:
             if f"rods/{name}" not in h5:
                 raise InputError(f"{self.folder}: holds no rods of {name!r}, but of {list(h5.get('rods', ()))}")
             group = h5[f"rods/{name}"]
-            poses = np.stack([group[column] for column in ("x", "y", "theta")], axis=-1)
+            t, poses = np.asarray(group["t"]), np.stack([group[column] for column in ("x", "y", "theta")], axis=-1)
+            _check_shapes({"t": t}, {"t": poses.shape[:1]})
             attributes = {key: _plain(value) for key, value in group.attrs.items()}
-            return RodPath(np.asarray(group["t"]), poses, _text(group["x"].attrs["unit"]), _text(group["t"].attrs["unit"]), attributes)
+            return RodPath(t, poses, _text(group["x"].attrs["unit"]), _text(group["t"].attrs["unit"]), attributes)
 
     @property
     def members(self) -> list[Run]:
@@ -182,43 +189,56 @@ class Run:
             time = np.asarray(spheres["position/time"], dtype=float)
             rods = h5.get("particles/trajectory_rods")
             none = np.zeros((len(time), 0, 4))
-            return Trajectory(time, box, _unwrapped(spheres, box), np.asarray(spheres["velocity/value"]), np.asarray(spheres["species"]),
-                              np.asarray(spheres["radius"], dtype=float), none[..., :3] if rods is None else _unwrapped(rods, box),
-                              none if rods is None else np.asarray(rods["orientation/value"]))
+            return _agreeing(Trajectory(
+                time, box, _unwrapped(spheres, box), np.asarray(spheres["velocity/value"]), np.asarray(spheres["species"]),
+                np.asarray(spheres["radius"], dtype=float), none[..., :3] if rods is None else _unwrapped(rods, box),
+                none if rods is None else np.asarray(rods["orientation/value"])))
 
     def __repr__(self) -> str:
         own = [name for name in self.files if "/" not in name]
         parts = len({name.split("/")[1] for name in self.files if name.startswith("runs/")})
         held = [*([f"{parts} runs (members)"] if parts else []), *own]
-        state = self.status if (self.whole / "provenance.json").is_file() else "without provenance.json"
+        try:
+            state = self.status
+        except RunError:
+            state = "of unknown status"
         return f"<Run {str(self.folder)!r}, {state}: {', '.join(held)}>"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Run) and (self.folder, self.manifest) == (other.folder, other.manifest)
+
+    def __hash__(self) -> int:
+        return hash(self.folder)
 
     def _part(self, name: str) -> Run:
         part = Run.__new__(Run)
         part.folder, part.whole, part.manifest = self.folder / name, self.whole, _below(self.manifest, name)
         return part
 
-    def _file(self, name: str) -> Path:
+    def _file(self, name: str, kind: str = "") -> Path:
+        """A file that is there; of a kind that is told by its ending."""
         arguments.kind("name", name, str, "the name of a file of the run")
         path = self.folder / name
-        if not path.is_file() and name in ("scene.toml", "provenance.json"):  # a part has them of the whole
+        if name in _OF_THE_WHOLE and not path.exists():
             path = self.whole / name
-        if not path.is_file():
-            members = ", and members those of an ensemble" if any(one.startswith("runs/") for one in self.files) else ""
-            raise InputError(f"{path}: no such file; Run.files lists those of a run{members}")
-        return path
+        if kind and not name.endswith(_ENDINGS[kind]):
+            others = ", ".join(one for one in self.files if one.endswith(_ENDINGS[kind]))
+            raise InputError(f"{path}: no {kind}; those of this run: {others or 'none'}")
+        if path.is_file():
+            return path
+        if path.exists():
+            raise RunError(f"{path}: not a file, but {'a folder' if path.is_dir() else 'something else'}")
+        if name in self.files or name in _OF_THE_WHOLE:
+            raise RunError(f"{path}: lost; the same rodwake command makes it again")
+        members = ", and members those of an ensemble" if any(one.startswith("runs/") for one in self.files) else ""
+        raise InputError(f"{path}: no such file; Run.files lists those of a run{members}")
 
     def _entry(self, name: str) -> dict[str, Any]:
         self._file(name)
         return dict(self.manifest["files"].get(name, {}))
 
     def _open(self, name: str) -> Any:
-        import h5py
-        path = self._file(name)
-        try:
-            return h5py.File(path, "r")
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read as HDF5: {error}") from error
+        return open_hdf5(self._file(name, "HDF5 file"))
 
 
 def open_run(folder: Union[str, "os.PathLike[str]"]) -> Run:
@@ -243,9 +263,18 @@ def _run_around(folder: Path) -> Path:
 def _manifest(folder: Path) -> dict[str, Any]:
     """As it stands there; of a run that has not ended yet as it would."""
     path = folder / "manifest.json"
-    listing = _json(path) if path.is_file() else json.loads(_core.manifest(folder))
-    if not isinstance(listing, dict) or not isinstance(listing.get("files"), dict):
-        raise InputError(f"{path}: not the manifest of a run: it lists no files")
+    if not path.exists():
+        with reading(folder, "folder"):
+            listing: dict[str, Any] = json.loads(_core.manifest(folder))
+            return listing
+    listing = read_record(path)
+    with reading(path, "JSON"):
+        if not isinstance(listing.get("files"), dict):
+            raise ValueError("not the manifest of a run: it lists no files")
+        for name, entry in listing["files"].items():
+            columns = entry.get("columns", ()) if isinstance(entry, dict) else [None]
+            if not all(isinstance(one, dict) and {str} == {type(one.get(key)) for key in ("name", "unit")} for one in columns):
+                raise ValueError(f"not the manifest of a run: what it tells of {name!r} has no columns with names and units")
     return listing
 
 
@@ -258,11 +287,18 @@ def _below(manifest: dict[str, Any], part: str) -> dict[str, Any]:
     return {**manifest, "files": kept if is_part else {}}
 
 
-def _json(path: Path) -> Any:
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise InputError(f"{path}: not valid JSON: {error}") from error
+def _agreeing(found: Trajectory) -> Trajectory:
+    """If its arrays are of one trajectory."""
+    frames, spheres, rods = len(found.time), found.species.size, found.rod_position.shape[1]
+    _check_shapes(vars(found), {"box": (3,), "position": (frames, spheres, 3), "velocity": (frames, spheres, 3), "species": (spheres,),
+                                "radius": (spheres,), "rod_position": (frames, rods, 3), "rod_orientation": (frames, rods, 4)})
+    return found
+
+
+def _check_shapes(arrays: Mapping[str, Any], shapes: Mapping[str, tuple[int, ...]]) -> None:
+    for name, shape in shapes.items():
+        if arrays[name].shape != shape:
+            raise ValueError(f"{name} has the shape {arrays[name].shape}, expected {shape}")
 
 
 def _text(value: Any) -> str:

@@ -13,6 +13,7 @@ from typing import Any, Callable, Iterable, Mapping, Optional, Union
 from . import _core, arguments
 from .errors import InputError
 from .scenes import Folder, Progress, Scene
+from .toml import toml
 
 _FLIGHT = 64  # chunks that are handed out at once
 
@@ -33,11 +34,8 @@ def scan(scene: Scene, axes: Optional[Mapping[str, Any]] = None, *, executor: An
     """
     arguments.kind("scene", scene, Scene, "a rodwake.Scene")
     if axes is not None:
-        for key, values in arguments.kind("axes", axes, Mapping, "a mapping of keys and their values").items():
-            arguments.kind("axes", key, str, "names of keys")
-            if isinstance(values, str) or not isinstance(values, Iterable):
-                raise InputError(f"axes[{key!r}] = {arguments.shown(values)}: expected a list of values")
-        scene = scene.copy().set("scan", {"design": "grid", "axes": [{"key": key, "values": list(values)} for key, values in axes.items()]})
+        given = arguments.kind("axes", axes, Mapping, "a mapping of keys and their values").items()
+        scene = scene.copy().set("scan", {"design": "grid", "axes": [_axis(key, values) for key, values in given]})
     if executor is not None and not (hasattr(executor, "submit") or hasattr(executor, "get_executor")):
         raise TypeError(f"executor: expected one of concurrent.futures or a Dask client, not {type(executor).__name__}")
     arguments.whole("chunk", chunk, 0)
@@ -45,6 +43,20 @@ def scan(scene: Scene, axes: Optional[Mapping[str, Any]] = None, *, executor: An
         place = Path(unkept if folder is None else arguments.path("folder", folder)).resolve()
         execute = None if executor is None else _distributor(scene, place, executor, chunk)
         return scene._run(place, ["scan"], threads, None, force, progress, execute).table("scan.csv")
+
+
+def _axis(key: Any, values: Any) -> dict[str, Any]:
+    """As [[scan.axes]] has it."""
+    arguments.kind("axes", key, str, "names of keys")
+    wanted = f"axes[{key!r}] = {arguments.shown(values)}: expected a list of values"
+    if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
+        raise InputError(wanted)
+    try:
+        listed = list(values)
+        toml(listed, key)
+    except (TypeError, InputError) as error:
+        raise InputError(f"{wanted}: {error}") from error
+    return {"key": key, "values": listed}
 
 
 def _distributor(scene: Scene, folder: Path, executor: Any, chunk: int) -> Callable[..., None]:

@@ -21,16 +21,18 @@ _log = logging.getLogger("rodwake")
 
 class Scene:
     """A scene that was read and checked. Scene.load reads a file, Scene.parse a text. What is wrong with a scene raises SceneError,
-    which lists all its problems."""
+    which lists all its problems. Copies, pickled ones too, do not read the file again, which may have changed."""
 
-    def __init__(self, text: Optional[str], name: str, changes: tuple[tuple[str, Any], ...] = ()) -> None:
-        self._text, self._name, self._changes = text, name, changes
+    def __init__(self, text: str, name: str, changes: tuple[tuple[str, Any], ...] = (), in_file: bool = False) -> None:
+        self._text, self._name, self._changes, self._in_file = text, name, changes, in_file
         self._core = self._read(changes)
 
     @classmethod
     def load(cls, path: Folder) -> Scene:
         """The scene in a TOML file."""
-        return cls(None, arguments.path("path", path, "the name of a TOML file"))
+        name = arguments.path("path", path, "the name of a TOML file")
+        _core.read_scene(name, [])  # tells what is wrong with the file, or with the scene in it
+        return cls(Path(name).read_bytes().decode(), name, in_file=True)
 
     @classmethod
     def parse(cls, text: str, name: str = "scene") -> Scene:
@@ -38,8 +40,7 @@ class Scene:
         return cls(arguments.kind("text", text, str, "the text of a scene"), arguments.kind("name", name, str, "a text"))
 
     def _read(self, changes: tuple[tuple[str, Any], ...]) -> Any:
-        settings = [f"{key}={toml(value, key)}" for key, value in changes]
-        return _core.read_scene(self._name, settings) if self._text is None else _core.parse_scene(self._text, self._name, settings)
+        return _core.parse_scene(self._text, self._name, [f"{key}={toml(value, key)}" for key, value in changes])
 
     def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
         """Sets a key as `-s key=value` does, and returns the scene: set("coupling.kappa", 3.0), set("rods.1.position.0", 2.0),
@@ -52,10 +53,17 @@ class Scene:
 
     def copy(self) -> Scene:
         """Another scene like this, to set keys of."""
-        return Scene(self._text, self._name, self._changes)
+        return Scene(*self._given())
 
     def __reduce__(self) -> Any:
-        return Scene, (self._text, self._name, self._changes)
+        return Scene, self._given()
+
+    def _given(self) -> tuple[str, str, tuple[tuple[str, Any], ...], bool]:
+        return self._text, self._name, self._changes, self._in_file
+
+    def __eq__(self, other: object) -> bool:
+        """Whether they are of one file and every key has the same value."""
+        return isinstance(other, Scene) and (self.path, self.to_toml()) == (other.path, other.to_toml())
 
     @property
     def path(self) -> str:
@@ -117,7 +125,7 @@ class Scene:
         """What makes the run again, for provenance.json."""
         changes = "".join(f".set({key!r}, {value!r})" for key, value in self._changes)
         given = "".join(f", {name}={value!r}" for name, value in options.items() if value is not None)
-        made = f"load({self.path!r})" if self._text is None else f"parse({self._text!r}, {self._name!r})"
+        made = f"load({self.path!r})" if self._in_file else f"parse({self._text!r}, {self._name!r})"
         if len(made + changes) > LONGEST_COMMAND:
             made, changes = f"load({os.path.join(folder, 'scene.toml')!r})", ""  # the same scene, as the run has written it
         return f"rodwake.Scene.{made}{changes}.run({os.fspath(folder)!r}{given})"

@@ -5,10 +5,20 @@ from __future__ import annotations
 import json
 from typing import Any, Mapping
 
+import numpy as np
+
+from . import arguments
+from .errors import InputError
+
+
+_LEGAL = "a scene holds numbers, strings, true, false, lists and tables of them"
+
 
 def toml(value: Any, key: str = "") -> str:
     """Numbers, strings ("5 s" has a unit), true, false, lists and mappings of them; NumPy's too."""
     if hasattr(value, "tolist"):  # of NumPy
+        if arguments.is_masked(value) or np.asarray(value).dtype.kind not in "biufUO":  # most others would turn into numbers
+            raise InputError(f"{key or 'values'}: {value!r}: {_LEGAL}, none of them masked")
         value = value.tolist()
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -20,4 +30,4 @@ def toml(value: Any, key: str = "") -> str:
         return "{" + ", ".join(f"{name} = {toml(one, name)}" for name, one in value.items()) + "}"
     if isinstance(value, (int, float)):
         return repr(value)
-    raise TypeError(f"{f'{key}: ' if key else ''}a scene holds numbers, strings, true, false, lists and tables of them, not {type(value).__name__}")
+    raise TypeError(f"{f'{key}: ' if key else ''}{_LEGAL}, not {type(value).__name__}")

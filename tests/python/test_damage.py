@@ -158,7 +158,8 @@ class DamageTest(unittest.TestCase):
             return edit
 
         edits = [removed("rods/scene/theta"), removed("rods/scene/t"), replaced("rods/scene/x", [1.0]), replaced("rods/scene/t", [0.0]),
-                 replaced("rods/scene", 3.0), lambda file: file["rods/scene/x"].attrs.pop("unit"), lambda file: file["rods/scene/x"].attrs.__setitem__("unit", np.bytes_(b"\xff"))]
+                 replaced("rods/scene", 3.0), lambda file: file["rods/scene/x"].attrs.pop("unit"),
+                 lambda file: file["rods/scene/x"].attrs.__setitem__("unit", np.bytes_(b"\xff"))]
         for number, edit in enumerate(edits):
             path.write_bytes(whole)
             change(path, edit)
