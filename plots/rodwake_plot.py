@@ -1,13 +1,19 @@
 """Draw the figures of a run directory and write its report: rodwake_plot.py RUN_DIR [--pdf] [--width 86mm] [--style slides] [--film]."""
 
-import argparse
-import contextlib
-import logging
-import os
 import sys
-import warnings
 
-from rodwake_plots.errors import PlotError, UsageError
+from rodwake_plots import stop, terminal
+
+if __name__ == "__main__":  # before the imports that take time
+    terminal.fill_closed_descriptors()
+    stop.take_signals()
+
+import argparse  # noqa: E402
+import contextlib  # noqa: E402
+import logging  # noqa: E402
+import warnings  # noqa: E402
+
+from rodwake_plots import errors  # noqa: E402
 
 
 def arguments(argv):
@@ -25,29 +31,12 @@ def arguments(argv):
     return parser.parse_args(argv)
 
 
-class Listing:
-    """Standard output as long as somebody reads it: `rodwake plot RUN | head -1` makes every figure."""
-
-    def __init__(self, out):
-        self.out = out
-
-    def write(self, text):
-        try:
-            self.out.write(text)
-            self.out.flush()
-        except BrokenPipeError:  # what is buffered goes nowhere, now and when the interpreter ends
-            os.dup2(os.open(os.devnull, os.O_WRONLY), self.out.fileno())
-
-    def flush(self):
-        """Written at once."""
-
-
 def plot(options):
     # Imported here so that --help and a missing package are quick and plain.
     # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     warnings.simplefilter("ignore")
-    from rodwake_plots import draw, report, scan_page, style, tradeoff, ways
+    from rodwake_plots import draw, style, tradeoff, ways
     from rodwake_plots.run_dir import RunDir
 
     look = style.look(options.width, options.style, options.font_size)
@@ -58,41 +47,34 @@ def plot(options):
     with RunDir(options.run_dir, options.output) as run:
         if run.has_tradeoff and not options.report_only:
             print(*draw.in_style(tradeoff.write, run), sep="\n")
-        if run.holds_tradeoff_alone:
-            return
-        figures = draw.figures_of(run, options.film, options.overlay)
-        failures = []
-        if not options.report_only:
-            figures, failures = draw.write_all(run, figures, pdf=options.pdf, look=look)
-        report.write(run, figures)
-        if run.has_scan:
-            scan_page.write(run)
-        if failures:  # told last: what could be drawn is there
-            raise PlotError("; ".join(failures))
+        if not run.holds_tradeoff_alone:
+            draw_all(run, options, look)
+
+
+def draw_all(run, options, look):
+    """Figures, then the pages; what failed is told last: what could be drawn is there."""
+    from rodwake_plots import draw, report, scan_page
+
+    figures = draw.figures_of(run, options.film, options.overlay)
+    shown = [(figure, "") for figure in figures] if options.report_only else draw.write_all(run, figures, options.pdf, look)
+    failures = [f'figure "{figure.name}": {why}' for figure, why in shown if why]
+    for page in [(report.write, run, shown)] + [(scan_page.write, run)] * run.has_scan:
+        found, error = errors.attempt(*page)
+        failures += [errors.reason(error)] if error else found or []
+    if failures:
+        raise errors.PlotError("; ".join(failures))
 
 
 def main(argv=None):
-    options = arguments(argv)
-    code = 1
-    try:
-        with contextlib.redirect_stdout(None if options.quiet else Listing(sys.stdout)):
-            plot(options)
-    except UsageError as error:
-        code, message = 2, str(error)
-    except PlotError as error:
-        message = str(error)
-    except ImportError as error:
-        message = f"a Python package is missing: {error}"
-    except OSError as error:
-        message = f"{error.filename or options.run_dir}: {error.strerror or error}"
-    except Exception as error:  # a user sees one line; the traceback is for whoever asks for it
-        if os.environ.get("RODWAKE_PLOT_DEBUG"):
-            raise
-        message = f"internal error: {type(error).__name__}: {error} (RODWAKE_PLOT_DEBUG=1 shows where)"
-    else:
-        return 0
-    print("rodwake plot: " + " ".join(message.split()), file=sys.stderr)
-    return code
+    terminal.forget()
+    with contextlib.redirect_stderr(terminal.Stream(sys.stderr)), contextlib.redirect_stdout(terminal.Stream(sys.stdout)):
+        options = arguments(argv)
+        with contextlib.redirect_stdout(None if options.quiet else sys.stdout):
+            _, error = errors.attempt(plot, options)
+        if error is None:
+            return 0
+        terminal.say(errors.reason(error))
+        return 2 if isinstance(error, errors.UsageError) else 1
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """Making and saving a figure."""
 
-import contextlib
-import os
+import io
 import string
 
 import matplotlib
@@ -11,9 +10,21 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
+from . import files, style
+
+
+class ShownFigure(Figure):
+    """A text that is no TeX, whoever wrote it into a file of the run, is shown as it stands: it would end the drawing."""
+
+    def draw(self, renderer):
+        for text in self.findobj(Text):
+            if not style.can_show(text.get_text()):
+                text.set_parse_math(False)
+        super().draw(renderer)
+
 
 def figure(width, height):
-    made = Figure(figsize=(width, height), layout="compressed")
+    made = ShownFigure(figsize=(width, height), layout="compressed")
     made.get_layout_engine().set(w_pad=0.04, h_pad=0.04, wspace=0.04, hspace=0.04)
     return made
 
@@ -42,17 +53,6 @@ def window(axes, x, y):
     axes.set_aspect("equal")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-
-
-@contextlib.contextmanager
-def replacing(path):
-    """A temporary path beside `path`, moved over it only when all went well."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        yield temporary
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def enlarge(made, factor):
@@ -90,5 +90,6 @@ def fit_width(made, column):
 
 
 def save(made, path, metadata=None):
-    with replacing(path) as temporary:
-        made.savefig(temporary, format=path.suffix[1:], bbox_inches="tight", pad_inches=PAD, metadata=metadata)
+    out = io.BytesIO()  # a write that fails is then told with its cause, which Pillow loses
+    made.savefig(out, format=path.suffix[1:], bbox_inches="tight", pad_inches=PAD, metadata=metadata)
+    files.write(path, out.getvalue())

@@ -5,14 +5,13 @@ a run whose scene asks for nothing. It may have hover_marks(run, spec, figure) -
 """
 
 import importlib
-import sys
 from dataclasses import replace
 
 import matplotlib
 
-from . import canvas, hover, schema, spec
+from . import canvas, hover, schema, spec, terminal
 from .canvas import PAD, save
-from .errors import MissingError, PlotError
+from .errors import MissingError, PlotError, attempt, reason
 from .granular_run import TRAJECTORY
 from .medium_frames import FILE as MEDIUM_FRAMES
 from .style import SETTINGS, Look
@@ -46,10 +45,16 @@ def filmed(run, found):
 def defaults(run):
     """A figure for everything the run directory holds."""
     there = {"bed": run.has_granular, "measure": run.has_granular, "theory": run.has_result, "rod_order": run.rods_order is not None, "fit": run.has_fit, "scan": run.has_scan}
-    specs = [one for kind, module in KINDS.items() if there[schema.subject(kind)] for one in module.defaults(run)]
+    specs = [one for kind in KINDS if there[schema.subject(kind)] for one in all_of(kind, run)]
     if not specs:
         raise PlotError(f"{run.path}: holds no rods, no field, no cuts, no fit, no scan and no tables or trajectories of beads: nothing to draw")
     return specs
+
+
+def all_of(kind, run):
+    """If it cannot be told what there is, one figure, which says why when it is drawn."""
+    found, error = attempt(KINDS[kind].defaults, run)
+    return [spec.Spec(kind, kind)] if error else [replace(one, name=spec.file_name(one.name)) for one in found]
 
 
 def besides(run, asked):
@@ -59,7 +64,7 @@ def besides(run, asked):
         ["phase_diagram", "scan_curve"] if run.has_scan and "scan" not in shown else [])
     ends = {"fit": "to_data", "scan": "of_scan"}
     return [replace(one, name=f"{one.name}_{ends[schema.subject(kind)]}") if one.name in taken else one
-            for kind in kinds for one in first(KINDS[kind].defaults(run), kind)]
+            for kind in kinds for one in first(all_of(kind, run), kind)]
 
 
 def first(specs, kind):
@@ -68,21 +73,17 @@ def first(specs, kind):
 
 
 def write_all(run, figures, pdf, look=Look(SETTINGS)):
-    """Those that could be drawn, and why the others could not; beside figures that are drawn, one without data is left out and told."""
-    run.figures_dir.mkdir(parents=True, exist_ok=True)
-    drawn, failures, missing = [], [], []
-    for figure in figures:
-        try:
-            write_one(run, figure, (".png", ".pdf") if pdf else (".png",), look)
-            drawn.append(figure)
-        except PlotError as error:
-            left_out = isinstance(error, MissingError) and not run.has_lost(error.file)
-            (missing if left_out else failures).append(f'figure "{figure.name}": {error}')
-    if not drawn:
-        return drawn, missing + failures
-    for one in missing:
-        print(f"rodwake plot: left out: {one}", file=sys.stderr)
-    return drawn, failures
+    """[(figure, "" or why it could not be drawn)]; beside figures that are drawn, one without data is left out and told."""
+    endings = (".png", ".pdf") if pdf else (".png",)
+    tried = [(one, attempt(write_one, run, one, endings, look)[1]) for one in figures]
+    left_out = [one for one, error in tried if isinstance(error, MissingError) and not run.has_lost(error.file)]
+    if all(error for _, error in tried):
+        left_out = []
+    shown = [(one, reason(error) if error else "") for one, error in tried]
+    for one, why in shown:
+        if one in left_out:
+            terminal.say(f'left out: figure "{one.name}": {why}')
+    return [(one, why) for one, why in shown if one not in left_out]
 
 
 def write_one(run, figure, endings, look):

@@ -1,4 +1,9 @@
-"""The exceptions that mean: tell the user in a line and stop."""
+"""The exceptions that mean: tell the user in a line and stop; and going on after any other."""
+
+import os
+import traceback
+
+DEBUG = "RODWAKE_PLOT_DEBUG"
 
 
 class PlotError(Exception):
@@ -15,3 +20,30 @@ class MissingError(PlotError):
 
 class UsageError(PlotError):
     """An option that cannot be."""
+
+
+def attempt(act, *arguments):
+    """(what it gives, None), or (None, the exception): one figure or section that fails does not take the others with it.
+
+    A user sees no traceback; it is for whoever asks for it. Nor is it kept: it holds the figure, and files that are open.
+    """
+    try:
+        return act(*arguments), None
+    except Exception as error:
+        if os.environ.get(DEBUG):
+            traceback.print_exc()
+        error.__cause__ = error.__context__ = None
+        return None, error.with_traceback(None)
+
+
+def reason(error):
+    """In one line."""
+    if isinstance(error, PlotError):
+        text = str(error)
+    elif isinstance(error, ImportError):
+        text = f"a Python package is missing: {error}"
+    elif isinstance(error, OSError):
+        text = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+    else:
+        text = f"internal error: {type(error).__name__}: {error} ({DEBUG}=1 shows where)"
+    return " ".join(text.split())

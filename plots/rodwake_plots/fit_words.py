@@ -82,7 +82,7 @@ def line_html(profile, unit):
     component, along, at = line(profile)
     fixed = "0" if at == 0 else f"{words.number(float(at))} {unit_html(unit)}"
     inside = f"<i>x</i>, {fixed}" if along == "x" else f"{fixed}, <i>y</i>"
-    return f'<span class="eq"><i>U<sub>{component}</sub></i>({inside})</span>'
+    return f'<span class="eq"><i>U<sub>{words.escape(component)}</sub></i>({inside})</span>'
 
 
 def value(parameter):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import csv_columns
+from . import csv_columns, words
 from .errors import PlotError
 from .h5md import Trajectory
 
@@ -85,7 +85,7 @@ class GranularRun:
 
     def which(self, name):
         """Tells, for a caption, whose trajectory is drawn."""
-        return "" if self.single else f"Run {int_of(self.holders(name)[0].name)} of {len(self.members)}. "
+        return "" if self.single else f"Run {words.escape(int_of(self.holders(name)[0].name))} of {len(self.members)}. "
 
     def tables(self):
         """(path, columns) of table.csv of each run."""

@@ -1,6 +1,8 @@
 """The bed from above as a film: mp4 by ffmpeg if there is one, else an animated GIF by Pillow."""
 
 import contextlib
+import io
+import os
 import shutil
 import subprocess
 import tempfile
@@ -8,7 +10,7 @@ import tempfile
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from . import bed, canvas, snapshot, words
+from . import bed, canvas, files, snapshot, stop, words
 from .errors import PlotError
 from .granular_run import TRAJECTORY
 
@@ -27,10 +29,10 @@ def write_film(run, spec, film):
     """The same of any film: pictures to iterate over, their width and height, and save_still(path)."""
     ending, encode = (".mp4", by_ffmpeg) if shutil.which("ffmpeg") else (".gif", by_pillow)
     still = run.figures_dir / f"{spec.name}.png"
-    for old in ENDINGS:
-        still.with_suffix(old).unlink(missing_ok=True)
-    with canvas.replacing(still.with_suffix(ending)) as temporary:
+    with files.replacing(still.with_suffix(ending)) as temporary:
         encode(temporary, film, spec.fps)
+    for old in set(ENDINGS) - {ending}:
+        still.with_suffix(old).unlink(missing_ok=True)
     film.save_still(still)
     return [still.with_suffix(ending), still]
 
@@ -73,21 +75,29 @@ def by_ffmpeg(path, film, fps):
     command = ["ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
                "-s", f"{film.width}x{film.height}", "-r", str(fps), "-i", "-", "-c:v", "libx264", "-crf", QUALITY,
                "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(path)]
-    with tempfile.TemporaryFile() as log:
-        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=log, stderr=log)
-        with contextlib.suppress(BrokenPipeError), process.stdin:  # ffmpeg tells why it stopped
-            for picture in film:
-                process.stdin.write(picture.tobytes())
-        if process.wait() != 0:
-            log.seek(0)
-            told = log.read().decode(errors="replace").strip() or f"exit code {process.returncode}"
-            raise PlotError(f"ffmpeg made no film: {told}")
+    with tempfile.TemporaryFile() as log, subprocess.Popen(command, stdin=subprocess.PIPE, stdout=log, stderr=log) as process:
+        with stop.undoing(lambda: kill(process)):
+            with contextlib.suppress(BrokenPipeError), process.stdin:  # ffmpeg tells why it stopped
+                for picture in film:
+                    process.stdin.write(picture.tobytes())
+            code = process.wait()
+        log.seek(0)
+        told = log.read().decode(errors="replace").strip()
+    if code != 0 or told:  # a disk that is full is told as an error, and may end well all the same
+        raise PlotError(f"ffmpeg made no film: {told or f'exit code {code}'}")
+
+
+def kill(process):
+    """And wait until it writes no more; by the system's call, for the signal may have come while Popen held its lock."""
+    process.kill()
+    os.waitpid(process.pid, 0)
 
 
 def by_pillow(path, film, fps):
     from PIL import Image
-    pictures = (Image.fromarray(picture).quantize(128) for picture in film)
-    next(pictures).save(path, format="GIF", save_all=True, append_images=pictures, duration=round(1000 / fps), loop=0)
+    pictures, out = (Image.fromarray(picture).quantize(128) for picture in film), io.BytesIO()
+    next(pictures).save(out, format="GIF", save_all=True, append_images=pictures, duration=round(1000 / fps), loop=0)
+    path.write_bytes(out.getvalue())
 
 
 def film_of(run, spec):

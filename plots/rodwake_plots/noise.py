@@ -127,14 +127,14 @@ def free_square(means, t):
 
 def caption(run, _):
     drawn = cases(run)
-    told = "; ".join(f"{style.safe(case.label)}: {capture(case.means)}" for case in drawn if case.means["capture_probability"] is not None)
+    told = "; ".join(f"{words.label_html(case.label)}: {capture(case.means)}" for case in drawn if case.means["capture_probability"] is not None)
     return ("Root of the mean-square displacement and correlation of the headings, means over runs and rods; lines: a rod that no other turns. "
             + (f"Right: runs in contact by a time; squares: probability of capture (contact or pursuit) with its interval of 95 %. {told}." if told else ""))
 
 
 def capture(means):
     p, low, high = (words.number(means[key], 3) for key in ("capture_probability", "capture_low", "capture_high"))
-    return f"{p} ({low} to {high}) of {means['runs']} runs"
+    return f"{p} ({low} to {high}) of {words.number(means['runs'])} runs"
 
 
 def defaults(run):

@@ -5,8 +5,8 @@ import io
 import struct
 from pathlib import Path
 
-from . import abstract, contents, draw, hover, movie, sections, words
-from .canvas import replacing
+from . import abstract, contents, draw, files, hover, movie, page, sections, words
+from .errors import attempt, reason
 
 STYLE = Path(__file__).with_name("report.css")
 LARGEST_FILM = 1.5e6  # bytes
@@ -14,47 +14,58 @@ LARGEST = 3.2e6       # bytes of all pictures: with what base64 adds the page st
 SCALE = 0.62  # image pixels (200 per inch) to page pixels: somewhat larger than in print
 
 
-def write(run, figures):
-    path = run.output / "report.html"
-    page = document(run, figures)
-    with replacing(path) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+def write(run, shown):
+    """What of the page could not be made; `shown` is [(figure, "" or why it was not drawn)]."""
+    path, failures = run.output / "report.html", []
+    files.write(path, document(run, shown, failures))
     print(path)
+    return failures
 
 
-def document(run, figures):
-    title = words.escape(run.title)
-    parts = [(name, inside) for name, inside in sections_of(run, figures) if inside]
-    links = contents.navigation([name for name, _ in parts], [(number, one.title or one.name.replace("_", " ")) for number, one in enumerate(figures, 1)])
-    body = "\n".join((sections.header(run), links, *(section(name, inside) for name, inside in parts)))
-    return (f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-            f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-            f'<meta name="color-scheme" content="light dark">\n<title>{title}</title>\n'
-            f"<style>\n{STYLE.read_text(encoding='utf-8')}</style>\n</head>\n<body>\n<main>\n{body}\n"
-            f"<footer>rodwake {words.escape(run.version)}</footer>\n</main>\n</body>\n</html>\n")
+def document(run, shown, failures):
+    """What cannot be told says so in its place, and in `failures`: the rest of the page is made all the same."""
+    parts = [(name, inside) for name, inside in sections_of(run, shown, failures) if inside]
+    names = [(number, one.title or one.name.replace("_", " ")) for number, (one, _) in enumerate(shown, 1)]
+    links = contents.navigation([name for name, _ in parts], names)
+    body = "\n".join((made("head of the report", failures, sections.header, run), links, *(section(name, inside) for name, inside in parts)))
+    return (f'<!doctype html>\n<html lang="en">\n<head>\n{page.head(run.title, STYLE.read_text(encoding="utf-8"))}\n</head>\n'
+            f"<body>\n<main>\n{body}\n<footer>rodwake {words.escape(run.version)}</footer>\n</main>\n</body>\n</html>\n")
 
 
-def sections_of(run, figures):
+def sections_of(run, shown, failures):
     """(name, HTML) of all there may be."""
-    yield "Abstract", sections.abstract(run, abstract.sentences(run))
-    yield "Figures", "\n".join(figure(run, one, number, image) for number, (one, image) in enumerate(zip(figures, pictures(run, figures)), 1))
+    yield "Abstract", made("Abstract of the report", failures, lambda: sections.abstract(run, abstract.sentences(run)))
+    yield "Figures", "\n".join(figure(run, *one, image, number, failures)
+                               for number, (one, image) in enumerate(zip(shown, pictures(run, shown)), 1))
     for name, of in (("Fit", sections.fit), ("Scan", sections.scan), ("Granular bed", sections.granular), ("Measures", sections.measures),
                      ("Runs", sections.runs), ("Reproduce", contents.reproduce), ("Parameters", sections.parameters),
                      ("Solver", sections.solver), ("Scene and log", sections.texts), ("Provenance", sections.provenance)):
-        yield name, of(run)
+        yield name, made(f"{name} of the report", failures, of, run)
+
+
+def made(what, failures, act, *arguments):
+    found, error = attempt(act, *arguments)
+    if error is None:
+        return found
+    failures.append(f"{what}: {reason(error)}")
+    return failed(reason(error))
+
+
+def failed(why):
+    return f'<p class="failed">Not shown: {words.escape(why)}</p>'
 
 
 def section(name, inside):
     return f'<section id="{contents.identifier(name)}">\n<h2>{name}</h2>\n{inside}\n</section>'
 
 
-def pictures(run, figures):
-    """The PNG of each figure; of many the largest ones with fewer colours, the files themselves stay as they are."""
-    found = [draw.png(run, one) for one in figures]
+def pictures(run, shown):
+    """The PNG of each figure that was drawn; of many the largest ones with fewer colours, the files themselves stay as they are."""
+    found = [b"" if why else attempt(draw.png, run, one)[0] or b"" for one, why in shown]
     for index in sorted(range(len(found)), key=lambda one: -len(found[one])):
         if sum(map(len, found)) <= LARGEST:
             break
-        found[index] = slim(found[index])
+        found[index] = attempt(slim, found[index])[0] or found[index]
     return found
 
 
@@ -69,15 +80,21 @@ def slim(image):
     return min(image, out.getvalue(), key=len)
 
 
-def figure(run, spec, number, image):
+def figure(run, spec, why, image, number, failures):
+    label = f'figure "{spec.name}"'
+    inside = failed(why) if why else made(label, failures, picture, run, spec, image)
+    told = "" if why else made(label, failures, lambda: f"{draw.caption(run, spec)}\n{contents.links(run, spec)}")
+    name = f"<b>Figure {number}.</b> " + (f"<b>{words.label_html(spec.title)}.</b> " if spec.title else "")
+    return f'<figure id="figure-{number}">\n<div class="sheet">{inside}</div>\n<figcaption>{name}{told}</figcaption>\n</figure>'
+
+
+def picture(run, spec, image):
+    image = image or draw.png(run, spec)  # says why there is none
     width, height = (round(SCALE * pixels) for pixels in struct.unpack(">II", image[16:24]))  # the PNG header
     data = base64.b64encode(image).decode("ascii")
-    name = f"<b>Figure {number}.</b> " + (f"<b>{words.label_html(spec.title)}.</b> " if spec.title else "")
-    picture = film(run, spec, width) or (
+    return film(run, spec, width) or (
         f'<div class="picture"><img alt="{words.escape(spec.title or spec.name)}" width="{width}" height="{height}" '
         f'src="data:image/png;base64,{data}">{hover.overlay(hover.of_png(image), width, height)}</div>')
-    return (f'<figure id="figure-{number}">\n<div class="sheet">{picture}</div>\n'
-            f"<figcaption>{name}{draw.caption(run, spec)}\n{contents.links(run, spec)}</figcaption>\n</figure>")
 
 
 def film(run, spec, width):

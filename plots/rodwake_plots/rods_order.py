@@ -61,7 +61,7 @@ def caption(run, _):
         ("polar", "polar order"), ("nematic", "nematic order"), ("weighted_size", "mean size of the cluster that a rod is in"),
         ("largest", "largest cluster")))
     return (f"Left: order of the rods and sizes of their clusters; rods nearer than {words.number(means['link'])} {unit} are linked. Right: share of "
-            f"the rods in clusters of each size. Means over the shaded time, standard errors from {means['blocks']} blocks: {told}.")
+            f"the rods in clusters of each size. Means over the shaded time, standard errors from {words.number(means['blocks'])} blocks: {told}.")
 
 
 def units_of(means):

@@ -1,12 +1,13 @@
 """An axis of a scan: what it is called, in what it is even, and how it stands in a figure."""
 
+import html
 import re
 from dataclasses import dataclass, field
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator, SymmetricalLogLocator
 
-from . import fit_words, ranges, schema, style, units, words
+from . import fit_words, ranges, schema, style, terminal, units, words
 from .errors import PlotError
 
 PREFIXED = ("m", "s", "m/s", "N")
@@ -20,7 +21,7 @@ class Axis:
     key: str
     keys: tuple        # tied to the first: their values are those of the axis times `factors`
     factors: tuple
-    symbol: str        # TeX without dollars
+    symbol: str        # TeX without dollars; or words, if it is no TeX
     unit: str
     scale: str         # linear, log or choice
     low: float         # in the numbers of the file; of a choice -0.5 ...
@@ -28,6 +29,15 @@ class Axis:
     values: tuple      # as listed; of a choice words
     factor: float = field(default=1.0)  # shown is the number of the file times this
     prefix: str = ""
+
+    @property
+    def is_tex(self):
+        return style.is_mathtext(f"${self.symbol}$")
+
+    @property
+    def name(self):
+        """For a figure."""
+        return f"${self.symbol}$" if self.is_tex else style.literal(self.symbol)
 
     @property
     def is_choice(self):
@@ -56,23 +66,24 @@ class Axis:
     @property
     def label(self):
         """For a figure, with its unit."""
-        if self.factor == 1.0 and self.unit in units.REDUCED:
+        if self.factor == 1.0 and self.unit in units.REDUCED and self.is_tex:
             return f"${self.symbol}{units.REDUCED[self.unit]}$"
         if self.unit in PREFIXED:
-            return rf"${self.symbol}$ ($\mathrm{{{self.prefix}{self.unit}}}$)"
-        return f"${self.symbol}$" + (f" ({fit_words.unit_math(self.unit)})" if self.unit not in ("", "1") else "")
+            return rf"{self.name} ($\mathrm{{{self.prefix}{self.unit}}}$)"
+        return self.name + (f" ({fit_words.unit_math(self.unit)})" if self.unit not in ("", "1") else "")
 
     def equals(self, value):
         """`x_1 = 3 f/mu` as mathtext; of a choice its word."""
         if self.is_choice:
-            return f"{self.key.rpartition('.')[2].replace('_', ' ')}: {self.values[int(value)]}"
+            return f"{self.key.rpartition('.')[2].replace('_', ' ')}: {style.safe(self.values[int(value)])}"
         unit = rf"\ \mathrm{{{self.prefix}{self.unit}}}" if self.unit in PREFIXED else (
             r"\ " + fit_words.unit_math(self.unit).strip("$") if self.unit not in ("", "1") else "")
-        return rf"${self.symbol} = {words.math_number(float(value) * self.factor)}{unit}$"
+        told = f"= {words.math_number(float(value) * self.factor)}{unit}$"
+        return f"${self.symbol} {told}" if self.is_tex else f"{self.name} ${told}"
 
     @property
     def name_html(self):
-        return words.tex_html(self.symbol.replace(r"\ ", " "))
+        return words.tex_html(self.symbol.replace(r"\ ", " ")) if self.is_tex else words.escape(self.symbol)
 
     @property
     def unit_html(self):
@@ -81,7 +92,7 @@ class Axis:
 
     def equals_text(self, value):
         """`κ = 3` as plain text; the axis has the unit."""
-        name = re.sub("<[^>]*>", "", self.name_html)
+        name = html.unescape(re.sub("<[^>]*>", "", self.name_html))
         return f"{name}: {self.values[int(value)]}" if self.is_choice else f"{name} = {value * self.factor:.4g}"
 
     def equals_html(self, value):
@@ -110,7 +121,7 @@ class Axis:
             axis.set_minor_locator(SymmetricalLogLocator(axis.get_transform(), subs=range(2, 10)))
             ranges.plain_decades(axis, -high * self.factor, -low * self.factor)
         elif self.is_choice:
-            axis.set_ticks(range(len(self.values)), self.values)
+            axis.set_ticks(range(len(self.values)), [style.safe(value) for value in self.values])
             axis.set_tick_params(length=0)
         elif 1 < len(self.values) <= FEW:
             axis.set_ticks([value * self.factor for value in self.values])
@@ -148,22 +159,20 @@ def scaled(unit, extent, log):
 def symbol_of(key, told):
     """TeX: as the scene calls it, of starts x_1 and the like, as the program says, else the name of the key."""
     if told.get("label"):
-        return checked(told["label"], key)
+        return said_if_plain(str(told["label"]), key)
     found = PLACES.fullmatch(key)
     if found:
         return rf"{'xy'[int(found[3])] if found[3] else chr(92) + 'theta'}_{{{found[1]}}}"
     if told.get("symbol"):
-        return told["symbol"]
+        return str(told["symbol"])
     table, _, name = key.rpartition(".")
     known = schema.KEYS.get((table, name), {}).get("symbol")
     return known or r"\mathrm{%s}" % re.sub(r"[^\w.+-]", "?", name).replace("_", r"\ ")
 
 
-def checked(label, key):
-    try:
-        style.require_mathtext(label)
-    except ValueError as error:
-        raise PlotError(f"scan axis {key}: label = \"{label}\" is not TeX that figures can show: {error}") from error
+def said_if_plain(label, key):
+    if not style.is_mathtext(f"${label}$"):
+        terminal.say_once(f"scan axis {key}: label = \"{label}\" is not TeX that figures can show: it stands there as plain text")
     return label
 
 

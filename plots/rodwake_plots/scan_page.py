@@ -1,40 +1,35 @@
 """scan.html: one page that shows every point of a scan, and needs no other file."""
 
-import json
 import re
 from pathlib import Path
 
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from . import packed, scan_columns, scan_outcomes, scan_raster, scan_scene, scan_sections, scan_words, style, words
-from .canvas import replacing
+from . import files, marked, packed, page, scan_columns, scan_outcomes, scan_raster, scan_scene, scan_sections, scan_words, style, words
 from .errors import PlotError
 from .scan_run import OUTCOMES
 from .spec import Spec
 
 PARTS = Path(__file__).with_name("scan_page")
 NOTHING_ON_DARK = "#343943"
-SCRIPTS = ("format", "table", "scales", "colours", "nearest", "paint", "frame", "trajectory", "download", "controls", "view", "draw",
+SCRIPTS = ("format", "node", "table", "scales", "colours", "nearest", "paint", "frame", "trajectory", "download", "controls", "view", "draw",
            "point", "selection", "input", "page")
 
 
 def write(run):
     path = run.output / scan_sections.PAGE
-    page = document(run)
-    with replacing(path) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+    files.write(path, document(run))
     print(path)
 
 
 def document(run):
-    page = part("page.html")
     blobs, told = contents(run)
-    values = {"title": words.escape(run.title), "style": part("page.css"), "sub": sub(run),
+    script = "\n".join(('"use strict";', "(() => {", *(part(f"{name}.js") for name in SCRIPTS), "})();"))
+    values = {"head": page.head(run.title, part("page.css"), script), "title": words.escape(run.title), "sub": sub(run),
               "about": scan_words.caption(run, Spec("scan", "scan_page", colour="outcome")), "version": words.escape(run.version),
-              "told": json.dumps(told, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/"),
-              "data": "\n".join(blobs), "script": "\n".join(part(f"{name}.js") for name in SCRIPTS)}
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], page)
+              "told": page.json_text(told), "data": "\n".join(blobs), "script": script}
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], part("page.html"))
 
 
 def part(name):
@@ -53,7 +48,8 @@ def contents(run):
             "nothing": {"light": scan_outcomes.NOTHING, "dark": NOTHING_ON_DARK},
             "axes": [axis(one) for one in scan.axes], "columns": columns(run, box), "maps": maps(box),
             "rodColours": style.ROD_COLOURS, "cells": cells(scan, box), "boundary": boundary(scan, box),
-            "samples": samples(scan, box), "lengthUnit": run.units.length_html(), "timeUnit": run.units.time_html(),
+            "samples": samples(scan, box), "lengthUnit": marked.parts(run.units.length_html()),
+            "timeUnit": marked.parts(run.units.time_html()),
             **scenes(run)}
     return box.scripts, told
 
@@ -63,8 +59,8 @@ def outcomes():
 
 
 def axis(one):
-    return {"key": one.key, "html": one.name_html, "unit": one.unit_html, "scale": one.scale, "factor": one.factor, "low": one.low,
-            "high": one.high, "sign": one.sign, "words": list(one.values) if one.is_choice else None}
+    return {"key": one.key, "marked": marked.parts(one.name_html), "unit": marked.parts(one.unit_html), "scale": one.scale,
+            "factor": one.factor, "low": one.low, "high": one.high, "sign": one.sign, "words": list(one.values) if one.is_choice else None}
 
 
 def columns(run, box):
@@ -90,7 +86,7 @@ def colouring(run, name):
     """What a column of numbers means and how it colours points; without "norm" it does not."""
     told = scan_columns.quantity(name, run.scan)
     html = words.escape(told.name) + (f" {words.tex_html(told.symbol)}" if told.symbol else "")
-    found = {"label": told.name, "html": html, "unit": scan_columns.unit_html(run, name, shown=False),
+    found = {"label": told.name, "marked": marked.parts(html), "unit": marked.parts(scan_columns.unit_html(run, name, shown=False)),
              "of": [OUTCOMES.index(one) for one in told.of] or None}
     if name not in scan_columns.names(run.scan):
         return found

@@ -61,7 +61,7 @@ def sentence(run, name):
     time = words.equation("<i>t</i>", run.outcome.get("time", "?"), units.time_html(), digits=6)
     nearest = f"{words.number(run.outcome.get('min_separation', '?'), 6)} {units.length_html()}"
     pair = run.outcome.get("pair") or []
-    who = f"rods {pair[0]} and {pair[1]}" if len(pair) == 2 else "the rods"
+    who = f"rods {words.number(pair[0])} and {words.number(pair[1])}" if len(pair) == 2 else "the rods"
     return {
         "contact": f"Contact: {who} met at {time}, {nearest} apart.",
         "pursuit": f"Pursuit: the headings of {who} locked and their separation stayed bounded until {time}; closest approach {nearest}.",

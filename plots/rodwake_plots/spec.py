@@ -46,6 +46,11 @@ def from_scene(scene):
     return specs
 
 
+def file_name(text):
+    """As a name that may hold a column or a parameter of a file: it does not lead out of the folder of the figures."""
+    return re.sub(r"[^\w.+-]", "_", text)[:100].lstrip(".")
+
+
 def _spec(table):
     name = table.get("name", "")
     if not isinstance(name, str) or not re.fullmatch(r"[\w+-][\w.+-]*", name):
@@ -86,8 +91,8 @@ def _check(name, key, value):
         wrong = not whole and f"= {value} is not a list of whole numbers, which count [[fit.profiles]] from 0"
     elif key == "slices":
         wrong = not (isinstance(value, (list, tuple)) and all(map(words.is_number, value))) and f"= {value} is not a list of numbers"
-    elif key in ("colour", "column"):
-        wrong = not isinstance(value, str) and f"= {value} is not a name"
+    elif key in ("colour", "column", "title"):
+        wrong = not isinstance(value, str) and f"= {value} is not a {'text' if key == 'title' else 'name'}"
     else:
         return
     if wrong:

@@ -1,13 +1,16 @@
 """One look for every figure: fonts, sizes, colours. Widths are those of a Physical Review page."""
 
+import functools
 import re
 from pathlib import Path
 from typing import NamedTuple
 
 import matplotlib
+from matplotlib import cbook
 from matplotlib.colors import ListedColormap
 from matplotlib.mathtext import MathTextParser
 
+from . import terminal
 from .errors import UsageError
 
 SINGLE, WIDE = 4.2, 7.0  # inches: one and a half columns, two columns
@@ -99,15 +102,27 @@ ROD_COLOURS = ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 
 def safe(text):
     """A user's one-line text as matplotlib can show it: mathtext if it parses, else literally."""
-    if "$" not in text:
+    if "$" not in text or is_mathtext(text):
         return text
+    if text.count("$") > 1:
+        terminal.say_once(f'"{text}" is not TeX that figures can show: it stands there as plain text')
+    return literal(text)
+
+
+def literal(text):
+    """As it stands, also beside mathtext."""
+    return text.replace("$", r"\$")
+
+
+def can_show(text):
+    """Whether matplotlib, which takes it line by line, can show this text."""
+    return all(safe(line) == line for line in text.split("\n") if cbook.is_math_text(line))
+
+
+@functools.lru_cache
+def is_mathtext(text):
     try:
         MathTextParser("path").parse(text)
-        return text
-    except ValueError:
-        return text.replace("$", r"\$")
-
-
-def require_mathtext(symbol):
-    """ValueError unless matplotlib can show this TeX, without dollars."""
-    MathTextParser("path").parse(f"${symbol}$")
+    except Exception:  # mostly ValueError, but it is run on whatever a file holds
+        return False
+    return True

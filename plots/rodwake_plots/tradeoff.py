@@ -17,7 +17,6 @@ ERRORS = {"final_state": "error of the last state", "contact_time": "error of th
 
 def write(run):
     """Paths of the figures made."""
-    run.figures_dir.mkdir(parents=True, exist_ok=True)
     path = run.figures_dir / "tradeoff.png"
     canvas.save(draw(run), path)
     return [path]

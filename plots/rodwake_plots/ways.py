@@ -28,7 +28,6 @@ def write(folder, output=None):
     ways = [way for way in told["ways"] if way["found"]]
     if not ways:
         raise PlotError(f"{folder / FILE}: no way has a result")
-    (output / "figures").mkdir(parents=True, exist_ok=True)
     path = output / "figures" / "ways.png"
     canvas.save({"bed": draw_bed, "fit": draw_fit, "field": draw_field}[told["of"]](ways), path)
     return [path]

@@ -49,9 +49,8 @@ function colourOf(point) {
 const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 function tag(point) {
-  if (scan.failed[point]) return `<span class="cross">× ${cell(scan.column.status, point)}</span>`;
+  if (scan.failed[point]) return node("span", { class: "cross" }, `× ${cell(scan.column.status, point)}`);
   const one = scan.outcomes[scan.outcome[point]];
-  if (!one) return "no outcome";
-  const dark = one.name === "contact" ? " dark" : "";
-  return `<span class="tag${dark}" style="background:${one.colour}">${one.name}</span>`;
+  if (!one) return node("span", {}, "no outcome");
+  return node("span", { class: one.name === "contact" ? "tag dark" : "tag", style: `background:${one.colour}` }, one.name);
 }

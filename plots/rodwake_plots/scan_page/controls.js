@@ -1,13 +1,6 @@
 // The controls around the diagram: choices, slices, legend.
 
-const html = text => Object.assign(document.createElement("span"), { innerHTML: text });
-
-const option = (value, text) => {
-  const made = document.createElement("option");
-  made.value = value;
-  made.textContent = text;
-  return made;
-};
+const option = (value, text) => node("option", { value }, text);
 
 function fillChoices(view, changed) {
   const scales = Object.values(scaleOf);
@@ -28,14 +21,11 @@ function fillSlices(view, changed) {
   scan.axes.forEach((axis, index) => {
     const scale = scaleOf[axis.key];
     if (index === view.across.axis || index === view.up.axis) return;
-    const label = document.createElement("label"), select = document.createElement("select");
-    label.innerHTML = `<span>${scale.html}</span>`;
-    select.setAttribute("aria-label", "Slice of " + axis.key);
-    select.append(option("", "all"), ...sliceValues(scale).map(even => option(even, read(scale, even))));
+    const select = node("select", { "aria-label": "Slice of " + axis.key }, option("", "all"),
+      ...sliceValues(scale).map(even => option(even, read(scale, even))));
     select.value = view.slices[index] ?? "";
     select.addEventListener("change", () => changed(index, select.value === "" ? null : +select.value));
-    label.append(select);
-    holder.append(label);
+    holder.append(node("label", {}, node("span", {}, ...marked(scale.marked)), select));
   });
 }
 
@@ -76,9 +66,7 @@ function passesSlices(view) {
 function fillLegend(view, toggled) {
   const holder = element("legend"), counts = new Uint32Array(256);
   for (const point of view.all) ++counts[scan.outcome[point]];
-  const family = document.createElement("span");
-  family.className = "family";
-  family.append("capture");
+  const family = node("span", { class: "family" }, "capture");
   holder.replaceChildren();
   scan.outcomes.forEach((one, code) => {
     if (!counts[code]) return;
@@ -88,17 +76,14 @@ function fillLegend(view, toggled) {
     if (!family.parentElement) holder.append(family);
   });
   const failed = view.all.reduce((sum, point) => sum + scan.failed[point], 0);
-  if (failed) holder.append(html(`<b class="cross">×</b> failed ${grouped(failed)}`));
+  if (failed) holder.append(node("span", {}, node("b", { class: "cross" }, "×"), ` failed ${grouped(failed)}`));
   if (paint.number) holder.append(ramp(scan.column[view.colour]));
 }
 
 function legendButton(one, code, count, hidden, toggled) {
-  const button = document.createElement("button");
-  button.type = "button";
-  button.setAttribute("aria-pressed", String(!hidden));
   const asItself = !paint.number || (code === PURSUIT && !means(scan.column[view.colour], code));
-  const swatch = !asItself ? "" : `<i class="swatch" style="background:${one.colour}"></i>`;
-  button.innerHTML = `${swatch}${one.name} ${grouped(count)}`;
+  const button = node("button", { type: "button", "aria-pressed": !hidden }, asItself ? swatch(one.colour) : "",
+    `${one.name} ${grouped(count)}`);
   button.addEventListener("click", () => toggled(code));
   return button;
 }
@@ -110,38 +95,35 @@ function lacksNumbers(column) {
 }
 
 function ramp(column) {
-  const made = document.createElement("span"), bytes = scan.maps[column.map], stops = [];
+  const bytes = scan.maps[column.map], stops = [];
   for (let index = 0; index < 256; index += 15)
     stops.push(`rgb(${bytes.subarray(3 * index, 3 * index + 3).join(" ")})`);
-  made.id = "ramp";
-  const none = ` <span class="note"><i class="swatch" style="background:${nothing()}"></i>`
-    + `${column.of ? "not captured" : "no value"}</span>`;
-  made.innerHTML = `<span>${shown(column.norm[0], 3)}</span>`
-    + `<i class="scale" style="background:linear-gradient(90deg,${stops})"></i>`
-    + `<span>${shown(column.norm[1], 3)} ${column.unit}${lacksNumbers(column) ? none : ""}</span>`;
-  return made;
+  const none = [" ", node("span", { class: "note" }, swatch(nothing()), column.of ? "not captured" : "no value")];
+  return node("span", { id: "ramp" }, node("span", {}, shown(column.norm[0], 3)),
+    node("i", { class: "scale", style: `background:linear-gradient(90deg,${stops})` }),
+    node("span", {}, shown(column.norm[1], 3), ...unitOf(column), ...lacksNumbers(column) ? none : []));
 }
 
 /** `x = 3 f/mu` */
-function valueHtml(scale, point) {
-  const value = read(scale, scale.even[point]);
-  return `<span class="eq">${scale.html} = ${value}${scale.unit ? " " + scale.unit : ""}</span>`;
+function valueNode(scale, point) {
+  return node("span", { class: "eq" }, ...marked(scale.marked), ` = ${read(scale, scale.even[point])}`, ...unitOf(scale));
 }
+
+const row = (attributes, name, value) => node("tr", attributes, node("td", {}, ...name), node("td", {}, ...value));
 
 /** Parameters and results of a point as a table; `all`: every column. */
 function pointTable(point, all) {
   const rows = scan.axes.map(axis => {
     const scale = scaleOf[axis.key];
-    return `<tr class="of-axis"><td>${scale.html}</td><td>${read(scale, scale.even[point])} ${scale.unit}</td></tr>`;
+    return row({ class: "of-axis" }, marked(scale.marked), [read(scale, scale.even[point]), ...unitOf(scale)]);
   });
   for (const column of scan.columns) {
     if (column.words || !column.label || (!all && !BRIEF.has(column.name))) continue;
     const value = column.data[point];
-    const name = means(column, scan.outcome[point]) ? column.html : "time reached";
-    const told = `${shown(value, all ? 7 : 4)} ${column.unit}`;
-    if (Number.isFinite(value)) rows.push(`<tr><td>${name}</td><td>${told}</td></tr>`);
+    const name = means(column, scan.outcome[point]) ? marked(column.marked) : ["time reached"];
+    if (Number.isFinite(value)) rows.push(row({}, name, [shown(value, all ? 7 : 4), ...unitOf(column)]));
   }
-  return `<table>${rows.join("")}</table>`;
+  return node("table", {}, ...rows);
 }
 
 const BRIEF = new Set(["time", "min_separation", "final_separation", "non_reciprocity", "delta_y", "psi6"]);

@@ -6,7 +6,7 @@ function hover(point) {
   const tip = element("tip");
   tip.hidden = point < 0;
   if (point >= 0) {
-    tip.innerHTML = `${tag(point)} <span class="sub">point ${grouped(point)}</span>${pointTable(point, false)}`;
+    tip.replaceChildren(tag(point), " ", node("span", { class: "sub" }, `point ${grouped(point)}`), pointTable(point, false));
     placeTip(tip, view.place(point));
   }
   drawMarks();
@@ -21,18 +21,17 @@ function placeTip(tip, [x, y]) {
 }
 
 const say = text => { element("said").textContent = text; };
-const plainText = html => Object.assign(document.createElement("div"), { innerHTML: html }).textContent;
 
 function sayPoint(point) {
-  const axes = scan.axes.map(axis => plainText(valueHtml(scaleOf[axis.key], point))).join(", ");
-  say(`Point ${point}: ${axes}. ${plainText(tag(point))}`);
+  const axes = scan.axes.map(axis => valueNode(scaleOf[axis.key], point).textContent).join(", ");
+  say(`Point ${point}: ${axes}. ${tag(point).textContent}`);
 }
 
 function pick(point) {
   if (point < 0) return;
   view.clicked = point;
-  element("point-name").innerHTML = `Point ${grouped(point)} ${tag(point)}`;
-  element("point").innerHTML = pointTable(point, true);
+  element("point-name").replaceChildren(`Point ${grouped(point)} `, tag(point));
+  element("point").replaceChildren(pointTable(point, true));
   element("scene").disabled = !scan.scene;
   showWalk(point);
   sayPoint(point);
@@ -49,10 +48,9 @@ function showWalk(point) {
   const found = nearestSample(point);
   view.sample = scan.samples.point[found.sample];
   walk.sample = found.sample;
-  element("walk-told").innerHTML = tellSample(point, found);
-  const rods = Array.from({ length: scan.samples.rods }, (_, rod) =>
-    `<span><i class="swatch" style="background:${rodColour(rod)}"></i> rod ${rod}</span>`);
-  element("rods").innerHTML = rods.join("") + `<span>hollow: start; lengths in ${scan.lengthUnit}</span>`;
+  element("walk-told").replaceChildren(...tellSample(point, found));
+  const rods = Array.from({ length: scan.samples.rods }, (_, rod) => node("span", {}, swatch(rodColour(rod)), ` rod ${rod}`));
+  element("rods").replaceChildren(...rods, node("span", {}, "hollow: start; lengths in ", ...marked(scan.lengthUnit)));
   element("clock").value = 1000;
   redrawWalk();
 }
@@ -61,5 +59,5 @@ function redrawWalk() {
   if (walk.sample < 0) return;
   const share = element("clock").value / 1000;
   drawWalk(walk.sample, share);
-  element("time").innerHTML = `${shown(timeAt(walk.sample, share), 4)} ${scan.timeUnit}`;
+  element("time").replaceChildren(`${shown(timeAt(walk.sample, share), 4)} `, ...marked(scan.timeUnit));
 }

@@ -1,6 +1,6 @@
 // What can stand across or up: axes of the scan and its other numbers, in coordinates in which they are even.
 
-const scaleOf = {};  // by name: {name, html, unit, text, even: Float64Array, low, high, log, words, factor, axis}
+const scaleOf = Object.create(null);  // by name: {name, marked, unit, text, even: Float64Array, low, high, log, words, factor, axis}
 
 function readScales() {
   scan.axes.forEach((axis, index) => {
@@ -84,4 +84,7 @@ function ticks(scale, low, high, wanted) {
     ({ at: value / scale.factor, text: shown(value, 6) }));
 }
 
-const nameOf = scale => scale.html + (scale.unit ? ` <span class="sub">(${scale.unit})</span>` : "");
+function nameOf(scale) {
+  const unit = scale.unit.length ? [" ", node("span", { class: "sub" }, "(", ...marked(scale.unit), ")")] : [];
+  return [...marked(scale.marked), ...unit];
+}

@@ -18,14 +18,14 @@ function nearestSample(point) {
   return { ...best, distance: Math.sqrt(best.distance) };
 }
 
-/** Which point's it is and how far that is from the one asked for. */
+/** Nodes that say which point's it is and how far that is from the one asked for. */
 function tellSample(point, { sample, distance }) {
   const stored = scan.samples.point[sample];
-  const where = scan.axes.map(axis => valueHtml(scaleOf[axis.key], stored)).join(", ");
-  if (stored === point) return `Of this very point: ${where}. ${tag(stored)}`;
+  const where = scan.axes.flatMap((axis, index) => [index ? ", " : "", valueNode(scaleOf[axis.key], stored)]);
+  if (stored === point) return ["Of this very point: ", ...where, ". ", tag(stored)];
   const differs = scan.outcome[stored] !== scan.outcome[point];
-  return `The nearest stored one is that of point ${grouped(stored)}: ${where}, ${percent(distance)} of the axes away. `
-    + tag(stored) + (differs ? " It ends in another way than the point you asked for." : "");
+  return [`The nearest stored one is that of point ${grouped(stored)}: `, ...where, `, ${percent(distance)} of the axes away. `,
+          tag(stored), differs ? " It ends in another way than the point you asked for." : ""];
 }
 
 /** Steps of the sample until time stands still: shorter runs are filled up, with their last state or with nan. */

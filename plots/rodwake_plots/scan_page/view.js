@@ -60,8 +60,8 @@ function refill() {
   sortIntoBins(view.across, view.up, view.points);
   if (view.current >= 0 && !view.points.includes(view.current)) view.current = -1;
   recolour();
-  element("across-name").innerHTML = nameOf(view.across);
-  element("up-name").innerHTML = nameOf(view.up);
+  element("across-name").replaceChildren(...nameOf(view.across));
+  element("up-name").replaceChildren(...nameOf(view.up));
 }
 
 function recolour() {
