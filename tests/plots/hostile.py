@@ -13,7 +13,7 @@ import h5py
 from PIL import Image, PngImagePlugin
 
 import plot_case  # noqa: F401: puts the plots on the path
-from rodwake_plots import draw, errors, hover, report, run_dir, scan_page
+from rodwake_plots import draw, errors, hover, report, run_dir, scan_page, trajectories
 
 NAME = "n\"'><img src=x onerror=hit()>"  # without slash and comma: of a file, a group, a column
 TEXT = NAME + """<script>hit()</script><svg onload=hit()></svg></title></style></script>" onfocus="hit()" autofocus="
@@ -32,10 +32,11 @@ def png():
 
 
 def pages(folder):
-    """({name: page}, what of them could not be made), of figures that need no drawing."""
-    with run_dir.RunDir(folder) as run, mock.patch.object(draw, "png", return_value=png()):
-        failures = []
-        found = {"report.html": report.document(run, [(one, "") for one in draw.figures_of(run)], failures)}
+    """({name: page}, what of them could not be made), with a figure of each kind that there is, none of which is drawn."""
+    overlaps = mock.patch.object(trajectories, "lie_on_each_other", return_value=False)  # slow, and no text
+    with run_dir.RunDir(folder) as run, mock.patch.object(draw, "png", return_value=png()), overlaps:
+        failures, of_kind = [], {one.kind: one for one in draw.figures_of(run)}
+        found = {"report.html": report.document(run, [(one, "") for one in of_kind.values()], failures)}
         if run.has_scan:
             found["scan.html"], error = errors.attempt(scan_page.document, run)
             failures += [errors.reason(error)] if error else []

@@ -14,6 +14,7 @@ from unittest import mock
 
 import matplotlib.image
 
+from fit_case import FitCase
 from made_up_granular import write_granular
 from made_up_result import ALL_KINDS, LINE, PATHS
 from made_up_scan import KAPPA, METHOD, write_scan
@@ -115,6 +116,17 @@ class FailureTest(TroubleCase):
         from rodwake_plots import run_dir
         with run_dir.RunDir(self.folder) as run:
             return draw.figures_of(run)
+
+
+class NameTest(FitCase):
+    def test_a_parameter_does_not_lead_out_of_the_folder(self):
+        """Its name becomes that of a file."""
+        name, one = f"x/../../{'out' * 100}", next(iter(self.told["parameters"].values()))
+        self.rewrite(parameters=self.told["parameters"] | {name: one}, likelihood={name: next(iter(self.told["likelihood"].values()))})
+        self.ask()
+        self.assertEqual(self.plot().returncode, 0)
+        self.assertRegex(" ".join(path.name for path in (self.folder / "figures").iterdir()), r"fit_likelihood_x_\.\._\.\._out\w+\.png")
+        self.assertEqual({path.parent for path in self.folder.rglob("*.png")}, {self.folder / "figures"})
 
 
 class WriteTest(TroubleCase):
