@@ -54,11 +54,14 @@ function(rodwake_part name)
         endif()
         target_link_libraries(${target} PRIVATE ${library})
     endforeach()
-    if(fmt::fmt IN_LIST links AND "${links}" MATCHES "Eigen3|rodwake::(integrate|rods|granular|measure|fitting|assembly)")
+    rodwake_optimise(${target} ${name})
+    if(NOT fmt::fmt IN_LIST links OR name IN_LIST RODWAKE_UNOPTIMISED)
+        # the small parts gain nothing
+    elseif("${links}" MATCHES "Eigen3|rodwake::(integrate|rods|granular|measure|fitting|assembly)")
         rodwake_reuse(${target} rodwake_numbers)
-    elseif(fmt::fmt IN_LIST links)
+    else()
         rodwake_reuse(${target} rodwake_text)
-    endif() # the small parts gain nothing
+    endif()
     set_property(GLOBAL APPEND PROPERTY RODWAKE_PARTS ${name})
     set_property(GLOBAL PROPERTY RODWAKE_LINKS_${name} ${links}) # for rodwakeConfig.cmake
 endfunction()

@@ -2,6 +2,16 @@
 # they use: headers are compiled alone (target headers_alone, test "compile"), and clang-tidy reads sources without these.
 option(RODWAKE_PCH "Precompile the headers of libraries" ON)
 
+# With sanitisers, optimising what reads and writes takes longer than it spares. A precompiled header serves one level, so
+# tests go by the name of theirs, and parts in this list use none.
+set(RODWAKE_UNOPTIMISED "" CACHE STRING "Parts, and precompiled headers of tests, that are compiled with -O0")
+
+function(rodwake_optimise target name)
+    if(name IN_LIST RODWAKE_UNOPTIMISED)
+        target_compile_options(${target} PRIVATE -O0)
+    endif()
+endfunction()
+
 # rodwake_precompile(<name> [PIC] LINK <libraries> HEADERS <header>...): makes the target <name>; rodwake_reuse(<target> <name>) takes it up.
 function(rodwake_precompile name)
     cmake_parse_arguments(SET "PIC" "" "LINK;HEADERS" ${ARGN})
@@ -13,6 +23,7 @@ function(rodwake_precompile name)
     add_library(${name} OBJECT EXCLUDE_FROM_ALL ${source})
     target_link_libraries(${name} PRIVATE ${SET_LINK})
     target_compile_options(${name} PRIVATE ${RODWAKE_FLAGS})
+    rodwake_optimise(${name} ${name})
     if(SET_PIC) # as all the sources that use it
         set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     endif()

@@ -120,7 +120,8 @@ void refuse_inputs_as_results(const fs::path& folder, const scene::Scene& scene)
         const std::string name = fs::weakly_canonical(input, none)
                                      .lexically_relative(fs::weakly_canonical(folder, none))
                                      .generic_string();
-        if (!name.empty() && kind_of(input.filename().string()) && is_own(name) && fs::exists(folder / name, none))
+        if (!name.empty() && kind_of(input.filename().string()) && is_own(name) &&
+            fs::exists(folder / name, none))
             throw InputError(
                 fmt::format("{}: is read by this command, and results of that name would replace it; "
                             "choose another folder with -o, or give the file another name",

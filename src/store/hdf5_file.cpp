@@ -91,16 +91,14 @@ Hdf5Handle link_with_parents() {
     return Hdf5Handle(properties, H5Pclose, "set up links");
 }
 
-Hdf5Handle create_dataset(hid_t file, const std::string& path, hid_t type, const std::vector<hsize_t>& extent,
-                          const std::string& unit) {
+Hdf5Handle create_dataset(hid_t file, const std::string& path, hid_t type,
+                          const std::vector<hsize_t>& extent) {
     const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
                            H5Sclose, "shape " + path);
     const Hdf5Handle links = link_with_parents();
-    Hdf5Handle data(H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT),
-                    H5Dclose, "create " + path);
-    if (!unit.empty())
-        write_attribute(data.get(), "unit", unit);
-    return data;
+    return Hdf5Handle(
+        H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
+        "create " + path);
 }
 
 /// Of rows as they are in the file.
@@ -164,7 +162,8 @@ Hdf5File::~Hdf5File() {
 void Hdf5File::dataset(const std::string& path, hid_t type, const std::vector<hsize_t>& extent,
                        const void* values, const std::string& unit) {
     const hsize_t elements = product(extent, 0);
-    Hdf5Handle data = create_dataset(file_, path, type, extent, unit);
+    Hdf5Handle data = create_dataset(file_, path, type, extent);
+    write_attribute(data.get(), "unit", unit);
     if (elements > 0 && H5Dwrite(data.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
         throw RunError("HDF5: cannot write " + path + hdf5_reason());
     const std::uint64_t checksum = xxh3({static_cast<const char*>(values), elements * H5Tget_size(type)});
@@ -176,9 +175,11 @@ void Hdf5File::dataset(const std::string& path, hid_t type, const std::vector<hs
 void Hdf5File::part(const std::string& path, std::span<const double> values, hsize_t first,
                     const std::vector<hsize_t>& extent, const std::string& unit) {
     const hid_t type = H5T_IEEE_F64LE;
-    Hdf5Handle data = H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0
-                          ? Hdf5Handle(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path)
-                          : create_dataset(file_, path, type, extent, unit);
+    const bool there = H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0;
+    Hdf5Handle data = there ? Hdf5Handle(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path)
+                            : create_dataset(file_, path, type, extent);
+    if (!there && !unit.empty())
+        write_attribute(data.get(), "unit", unit);
     if (values.empty())
         return data.close("write " + path);
     const hsize_t row = product(extent, 1), count = row == 0 ? 0 : values.size() / row;

@@ -252,7 +252,8 @@ TEST_CASE("the search for NaN finds one") {
 TEST_CASE("out of memory is not taken for a bad point") {
     Problem problem = toy::decay(40, 3);
     int left = 5;
-    problem.evaluate = [inner = problem.evaluate, &left](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+    problem.evaluate = [inner = problem.evaluate, &left](std::span<const double> p,
+                                                         Eigen::Ref<Eigen::VectorXd> r,
                                                          Eigen::MatrixXd* jacobian) {
         if (--left == 0)
             throw std::bad_alloc();

@@ -266,7 +266,8 @@ TEST_CASE("rods that pass through each other are handed over") {
 }
 
 TEST_CASE("rods that are too far apart to turn each other do not pursue, in the batch and beside it") {
-    for (const auto& [distance, ending] : {std::pair(10.0, Ending::pursuit), std::pair(1e300, Ending::undecided)}) {
+    for (const auto& [distance, ending] :
+         {std::pair(10.0, Ending::pursuit), std::pair(1e300, Ending::undecided)}) {
         PairProblem pair;
         pair.couplings.kappa = 1.0;
         pair.rods = {Pose{0.0, 0.0, 0.0}, Pose{-distance, 0.0, 0.0}};

@@ -167,7 +167,8 @@ TEST_CASE("A value that is not the one that was written is refused") {
         spoil(Hdf5Edit(scratch / "r.h5"));
         return store::Hdf5Reader(scratch / "r.h5").dataset("/field/grid/Ux").values[4];
     };
-    CHECK(has(error_of<InputError>([&] { with(as_it_is); }), "/field/grid/Ux is damaged: its values are not"));
+    CHECK(
+        has(error_of<InputError>([&] { with(as_it_is); }), "/field/grid/Ux is damaged: its values are not"));
     CHECK(with([](const Hdf5Edit& f) { f.remove_attribute("/field/grid/Ux", "xxh3"); }) ==
           Approx(-1.0 / 3.0).epsilon(1e-9));
 }
