@@ -160,10 +160,11 @@ Hdf5File::~Hdf5File() {
 }
 
 void Hdf5File::dataset(const std::string& path, hid_t type, const std::vector<hsize_t>& extent,
-                       const void* values, const std::string& unit) {
+                       const void* values, const std::optional<std::string>& unit) {
     const hsize_t elements = product(extent, 0);
     Hdf5Handle data = create_dataset(file_, path, type, extent);
-    write_attribute(data.get(), "unit", unit);
+    if (unit)
+        write_attribute(data.get(), "unit", *unit);
     if (elements > 0 && H5Dwrite(data.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
         throw RunError("HDF5: cannot write " + path + hdf5_reason());
     const std::uint64_t checksum = xxh3({static_cast<const char*>(values), elements * H5Tget_size(type)});

@@ -9,6 +9,7 @@
 #include "hdf5_handle.hpp"
 #include "rodwake/store/atomic_file.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,9 +38,9 @@ public:
     hid_t get() const { return file_; }
 
     /// A dataset of these extents (none: a scalar), of a type that is the same in memory and in the file; no
-    /// data if there are no elements, no unit if it is empty. Throws RunError.
+    /// data if there are no elements. Throws RunError.
     void dataset(const std::string& path, hid_t type, const std::vector<hsize_t>& extent, const void* values,
-                 const std::string& unit = "");
+                 const std::optional<std::string>& unit = std::nullopt);
 
     /// Whole rows, from `first` on, of a dataset of this extent, made if it is not there. Throws RunError.
     void part(const std::string& path, std::span<const double> values, hsize_t first,

@@ -68,8 +68,9 @@ herr_t append_attribute(hid_t object, const char* name, const H5A_info_t*, void*
 /// Looks into the index of chunks, too: it may be damaged.
 std::string shape_of(hid_t dataset) {
     const Hdf5Handle made(H5Dget_create_plist(dataset), H5Pclose, "read about a dataset");
+    const Hdf5Handle space(H5Dget_space(dataset), H5Sclose, "read a dataset's shape");
     hsize_t chunks = 0;
-    if (H5Pget_layout(made.get()) == H5D_CHUNKED && H5Dget_num_chunks(dataset, H5S_ALL, &chunks) < 0)
+    if (H5Pget_layout(made.get()) == H5D_CHUNKED && H5Dget_num_chunks(dataset, space.get(), &chunks) < 0)
         throw RunError("HDF5: cannot read chunks");
     return fmt::format("[{}]", fmt::join(extent_of(dataset), "]["));
 }

@@ -1,12 +1,11 @@
 #pragma once
-// A disk that is full: files of a child process cannot grow beyond some size (EFBIG), or a file is /dev/full
-// (ENOSPC).
+// A disk that is full: files of a child process cannot grow beyond some size (EFBIG). ENOSPC:
+// tests/cli/test_faults.py.
 
 #include "rodwake/core/error.hpp"
 
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <string>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -63,11 +62,6 @@ std::string on_small_disk(rlim_t bytes, Work work) {
     int status = 0;
     ::waitpid(pid, &status, 0);
     return WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status)) : text;
-}
-
-/// The next PendingFile of this process for `target` writes to a device that is always full.
-inline void fill_disk_for(const std::filesystem::path& target) {
-    std::filesystem::create_symlink("/dev/full", target.string() + ".tmp" + std::to_string(::getpid()));
 }
 
 } // namespace store_test

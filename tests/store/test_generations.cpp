@@ -110,20 +110,13 @@ TEST_CASE("A full disk leaves both generations") {
     const fs::path target = scratch / "run.rwc";
     store::write_generation(target, generation('a'));
     store::write_generation(target, generation('b'));
-    const auto both_there = [&] {
-        CHECK(loaded(target) == 'b');
-        CHECK(loaded(store::previous_generation(target)) == 'a');
-        CHECK(scratch.entries() == Names{"run.rwc", "run.rwc.previous"});
-    };
     const std::string large = generation('c', 100000);
     for (const rlim_t bytes : {0, 1, 4096, 100000})
         CHECK(on_small_disk(bytes, [&] { store::write_generation(target, large); }) ==
               target.string() + ": cannot write: File too large");
-    both_there();
-    fill_disk_for(target);
-    CHECK(error_of<RunError>([&] { store::write_generation(target, large); }) ==
-          target.string() + ": cannot write: No space left on device");
-    both_there();
+    CHECK(loaded(target) == 'b');
+    CHECK(loaded(store::previous_generation(target)) == 'a');
+    CHECK(scratch.entries() == Names{"run.rwc", "run.rwc.previous"});
 }
 
 TEST_CASE("Killed at any moment, a whole generation is found", "[.][long]") {
