@@ -17,9 +17,17 @@ std::vector<hsize_t> extent_of(hid_t dataset) {
 
 namespace {
 
+/// A lock on the temporary, which is ours alone, would be held on by any process forked while it is open.
+Hdf5Handle without_locks() {
+    Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "set up access to a file");
+    H5Pset_file_locking(access.get(), false, true);
+    return access;
+}
+
 hid_t create(const std::filesystem::path& path, const std::filesystem::path& target) {
     set_up_hdf5();
-    const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const Hdf5Handle access = without_locks(); // until the reason of a failure is known
+    const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get());
     if (file < 0)
         throw RunError(target.string() + ": HDF5 cannot create the file" + hdf5_reason());
     return file;
@@ -209,7 +217,8 @@ void Hdf5File::close() {
 
 /// What is read here is what whoever opens the file will read.
 void Hdf5File::read_back() const {
-    const Hdf5Handle file(H5Fopen(pending_.temporary().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+    const Hdf5Handle access = without_locks();
+    const Hdf5Handle file(H5Fopen(pending_.temporary().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose,
                           "read back " + target_.string());
     const auto lost = [&](const std::string& what) {
         throw RunError(fmt::format("{}: {} is not in the file as it was written: the system lost it",

@@ -66,6 +66,7 @@ class RunTest(ProgramTest):
         self.write("pair.toml", PAIR)
         self.expect(0, "rods", "pair.toml")  # results/pair by default
         self.refuse(2, "results/pair: holds a finished run.*--force", "rods", "pair.toml")
+        self.expect(0, "run", "pair.toml", "--quiet")  # which adds the report
         self.refuse(2, "holds a finished run", "run", "pair.toml", "--quiet")
         self.expect(0, "rods", "pair.toml", "--force", "-s", "coupling.kappa=0.25")
         self.assertIn("kappa = 0.25", (self.folder / "results/pair/scene.toml").read_text())
@@ -153,6 +154,8 @@ class RunTest(ProgramTest):
             self.assertEqual((self.folder / "out" / name).read_bytes(), (self.folder / "whole" / name).read_bytes())
         with h5py.File(self.folder / "out/result.h5") as parts, h5py.File(self.folder / "whole/result.h5") as whole:
             self.assertEqual(set(parts), set(whole))
+        self.assertIn("rods: done already", self.expect(0, "run", THEORY_PAIR, "-o", "out").stderr)
+        self.assertTrue((self.folder / "out/report.html").exists())
         self.refuse(2, "holds a finished run", "run", THEORY_PAIR, "-o", "out")
 
     def test_the_command_on_record_can_be_replayed(self):
