@@ -114,7 +114,10 @@ class RunDir:
 
     @property
     def figures_dir(self):
-        return self.output / "figures"
+        folder = self.output / "figures"
+        if folder.is_symlink():  # what it leads to is not the run's
+            raise PlotError(f"{folder}: is a link, and rodwake does not write through links: remove it, or choose another folder with -o")
+        return folder
 
     @property
     def title(self):

@@ -146,6 +146,9 @@ class Others(Surroundings):
             self.assertRegex(done.stderr, f"{name}: is a link")
             self.assertEqual(snapshot(self.folder / "elsewhere"), before)
             shutil.rmtree(self.folder / "linked")
+        (self.folder / "out/figures").symlink_to(self.folder / "elsewhere")
+        self.assertRegex(self.expect(1, "plot", "out").stderr, "figures: is a link")
+        self.assertEqual(snapshot(self.folder / "elsewhere"), before)
 
     def test_a_result_kept_elsewhere_is_read(self):
         self.expect(0, "rods", "pair.toml", "-o", "out")
