@@ -118,7 +118,7 @@ private:
 };
 
 /// Between neighbours below and above the threshold: Illinois' false position, to a millionth of the rise.
-double crossing(const LikelihoodProfile& profile, Place inside, Place outside) {
+double crossing(const LikelihoodProfile& profile, Place inside, const Place& outside) {
     const double wanted = std::sqrt(threshold);
     double low = inside.z - wanted, high = outside.z - wanted, a = inside.u, b = outside.u;
     Place nearest = inside;

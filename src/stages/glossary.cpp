@@ -186,7 +186,7 @@ std::vector<std::string> similar_names(const std::string& name) {
         const std::size_t away = edit_distance(plain_name(name), whole ? known : last_part(known));
         if (away <= far)
             near.emplace_back(away, known);
-        else if (name.size() > 3 && (known + " " + meaning).find(name) != std::string::npos)
+        else if (name.size() > 3 && fmt::format("{} {}", known, meaning).find(name) != std::string::npos)
             near.emplace_back(far + 1, known);
     }
     std::ranges::stable_sort(near, {}, &std::pair<std::size_t, std::string>::first);

@@ -8,6 +8,7 @@
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -104,7 +105,7 @@ ordered_json columns_json(const fs::path& file, const FileKind& kind, const Mani
 
 /// The folder of the run that a file belongs to, else its own.
 fs::path run_of(const fs::path& file) {
-    const fs::path own = fs::absolute(file).parent_path();
+    fs::path own = fs::absolute(file).parent_path();
     for (fs::path folder = own; folder != folder.parent_path(); folder = folder.parent_path())
         if (fs::exists(folder / "provenance.json"))
             return folder;
@@ -127,7 +128,7 @@ void add_values(const ordered_json& node, const std::string& name, const FileKin
                           {"meaning", is_error ? "standard error" : info->meaning}});
     else if (node.is_structured())
         for (const auto& [key, value] : node.items())
-            add_values(value, name.empty() ? key : name + "." + key, kind, units, values);
+            add_values(value, name.empty() ? key : fmt::format("{}.{}", name, key), kind, units, values);
 }
 
 ordered_json described_values(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
