@@ -18,7 +18,8 @@ std::string_view nearest_word(std::string_view name, std::span<const std::string
 /// ` (did you mean "kappa"?)`, or empty.
 std::string did_you_mean(std::string_view name, std::span<const std::string_view> known);
 
-/// Without what a terminal would obey: control characters but for tabs and ends of lines are spelled by their code.
+/// Without what a terminal would obey: control characters but for tabs and ends of lines are spelled by their
+/// code.
 std::string printable(std::string_view text);
 
 /// A word of a file, in a message: printable on one line, and cut after 60 bytes.
