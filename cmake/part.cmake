@@ -56,7 +56,7 @@ function(rodwake_part name)
     endforeach()
     rodwake_optimise(${target} ${name})
     if(NOT fmt::fmt IN_LIST links OR name IN_LIST RODWAKE_UNOPTIMISED)
-        # the small parts gain nothing
+        # the small parts gain nothing; those of the list have another level than the precompiled headers
     elseif("${links}" MATCHES "Eigen3|rodwake::(integrate|rods|granular|measure|fitting|assembly)")
         rodwake_reuse(${target} rodwake_numbers)
     else()

@@ -1,6 +1,7 @@
 """A write, sync, rename, open, unlink or allocation fails: the program says so and ends with 1, or its results are whole; and
 the same command goes on from there. A quick round; tools/validate_faults.py has the long one."""
 
+import errno
 import os
 import tempfile
 import unittest
@@ -29,6 +30,11 @@ class Faults(unittest.TestCase):
                     self.assertEqual(wrong, [], done.stderr)
                     seen += done.returncode == 1
         self.assertGreater(seen, 0, "no fault had any effect")
+
+    def test_a_full_disk_is_told_with_the_reason_of_the_system(self):
+        bench = self.bench("rods")
+        told = [bench.fault("write", number, errno.ENOSPC)[1].stderr for number in spread(bench.counts["write"], 8)]
+        self.assertRegex("".join(told), "out/.*: cannot write: No space left on device")
 
     def test_a_fault_that_is_not_told_is_seen(self):
         bench = self.bench("rods")

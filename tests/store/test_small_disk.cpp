@@ -31,3 +31,14 @@ TEST_CASE("A full disk leaves the old file and no temporary") {
     CHECK(content(scratch / "a").size() == 1000);
     CHECK(scratch.entries() == std::set<std::string>{"a"});
 }
+
+TEST_CASE("A link in the place of the temporary is not followed") {
+    const Scratch scratch;
+    scratch.file("precious", "precious");
+    std::filesystem::create_symlink(scratch / "precious",
+                                    (scratch / "a.tmp").string() + std::to_string(::getpid()));
+    store::write_atomically(scratch / "a", "new");
+    CHECK(content(scratch / "precious") == "precious");
+    CHECK(content(scratch / "a") == "new");
+    CHECK(scratch.entries() == std::set<std::string>{"a", "precious"});
+}

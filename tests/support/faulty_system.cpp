@@ -2,10 +2,10 @@
 //
 //   FAULT_CALL   write | fsync | rename | open | unlink | malloc
 //   FAULT_AT     the number of the call that fails, from 1; 0: none
-//   FAULT_ERRNO  what it fails with; -1: a write that comes through by half, and the next one fails with
-//   ENOSPC FAULT_UNDER  folder: only calls on files in it count (malloc: all of 1 kB and more, after the
-//   first call on such a file) FAULT_IN     name of the program in which calls count FAULT_COUNTS file to
-//   which, at the end, the number of calls of each kind is written
+//   FAULT_ERRNO  what it fails with; -1: half of a write comes through, and the next one fails with ENOSPC
+//   FAULT_UNDER  folder: only calls on files in it count (malloc: of 1 kB and more, after the first of them)
+//   FAULT_IN     name of the program in which calls count
+//   FAULT_COUNTS file to which, at the end, the number of calls of each kind is written
 
 #include <array>
 #include <atomic>
