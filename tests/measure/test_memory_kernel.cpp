@@ -62,11 +62,11 @@ Agreement compare(const Set& set, const MicrorheologyResult& result, const Memor
 
 } // namespace
 
-TEST_CASE("the kernel of beads that are bound, or held by a Maxwell element, is the true one",
+TEST_CASE("the kernel of beads that are bound, or held by a Maxwell element, is the true one, and no other",
           "[memory_kernel]") {
     for (const Set& set : sets) {
         const MicrorheologyResult result = measured(set, 4, 400, 2000, 50);
-        const MemoryKernel k = kernel_of(result, 400, set.motion.drag);
+        const MemoryKernel k = kernel_of(result, 400, set.motion.drag), kept = kernel_of(result, 400, 0.0);
         const Agreement a = compare(set, result, k);
         CAPTURE(set.name, a.points, a.within_one, a.within_two, a.precise, a.worst, *result.spectrum.low,
                 *result.spectrum.high);
@@ -74,15 +74,9 @@ TEST_CASE("the kernel of beads that are bound, or held by a Maxwell element, is 
         CHECK(a.within_two > 0.9 * a.points);
         CHECK(a.precise >= 8.0);
         CHECK(a.worst < 0.02);
-    }
-}
 
-TEST_CASE("a kernel that is wrong by 10 %, or keeps the drag, does not pass", "[memory_kernel]") {
-    for (const Set& set : sets) {
-        const MicrorheologyResult result = measured(set, 4, 400, 2000, 50);
-        const MemoryKernel k = kernel_of(result, 400, set.motion.drag), kept = kernel_of(result, 400, 0.0);
         const Agreement wrong = compare(set, result, k, 1.1), dragged = compare(set, result, kept);
-        CAPTURE(set.name, wrong.within_two, dragged.within_two, wrong.points);
+        CAPTURE(wrong.within_two, dragged.within_two);
         CHECK(wrong.within_two < 0.6 * wrong.points);
         CHECK(dragged.within_two < 0.6 * dragged.points);
     }

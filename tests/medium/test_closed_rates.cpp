@@ -11,7 +11,8 @@
 #include <cmath>
 #include <numbers>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -101,5 +102,3 @@ TEST_CASE("a closed run stops at contact") {
     CHECK(result.outcome.ending == Ending::contact);
     CHECK(result.outcome.min_separation == Approx(0.7).epsilon(1e-9));
 }
-
-} // namespace rodwake::medium

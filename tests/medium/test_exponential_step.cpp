@@ -7,7 +7,8 @@
 
 #include <cmath>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -117,5 +118,3 @@ TEST_CASE("threads change no bit of a step", "[threads]") {
         }
     }
 }
-
-} // namespace rodwake::medium

@@ -8,7 +8,8 @@
 
 #include <cmath>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -207,5 +208,3 @@ TEST_CASE("what makes no film is refused in words") {
     refused([](DynamicMedium& m) { m.closure = Closure::steady; }, "film_interval beside a closure");
     CHECK_THROWS_AS(FieldGrid(14), InputError);
 }
-
-} // namespace rodwake::medium

@@ -6,7 +6,8 @@
 
 #include <cmath>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -89,5 +90,3 @@ TEST_CASE("a run on the mesh is taken up again to the bit, on any number of thre
     CHECK(rest.solution.final_state == whole.solution.final_state);
     CHECK(rest.solution.statistics.steps == whole.solution.statistics.steps);
 }
-
-} // namespace rodwake::medium

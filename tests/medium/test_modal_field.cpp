@@ -12,7 +12,8 @@
 #include <array>
 #include <cmath>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -114,5 +115,3 @@ TEST_CASE("a field's derivatives are those of its displacement") {
     CHECK(modes.at(2.0, 1.0, request, field, field).laplacian.x == 0.0);
     CHECK_THROWS_AS(modes.at(0.0, 0.0, {.dipole = true}, field), InputError);
 }
-
-} // namespace rodwake::medium

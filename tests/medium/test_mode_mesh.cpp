@@ -9,7 +9,8 @@
 
 #include <cmath>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -59,5 +60,3 @@ TEST_CASE("modes whose force underflows carry nothing of the transform before") 
     }
     CHECK(tests::distance(rates, exact) < mesh_error * tests::largest(exact));
 }
-
-} // namespace rodwake::medium

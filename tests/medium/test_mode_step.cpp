@@ -10,7 +10,8 @@
 #include <cmath>
 #include <complex>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -174,5 +175,3 @@ TEST_CASE("threads change no bit of such a step", "[threads]") {
             }
         }
 }
-
-} // namespace rodwake::medium

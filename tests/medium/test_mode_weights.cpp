@@ -12,7 +12,8 @@
 
 #include <cmath>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -95,5 +96,3 @@ TEST_CASE("with little inertia the weights are those of decay alone, to first or
         before = off;
     }
 }
-
-} // namespace rodwake::medium

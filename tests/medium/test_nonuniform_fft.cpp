@@ -10,7 +10,8 @@
 #include <numbers>
 #include <random>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -140,5 +141,3 @@ TEST_CASE("threads change no bit of a transform", "[threads]") {
     CHECK(ends[1] == ends[0]);
     CHECK(ends[2] == ends[0]);
 }
-
-} // namespace rodwake::medium

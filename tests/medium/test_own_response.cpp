@@ -8,7 +8,8 @@
 
 #include <cmath>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -116,5 +117,3 @@ TEST_CASE("from rest only what has happened since turns a rod") {
     CHECK(std::abs(own.turning(turned, 0, state)) == 0.0); // nothing has happened yet
     CHECK(std::abs(own.turning(turned, 0, next)) > 1e-6);
 }
-
-} // namespace rodwake::medium

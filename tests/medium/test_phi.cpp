@@ -8,7 +8,8 @@
 #include <cmath>
 #include <complex>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -54,5 +55,3 @@ TEST_CASE("phi_k are their integrals, near zero and far, and so are those at twi
             compare(doubled(p), 2.0 * z);
         }
 }
-
-} // namespace rodwake::medium

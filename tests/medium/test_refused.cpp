@@ -8,7 +8,8 @@
 #include <functional>
 #include <limits>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -109,5 +110,3 @@ TEST_CASE("other boxes, media and forms are refused") {
     refused([](P& p, O&) { p.medium.closure = Closure::steady, p.medium.start = Start::rest; },
             "start = \"rest\" beside a closure");
 }
-
-} // namespace rodwake::medium

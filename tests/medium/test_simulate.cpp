@@ -7,7 +7,8 @@
 
 #include <cmath>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -195,5 +196,3 @@ TEST_CASE("a run that may take no more steps says so") {
     CHECK(result.solution.status.flag == "TOO_MANY_STEPS");
     CHECK(result.outcome.ending == Ending::undecided);
 }
-
-} // namespace rodwake::medium

@@ -8,7 +8,8 @@
 #include <cmath>
 #include <complex>
 
-namespace rodwake::medium {
+using namespace rodwake;
+using namespace rodwake::medium;
 
 namespace {
 
@@ -86,5 +87,3 @@ TEST_CASE("the field of a rod on a circle is the steady one to order 1 in its tu
     CHECK(std::abs(left[1] / slow[1] - 1.0) < 0.2); // either way round
     CHECK(slow[1] < 0.1 * slow[0]);
 }
-
-} // namespace rodwake::medium

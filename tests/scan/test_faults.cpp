@@ -33,7 +33,7 @@ Evaluate with_faults(Map map, Tally* tally = nullptr) {
 
 TEST_CASE("Faults leave the other points as they are, and only they are evaluated again") {
     const Scratch scratch;
-    const Design design = grid(100, 100);
+    const Design design = grid(50, 50);
     run_scan(design, scratch / "clean", circle(0.5));
     Counter counter{100};
     run_scan(design, scratch / "l", counter(with_faults(circle(0.5))));
@@ -47,13 +47,13 @@ TEST_CASE("Faults leave the other points as they are, and only they are evaluate
             else
                 faulty.insert(r.point.id);
         });
-        CHECK(alike + static_cast<std::int64_t>(faulty.size()) == 10'000);
+        CHECK(alike + static_cast<std::int64_t>(faulty.size()) == 2500);
         const Counts counts = ledger.counts();
         CHECK(counts.failed == static_cast<std::int64_t>(faulty.size()));
         CHECK(counts.causes.size() == 3);
         CHECK(counts.causes.contains("time_limit: injected"));
-        // 500 of 10 000 with a standard deviation of 22; the stream is fixed
-        CHECK(std::abs(static_cast<double>(counts.failed) - 500.0) < 100.0);
+        // 125 of 2500 with a standard deviation of 11; the stream is fixed
+        CHECK(std::abs(static_cast<double>(counts.failed) - 125.0) < 50.0);
         CHECK(ledger.forget_failed() == counts.failed);
     }
     Tally tally;

@@ -111,9 +111,9 @@ TEST_CASE("a million rods are one error") {
           std::string::npos);
 }
 
-TEST_CASE("a million wrong numbers are counted, not listed") {
-    const std::string text = error_text(two_rods("output_times = [" + repeated("true,", 1'000'000) + "]\n"));
-    CHECK(text.ends_with("... and 999950 more"));
+TEST_CASE("two hundred thousand wrong numbers are counted, not listed") {
+    const std::string text = error_text(two_rods("output_times = [" + repeated("true,", 200'000) + "]\n"));
+    CHECK(text.ends_with("... and 199950 more"));
     CHECK(text.size() < 20'000);
 }
 

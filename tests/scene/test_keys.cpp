@@ -35,14 +35,14 @@ KeyInfo key_named(const std::string& name) {
 }
 
 /// What is wrong with the complete scene if the key has the rule's value.
-std::vector<Problem> problems_of(const SpecialRule& rule) {
+std::vector<Problem> problems_by(const SpecialRule& rule) {
     return scene_test::problems_of(placed(key_named(rule.key), rule.value).text);
 }
 
 /// Whether the description tells of the value already, so that no rule is needed.
-bool is_told(const SpecialRule& rule) {
+bool told_by_description(const SpecialRule& rule) {
     const KeyInfo info = key_named(rule.key);
-    return std::ranges::any_of(problems_of(rule),
+    return std::ranges::any_of(problems_by(rule),
                                [&](const Problem& p) { return scene_test::is_told(info, p); });
 }
 
@@ -120,22 +120,22 @@ TEST_CASE("the legal text of every key tells its choices") {
 TEST_CASE("special rules are refused, and only what no description tells is listed") {
     for (const auto& rule : special_rules) {
         INFO(rule.key << ": " << rule.why);
-        const auto problems = problems_of(rule);
+        const auto problems = problems_by(rule);
         CAPTURE(problems.empty() ? "no problem" : problems.front().text());
         CHECK(std::ranges::any_of(problems, [&](const Problem& p) {
             return p.key.starts_with(message_path(key_named(rule.key))) && p.text().starts_with("x.toml:") &&
                    p.message.find(rule.said) != std::string::npos;
         }));
-        CHECK_FALSE(is_told(rule));
+        CHECK_FALSE(told_by_description(rule));
     }
 }
 
 TEST_CASE("a rule that the range, the choices or the type tells is found out") {
-    CHECK(is_told(SpecialRule{"medium.eta", "-2.0", "longitudinal modulus", ""}));
-    CHECK(is_told(SpecialRule{"rods_run.output_times", "[-1.0, 1.0]", "must be >= 0", ""}));
-    CHECK(is_told(SpecialRule{"coupling.polar_basis", "\"laplace\"", "one of", ""}));
-    CHECK(is_told(SpecialRule{"fit.tied", "{ f2d_over_mu = [\"eta\"] }", "[name, factor]", ""}));
-    CHECK(is_told(SpecialRule{"title", "1", "string", ""}));
+    CHECK(told_by_description(SpecialRule{"medium.eta", "-2.0", "longitudinal modulus", ""}));
+    CHECK(told_by_description(SpecialRule{"rods_run.output_times", "[-1.0, 1.0]", "must be >= 0", ""}));
+    CHECK(told_by_description(SpecialRule{"coupling.polar_basis", "\"laplace\"", "one of", ""}));
+    CHECK(told_by_description(SpecialRule{"fit.tied", "{ f2d_over_mu = [\"eta\"] }", "[name, factor]", ""}));
+    CHECK(told_by_description(SpecialRule{"title", "1", "string", ""}));
 }
 
 TEST_CASE("a description that is not the reader's is found out, for every key") {
