@@ -5,11 +5,13 @@
 #include "stage_list.hpp"
 #include "wake_fields.hpp"
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 
 namespace rodwake::stages {
 
@@ -81,34 +83,40 @@ std::vector<double> scaled(std::vector<double> values, double by) {
     return values;
 }
 
-std::vector<FieldValues> evaluate_grid(const RodField& field, const std::vector<double>& x,
-                                       const std::vector<double>& y, const RunContext& context) {
-    std::vector<FieldValues> values(x.size() * y.size());
+/// A column for each stored quantity, in the units of files; x varies fastest. Not set to zero before: on
+/// grids of millions of points that takes longer than the field, and hears no signal.
+Eigen::ArrayXXd evaluate_grid(const RodField& field, const std::vector<double>& x,
+                              const std::vector<double>& y, const OutputUnits& units,
+                              const RunContext& context) {
+    Eigen::ArrayXXd values(x.size() * y.size(), std::size(quantities));
     parallel_for(y.size(), context.thread_count(), [&](std::size_t row) {
-        for (std::size_t column = 0; column < x.size() && !context.stopped(); ++column)
-            values[row * x.size() + column] =
+        for (std::size_t column = 0; column < x.size() && !context.stopped(); ++column) {
+            const auto here =
                 field.at(x[column], y[row], {.displacement = true, .strain = true, .polar = true});
+            const auto point = static_cast<Eigen::Index>(row * x.size() + column);
+            for (std::size_t q = 0; q < std::size(quantities); ++q)
+                values(point, static_cast<Eigen::Index>(q)) =
+                    quantities[q].of(here) * factor(quantities[q].length_power, units);
+        }
     });
     return values;
 }
 
 void store_grid(Session& session, const RodField& field) {
     const scene::Field& table = *session.plan.scene.field;
+    const OutputUnits& units = session.units;
     const auto x = evenly_spaced(table.x[0], table.x[1], static_cast<std::size_t>(table.nx));
     const auto y = evenly_spaced(table.y[0], table.y[1], static_cast<std::size_t>(table.ny));
-    const auto values = evaluate_grid(field, x, y, session.context);
+    const auto values = evaluate_grid(field, x, y, units, session.context);
     if (session.context.stopped())
         return; // part of a grid is no grid
-    const OutputUnits& units = session.units;
     session.results.dataset("/field/grid/x", scaled(x, units.length), {x.size()}, units.length_name);
     session.results.dataset("/field/grid/y", scaled(y, units.length), {y.size()}, units.length_name);
-    std::vector<double> column(values.size());
-    for (const Quantity& quantity : quantities) {
-        for (std::size_t i = 0; i < values.size(); ++i)
-            column[i] = quantity.of(values[i]) * factor(quantity.length_power, units);
-        session.results.dataset(std::string("/field/grid/") + quantity.name, column, {y.size(), x.size()},
-                                unit_name(quantity, units));
-    }
+    for (std::size_t q = 0; q < std::size(quantities); ++q)
+        session.results.dataset(
+            std::string("/field/grid/") + quantities[q].name,
+            std::span(values.col(static_cast<Eigen::Index>(q)).data(), x.size() * y.size()),
+            {y.size(), x.size()}, unit_name(quantities[q], units));
 }
 
 void store_cut(Session& session, const RodField& field, std::size_t index) {
