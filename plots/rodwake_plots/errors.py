@@ -44,6 +44,8 @@ def reason(error):
         text = f"a Python package is missing: {error}"
     elif isinstance(error, OSError):
         text = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+    elif isinstance(error, MemoryError):
+        text = "not enough memory"
     else:
         text = f"internal error: {type(error).__name__}: {error} ({DEBUG}=1 shows where)"
     return " ".join(text.split())

@@ -63,6 +63,7 @@ int fail(const std::exception& error, int code) {
 int main(int argc, char** argv) {
     using namespace rodwake::cli;
     open_standard_streams();
+    end_well_without_memory();
     const Parsed parsed = parse_command_line(argc, argv);
     if (parsed.exit_now)
         return parsed.exit_code;

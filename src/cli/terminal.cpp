@@ -14,8 +14,12 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <fcntl.h>
 #include <mutex>
+#include <new>
+#include <string_view>
 #include <unistd.h>
 
 namespace rodwake::cli {
@@ -155,6 +159,21 @@ private:
 void tell(const std::string& text) {
     const std::string line = printable(text);
     std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+void end_well_without_memory() {
+    std::set_terminate([] {
+        try {
+            if (const auto error = std::current_exception())
+                std::rethrow_exception(error);
+        } catch (const std::bad_alloc&) {
+            constexpr std::string_view message = "rodwake: not enough memory\n";
+            [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message.data(), message.size());
+            std::_Exit(1);
+        } catch (...) { // a defect: abort tells more
+        }
+        std::abort();
+    });
 }
 
 void open_standard_streams() {

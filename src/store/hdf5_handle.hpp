@@ -13,9 +13,12 @@
 namespace rodwake::store {
 
 /// Before the first use of HDF5 by a thread. Failures are reported by us, not printed by the library. And it
-/// must not clean up at exit: a file it could not flush (full disk) would crash it there.
+/// must not clean up at exit: a file it could not flush (full disk) would crash it there. Throws RunError if
+/// it has not memory enough to begin: any other call of its would then crash.
 inline void set_up_hdf5() {
     [[maybe_unused]] static const herr_t once = H5dont_atexit();
+    if (H5open() < 0)
+        throw RunError("HDF5 cannot begin: not enough memory");
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
