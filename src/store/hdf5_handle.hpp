@@ -23,17 +23,11 @@ inline void set_up_hdf5() {
 }
 
 /// Held by whoever calls HDF5, from any thread: a library that was built without thread safety lets one in at
-/// a time, one that was built with it needs no help.
+/// a time. One that was built with it does so, too, by a lock of its own; but a process that is forked while
+/// a thread is inside (hdf5_survives) would wait for that lock for ever.
 class Hdf5Guard {
 public:
-    Hdf5Guard() {
-        static const bool safe = [] {
-            hbool_t answer = 0;
-            return H5is_library_threadsafe(&answer) >= 0 && answer;
-        }();
-        if (!safe)
-            lock_ = std::unique_lock(mutex());
-    }
+    Hdf5Guard() : lock_(mutex()) {}
 
 private:
     static std::recursive_mutex& mutex() {

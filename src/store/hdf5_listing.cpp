@@ -7,8 +7,10 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <fcntl.h>
 #include <optional>
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -89,8 +91,8 @@ herr_t append_object(hid_t root, const char* name, const H5O_info_t* info, void*
     });
 }
 
+/// The guard is the caller's: in a forked child it is held for ever.
 std::string listing(const std::filesystem::path& path) {
-    const Hdf5Guard guard;
     set_up_hdf5();
     const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (id < 0)
@@ -102,8 +104,9 @@ std::string listing(const std::filesystem::path& path) {
     return text;
 }
 
-// Answers of the child process begin with one of these and end with `whole`.
-constexpr char listed = '+', refused = '-', whole = '.';
+// What the child process says: that HDF5 lets it in, then an answer that begins with one of two and ends with
+// `whole`.
+constexpr char let_in = '!', listed = '+', refused = '-', whole = '.';
 
 [[noreturn]] void answer(const std::filesystem::path& path, int to) {
     constexpr unsigned longest = 120; // s; the listing of a large file takes some tenths of one
@@ -111,6 +114,8 @@ constexpr char listed = '+', refused = '-', whole = '.';
     ::setrlimit(RLIMIT_CORE, &none);
     ::alarm(longest);
     try {
+        set_up_hdf5();
+        write_all(to, std::string(1, let_in), path);
         std::string text;
         try {
             text = listed + listing(path);
@@ -121,6 +126,17 @@ constexpr char listed = '+', refused = '-', whole = '.';
     } catch (const std::exception&) { // nobody listens any more
     }
     ::_exit(0);
+}
+
+/// Whether the child is let in. It is not if some library of this process (h5py) was inside HDF5 as it was
+/// forked.
+bool is_let_in(int from) {
+    constexpr int longest = 3000; // ms
+    pollfd waiting{from, POLLIN, 0};
+    char said = 0;
+    while (::poll(&waiting, 1, longest) < 0 && errno == EINTR) {
+    }
+    return (waiting.revents & POLLIN) != 0 && ::read(from, &said, 1) == 1 && said == let_in;
 }
 
 std::string heard(int from) {
@@ -134,7 +150,8 @@ std::string heard(int from) {
     return text;
 }
 
-/// What a child process says of the file: it may crash there. Empty if it did; none if there can be no child.
+/// What a child process says of the file: it may crash there. Empty if it did; none if there can be no child,
+/// or it is not let in.
 std::optional<std::string> asked_of_child(const std::filesystem::path& path) {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0)
@@ -143,12 +160,15 @@ std::optional<std::string> asked_of_child(const std::filesystem::path& path) {
     if (child == 0)
         answer(path, ends[1]);
     ::close(ends[1]);
-    std::string text = child < 0 ? "" : heard(ends[0]);
+    const bool asked = child > 0 && is_let_in(ends[0]);
+    std::string text = asked ? heard(ends[0]) : "";
     ::close(ends[0]);
-    if (child < 0)
-        return std::nullopt;
-    while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+    if (child > 0 && !asked)
+        ::kill(child, SIGKILL);
+    while (child > 0 && ::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
     }
+    if (!asked)
+        return std::nullopt;
     if (!text.ends_with(whole) || text.size() < 2)
         return "";
     text.pop_back();

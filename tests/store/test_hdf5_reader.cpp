@@ -7,10 +7,15 @@
 #include "rodwake/core/error.hpp"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <hdf5.h>
 
+#include <atomic>
 #include <bit>
+#include <chrono>
 #include <cstring>
 #include <limits>
+#include <thread>
 
 using namespace rodwake;
 using namespace store_test;
@@ -212,4 +217,31 @@ TEST_CASE("A changed byte takes the file with it, not the program") {
         }
     }
     CHECK(refused > 0);
+}
+
+TEST_CASE("Files are opened while other threads are inside HDF5, by themselves or by rodwake") {
+    const Scratch scratch;
+    write_example(scratch / "other.h5");
+    std::atomic<bool> done = false;
+    std::thread other([&] { // as h5py may be
+        while (!done) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            H5Fclose(H5Fopen((scratch / "other.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+        }
+    });
+    std::vector<std::thread> team;
+    std::atomic<int> whole = 0;
+    for (int number = 0; number < 2; ++number)
+        team.emplace_back([&, number] {
+            const auto path = scratch / fmt::format("{}.h5", number);
+            for (int round = 0; round < 10; ++round) {
+                write_example(path);
+                whole += store::Hdf5Reader(path).dataset("/row").values.size() == 4;
+            }
+        });
+    for (std::thread& one : team)
+        one.join();
+    done = true;
+    other.join();
+    CHECK(whole == 20);
 }

@@ -110,8 +110,7 @@ class HashesTest(unittest.TestCase):
         folders = [self.hashed("a"), self.hashed("b")]
         return subprocess.run([sys.executable, TOOL, "--compare", *folders], stdout=subprocess.DEVNULL).returncode
 
-    def test_there_are_fifteen_scenes_and_folders_are_not_overwritten(self):
-        self.assertEqual(len(result_hashes.SCENES), 15)
+    def test_folders_are_not_overwritten(self):
         with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()):
             result_hashes.run_scenes("rodwake", self.folder / "a", [])
 
