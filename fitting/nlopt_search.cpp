@@ -101,8 +101,6 @@ std::string meaning(nlopt_result result) {
         return "interrupted";
     case NLOPT_INVALID_ARGS:
         return "not made for this problem";
-    case NLOPT_OUT_OF_MEMORY:
-        return "out of memory";
     default:
         return "it could not go on; the best point is kept";
     }
@@ -175,6 +173,8 @@ SearchResult one_stage(Evaluator& evaluator, const Method& method, Algorithm alg
     Eigen::VectorXd v = start.cwiseProduct(stage.stretch);
     double smallest = 0.0;
     const nlopt_result result = nlopt_optimize(opt.get(), v.data(), &smallest);
+    if (result == NLOPT_OUT_OF_MEMORY) // the start would end early and count as converged
+        throw std::bad_alloc();
     SearchResult end{
         evaluator.found() ? evaluator.best_u() : start, evaluator.best(), termination_of(result), {}};
     const char* name = nlopt_result_to_string(result);

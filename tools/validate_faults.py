@@ -55,23 +55,37 @@ def keep(row):
         writer.writerow(row)
 
 
-def of_verb(verb, share, known):
-    """Rows of `share` faults of a verb, each kind of call with as many as it has, the rest of the share to writes and allocations."""
-    with tempfile.TemporaryDirectory(prefix="rodwake-faults-") as folder:
-        bench = faults.Bench(verb, Path(folder), options.shim.resolve())
-        kinds = [(call, error) for call in faults.CALLS for error in faults.ERRORS[call]]
-        wanted = [(call, error, number) for call, error in kinds
-                  for number in faults.spread(bench.counts[call], max(2, share // len(kinds)))]
-        for call, error, number in wanted:
-            key = (verb, call, str(number), str(error))
-            if key in known:
-                continue
-            wrong, done = bench.fault(call, number, error)
-            row = dict(zip(COLUMNS, (*key, done.returncode, "; ".join(wrong))))
-            keep(row)
-            yield row
-            if wrong:
-                print(f"{verb}: {call} {number} with {error}: {row['wrong']}", file=sys.stderr)
+def wanted_of(bench, share):
+    """(call, error, number) of `share` faults: of each kind of call as many as it has, up to an equal part; the rest are allocations."""
+    kinds = [(call, error) for call in faults.CALLS for error in faults.ERRORS[call] if call != "malloc"]
+    wanted = [(call, error, number) for call, error in kinds
+              for number in faults.spread(bench.counts[call], max(2, share // (len(kinds) + 1)))]
+    rest = max(2, share - len(wanted))
+    return wanted + [("malloc", *faults.ERRORS["malloc"], number) for number in faults.spread(bench.counts["malloc"], rest)]
+
+
+def all_wanted(benches):
+    """Of every verb, with the smallest share with which they are as many as asked for, or all that there are."""
+    share, found, before = options.faults // len(benches), 0, -1
+    while before < found < options.faults:
+        before = found
+        wanted = {verb: wanted_of(bench, share) for verb, bench in benches.items()}
+        found = sum(map(len, wanted.values()))
+        share += share // 8 + 1
+    return wanted
+
+
+def tried(verb, bench, wanted, known):
+    for call, error, number in wanted:
+        key = (verb, call, str(number), str(error))
+        if key in known:
+            continue
+        wrong, done = bench.fault(call, number, error)
+        row = dict(zip(COLUMNS, (*key, done.returncode, "; ".join(wrong))))
+        keep(row)
+        yield row
+        if wrong:
+            print(f"{verb}: {call} {number} with {error}: {row['wrong']}", file=sys.stderr)
 
 
 def table(rows):
@@ -86,8 +100,10 @@ def table(rows):
 
 
 rows = done_before()
-verbs = options.only.split(",") if options.only else list(faults.VERBS)
 before = {tuple(row[key] for key in COLUMNS[:4]) for row in rows}
-for one in verbs:
-    rows.extend(of_verb(one, options.faults // len(verbs), before))
+with tempfile.TemporaryDirectory(prefix="rodwake-faults-") as folder:
+    benches = {verb: faults.Bench(verb, Path(folder) / verb, options.shim.resolve())
+               for verb in (options.only.split(",") if options.only else faults.VERBS)}
+    for one, wanted in all_wanted(benches).items():
+        rows.extend(tried(one, benches[one], wanted, before))
 table(rows)
