@@ -9,8 +9,8 @@ namespace rodwake::cli {
 /// To standard error, without what a terminal would obey. That it is closed or full is nobody's failure.
 void tell(const std::string& text);
 
-/// A library that runs out of memory where no exception may pass (a destructor) ends the program with a message and exit
-/// code 1, as anywhere else, and not by abort.
+/// A library that runs out of memory where no exception may pass (a destructor) ends the program with a
+/// message and exit code 1, as anywhere else, and not by abort.
 void end_well_without_memory();
 
 /// Standard input, output and error that are closed become /dev/null, so that no file takes their place.
