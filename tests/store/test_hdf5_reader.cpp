@@ -219,7 +219,7 @@ TEST_CASE("A changed byte takes the file with it, not the program") {
     CHECK(refused > 0);
 }
 
-TEST_CASE("Files are opened while other threads are inside HDF5, by themselves or by rodwake") {
+TEST_CASE("Files are opened while others are inside HDF5, by themselves or by rodwake") {
     const Scratch scratch;
     write_example(scratch / "other.h5");
     std::atomic<bool> done = false;
