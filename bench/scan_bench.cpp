@@ -3,7 +3,7 @@
 //
 //   build/release/bench/bench_scan --benchmark_min_time=0.5
 
-#include "rodwake/assembly/scan_problem.hpp"
+#include "rodwake/app/scan_problem.hpp"
 #include "rodwake/scan/run.hpp"
 #include "rodwake/scene/read.hpp"
 
@@ -44,7 +44,7 @@ to = 6.0
 count = 512
 )";
 
-assembly::ScanPlan plan() { return assembly::plan_scan(scene::parse_scene(text, "bench"), {}); }
+app::ScanPlan plan() { return app::plan_scan(scene::parse_scene(text, "bench"), {}); }
 
 void per_point(benchmark::State& state, double points) {
     state.counters["s_per_point"] = benchmark::Counter(points, benchmark::Counter::kIsIterationInvariantRate |
@@ -52,13 +52,13 @@ void per_point(benchmark::State& state, double points) {
 }
 
 void problem_of_a_point(benchmark::State& state) {
-    const assembly::ScanPlan scan = plan();
+    const app::ScanPlan scan = plan();
     const scan::PointList points(scan.design);
-    assembly::PointProblem problems(scan);
+    app::PointProblem problems(scan);
     std::int64_t id = 0;
     for (auto _ : state) {
         const rods::RodProblem& problem = problems.at(points[id++ % points.size()]);
-        benchmark::DoNotOptimize(assembly::rod_options(problems.run(), problem));
+        benchmark::DoNotOptimize(app::rod_options(problems.run(), problem));
     }
 }
 
@@ -72,7 +72,7 @@ void pretend(std::span<const scan::Point> points, std::span<scan::Result> result
 }
 
 void ledger_and_dispatch(benchmark::State& state, std::size_t threads) {
-    const assembly::ScanPlan scan = plan();
+    const app::ScanPlan scan = plan();
     const auto folder = std::filesystem::temp_directory_path() / "rodwake_bench_scan";
     for (auto _ : state) {
         std::filesystem::remove_all(folder);

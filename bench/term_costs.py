@@ -35,7 +35,7 @@ COUNTED = {
     "run": "rodwake::rods::simulate(rodwake::rods::RodProblem const&, rodwake::rods::RodOptions const&)",
     "bed": "rodwake::granular::Simulation::advance(long)",
     "plain_bed": "*PlainBed::plain_step()",
-    "dem": "rodwake::stages::run_granular(*",
+    "dem": "rodwake::app::run_granular(*",
 }
 
 

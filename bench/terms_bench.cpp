@@ -10,8 +10,8 @@
 #include "granular/bodies.hpp"
 #include "granular/pair_contacts.hpp"
 #include "granular/pair_finder.hpp"
-#include "rodwake/assembly/granular.hpp"
-#include "rodwake/assembly/rods.hpp"
+#include "rodwake/app/granular.hpp"
+#include "rodwake/app/rods.hpp"
 #include "rodwake/granular/start.hpp"
 #include "rodwake/scene/read.hpp"
 
@@ -135,8 +135,8 @@ double jacobian(const rods::RodProblem& problem, long count) {
 }
 
 double runs(const scene::Scene& scene, long count) {
-    const rods::RodProblem problem = assembly::rod_problem(scene);
-    const rods::RodOptions options = assembly::rod_options(*scene.rods_run, problem);
+    const rods::RodProblem problem = app::rod_problem(scene);
+    const rods::RodOptions options = app::rod_options(*scene.rods_run, problem);
     double evaluations = 0.0;
     for (long i = 0; i < count; ++i)
         evaluations =
@@ -208,10 +208,10 @@ double bed(const granular::GranularProblem& problem, bool plain, long count) {
 double work(const std::string& what, long count, const scene::Scene& scene) {
     const bool plain = what.starts_with("plain_");
     if (what == "bed" || what == "plain_bed")
-        return bed(assembly::granular_problem(scene), plain, count);
+        return bed(app::granular_problem(scene), plain, count);
     if (what == "run")
         return runs(scene, count);
-    const rods::RodProblem problem = assembly::rod_problem(scene);
+    const rods::RodProblem problem = app::rod_problem(scene);
     if (what == "jacobian")
         return jacobian(problem, count);
     if (what == "rhs" || what == "plain_rhs")

@@ -31,7 +31,7 @@ endfunction()
 
 # rodwake_part(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...] [ALONE <sources of these that are compiled alone>])
 # One static library per part of the pipeline. A part links only what it lists, so a call the wrong way does not link;
-# tests/house checks the includes as well.
+# tests/architecture checks the includes as well.
 function(rodwake_part name)
     cmake_parse_arguments(PART "" "" "SOURCES;PUBLIC;PRIVATE;ALONE" ${ARGN})
     set(target rodwake_${name})
@@ -57,7 +57,7 @@ function(rodwake_part name)
     rodwake_optimise(${target} ${name})
     if(NOT fmt::fmt IN_LIST links OR name IN_LIST RODWAKE_UNOPTIMISED)
         # the small parts gain nothing; those of the list have another level than the precompiled headers
-    elseif("${links}" MATCHES "Eigen3|rodwake::(integrate|rods|granular|measure|fitting|assembly)")
+    elseif("${links}" MATCHES "Eigen3|rodwake::(integrate|rods|granular|measure|fitting)")
         rodwake_reuse(${target} rodwake_numbers)
     else()
         rodwake_reuse(${target} rodwake_text)

@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "elastic/bessel_inl.hpp"
+#include "bessel_inl.hpp"
 
 #include <algorithm>
 

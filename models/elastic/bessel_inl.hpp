@@ -8,8 +8,8 @@
 #define RODWAKE_ELASTIC_BESSEL_INL
 #endif
 
-#include "elastic/bessel_table.hpp"
-#include "elastic/vector_math_inl.hpp"
+#include "bessel_table.hpp"
+#include "vector_math_inl.hpp"
 
 #include <cstdint>
 

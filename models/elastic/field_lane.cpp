@@ -5,8 +5,8 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "elastic/field_lane.hpp"
-#include "elastic/kernel_inl.hpp"
+#include "field_lane.hpp"
+#include "kernel_inl.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -17,7 +17,7 @@
 #define RODWAKE_ELASTIC_KERNEL_INL
 #endif
 
-#include "elastic/bessel_inl.hpp"
+#include "bessel_inl.hpp"
 
 #include <cstdint>
 

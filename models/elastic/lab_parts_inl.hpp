@@ -8,8 +8,8 @@
 #define RODWAKE_ELASTIC_LAB_PARTS_INL
 #endif
 
-#include "elastic/kernel_inl.hpp"
-#include "elastic/wake_kernel.hpp"
+#include "kernel_inl.hpp"
+#include "wake_kernel.hpp"
 
 #include <numbers>
 #include <type_traits>

@@ -9,8 +9,8 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "elastic/lab_parts_inl.hpp"
-#include "elastic/mutual_pairs.hpp"
+#include "lab_parts_inl.hpp"
+#include "mutual_pairs.hpp"
 
 #include <algorithm>
 #include <cmath>

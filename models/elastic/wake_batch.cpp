@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "elastic/lab_parts_inl.hpp"
+#include "lab_parts_inl.hpp"
 
 #include <algorithm>
 

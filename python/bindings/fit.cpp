@@ -1,9 +1,9 @@
 // Least squares on arrays: the problems, searches and reports of [fit], without files.
 
-#include "rodwake/assembly/fit.hpp"
+#include "rodwake/app/fit.hpp"
 #include "bind.hpp"
 #include "callbacks.hpp"
-#include "rodwake/stages/fit_results.hpp"
+#include "rodwake/app/fit_results.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>
@@ -26,10 +26,10 @@ std::string place_name(const std::string& name, std::size_t i) {
     return name + "[" + std::to_string(i) + "]";
 }
 
-assembly::FitProfileData profile_of(const scene::FitProfile& keys, const ProfileTuple& given,
+app::FitProfileData profile_of(const scene::FitProfile& keys, const ProfileTuple& given,
                                     std::optional<double> independent_spacing) {
     const auto& [place, value, sigma] = given;
-    assembly::FitProfileData out{keys.name, keys.name, {}, 0};
+    app::FitProfileData out{keys.name, keys.name, {}, 0};
     out.data = {keys.name,
                 keys.component == "Ux" ? fitting::Component::Ux : fitting::Component::Uy,
                 keys.along == "x" ? fitting::Axis::x : fitting::Axis::y,
@@ -44,13 +44,13 @@ assembly::FitProfileData profile_of(const scene::FitProfile& keys, const Profile
     return out;
 }
 
-assembly::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTuple& given,
+app::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTuple& given,
                                 std::optional<PeriodicBox> box) {
     const auto& [t, poses, independent] = given;
     if (poses.ndim() != 3 || poses.shape(2) != 3 || poses.shape(0) != t.size())
         throw InputError(keys.name + ": expected t (T,) and poses (T, N, 3)");
     const auto rods = static_cast<std::size_t>(poses.shape(1));
-    assembly::FitTrackData out{keys.name, keys.name, rods, 1.0, 1.0, keys.sigma_position.has_value(),
+    app::FitTrackData out{keys.name, keys.name, rods, 1.0, 1.0, keys.sigma_position.has_value(),
                                false,     {}};
     fitting::Trajectory& data = out.data;
     data.name = keys.name;
@@ -68,17 +68,17 @@ assembly::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTup
     data.contact_time = keys.contact_time;
     data.sigma_contact = keys.sigma_contact.value_or(1.0);
     data.independent = independent;
-    assembly::settle_track(out, box);
+    app::settle_track(out, box);
     return out;
 }
 
 /// x, y, Ux, Uy, sigma_x, sigma_y; sides of the box; speed. The shapes are checked, NaN: not there.
 using MapTuple = std::tuple<std::vector<Array>, std::pair<double, double>, double>;
 
-assembly::FitMapData map_of(const std::string& name, std::size_t table, const MapTuple& given,
+app::FitMapData map_of(const std::string& name, std::size_t table, const MapTuple& given,
                             std::optional<double> independent_spacing) {
     const auto& [arrays, box, speed] = given;
-    assembly::FitMapData out{name, name, table, {}, 0, false};
+    app::FitMapData out{name, name, table, {}, 0, false};
     fitting::Map& map = out.data;
     map.name = name;
     map.lx = box.first;
@@ -89,7 +89,7 @@ assembly::FitMapData map_of(const std::string& name, std::size_t table, const Ma
         *fields[k] = copied(arrays.at(k));
     for (std::size_t bin = 0; bin < map.bins(); ++bin)
         map.known.push_back(std::isfinite(map.Ux[bin]) && std::isfinite(map.Uy[bin]));
-    assembly::settle_map(out, independent_spacing);
+    app::settle_map(out, independent_spacing);
     return out;
 }
 
@@ -109,8 +109,8 @@ void require_speeds(const scene::Fit& keys) {
 }
 
 struct FitResult {
-    assembly::FitPlan plan;
-    stages::FitResults results;
+    app::FitPlan plan;
+    app::FitResults results;
 };
 
 /// The search, and what the program makes of its end; of one that failed the report alone.
@@ -122,7 +122,7 @@ void search(FitResult& result, const fitting::Method& method) {
         result.results.fit = std::move(fit);
         return;
     }
-    result.results = stages::fit_results(result.plan, std::move(fit));
+    result.results = app::fit_results(result.plan, std::move(fit));
     for (const std::string& name : result.plan.keys.likelihood) {
         const auto at = std::ranges::find(problem.parameters, name, &fitting::Parameter::name);
         result.results.likelihood.emplace(
@@ -136,14 +136,14 @@ FitResult fit(const scene::Scene& scene, const std::vector<ProfileTuple>& profil
     const scene::Fit& keys = scene.fit.value();
     refuse_systematics(keys);
     require_speeds(keys);
-    assembly::FitInputs inputs;
+    app::FitInputs inputs;
     for (std::size_t i = 0; i < profiles.size(); ++i)
         inputs.profiles.emplace_back(profile_of(keys.profiles.at(i), profiles[i], keys.independent_spacing));
     for (std::size_t i = 0; i < tracks.size(); ++i)
         inputs.tracks.emplace_back(track_of(keys.trajectories.at(i), tracks[i], keys.box));
     for (std::size_t i = 0; i < maps.size(); ++i)
         inputs.maps.emplace_back(map_of(keys.maps.at(i).name, i, maps[i], keys.independent_spacing));
-    FitResult result{assembly::fit_plan(keys, std::move(inputs)), {}};
+    FitResult result{app::fit_plan(keys, std::move(inputs)), {}};
     std::atomic<bool> stopped = false;
     fitting::Method method = result.plan.method;
     method.threads = std::max<std::size_t>(threads, 1);
@@ -195,8 +195,8 @@ Array residuals_of(const FitResult& result) {
 py::list profiles_of(const FitResult& result, const py::object& make) {
     py::list all;
     for (std::size_t i = 0; i < result.results.profiles.size(); ++i) {
-        const stages::FitProfileResult& one = result.results.profiles[i];
-        const assembly::FitProfileData& data = result.plan.profiles[i];
+        const app::FitProfileResult& one = result.results.profiles[i];
+        const app::FitProfileData& data = result.plan.profiles[i];
         const bool predicted = result.plan.keys.profiles[i].role == scene::FitRole::predict;
         std::vector<double> sigma = one.sigma;
         std::ranges::replace(sigma, 0.0, std::nan(""));
@@ -213,7 +213,7 @@ py::list profiles_of(const FitResult& result, const py::object& make) {
 py::list tracks_of(const FitResult& result, const py::object& make) {
     py::list all;
     for (std::size_t i = 0; i < result.results.tracks.size(); ++i) {
-        const stages::FitTrackResult& one = result.results.tracks[i];
+        const app::FitTrackResult& one = result.results.tracks[i];
         std::vector<double> poses;
         for (const std::vector<double>& state : one.model)
             poses.insert(poses.end(), state.begin(), state.end());
@@ -229,7 +229,7 @@ py::list tracks_of(const FitResult& result, const py::object& make) {
 py::list maps_of(const FitResult& result, const py::object& make) {
     py::list all;
     for (std::size_t i = 0; i < result.results.maps.size(); ++i) {
-        const stages::FitMapResult& one = result.results.maps[i];
+        const app::FitMapResult& one = result.results.maps[i];
         const std::pair shape{result.plan.maps[i].data.y.size(), result.plan.maps[i].data.x.size()};
         const auto grid = [&](const py::object& values) { return values.attr("reshape")(shape); };
         all.append(make(result.plan.maps[i].name, grid(column(one.model.Ux)), grid(column(one.model.Uy)),

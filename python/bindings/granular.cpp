@@ -3,7 +3,7 @@
 #include "arrays.hpp"
 #include "bind.hpp"
 #include "callbacks.hpp"
-#include "rodwake/assembly/plan.hpp"
+#include "rodwake/app/plan.hpp"
 #include "rodwake/granular/simulation.hpp"
 #include "rodwake/granular/start.hpp"
 #include "signals.hpp"
@@ -40,22 +40,22 @@ public:
     }
 
     const granular::Simulation& simulation() const { return simulation_; }
-    const assembly::BedPlan& plan() const { return plan_; }
+    const app::BedPlan& plan() const { return plan_; }
     /// Steps from t = 0 on; negative during the equilibration.
     std::int64_t step() const { return simulation_.step() - plan_.problem.equilibration_steps; }
 
 private:
-    static assembly::BedPlan plan_of(const scene::Scene& scene) {
+    static app::BedPlan plan_of(const scene::Scene& scene) {
         if (!scene.granular)
             throw InputError(scene.path + ": no [granular] table, so there is no bed to simulate");
-        constexpr assembly::Stage stage[] = {assembly::Stage::granular};
-        assembly::BedPlan plan = assembly::make_plan(scene, stage).beds.at(0);
+        constexpr app::Stage stage[] = {app::Stage::granular};
+        app::BedPlan plan = app::make_plan(scene, stage).beds.at(0);
         if (plan.of.scene.granular->start == scene::GranularStart::restart)
             throw InputError(scene.path + ": start = \"restart\" needs the program; Scene.run does it");
         return plan;
     }
 
-    assembly::BedPlan plan_;
+    app::BedPlan plan_;
     granular::Simulation simulation_;
 };
 

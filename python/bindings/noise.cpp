@@ -3,7 +3,7 @@
 #include "arrays.hpp"
 #include "bind.hpp"
 #include "rod_problem.hpp"
-#include "rodwake/assembly/rods.hpp"
+#include "rodwake/app/rods.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/noise_ensemble.hpp"
 #include "rodwake/scan/proportion.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 struct Ensemble {
     rods::RodProblem problem;
-    assembly::NoisePlan plan;
+    app::NoisePlan plan;
     rods::NoiseSums sums;
 
     py::ssize_t rods() const { return static_cast<py::ssize_t>(problem.rods.size()); }
@@ -36,7 +36,7 @@ rods::Noise noise_of(const rods::RodProblem& problem, double rotational, double 
 rods::RodOptions options_of(const rods::RodProblem& problem, long max_steps) {
     scene::RodsRun run;
     run.max_steps = max_steps;
-    rods::RodOptions options = assembly::rod_options(run, problem);
+    rods::RodOptions options = app::rod_options(run, problem);
     options.criteria = rods::noisy_criteria;
     return options;
 }
@@ -61,7 +61,7 @@ Ensemble simulate_noise(const Array& poses, const Medium* medium, double kappa, 
             out.sums = rods::no_runs(out.problem);
             rods::RodOptions options = options_of(out.problem, max_steps);
             options.ode.stop_requested = [&] { return stopped.load(); };
-            assembly::run_wanted(out.problem, options, out.plan, std::max<std::size_t>(threads, 1), out.sums);
+            app::run_wanted(out.problem, options, out.plan, std::max<std::size_t>(threads, 1), out.sums);
         },
         [] {}, [&] { stopped = true; });
     return out;

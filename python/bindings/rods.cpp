@@ -1,6 +1,6 @@
 // simulate: rods from an array of poses, the result as arrays.
 
-#include "rodwake/assembly/rods.hpp"
+#include "rodwake/app/rods.hpp"
 #include "arrays.hpp"
 #include "bind.hpp"
 #include "medium.hpp"
@@ -43,7 +43,7 @@ rods::RodOptions options_of(const rods::RodProblem& problem, const std::string& 
     run.rtol = rtol;
     run.atol = atol.value_or(rtol / 100.0);
     run.max_steps = max_steps;
-    return assembly::rod_options(run, problem);
+    return app::rod_options(run, problem);
 }
 
 struct Run {

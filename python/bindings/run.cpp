@@ -1,6 +1,6 @@
 // Runs of scenes: on a thread of their own, so that Python hears of their progress and they of Ctrl-C.
 
-#include "rodwake/stages/run.hpp"
+#include "rodwake/app/run.hpp"
 #include "bind.hpp"
 #include "rodwake/core/error.hpp"
 #include "scan.hpp"
@@ -18,23 +18,23 @@ namespace rodwake::python {
 namespace {
 
 namespace fs = std::filesystem;
-using assembly::Stage;
+using app::Stage;
 using Words = std::vector<std::string>;
 
 /// Of those that the scene has the ones with these names, in the order in which they are done.
 std::vector<Stage> stages_of(const scene::Scene& scene, const std::optional<Words>& names) {
-    std::vector<Stage> all = assembly::stages_of(scene);
+    std::vector<Stage> all = app::stages_of(scene);
     if (!names)
         return all;
     const auto named = [](const std::string& name) {
-        return [&name](Stage stage) { return name == assembly::to_string(stage); };
+        return [&name](Stage stage) { return name == app::to_string(stage); };
     };
     for (const std::string& name : *names)
         if (std::ranges::none_of(all, named(name)))
             throw InputError(scene.path + ": has no stage '" + name +
                              "'; Scene.stages lists those that it has");
     std::erase_if(all, [&](Stage stage) {
-        return std::ranges::find(*names, assembly::to_string(stage)) == names->end();
+        return std::ranges::find(*names, app::to_string(stage)) == names->end();
     });
     return all;
 }
@@ -47,11 +47,11 @@ public:
         double value, end;
     };
 
-    void log(stages::Severity severity, const std::string& message) {
+    void log(app::Severity severity, const std::string& message) {
         const std::lock_guard lock(mutex_);
         messages_.emplace_back(severity, message);
     }
-    void progress(const stages::ProgressReport& report) {
+    void progress(const app::ProgressReport& report) {
         const std::lock_guard lock(mutex_);
         progress_ = Progress{std::string(report.what), std::string(report.unit), report.value, report.end};
     }
@@ -71,31 +71,31 @@ public:
 
 private:
     std::mutex mutex_;
-    std::vector<std::pair<stages::Severity, std::string>> messages_;
+    std::vector<std::pair<app::Severity, std::string>> messages_;
     std::optional<Progress> progress_;
 };
 
-stages::RunContext context_of(std::size_t threads, std::optional<std::uint64_t> seed, bool force,
+app::RunContext context_of(std::size_t threads, std::optional<std::uint64_t> seed, bool force,
                               Reports& reports, const std::atomic<bool>& stopped) {
-    stages::RunContext context;
+    app::RunContext context;
     context.threads = threads;
     context.seed = seed;
     context.force = force;
-    context.log = [&](stages::Severity severity, const std::string& text) { reports.log(severity, text); };
-    context.progress = [&](const stages::ProgressReport& report) { reports.progress(report); };
+    context.log = [&](app::Severity severity, const std::string& text) { reports.log(severity, text); };
+    context.progress = [&](const app::ProgressReport& report) { reports.progress(report); };
     context.stop = [&] { return stopped.load(); };
     return context;
 }
 
-std::string name_of(stages::StageEnd end) {
+std::string name_of(app::StageEnd end) {
     switch (end) {
-    case stages::StageEnd::finished:
+    case app::StageEnd::finished:
         return "finished";
-    case stages::StageEnd::failed:
+    case app::StageEnd::failed:
         return "failed";
-    case stages::StageEnd::interrupted:
+    case app::StageEnd::interrupted:
         return "interrupted";
-    case stages::StageEnd::incomplete:
+    case app::StageEnd::incomplete:
         break;
     }
     return "incomplete";
@@ -107,14 +107,14 @@ std::string run(const scene::Scene& scene, const fs::path& folder, const std::op
                 const py::object& execute) {
     Reports reports;
     std::atomic<bool> stopped = false;
-    stages::RunContext context = context_of(threads, seed, force, reports, stopped);
+    app::RunContext context = context_of(threads, seed, force, reports, stopped);
     context.command = command;
     if (!execute.is_none())
         context.executor = executor_in_python(execute);
     const std::vector<Stage> stages = stages_of(scene, names);
-    stages::StageEnd end = stages::StageEnd::failed;
+    app::StageEnd end = app::StageEnd::failed;
     const auto work = [&] {
-        end = stages::run(stages::plan_run(scene, stages, folder, context), folder, context);
+        end = app::run(app::plan_run(scene, stages, folder, context), folder, context);
     };
     attended(
         work, [&] { reports.deliver(on_log, on_progress); }, [&] { stopped = true; });
@@ -125,7 +125,7 @@ std::string run(const scene::Scene& scene, const fs::path& folder, const std::op
 
 void bind_run(py::module_& module) {
     module.def("run", &run);
-    module.def("manifest", [](const fs::path& folder) { return stages::manifest_json(folder); });
+    module.def("manifest", [](const fs::path& folder) { return app::manifest_json(folder); });
 }
 
 } // namespace rodwake::python

@@ -1,9 +1,9 @@
 #include "scan.hpp"
 
 #include "bind.hpp"
-#include "rodwake/assembly/plan.hpp"
+#include "rodwake/app/plan.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/stages/evaluate.hpp"
+#include "rodwake/app/evaluate.hpp"
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -38,7 +38,7 @@ class PointEvaluator {
 public:
     PointEvaluator(const scene::Scene& scene, const std::filesystem::path& folder) : plan_(plan_of(scene)) {
         context_.threads = 1;
-        evaluate_ = stages::point_evaluator(*plan_.scan, folder, context_);
+        evaluate_ = app::point_evaluator(*plan_.scan, folder, context_);
     }
     PointEvaluator(const PointEvaluator&) = delete;
     PointEvaluator& operator=(const PointEvaluator&) = delete;
@@ -54,13 +54,13 @@ public:
     }
 
 private:
-    static assembly::Plan plan_of(const scene::Scene& scene) {
-        constexpr assembly::Stage stage[] = {assembly::Stage::scan};
-        return assembly::make_plan(scene, stage);
+    static app::Plan plan_of(const scene::Scene& scene) {
+        constexpr app::Stage stage[] = {app::Stage::scan};
+        return app::make_plan(scene, stage);
     }
 
-    assembly::Plan plan_;
-    stages::RunContext context_;
+    app::Plan plan_;
+    app::RunContext context_;
     scan::Evaluate evaluate_;
 };
 

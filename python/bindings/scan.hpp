@@ -1,7 +1,7 @@
 #pragma once
 // Points of a scan handed out by Python, to whatever executes functions there.
 
-#include "rodwake/stages/run_context.hpp"
+#include "rodwake/app/run_context.hpp"
 
 #include <pybind11/pybind11.h>
 

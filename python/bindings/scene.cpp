@@ -1,10 +1,10 @@
 // Scenes: read, written, described.
 
 #include "bind.hpp"
-#include "rodwake/assembly/describe.hpp"
+#include "rodwake/app/describe.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/scene/write.hpp"
-#include "rodwake/stages/run.hpp"
+#include "rodwake/app/run.hpp"
 
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -18,23 +18,23 @@ using Words = std::vector<std::string>;
 
 Words stage_names(const scene::Scene& scene) {
     Words names;
-    for (const assembly::Stage stage : assembly::stages_of(scene))
-        names.emplace_back(assembly::to_string(stage));
+    for (const app::Stage stage : app::stages_of(scene))
+        names.emplace_back(app::to_string(stage));
     return names;
 }
 
 std::string check(const scene::Scene& scene, const fs::path& folder, std::size_t threads, bool cost) {
-    stages::RunContext context;
+    app::RunContext context;
     context.threads = threads;
     const py::gil_scoped_release release;
-    const assembly::Plan plan = stages::plan_check(scene, folder, context);
-    const std::vector<assembly::PlanLine> lines = assembly::describe(plan);
+    const app::Plan plan = app::plan_check(scene, folder, context);
+    const std::vector<app::PlanLine> lines = app::describe(plan);
     std::string modelled, left_out;
-    for (const assembly::PlanLine& line : lines)
+    for (const app::PlanLine& line : lines)
         (line.modelled ? modelled : left_out) += "  " + line.text + "\n";
     std::string text = "modelled\n" + modelled + "\nnot modelled\n" + left_out;
     if (cost)
-        text += "\nexpected cost\n" + stages::expected_cost(plan, folder, context) + "\n";
+        text += "\nexpected cost\n" + app::expected_cost(plan, folder, context) + "\n";
     return text;
 }
 

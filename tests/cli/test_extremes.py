@@ -1,4 +1,4 @@
-"""tools/validate_extremes.py: the quick cells end well, and bad cells are seen."""
+"""studies/validate_extremes.py: the quick cells end well, and bad cells are seen."""
 
 import csv
 import json

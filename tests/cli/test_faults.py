@@ -1,5 +1,5 @@
 """A write, sync, rename, open, unlink or allocation fails: the program says so and ends with 1, or its results are whole; and
-the same command goes on from there. A quick round; tools/validate_faults.py has the long one."""
+the same command goes on from there. A quick round; studies/validate_faults.py has the long one."""
 
 import errno
 import os

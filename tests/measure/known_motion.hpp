@@ -1,7 +1,7 @@
 #pragma once
 // Beads whose memory kernel is known, moved by exact steps of their linear equations.
 
-#include "measure/synthetic.hpp"
+#include "synthetic.hpp"
 #include "rodwake/measure/microrheology.hpp"
 
 #include <Eigen/Dense>

@@ -2,7 +2,7 @@
 // force.
 
 #include "catch2/catch.hpp"
-#include "measure/synthetic.hpp"
+#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/drift_decay.hpp"
 

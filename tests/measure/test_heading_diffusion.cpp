@@ -1,7 +1,7 @@
 // Heading diffusion of made-up tracks: Brownian headings of known strength.
 
 #include "catch2/catch.hpp"
-#include "measure/synthetic.hpp"
+#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/heading_diffusion.hpp"
 

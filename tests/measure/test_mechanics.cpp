@@ -1,7 +1,7 @@
 // Drag of the bed from a push and a drift that are known.
 
 #include "catch2/catch.hpp"
-#include "measure/synthetic.hpp"
+#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/mechanics.hpp"
 

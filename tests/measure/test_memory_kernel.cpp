@@ -1,7 +1,7 @@
 // The memory kernel of beads whose kernel is known: bound with and without much drag, and a Maxwell element.
 
 #include "catch2/catch.hpp"
-#include "measure/known_motion.hpp"
+#include "known_motion.hpp"
 #include "rodwake/measure/memory_kernel.hpp"
 
 using namespace rodwake;

@@ -1,7 +1,7 @@
 // Microrheology against beads whose motion is known: Ornstein-Uhlenbeck (bound) and free diffusion.
 
 #include "catch2/catch.hpp"
-#include "measure/synthetic.hpp"
+#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/microrheology.hpp"
 

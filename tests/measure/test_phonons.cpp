@@ -3,7 +3,7 @@
 #include "catch2/catch.hpp"
 #include "measure/oscillator_fit.hpp"
 #include "measure/phonon_constants.hpp"
-#include "measure/synthetic.hpp"
+#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/phonons.hpp"
 

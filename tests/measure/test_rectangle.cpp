@@ -4,7 +4,7 @@
 #include "measure/delaunay.hpp"
 #include "measure/pair_counts.hpp"
 #include "measure/psi6.hpp"
-#include "measure/synthetic.hpp"
+#include "synthetic.hpp"
 #include "rodwake/measure/bragg.hpp"
 #include "rodwake/measure/displacement.hpp"
 #include "rodwake/measure/flow.hpp"

@@ -1,7 +1,7 @@
 // The smooth transform against closed forms, and the range of s in which it is called good.
 
 #include "catch2/catch.hpp"
-#include "measure/known_motion.hpp"
+#include "known_motion.hpp"
 #include "measure/laplace.hpp"
 #include "measure/smooth_laplace.hpp"
 #include "measure/stiffness_spectrum.hpp"

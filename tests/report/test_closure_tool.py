@@ -1,4 +1,4 @@
-"""tools/validate_closure.py: which encounters it makes, and its tables and figure of made-up ones."""
+"""studies/validate_closure.py: which encounters it makes, and its tables and figure of made-up ones."""
 
 import contextlib
 import io

@@ -1,4 +1,4 @@
-"""tools/medium: what it makes of data whose answer is known."""
+"""studies/medium: what it makes of data whose answer is known."""
 
 import json
 import math

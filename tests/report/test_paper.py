@@ -1,4 +1,4 @@
-"""tools/paper: its verdicts, its list of rows, what it runs again and what not, and its page with made-up rows."""
+"""studies/paper: its verdicts, its list of rows, what it runs again and what not, and its page with made-up rows."""
 
 import contextlib
 import io

@@ -1,4 +1,4 @@
-"""tools/paper: the rows on rotational noise, with made-up results."""
+"""studies/paper: the rows on rotational noise, with made-up results."""
 
 import json
 import sys

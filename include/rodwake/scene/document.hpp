@@ -53,7 +53,7 @@ struct SchemaList {
 };
 
 /// The same as JSON, for programs: {"schema", "tables": [{"table", "meaning"}], "keys": [...], "figures":
-/// [...], "fit_parameters": [...]} and what else is known of (assembly/schema.hpp).
+/// [...], "fit_parameters": [...]} and what else is known of (app/run/schema.hpp).
 std::string schema_json(std::span<const SchemaList> more = {});
 
 } // namespace rodwake::scene

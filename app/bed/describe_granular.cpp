@@ -1,0 +1,235 @@
+#include "run/describe_parts.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+namespace rodwake::app {
+
+namespace {
+
+using granular::GranularProblem;
+using granular::Surface;
+
+/// H5MD before compression: position and velocity in double, image in three 32-bit integers.
+constexpr double h5md_bytes = 60.0;
+/// While a run goes on: position and velocity in double.
+constexpr double log_bytes = 48.0;
+constexpr double period_frames = 50.0, most_period_frames = 75.0;
+constexpr double large_output = 1e9; // B
+
+std::string beads_text(const scene::Granular& bed, const GranularProblem& problem) {
+    const bool with_rods = bed.phi_b && bed.count_rod_area && !bed.rods.empty();
+    const double share = granular::bead_area_fraction(problem);
+    return fmt::format("{} beads of radius {:g} mm and {:g} kg/m^3: phi_b = {:g}{}, of which the beads cover "
+                       "{:.4f}",
+                       problem.beads, 1e3 * problem.bead_radius, problem.bead_density,
+                       bed.phi_b.value_or(share), with_rods ? " with the rods' shadows" : "", share);
+}
+
+std::string start_text(const scene::Granular& bed, const GranularProblem& problem) {
+    switch (bed.start) {
+    case scene::GranularStart::restart:
+        return "start from the state in " + bed.restart_from;
+    case scene::GranularStart::random:
+        return fmt::format("random start, seed {}", problem.seed);
+    case scene::GranularStart::lattice:
+        break;
+    }
+    return fmt::format("start from a triangular lattice, rows at about {:g} rad, seed {}",
+                       problem.orientation, problem.seed);
+}
+
+std::string rod_text(std::size_t index, const granular::RodSpec& rod, double bead_radius) {
+    const granular::RodShape& shape = rod.shape;
+    const granular::Clump clump = granular::make_clump(shape);
+    std::string text = fmt::format(
+        "rod {}: {}, {} spheres, {:g} mm long, {:.4g} mg, at ({:.4g} a, {:.4g} a) heading {:g} rad", index,
+        shape.kind == granular::RodKind::motile ? "motile" : "apolar", shape.spheres, 1e3 * shape.length,
+        1e6 * clump.mass, rod.position.x() / bead_radius, rod.position.y() / bead_radius, rod.heading);
+    if (rod.imposed_speed)
+        text += *rod.imposed_speed == 0.0 ? ", pinned"
+                                          : fmt::format(", dragged at {:g} mm/s", 1e3 * *rod.imposed_speed);
+    return text;
+}
+
+std::string contact_text(const char* pair, const Surface& surface) {
+    return fmt::format("{} {:g}/{:g}", pair, surface.friction, surface.restitution);
+}
+
+std::string contacts_text(const granular::ContactTable& c) {
+    return fmt::format("contacts, friction/restitution: {}, {}, {}, {}, {}",
+                       contact_text("bead-bead", c.bead_bead), contact_text("bead-rod", c.bead_rod),
+                       contact_text("rod-rod", c.rod_rod), contact_text("bead-wall", c.bead_plate),
+                       contact_text("rod-wall", c.rod_plate));
+}
+
+PlanLine plates_line(const GranularProblem& problem) {
+    const granular::Plates& plates = problem.plates;
+    if (plates.gamma == 0.0)
+        return {false,
+                fmt::format("vibration: gamma is 0, static plates with a gap of {:g} mm", 1e3 * plates.gap)};
+    return {
+        true,
+        fmt::format("plates: gap {:g} mm, {:g} Hz, amplitude {:.4g} um (Gamma = {:g}), {:.4g} steps a period",
+                    1e3 * plates.gap, plates.frequency, 1e6 * plates.amplitude(problem.gravity), plates.gamma,
+                    1.0 / (plates.frequency * problem.time_step))};
+}
+
+void add_rod_lines(const GranularProblem& problem, Lines& lines) {
+    if (problem.rods.empty())
+        lines.push_back({false, "rods in the bed: no [[granular.rods]]"});
+    for (std::size_t i = 0; i < problem.rods.size(); ++i)
+        lines.push_back({true, rod_text(i, problem.rods[i], problem.bead_radius)});
+}
+
+void add_order_line(const scene::Granular& bed, const GranularProblem& problem, Lines& lines) {
+    if (const auto cutoff = order_cutoff(bed, granular::bead_area_fraction(problem)))
+        lines.push_back(
+            {true, fmt::format("order psi6 of beads nearer than {:.4g} a", *cutoff / problem.bead_radius)});
+    else
+        lines.push_back({false, "order psi6: no beads"});
+}
+
+std::string time_text(const scene::Granular& bed, const GranularProblem& problem) {
+    return fmt::format(
+        "{} steps of {:g} s from t = 0 ({:g} s) after {} of equilibration ({:g} s) with the rods held; "
+        "{}{} run{}",
+        problem.steps, problem.time_step, static_cast<double>(problem.steps) * problem.time_step,
+        problem.equilibration_steps, static_cast<double>(problem.equilibration_steps) * problem.time_step,
+        bed.stop_at_travel ? fmt::format("ends earlier if the rods have travelled {:.4g} a on average; ",
+                                         *bed.stop_at_travel / bed.bead_radius)
+                           : "",
+        bed.runs, bed.runs == 1 ? "" : "s");
+}
+
+/// Keys that say how a start is made, beside a start that is not made so.
+void add_unused_lines(const scene::Granular& bed, Lines& lines) {
+    const scene::Granular unset;
+    if (bed.start != scene::GranularStart::lattice && bed.orientation != unset.orientation && !bed.box.fit)
+        lines.push_back({false, "granular.orientation: used with start = \"lattice\" only"});
+    if (bed.start == scene::GranularStart::restart && bed.start_speed != unset.start_speed)
+        lines.push_back({false, "granular.start_speed: not used with start = \"restart\""});
+}
+
+/// What the bed leaves out, whatever the scene says, and why.
+void add_idealisations(Lines& lines) {
+    lines.push_back(
+        {false, "duration and elasticity of contacts: bodies are rigid, impacts instantaneous and in pairs"});
+    lines.push_back({false, "rolling friction, cohesion, charge, air: no such force in the contact law"});
+    lines.push_back({false, "side walls: the box is periodic in x and y"});
+}
+
+/// Of the stored frames of a run in all their formats.
+double frames_bytes(const BedPlan& plan) {
+    const scene::Granular& bed = *plan.of.scene.granular;
+    return (plan.schedule.h5md ? h5md_bytes * stored_spheres(bed, plan.problem) * frame_count(bed) : 0.0) +
+           (plan.schedule.xyz ? xyz_bytes(bed, plan.problem) : 0.0);
+}
+
+} // namespace
+
+std::string size_text(double bytes) {
+    static constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};
+    std::size_t unit = 0;
+    for (; bytes >= 1000.0 && unit + 1 < std::size(units); ++unit)
+        bytes /= 1000.0;
+    return fmt::format("{:.3g} {}", bytes, units[unit]);
+}
+
+std::string output_advice(const BedPlan& plan) {
+    const scene::Granular& bed = *plan.of.scene.granular;
+    const double count = stored_spheres(bed, plan.problem),
+                 stored = plan.schedule.h5md || plan.schedule.xyz ? frame_count(bed) : 0.0,
+                 of_period = bed.output.last_period ? period_frames : 0.0,
+                 bytes = frames_bytes(plan) + of_period * count * h5md_bytes;
+    if (bytes <= large_output)
+        return {};
+    return fmt::format(
+        "the frames of a run take up to {}, and {} more until it has ended; for less, granular.output.frames "
+        "above {:g} s, every_bead above {}, formats = [] (no frames), last_period = false. Rows of the table "
+        "and what [measure] "
+        "finds on the way need none of them",
+        size_text(bytes), size_text((stored + of_period) * count * log_bytes), frame_interval(bed),
+        bed.output.every_bead);
+}
+
+std::string describe_output(const BedPlan& plan) {
+    const scene::Granular& bed = *plan.of.scene.granular;
+    const GranularProblem& problem = plan.problem;
+    const scene::GranularOutput& output = bed.output;
+    const double count = stored_spheres(bed, problem), frames = frame_count(bed);
+    std::vector<std::string> formats;
+    if (plan.schedule.h5md)
+        formats.emplace_back("h5md");
+    if (plan.schedule.xyz)
+        formats.emplace_back("xyz");
+    std::string text = formats.empty()
+                           ? "no frames"
+                           : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frames, count,
+                                         fmt::join(formats, ", "), size_text(frames_bytes(plan)));
+    if (output.last_period)
+        text += fmt::format("; about {:.0f} frames of the last period, at most {}", period_frames,
+                            size_text(most_period_frames * count * h5md_bytes));
+    return text +
+           fmt::format("; a table of {:.0f} rows", std::floor(bed.duration / table_interval(bed)) + 1.0);
+}
+
+PlanLine body_force_line(const GranularProblem& problem) {
+    if (!problem.body_force)
+        return {false, "body force: no [granular.body_force]"};
+    const granular::BodyForce& force = *problem.body_force;
+    const double peak = force.acceleration * granular::bead_mass(problem);
+    const std::string along = fmt::format("{:.3g} N a bead ({:g} m/s^2) along {:g} deg", peak,
+                                          force.acceleration, force.direction * 180.0 / std::numbers::pi);
+    if (force.kind == granular::BodyForceKind::uniform)
+        return {true, "body force on all beads: " + along};
+    return {true, fmt::format(
+                      "body force on the beads, a Gaussian of width {:.4g} a that moves at {:g} mm/s: {} at "
+                      "its peak",
+                      force.width / problem.bead_radius, 1e3 * force.speed, along)};
+}
+
+std::string box_text(const scene::Granular& bed, const GranularProblem& problem) {
+    const double a = problem.bead_radius;
+    const PeriodicBox& box = problem.box;
+    if (box.square())
+        return fmt::format("periodic box of {:.4g} a = {:g} mm", box.x / a, 1e3 * box.x);
+    std::string text = fmt::format("periodic box of {:.6g} a x {:.6g} a = {:g} mm x {:g} mm", box.x / a,
+                                   box.y / a, 1e3 * box.x, 1e3 * box.y);
+    if (const auto lattice = bed_size(bed).lattice)
+        text += fmt::format(", fitted to a lattice without strain: {} rows of {} sites along {}, row ratio "
+                            "{:.6f} (sqrt(3)/2 = 0.866025)",
+                            lattice->rows, lattice->in_row, lattice->rows_along_y ? "y" : "x",
+                            lattice->row_ratio());
+    return text;
+}
+
+void describe_granular(const Plan& plan, Lines& lines) {
+    if (plan.beds.empty()) {
+        lines.push_back({false, "granular bed: no [granular] table"});
+        return;
+    }
+    const GranularProblem& problem = plan.beds.front().problem;
+    const scene::Granular& bed = *plan.scene.granular;
+    lines.push_back(
+        {problem.beads > 0, problem.beads > 0 ? beads_text(bed, problem) : "beads: there are none"});
+    lines.push_back({true, box_text(bed, problem)});
+    lines.push_back(plates_line(problem));
+    lines.push_back({true, contacts_text(problem.contacts)});
+    lines.push_back({true, start_text(bed, problem)});
+    lines.push_back({true, time_text(bed, problem)});
+    add_rod_lines(problem, lines);
+    lines.push_back(body_force_line(problem));
+    add_order_line(bed, problem, lines);
+    add_unused_lines(bed, lines);
+    if (plan.has(Stage::granular) || plan.has(Stage::measure)) // else a scan varies the bed
+        describe_measures(plan.beds.front(), lines);
+    add_idealisations(lines);
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,44 @@
+#pragma once
+// Checkpoint of one granular run: state, sums and how much of the logs counts. It belongs to one scene, seed
+// and run number.
+
+#include "granular_cost.hpp"
+#include "granular_files.hpp"
+#include "rodwake/granular/record.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace rodwake::app {
+
+struct GranularCheckpoint {
+    std::string scene; ///< text that says what the run models; another text is another run
+    std::string build; ///< version and git id that wrote it
+    std::uint64_t seed = 0;
+    std::uint32_t run = 0;
+    double cpu_seconds = 0.0, wall_seconds = 0.0;
+    granular::State state;
+    granular::Tallies tallies;
+    granular::RecordSums sums{};
+    std::vector<granular::RodProgress> progress;
+    LogLengths logs;
+    std::string measure_keys{}; ///< MeasurePlan::key_text; empty: nothing is measured on the way
+    std::vector<double> measures{};
+    RunCost cost{};
+    std::vector<granular::RodThrust> thrust{}; ///< empty in files of before 0.2: such runs are not taken up
+    std::optional<granular::PressureSums> pressure{}; ///< absent in earlier files: likewise
+};
+
+/// Puts the checkpoint in place as the newest of two generations. Throws RunError.
+void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& checkpoint);
+
+struct LoadedCheckpoint {
+    GranularCheckpoint checkpoint;
+    std::string notice; ///< why the newest generation could not be used; empty if it was
+};
+
+/// The newest usable generation; nothing if there is none. Throws InputError if there are only damaged ones.
+std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& file);
+
+} // namespace rodwake::app

@@ -1,0 +1,56 @@
+#pragma once
+// The files of one granular run. While it goes on, frames and rows are appended to logs whose lengths a
+// checkpoint remembers; at its end they become table.csv, tracks.csv, trajectory.h5md (.xyz) and
+// last_period.h5md.
+
+#include "rodwake/app/granular.hpp"
+#include "rodwake/granular/record.hpp"
+#include "rodwake/store/append_log.hpp"
+#include "rodwake/store/h5md.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::app {
+
+/// How much of each log counts.
+struct LogLengths {
+    std::uint64_t rows = 0, frames = 0, period_frames = 0;
+};
+
+class GranularFiles {
+public:
+    /// Takes the logs up at these lengths; from zero on, makes them anew.
+    GranularFiles(std::filesystem::path folder, const granular::GranularProblem& problem,
+                  const GranularSchedule& schedule, const LogLengths& kept);
+
+    void add_row(const granular::TableRow& row, const std::vector<granular::TrackPoint>& track);
+    void add_frame(const granular::State& state, double time);
+    void add_period_frame(const granular::State& state, double time);
+    /// Everything is on the disk when this returns. Throws RunError.
+    LogLengths sync();
+
+    /// table.csv and tracks.csv of the rows so far.
+    void write_tables();
+    /// Turns the logs into their final files.
+    void finish(const store::H5mdInfo& info);
+    /// No more is needed of the logs: everything final is in place.
+    void remove_logs();
+
+private:
+    std::vector<double> frame_record(const granular::State& state, double time) const;
+    void write_trajectory(const std::string& name, store::AppendLog& log, const store::H5mdInfo& info,
+                          bool xyz);
+
+    std::filesystem::path folder_;
+    granular::GranularProblem problem_;
+    GranularSchedule schedule_;
+    std::vector<granular::Clump> clumps_;
+    store::FrameLayout layout_;
+    std::size_t frame_doubles_, row_doubles_;
+    std::optional<store::AppendLog> rows_, frames_, period_;
+};
+
+} // namespace rodwake::app

@@ -1,0 +1,188 @@
+#include "granular_jobs.hpp"
+
+#include "granular_summary.hpp"
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+
+namespace rodwake::app {
+
+namespace {
+
+granular::State stored_state(const std::string& file, const Logger& log) {
+    LoadedCheckpoint loaded = stored_checkpoint(file);
+    if (!loaded.notice.empty())
+        log->warn("{}", loaded.notice);
+    return std::move(loaded.checkpoint.state);
+}
+
+scan::Status status_of(StageEnd end) {
+    return end == StageEnd::finished ? scan::Status::ok
+           : end == StageEnd::failed ? scan::Status::failed
+                                     : scan::Status::stopped;
+}
+
+/// Jobs as points of an executor, whose ids are places in the list.
+class JobPoints {
+public:
+    JobPoints(const std::vector<GranularJob>& jobs, const RunContext& context, const Logger& log,
+              std::size_t threads, OnJob on_job)
+        : jobs_(jobs), context_(context), log_(log), threads_(threads), on_job_(std::move(on_job)),
+          thrown_(jobs.size()) {}
+
+    scan::Evaluate evaluate() {
+        return [this](std::span<const scan::Point> points, std::span<scan::Result> results) {
+            for (std::size_t i = 0; i < points.size(); ++i)
+                one(points[i], results[i]);
+        };
+    }
+
+    /// What somebody else executed is read from its folder.
+    void take(const scan::Result& result) {
+        const auto number = static_cast<std::size_t>(result.point.id);
+        const GranularJob& job = jobs_[number];
+        if (job.result().end != StageEnd::interrupted || thrown_[number])
+            return;
+        if (result.status == scan::Status::exception) {
+            const RunError error(fmt::format("{}: {}", job.its().folder.string(), result.cause_text()));
+            thrown_[number] = std::make_exception_ptr(error); // the other runs go on
+            return;
+        }
+        if (result.ok())
+            job.result() = {StageEnd::finished, {}, summary_of(job)};
+        else
+            job.result() = {StageEnd::failed, std::string(result.cause_text()), {}};
+        on_job_(number, nullptr, nullptr);
+    }
+
+    /// The first thing that a job threw, here or on another rank.
+    void rethrow() const {
+        for (const std::exception_ptr& one : thrown_)
+            if (one)
+                std::rethrow_exception(one);
+    }
+
+private:
+    void one(const scan::Point& point, scan::Result& result) {
+        const auto start = std::chrono::steady_clock::now();
+        const auto number = static_cast<std::size_t>(point.id);
+        const GranularJob& job = jobs_[number];
+        result.point = point;
+        try {
+            job.result() = execute_task(job.of->plan, job.its(), context_, log_, threads_,
+                                        [&](const granular::Simulation& s, const granular::TableRow* row) {
+                                            on_job_(number, &s, row);
+                                        });
+            result.status = status_of(job.result().end);
+            result.set_cause(job.result().message);
+        } catch (const std::exception& error) {
+            thrown_[number] = std::current_exception();
+            result.status = scan::Status::exception;
+            result.set_cause(rodwake::describe(error));
+        }
+        result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+
+    static GranularSummary summary_of(const GranularJob& job) {
+        const std::filesystem::path file = job.its().folder / "summary.json";
+        auto summary = read_summary(file, job.of->plan.bed.problem, job.its().run);
+        if (!summary)
+            throw RunError(file.string() + ": another rank finished this run, and its summary is not there: "
+                                           "the ranks must share the folder");
+        return std::move(*summary);
+    }
+
+    const std::vector<GranularJob>& jobs_;
+    const RunContext& context_;
+    const Logger& log_;
+    std::size_t threads_;
+    OnJob on_job_;
+    std::vector<std::exception_ptr> thrown_;
+};
+
+/// Those that no earlier command finished.
+std::vector<scan::Point> points_of(const std::vector<GranularJob>& jobs, const RunContext& context) {
+    std::vector<scan::Point> points;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        auto known = context.force ? std::nullopt : finished_before(jobs[i].of->plan, jobs[i].its());
+        if (known)
+            jobs[i].result() = {StageEnd::finished, {}, std::move(*known)};
+        else
+            points.push_back({static_cast<std::int64_t>(i), {}});
+    }
+    return points;
+}
+
+} // namespace
+
+LoadedCheckpoint stored_checkpoint(const std::string& file) {
+    auto loaded = load_checkpoint(file);
+    if (!loaded)
+        throw InputError(
+            file + ": no such checkpoint (granular.restart_from); a finished run keeps its last state in "
+                   "final.rwc, one that goes on in checkpoint.rwc");
+    return std::move(*loaded);
+}
+
+std::vector<BedWork> beds_of(const Plan& plan, const std::filesystem::path& folder,
+                             const Logger& log) {
+    std::vector<BedWork> all;
+    for (const BedPlan& bed : plan.beds) {
+        BedWork work{{bed, granular_key(bed.of.scene), {}}, granular_tasks(bed.of, folder), {}};
+        const scene::Granular& keys = *bed.of.scene.granular;
+        if (keys.start == scene::GranularStart::restart)
+            work.plan.restart = stored_state(keys.restart_from, log);
+        if (const auto& from = work.plan.restart; from && from->beads.size() > bed.problem.beads)
+            log->info("dem{}: {} of the {} beads of {} are taken out", bed.of.suffix(),
+                      from->beads.size() - bed.problem.beads, from->beads.size(), keys.restart_from);
+        work.results.resize(work.tasks.size(), {StageEnd::interrupted, {}, {}});
+        all.push_back(std::move(work));
+    }
+    return all;
+}
+
+std::vector<GranularJob> jobs_of(std::vector<BedWork>& beds) {
+    std::vector<GranularJob> jobs;
+    for (BedWork& one : beds)
+        for (std::size_t i = 0; i < one.tasks.size(); ++i)
+            jobs.push_back({&one, i});
+    std::ranges::stable_sort(jobs, std::ranges::greater(), [](const GranularJob& job) {
+        return sphere_steps(job.of->plan.bed.problem);
+    });
+    return jobs;
+}
+
+double simulated_seconds(const GranularPlan& plan) {
+    const granular::GranularProblem& p = plan.bed.problem;
+    return static_cast<double>(p.steps + p.equilibration_steps) * p.time_step;
+}
+
+void execute_jobs(const std::vector<GranularJob>& jobs, const RunContext& context, const Logger& log,
+                  const OnJob& on_job) {
+    // a single run has all threads; of several each has one, and a rank computes on one
+    const std::size_t threads = context.executor ? 1 : context.thread_count();
+    JobPoints points(jobs, context, log, jobs.size() == 1 ? threads : 1, on_job);
+    const scan::Execute execute = context.executor
+                                      ? context.executor(points.evaluate(), context.stop)
+                                      : scan::on_threads(points.evaluate(), threads, context.stop);
+    execute(points_of(jobs, context), [&](std::span<const scan::Result> results) {
+        for (const scan::Result& result : results)
+            points.take(result);
+    });
+    points.rethrow();
+}
+
+void serve_beds(const Plan& plan, const std::filesystem::path& folder, const RunContext& context,
+                scan::MpiJob& job) {
+    const Logger log = make_silent_logger();
+    std::vector<BedWork> beds = beds_of(plan, folder, log);
+    const std::vector<GranularJob> jobs = jobs_of(beds);
+    JobPoints points(jobs, context, log, 1, [](auto&&...) {});
+    job.serve(points.evaluate());
+}
+
+} // namespace rodwake::app

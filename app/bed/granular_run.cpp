@@ -1,0 +1,370 @@
+#include "granular_run.hpp"
+
+#include "granular_summary.hpp"
+#include "measure_frames.hpp"
+#include "measure_records.hpp"
+#include "rodwake/core/build_info.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/granular/start.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "rodwake/store/generations.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+namespace rodwake::app {
+
+namespace {
+
+using granular::Simulation;
+
+constexpr std::int64_t period_frames = 50; // 38 to 75: a whole number of steps lies between two
+
+double cpu_now(bool own_thread_only) {
+    timespec t{};
+    clock_gettime(own_thread_only ? CLOCK_THREAD_CPUTIME_ID : CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::string build_name() {
+    const BuildInfo build = build_info();
+    return build.version + " " + build.git;
+}
+
+/// The next multiple of `every` after `step`; steps may be negative.
+std::int64_t next_multiple(std::int64_t step, std::int64_t every) {
+    const std::int64_t below = step >= 0 ? step / every : -((-step + every - 1) / every);
+    return (below + 1) * every;
+}
+
+/// Steps counted from t = 0 at which a frame of the last plate period is due.
+struct LastPeriod {
+    std::int64_t from, every;
+
+    LastPeriod(const granular::GranularProblem& p) {
+        const auto period = std::max<std::int64_t>(1, std::llround(1.0 / (p.plates.frequency * p.time_step)));
+        every = std::max<std::int64_t>(1, (period + period_frames / 2) / period_frames);
+        from = std::max<std::int64_t>(0, p.steps - period);
+    }
+    bool due(std::int64_t step) const { return step >= from && (step - from) % every == 0; }
+    std::int64_t next(std::int64_t step) const {
+        return step < from ? from : from + next_multiple(step - from, every);
+    }
+};
+
+class Run {
+public:
+    Run(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
+        std::size_t threads, bool is_over = false)
+        : context_(context), requests_seen_(requests()), plan_(plan), bed_(plan.bed), task_(task), log_(log),
+          checkpoint_file_(task.folder / (is_over ? "final.rwc" : "checkpoint.rwc")),
+          meter_(plan.bed.problem), one_thread_(threads == 1), loaded_(load()),
+          simulation_(plan.bed.problem, first_state(), first_tallies(),
+                      granular::worthwhile_threads(plan.bed.problem, threads)),
+          record_(plan.bed.schedule.order_cutoff, plan.bed.problem.rods.size()),
+          files_(task.folder, plan.bed.problem, plan.bed.schedule,
+                 loaded_ && !is_over ? loaded_->logs : LogLengths{}),
+          period_(plan.bed.problem), measures_(first_measures()), cpu_start_(cpu_now(one_thread_)),
+          wall_start_(Clock::now()), saved_(wall_start_) {
+        meter_.mark(&RunCost::start);
+        if (loaded_)
+            record_.restore(loaded_->sums, *loaded_->pressure, loaded_->progress, loaded_->thrust);
+        else
+            observe(); // the start itself is the first sample, row and, without equilibration, frame
+    }
+
+    GranularResult go(const std::function<void(const Simulation&, const granular::TableRow*)>& on_progress) {
+        on_progress_ = &on_progress;
+        while (!simulation_.finished() && !travelled()) {
+            meter_.advance(simulation_, steps_to_next_event());
+            if (simulation_.failure())
+                return failed();
+            observe();
+            on_progress(simulation_, nullptr);
+            if (context_.stopped()) {
+                checkpoint();
+                return {StageEnd::interrupted, {}, summary()};
+            }
+            if (requests() != requests_seen_ ||
+                seconds_since(saved_) > bed_.of.scene.granular->output.checkpoint)
+                checkpoint();
+        }
+        return finish();
+    }
+
+    /// Of a run that is over.
+    GranularSummary restore_summary() {
+        files_.remove_logs();
+        GranularSummary done = summary();
+        write_summary(done);
+        return done;
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    static double seconds_since(Clock::time_point t) {
+        return std::chrono::duration<double>(Clock::now() - t).count();
+    }
+
+    int requests() const { return context_.checkpoint_requests ? context_.checkpoint_requests() : 0; }
+
+    std::optional<GranularCheckpoint> load() const {
+        if (context_.force) {
+            store::remove_generations(checkpoint_file_);
+            return std::nullopt;
+        }
+        auto loaded = load_checkpoint(checkpoint_file_);
+        if (!loaded)
+            return std::nullopt;
+        const GranularCheckpoint& c = loaded->checkpoint;
+        if (c.scene != plan_.scene_key || c.seed != bed_.problem.seed || c.run != task_.run)
+            throw InputError(checkpoint_file_.string() + ": belongs to another scene, seed or run; choose "
+                                                         "another folder with -o, or --force to start anew");
+        if (c.thrust.size() != bed_.problem.rods.size() || !c.pressure)
+            throw InputError(checkpoint_file_.string() +
+                             ": of a version that did not follow the thrust of rods or the pressure; finish "
+                             "the run with that version, choose another folder with -o, or --force to start "
+                             "anew");
+        if (!loaded->notice.empty())
+            log_->warn("{}", loaded->notice);
+        if (c.build != build_name())
+            log_->warn("{}: written by rodwake {}; this is {}, and digits may differ",
+                       checkpoint_file_.string(), c.build, build_name());
+        log_->debug("run {}: going on from step {}", task_.run, c.state.step);
+        return std::move(loaded->checkpoint);
+    }
+
+    granular::State first_state() const {
+        if (loaded_)
+            return loaded_->state;
+        return plan_.restart ? granular::restart_from(bed_.problem, *plan_.restart, task_.run)
+                             : granular::make_start(bed_.problem, task_.run);
+    }
+
+    std::optional<measure::Measures> first_measures() const {
+        if (!bed_.measures)
+            return std::nullopt;
+        measure::Measures measures = bed_.measures->sums;
+        if (loaded_) {
+            if (loaded_->measure_keys != bed_.measures->key_text)
+                throw InputError(
+                    checkpoint_file_.string() +
+                    ": this run was begun with other [measure] keys; put them back to go on with it, "
+                    "or --force to start anew");
+            measures.load(loaded_->measures, checkpoint_file_.string());
+        }
+        return measures;
+    }
+
+    granular::Tallies first_tallies() const { return loaded_ ? loaded_->tallies : granular::Tallies{}; }
+
+    /// From t = 0 on.
+    std::int64_t step() const { return simulation_.step() - bed_.problem.equilibration_steps; }
+
+    bool travelled() const {
+        return bed_.schedule.stop_at_travel > 0.0 && record_.mean_advance() >= bed_.schedule.stop_at_travel;
+    }
+
+    std::int64_t steps_to_next_event() const {
+        const std::int64_t now = step();
+        std::int64_t next = std::min({next_multiple(now, sample_every),
+                                      next_multiple(now, bed_.schedule.row_every), bed_.problem.steps});
+        if (now < 0)
+            next = std::min(next, std::int64_t{0});
+        else
+            next = std::min({next, next_multiple(now, bed_.schedule.frame_every), period_.next(now)});
+        if (measures_ && now >= 0)
+            next = std::min(next, next_multiple(now, bed_.measures->every));
+        return next - now;
+    }
+
+    void observe() {
+        const std::int64_t now = step();
+        const bool at_start = !loaded_ && simulation_.step() == 0;
+        if (now % sample_every == 0 || now == 0 || now == bed_.problem.steps)
+            record_.sample(simulation_);
+        if (now % bed_.schedule.row_every == 0 || now == bed_.problem.steps || at_start)
+            add_row();
+        meter_.mark(&RunCost::records);
+        if (now >= 0 && (now % bed_.schedule.frame_every == 0))
+            files_.add_frame(simulation_.state(), simulation_.time());
+        if (now >= 0 && period_.due(now))
+            files_.add_period_frame(simulation_.state(), simulation_.time());
+        meter_.mark(&RunCost::output);
+        if (measures_ && now >= 0 && now % bed_.measures->every == 0) {
+            fill_frame(frame_, simulation_.state(), simulation_.time(), bed_.problem.box);
+            measures_->add(frame_);
+            meter_.mark(&RunCost::measures);
+        }
+    }
+
+    void add_row() {
+        const std::vector<granular::TrackPoint> track = record_.track(simulation_);
+        const granular::TableRow row = record_.row(simulation_);
+        files_.add_row(row, track);
+        if (on_progress_)
+            (*on_progress_)(simulation_, &row);
+    }
+
+    double cpu_seconds() const {
+        return cpu_now(one_thread_) - cpu_start_ + (loaded_ ? loaded_->cpu_seconds : 0.0);
+    }
+    double wall_seconds() const {
+        return seconds_since(wall_start_) + (loaded_ ? loaded_->wall_seconds : 0.0);
+    }
+
+    /// Of this command and those before it.
+    RunCost cost() const {
+        RunCost all = meter_.cost();
+        return loaded_ ? all += loaded_->cost : all;
+    }
+
+    void checkpoint() {
+        requests_seen_ = requests();
+        GranularCheckpoint c{plan_.scene_key, build_name(),   bed_.problem.seed,   task_.run,
+                             cpu_seconds(),   wall_seconds(), simulation_.state(), simulation_.tallies(),
+                             record_.sums(),  record_.rods(), files_.sync()};
+        if (measures_) {
+            c.measure_keys = bed_.measures->key_text;
+            c.measures = measures_->save();
+        }
+        c.cost = cost();
+        c.thrust = record_.thrust();
+        c.pressure = record_.pressure_sums();
+        write_checkpoint(checkpoint_file_, c);
+        saved_ = Clock::now();
+        meter_.mark(&RunCost::output);
+    }
+
+    GranularResult failed() {
+        // what led there can be looked at; the last good checkpoint stays
+        files_.sync();
+        files_.write_tables();
+        return {StageEnd::failed, simulation_.failure()->message, summary()};
+    }
+
+    GranularResult finish() {
+        if (record_.sums().row_step !=
+            simulation_.step()) // stopped by its travel: the tables have the end too
+            add_row();
+        GranularSummary done = summary();
+        checkpoint();
+        // until the last checkpoint goes, a crash costs nothing: the same command does this again
+        files_.finish(h5md_info());
+        if (measures_)
+            write_records(task_.folder / "measure.rwc", *bed_.measures, *measures_);
+        meter_.mark(&RunCost::output);
+        done.cost = cost();
+        write_summary(done);
+        std::filesystem::rename(checkpoint_file_, task_.folder / "final.rwc");
+        store::remove_generations(checkpoint_file_);
+        files_.remove_logs();
+        return {StageEnd::finished, {}, std::move(done)};
+    }
+
+    void write_summary(const GranularSummary& done) const {
+        store::write_atomically(task_.folder / "summary.json", summary_json(bed_, done));
+    }
+
+    RodSummary rod_summary(std::size_t i, double time) const {
+        const granular::RodProgress& p = record_.rods()[i];
+        RodSummary rod;
+        rod.kind = bed_.problem.rods[i].shape.kind == granular::RodKind::motile ? "motile" : "apolar";
+        if (!(time > 0.0))
+            return rod;
+        rod.mean_speed = p.travelled / time;
+        rod.net_turn = p.heading - p.heading0;
+        rod.force = p.impulse_on_beads / time;
+        rod.thrust = record_.thrust()[i].impulse / time;
+        return rod;
+    }
+
+    GranularSummary summary() const {
+        const granular::RecordSums& sums = record_.sums();
+        const double samples = static_cast<double>(std::max<std::int64_t>(sums.run.count, 1));
+        GranularSummary s;
+        s.run = task_.run;
+        s.simulated_time = std::max(simulation_.time(), 0.0);
+        s.cpu_seconds = cpu_seconds();
+        s.wall_seconds = wall_seconds();
+        s.T_xy = sums.run.T_xy / samples;
+        s.T_z = sums.run.T_z / samples;
+        s.max_overlap = simulation_.tallies().max_overlap;
+        s.psi6 = sums.rows > 0 ? sums.psi6 / static_cast<double>(sums.rows) : 0.0;
+        s.pressure = record_.mean_pressure(simulation_);
+        s.absorbing_state = granular::in_absorbing_state(simulation_.temperatures(), bed_.problem);
+        for (std::size_t i = 0; i < bed_.problem.rods.size(); ++i)
+            s.rods.push_back(rod_summary(i, s.simulated_time));
+        s.pair = sums.pair;
+        s.state_hash = granular::state_hash(simulation_.state());
+        s.cost = cost();
+        return s;
+    }
+
+    store::H5mdInfo h5md_info() const {
+        const granular::GranularProblem& p = bed_.problem;
+        store::H5mdInfo info;
+        info.author = "rodwake";
+        info.version = build_info().version;
+        info.command = context_.command;
+        info.seed = p.seed;
+        info.parameters = {{"bead_radius", p.bead_radius},
+                           {"box", p.box.x},
+                           {"gap", p.plates.gap},
+                           {"frequency", p.plates.frequency},
+                           {"gamma", p.plates.gamma},
+                           {"amplitude", p.plates.amplitude(p.gravity)},
+                           {"gravity", p.gravity},
+                           {"time_step", p.time_step},
+                           {"phi_b", phi_b(bed_)},
+                           {"beads_fraction", granular::bead_area_fraction(p)},
+                           {"order_cutoff", bed_.schedule.order_cutoff},
+                           {"run", static_cast<double>(task_.run + 1)}};
+        if (!p.box.square())
+            info.parameters.emplace_back("box_y", p.box.y);
+        return info;
+    }
+
+    const RunContext& context_;
+    int requests_seen_; // first: what is asked from now on counts
+    const GranularPlan& plan_;
+    const BedPlan& bed_;
+    const GranularTask& task_;
+    const Logger& log_;
+    std::filesystem::path checkpoint_file_;
+    CostMeter meter_; // before the parts that take time to make
+    bool one_thread_;
+    std::optional<GranularCheckpoint> loaded_;
+    Simulation simulation_;
+    granular::Record record_;
+    GranularFiles files_;
+    LastPeriod period_;
+    std::optional<measure::Measures> measures_;
+    measure::Frame frame_;
+    double cpu_start_;
+    Clock::time_point wall_start_, saved_;
+    const std::function<void(const Simulation&, const granular::TableRow*)>* on_progress_ = nullptr;
+};
+
+} // namespace
+
+GranularResult
+run_granular(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
+             std::size_t threads,
+             const std::function<void(const Simulation&, const granular::TableRow*)>& on_progress) {
+    return Run(plan, task, context, log, threads).go(on_progress);
+}
+
+GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& task) {
+    GranularPlan bare = plan;
+    bare.bed.measures.reset(); // the keys may be others by now
+    const RunContext context;
+    const Logger log = make_silent_logger();
+    return Run(bare, task, context, log, 1, true).restore_summary();
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,238 @@
+#include "granular_jobs.hpp"
+#include "granular_summary.hpp"
+#include "run/progress.hpp"
+#include "rodwake/app/describe.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
+#include "run/stage_list.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+bool within(const std::filesystem::path& file, const std::filesystem::path& folder) {
+    const auto below =
+        std::filesystem::weakly_canonical(file).lexically_relative(std::filesystem::weakly_canonical(folder));
+    return !below.empty() && *below.begin() != "..";
+}
+
+double simulated_seconds(const std::vector<GranularJob>& jobs) {
+    double sum = 0.0;
+    for (const GranularJob& job : jobs)
+        sum += simulated_seconds(job.of->plan);
+    return sum;
+}
+
+/// Progress of all runs together, in simulated seconds, and of a single one a table of twenty rows.
+class Telling {
+public:
+    Telling(const Session& session, const std::vector<GranularJob>& jobs)
+        : log_(session.log), single_(jobs.size() == 1), of_one_(simulated_seconds(jobs.front().of->plan)),
+          progress_(session.context, "dem", jobs.size(), simulated_seconds(jobs), "s") {}
+
+    /// A run that another rank has finished.
+    void finish(std::size_t job, double seconds) { progress_.update(job, seconds); }
+
+    void update(std::size_t job, const granular::Simulation& s, const granular::TableRow* row) {
+        const double time = static_cast<double>(s.step()) * s.problem().time_step;
+        const bool due = progress_.update(job, time);
+        if (!single_) // several runs are told of by several threads; what follows belongs to one
+            return;
+        if (!begun_ && s.step() > sample_every) // goes on from a checkpoint: rows as if it had not stopped
+            pass(time);
+        begun_ = true;
+        if (due && row && time >= next_line_) {
+            print(*row);
+            pass(time);
+        }
+    }
+
+private:
+    void print(const granular::TableRow& r) {
+        if (!headed_)
+            log_->info("{:>9} {:>11} {:>10} {:>10} {:>6} {:>8} {:>10} {:>8}", "t/s", "energy/J", "T_xy",
+                       "T_z", "psi6", "contacts", "floor/N s", "overlap");
+        log_->info("{:9.3f} {:11.4e} {:10.3e} {:10.3e} {:6.3f} {:8.1f} {:10.3e} {:8.4f}", r.t, r.energy,
+                   r.T_xy, r.T_z, r.psi6, r.contacts, r.floor_impulse, r.max_overlap);
+        headed_ = true;
+    }
+
+    void pass(double time) {
+        while (next_line_ <= time)
+            next_line_ += of_one_ / 20.0;
+    }
+
+    Logger log_;
+    bool single_, begun_ = false, headed_ = false;
+    double of_one_, next_line_ = 0.0;
+    SharedProgress progress_;
+};
+
+void report_one(const Session& session, const GranularSummary& s) {
+    session.log->info(
+        "dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, pressure "
+        "{:.4g} mN/m, largest overlap {:.4f} a",
+        s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, 1e3 * granular::isotropic(s.pressure),
+        s.max_overlap);
+    for (std::size_t i = 0; i < s.rods.size(); ++i)
+        session.log->info("dem: rod {} ({}): {:.4g} mm/s thin end first, turned by {:.4g} rad", i,
+                          s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
+}
+
+/// Of all finished runs, whichever command made them.
+void report_cost(const Session& session, const std::vector<BedWork>& all) {
+    RunCost sum;
+    std::size_t runs = 0;
+    for (const BedWork& bed : all)
+        for (const GranularResult& result : bed.results)
+            if (result.end == StageEnd::finished) {
+                sum += result.summary.cost;
+                ++runs;
+            }
+    if (sum.particle_steps > 0.0)
+        for (const std::string& line : cost_lines(sum, runs))
+            session.log->info("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
+}
+
+void warn_of_absorbing(const Session& session, const BedWork& one, std::span<const GranularSummary> runs) {
+    const granular::Plates& plates = one.plan.bed.problem.plates;
+    if (const auto count = std::ranges::count(runs, true, &GranularSummary::absorbing_state))
+        session.log->warn(
+            "dem{}: {} of {} runs ended in an absorbing state: the beads move in step with the plates and no "
+            "longer move sideways, so T_xy falls to 0 and nothing is measured of a bed. Change "
+            "granular.plates.frequency ({:g} Hz) or gamma ({:g}), or raise phi_b",
+            one.of().suffix(), count, runs.size(), plates.frequency, plates.gamma);
+}
+
+StageEnd conclude(const Session& session, const BedWork& one) {
+    std::vector<GranularSummary> finished;
+    StageEnd end = StageEnd::finished;
+    const std::string name = one.of().suffix();
+    for (std::size_t i = 0; i < one.results.size(); ++i) {
+        const GranularResult& result = one.results[i];
+        if (result.end == StageEnd::finished)
+            finished.push_back(result.summary);
+        if (result.end == StageEnd::failed)
+            session.log->error("dem{}: run {}: {}", name, one.tasks[i].run + 1, result.message);
+        if (result.end == StageEnd::interrupted && end == StageEnd::finished)
+            end = StageEnd::interrupted;
+        if (result.end == StageEnd::failed)
+            end = StageEnd::failed;
+    }
+    warn_of_absorbing(session, one, finished);
+    if (one.results.size() == 1 && !finished.empty() && one.of().label.empty())
+        report_one(session, finished[0]);
+    if (one.results.size() > 1 && !finished.empty()) {
+        session.directory.write(one.of().folder + "summary.json",
+                                ensemble_json(one.plan.bed, finished, one.results.size()));
+        session.directory.write(one.of().folder + "runs.csv", ensemble_csv(one.plan.bed.problem, finished));
+        session.log->info("dem{}: {} of {} runs finished; runs.csv and summary.json have the means", name,
+                          finished.size(), one.results.size());
+    }
+    return end;
+}
+
+/// The worst: a failure weighs more than an interruption.
+StageEnd worse(StageEnd a, StageEnd b) {
+    if (a == StageEnd::failed || b == StageEnd::failed)
+        return StageEnd::failed;
+    return a == StageEnd::finished ? b : a;
+}
+
+std::string text_of(const PeriodicBox& box) { return fmt::format("{:.10g} x {:.10g} m", box.x, box.y); }
+
+std::string text_of(const granular::RodShape& s) {
+    return fmt::format("{:.10g} m long, {:.10g} and {:.10g} m thick, of {} spheres and {:g} kg/m^3", s.length,
+                       s.thick_diameter, s.thin_diameter, s.spheres, s.density);
+}
+
+/// A stored bed goes on in its own box only, and where its rods were it has holes of their shape.
+void require_like(const std::string& file, const granular::GranularProblem& stored,
+                  const granular::GranularProblem& wanted) {
+    const auto require = [&](bool alike, const char* what, const auto& there, const auto& here) {
+        if (!alike)
+            throw InputError(fmt::format(
+                "{}: granular.start = \"restart\": {} {} there and {} in the scene: make the scene like "
+                "the stored bed, or take another one or start = \"lattice\" or \"random\"",
+                file, what, there, here));
+    };
+    const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
+    require(near(stored.box.x, wanted.box.x) && near(stored.box.y, wanted.box.y), "the box is",
+            text_of(stored.box), text_of(wanted.box));
+    require(near(stored.bead_radius, wanted.bead_radius), "bead_radius is",
+            fmt::format("{:.10g} m", stored.bead_radius), fmt::format("{:.10g} m", wanted.bead_radius));
+    const std::size_t rods = stored.rods.size();
+    require(rods == 0 || rods == wanted.rods.size(), "the number of rods is", rods, wanted.rods.size());
+    for (std::size_t i = 0; i < rods; ++i)
+        require(stored.rods[i].shape == wanted.rods[i].shape, "a rod is", text_of(stored.rods[i].shape),
+                text_of(wanted.rods[i].shape));
+    require(stored.beads >= wanted.beads, "beads can be taken out but not added; their number is",
+            stored.beads, wanted.beads);
+}
+
+void announce(const Session& session, const std::vector<BedWork>& all) {
+    for (const BedWork& one : all) {
+        const granular::GranularProblem& p = one.plan.bed.problem;
+        session.log->info("dem{}: beads {}, which cover {:.4f} of the box, rods {}, phi_b = {:.4g}, runs {}, "
+                          "steps {} + {} of "
+                          "{:g} s; {} instructions",
+                          one.of().suffix(), p.beads, granular::bead_area_fraction(p), p.rods.size(),
+                          phi_b(one.plan.bed), one.tasks.size(), p.equilibration_steps, p.steps, p.time_step,
+                          granular::vector_target());
+        if (const std::string advice = output_advice(one.plan.bed); !advice.empty())
+            session.log->warn("dem{}: {}", one.of().suffix(), advice);
+    }
+}
+
+} // namespace
+
+void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder) {
+    for (const Case& one : bed_cases(scene))
+        for (const GranularTask& task : granular_tasks(one, folder))
+            require_same_run(task, granular_key(one.scene));
+}
+
+void require_granular(const Plan& plan, const std::filesystem::path& folder,
+                      const RunContext& context) {
+    if (!context.force)
+        require_same_beds(plan.scene, folder);
+    for (const BedPlan& one : plan.beds) {
+        const scene::Granular& bed = *one.of.scene.granular;
+        if (bed.start != scene::GranularStart::restart)
+            continue;
+        const std::string stored = stored_checkpoint(bed.restart_from).checkpoint.scene;
+        require_like(bed.restart_from,
+                     granular_problem(scene::parse_scene(stored, bed.restart_from)), one.problem);
+        if (within(bed.restart_from, folder))
+            throw InputError(bed.restart_from + ": granular.restart_from lies in " + folder.string() +
+                             ", where this run would replace it; choose another folder with -o");
+    }
+}
+
+StageEnd run_granular_stage(Session& session) {
+    std::vector<BedWork> all = beds_of(session.plan, session.directory.path(), session.log);
+    const std::vector<GranularJob> jobs = jobs_of(all);
+    announce(session, all);
+    if (session.context.executor && jobs.size() == 1)
+        session.log->warn("dem: there is one run, so one rank computes it on one thread and the others wait");
+    Telling progress(session, jobs);
+    execute_jobs(jobs, session.context, session.log,
+                 [&](std::size_t job, const granular::Simulation* s, const granular::TableRow* row) {
+                     if (s)
+                         progress.update(job, *s, row);
+                     else
+                         progress.finish(job, simulated_seconds(jobs[job].of->plan));
+                 });
+    StageEnd end = StageEnd::finished;
+    for (const BedWork& one : all)
+        end = worse(end, conclude(session, one));
+    report_cost(session, all);
+    return end;
+}
+
+} // namespace rodwake::app

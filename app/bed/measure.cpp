@@ -1,0 +1,101 @@
+#include "rodwake/app/measure.hpp"
+
+#include "rodwake/app/granular.hpp"
+#include "rodwake/app/measure_kind.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/write.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rodwake::app {
+
+namespace {
+
+using scene::Granular;
+using scene::Measure;
+using scene::Scene;
+
+/// The table without what is worked out from other files, or only when the runs are put together.
+std::string key_text(const Measure& m, const MeasurePlan& plan) {
+    scene::Scene key;
+    key.granular.emplace();
+    key.measure = m;
+    key.measure->trajectory.clear();
+    key.measure->interval = plan.interval * static_cast<double>(plan.stride);
+    key.measure->phonon_interval = m.phonons ? std::optional(plan.interval) : std::nullopt; // as it was taken
+    for (const MeasureKind& kind : measure_kinds())
+        if (kind.reset_late_keys)
+            kind.reset_late_keys(*key.measure);
+    const measure::Layout& layout = plan.sums.layout();
+    const std::string second = layout.box.square() ? "" : fmt::format(" x {:.17g}", layout.box.y);
+    return fmt::format("{}box {:.17g}{}, beads {}, rods {}\n", scene::to_plain_toml(key), layout.box.x,
+                       second, layout.beads, layout.rods);
+}
+
+/// Steps between the frames of currents: the largest part of `steps` that takes at most 5 ms, or what the
+/// scene says.
+std::int64_t steps_between_currents(const Scene& scene, std::int64_t steps) {
+    constexpr double longest = 5e-3; // s: a twentieth of the fastest mode's period in a box of 78 a
+    const double step = scene::time_step(*scene.granular);
+    if (const auto& wanted = scene.measure->phonon_interval) {
+        const std::int64_t fine = granular::whole_steps(*wanted, step, 1);
+        if (steps % fine != 0)
+            throw InputError(fmt::format("measure.phonon_interval = {:g} s: in time steps of {:g} s the "
+                                         "interval of {} steps is no whole multiple of its {} steps",
+                                         *wanted, step, steps, fine));
+        return fine;
+    }
+    const auto too_long = [&](std::int64_t fine) {
+        return static_cast<double>(fine) * step > longest * (1.0 + 1e-6);
+    };
+    std::int64_t parts = 1;
+    while (parts < steps && (steps % parts != 0 || too_long(steps / parts)))
+        ++parts;
+    return steps / parts;
+}
+
+measure::Measures no_sums(const Scene& scene, const granular::GranularProblem& problem) {
+    const Measure& m = *scene.measure;
+    return {layout_of(problem), m.from, {static_cast<std::size_t>(m.rod), m.from_travel.value_or(0.0)}};
+}
+
+} // namespace
+
+measure::Layout layout_of(const granular::GranularProblem& p) {
+    measure::Layout layout{p.box, p.bead_radius, granular::bead_mass(p), p.beads, p.rods.size()};
+    for (const granular::RodSpec& rod : p.rods)
+        layout.headings.push_back(rod.heading);
+    return layout;
+}
+
+std::int64_t steps_between_frames(const Scene& scene) {
+    const Granular& bed = *scene.granular;
+    return granular::whole_steps(scene.measure->interval.value_or(frame_interval(bed)), scene::time_step(bed),
+                                 1);
+}
+
+std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem) {
+    const auto needs_frames = [&](const MeasureKind& kind) {
+        return kind.include && kind.wanted(*scene.measure);
+    };
+    if (!scene.measure || !scene.granular || std::ranges::none_of(measure_kinds(), needs_frames))
+        return std::nullopt;
+    try { // says now what cannot be measured
+        MeasurePlan plan{no_sums(scene, problem), 0.0, 1, 1, {}};
+        const std::int64_t steps = steps_between_frames(scene);
+        plan.every = scene.measure->phonons ? steps_between_currents(scene, steps) : steps;
+        plan.stride = static_cast<std::size_t>(steps / plan.every);
+        plan.interval = static_cast<double>(plan.every) * problem.time_step;
+        for (const MeasureKind& kind : measure_kinds())
+            if (needs_frames(kind))
+                kind.include(scene, plan);
+        plan.key_text = key_text(*scene.measure, plan);
+        return plan;
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", scene.path, error.what()));
+    }
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,40 @@
+#pragma once
+// What the measures' source files share.
+
+#include "rodwake/app/measure_kind.hpp"
+
+#include <string>
+#include <vector>
+
+namespace rodwake::app {
+
+/// The options of a measure, made from the table and the bead radius, as sums that start; fed every `every`
+/// times measure.interval.
+template<class Sums, class Options>
+void include_sums(MeasurePlan& plan, const char* name, const Options& options, std::size_t every = 1) {
+    plan.sums.include(name, measure::Accumulator(Sums(plan.sums.layout(), options)), every * plan.stride);
+}
+
+Value count_value(std::size_t count);
+
+/// "value +- error"
+std::string text(const Estimate& e);
+
+/// m*, the inertia of the moving bed over the mass of its beads (measure/drift_decay.hpp).
+struct Inertia {
+    Estimate factor;    ///< count 0: none is known, and the mass of the beads is used
+    std::string source; ///< in words, for measure.json
+};
+/// measure.inertia_factor; else as these runs tell it, if mechanics is measured and tells it well enough.
+Inertia inertia_of(const MeasuredCase& data);
+
+/// A number of each run's summary.json.
+std::vector<double> of_summaries(const MeasuredCase& data, const std::string& name, const std::string& what);
+
+Column scaled(const Column& values, double scale);
+/// Two components as VTK wants vectors.
+Column vectors(const Column& x, const Column& y, double scale);
+/// Columns of these rows.
+std::vector<Column> transposed(const std::vector<std::vector<double>>& rows, std::size_t columns);
+
+} // namespace rodwake::app

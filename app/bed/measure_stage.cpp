@@ -1,0 +1,225 @@
+#include "measure_stage.hpp"
+
+#include "granular_summary.hpp"
+#include "granular_task.hpp"
+#include "measure_frames.hpp"
+#include "measure_records.hpp"
+#include "run/progress.hpp"
+#include "rodwake/app/measure_kind.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/core/periodic.hpp"
+#include "run/run_tables.hpp"
+#include "run/stage_list.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse_unrecorded(const fs::path& run) {
+    throw InputError(run.string() + ": this run recorded nothing for these [measure] keys, and it stored no "
+                                    "trajectory (granular.output.formats without \"h5md\"); run it again");
+}
+
+/// What the run recorded on its way if it is of these keys, else its trajectory measured now.
+std::optional<measure::Measures> measures_of(const RunFiles& run, const MeasurePlan& plan,
+                                             const std::function<bool(double)>& on_progress) {
+    if (run.own)
+        if (auto recorded = read_records(run.folder / "measure.rwc", plan))
+            return recorded;
+    if (run.own && !fs::exists(run.trajectory))
+        refuse_unrecorded(run.folder);
+    return measure_trajectory(run.trajectory, plan, on_progress);
+}
+
+/// Of all runs; nothing if a signal stopped it.
+std::optional<std::vector<measure::Measures>>
+sums_of(const std::vector<RunFiles>& runs, const MeasurePlan& plan, const RunContext& context) {
+    SharedProgress progress(context, "measure", runs.size(), static_cast<double>(runs.size()), "runs");
+    std::vector<std::optional<measure::Measures>> found(runs.size());
+    parallel_for(runs.size(), context.thread_count(), [&](std::size_t i) {
+        found[i] = measures_of(runs[i], plan, [&](double part) {
+            progress.update(i, part);
+            return !context.stopped();
+        });
+    });
+    std::vector<measure::Measures> all;
+    for (auto& one : found)
+        if (one)
+            all.push_back(std::move(*one));
+    return all.size() == found.size() ? std::optional(std::move(all)) : std::nullopt;
+}
+
+/// Of a kind that is made in frames. Runs that recorded on their way may have ended before the first one.
+void require_frames(std::span<const measure::Measures> runs) {
+    if (std::ranges::all_of(runs, [](const measure::Measures& run) { return run.frames() == 0; }))
+        throw InputError(why_no_frames(runs.front()));
+}
+
+/// One measure that cannot be had does not take the others with it: its reason is kept.
+void report(const MeasureKind& kind, const MeasuredCase& data, CaseResults& results) {
+    try {
+        if (kind.include)
+            require_frames(data.sums);
+        results.reports.emplace_back(kind.name, kind.report(data));
+    } catch (const InputError& error) {
+        results.not_measured.emplace_back(kind.name, error.what());
+    } catch (const RunError& error) {
+        results.not_measured.emplace_back(kind.name, error.what());
+    }
+}
+
+std::vector<RunTables> tables_of(const std::vector<RunFiles>& runs) {
+    std::vector<RunTables> tables;
+    for (const RunFiles& run : runs)
+        if (run.own)
+            tables.push_back(run_tables(run.folder));
+    return tables;
+}
+
+/// Names of the kinds for which this holds.
+template<class Holds>
+std::string names_where(const Holds& holds) {
+    std::vector<std::string_view> names;
+    for (const MeasureKind& kind : measure_kinds())
+        if (holds(kind))
+            names.push_back(kind.name);
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::vector<RunFiles> finished(std::span<const GranularTask> tasks) {
+    std::vector<RunFiles> found;
+    for (const GranularTask& task : tasks)
+        if (fs::exists(task.folder / "summary.json"))
+            found.push_back({task.folder, task.folder / "trajectory.h5md", true});
+    return found;
+}
+
+/// Before an earlier measurement makes room for one of this run.
+void require_recorded(const RunFiles& run, const MeasurePlan& plan) {
+    if (read_records(run.folder / "measure.rwc", plan))
+        return;
+    if (!fs::exists(run.trajectory))
+        refuse_unrecorded(run.folder);
+    check_trajectory(run.trajectory, plan);
+}
+
+CaseResults facts_of(const BedPlan& plan) {
+    const Case& one = plan.of;
+    const scene::Granular& bed = *one.scene.granular;
+    CaseResults r;
+    r.name = one.name;
+    r.label = one.label;
+    r.folder = one.folder;
+    r.bead_radius = bed.bead_radius;
+    r.phi_b = phi_b(plan);
+    if (bed.rods.size() == 2) {
+        const auto &p = bed.rods[0].position, &q = bed.rods[1].position;
+        r.separation = nearest_distance(p[0] - q[0], p[1] - q[1], plan.problem.box);
+    }
+    if (!bed.rods.empty())
+        r.imposed_speed = bed.rods[static_cast<std::size_t>(one.scene.measure->rod)].imposed_speed;
+    return r;
+}
+
+/// Nothing if a signal stopped it.
+std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& context,
+                                        const fs::path& folder, const Logger& log) {
+    const Case& one = bed.of;
+    const std::vector<RunFiles> runs = finished_runs(one, folder, log);
+    const scene::Measure& m = *one.scene.measure;
+    CaseResults results = facts_of(bed);
+    results.runs = runs.size();
+    std::vector<measure::Measures> sums;
+    if (bed.measures) {
+        auto found = sums_of(runs, *bed.measures, context);
+        if (!found)
+            return std::nullopt;
+        sums = std::move(*found);
+    }
+    MeasuredCase data{one.scene, sums, tables_of(runs)};
+    const auto lacks_tables = [&](const MeasureKind& kind) {
+        return kind.wanted(m) && !kind.include && data.tables.empty();
+    };
+    if (const std::string lacking = names_where(lacks_tables); !lacking.empty())
+        log->warn("measure: made from a run's own tables, and so left out with measure.trajectory: {}",
+                  lacking);
+    for (const MeasureKind& kind : measure_kinds())
+        if (kind.wanted(m) && !lacks_tables(kind)) {
+            data.earlier = results.reports;
+            report(kind, data, results);
+        }
+    return results;
+}
+
+} // namespace
+
+std::vector<RunFiles> finished_runs(const Case& one, const fs::path& folder, const Logger& log) {
+    const std::string foreign = one.scene.measure ? one.scene.measure->trajectory : "";
+    if (!foreign.empty())
+        return {{fs::path(foreign).parent_path(), foreign, false}};
+    const std::vector<GranularTask> tasks = granular_tasks(one, folder);
+    std::vector<RunFiles> found = finished(tasks);
+    if (found.empty())
+        throw InputError(
+            (folder / one.folder).string() +
+            ": holds no finished granular run to measure; rodwake dem SCENE -o DIR makes one, rodwake run "
+            "does both; or name a file in measure.trajectory");
+    if (found.size() < tasks.size())
+        log->warn("measure: {} of {} runs are finished; the others are left out", found.size(), tasks.size());
+    return found;
+}
+
+void require_trajectory(const Plan& plan) {
+    const auto& frames = plan.beds.front().measures;
+    if (!frames)
+        throw InputError(plan.scene.path +
+                         ": measure.trajectory is given, but nothing that is measured in frames: " +
+                         names_where([](const MeasureKind& kind) { return kind.include; }));
+    check_trajectory(plan.scene.measure->trajectory, *frames);
+}
+
+void require_recorded(const Plan& plan, const fs::path& folder) {
+    for (const BedPlan& bed : plan.beds)
+        if (bed.measures)
+            for (const RunFiles& run : finished(granular_tasks(bed.of, folder)))
+                require_recorded(run, *bed.measures);
+}
+
+StageEnd measure_folder(const Plan& plan, const RunContext& context, const fs::path& folder,
+                        const Logger& log) {
+    const MeasureOrigin origin{context.command, static_cast<std::uint64_t>(plan.scene.granular->seed)};
+    std::vector<CaseResults> all;
+    StageEnd end = StageEnd::finished;
+    for (const BedPlan& bed : plan.beds) {
+        const Case& one = bed.of;
+        auto results = measure_case(bed, context, folder, log);
+        if (!results)
+            return StageEnd::interrupted;
+        fs::create_directories(folder / one.folder);
+        write_measures(folder / one.folder, *results, origin);
+        for (const auto& [name, reason] : results->not_measured) {
+            log->error("measure{}: {}: {}", one.suffix(), name, reason);
+            end = StageEnd::failed;
+        }
+        for (const std::string& line : describe(*results))
+            log->info("{}", line);
+        all.push_back(std::move(*results));
+    }
+    if (all.size() > 1)
+        write_series(folder, all);
+    return end;
+}
+
+StageEnd run_measure_stage(Session& session) {
+    return measure_folder(session.plan, session.context, session.directory.path(), session.log);
+}
+
+} // namespace rodwake::app

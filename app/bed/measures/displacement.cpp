@@ -1,0 +1,155 @@
+// The displacement field around the rod.
+
+#include "rodwake/measure/displacement.hpp"
+
+#include "bed/measure_parts.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::app::measures {
+
+namespace {
+
+using measure::DisplacementAccumulator, measure::DisplacementField;
+using scene::Measure, scene::Scene;
+
+constexpr ValueInfo values[] = {
+    {.key = "method", .title = "Estimator", .meaning = "of the displacement", .is_text = true},
+    {"mean_speed", "Speed of the rod", "a/s", "along its heading, while the displacement was measured"},
+    {"lattice_spacing", "Lattice spacing", "a", "of the beads, from the Bragg peaks"},
+    {"spacing", "Grid spacing", "a", "of the grid on which the displacement is given"},
+    {"row_angle", "Angle of the rows", "rad", "of the close-packed rows from $x$"},
+    {"contrast", "Bragg contrast", "", "largest peak"},
+    {"block_correlation", "Correlation of blocks", "",
+     "of one block of time with the next; the errors allow for it"},
+    {"blocks", "Blocks", "", "of time, for the errors"},
+    {"frames", "Frames", "", "measured for the displacement"},
+    {.key = "reference",
+     .meaning = "what the displacement is relative to: its mean over the box, or the far field",
+     .is_text = true},
+    {"offset", "", "a", "x and y of what was taken off to make the reference zero"},
+};
+
+constexpr ColumnInfo profile_columns[] = {
+    {"x", "a", "place along the line"},
+    {"value", "a", "displacement"},
+    {"sigma", "a", "standard error; empty: unknown, as with one block of time"},
+    {"count", "1", "samples behind the value"}};
+constexpr FileInfo files[] = {
+    {"profile_<k>_<k>.csv", "displacement along a line of the rod's frame", profile_columns},
+    {"displacement.vti", "displacement field for ParaView"}};
+
+measure::DisplacementOptions options_of(const Measure& m, double a) {
+    measure::DisplacementOptions options;
+    options.method = *m.displacement;
+    options.reference = m.reference;
+    options.rod = static_cast<std::size_t>(m.rod);
+    options.spacing = m.spacing.value_or(a);
+    options.far_from = m.far_from.value_or(0.0);
+    options.block = m.block;
+    options.mirror = m.mirror;
+    return options;
+}
+
+void include(const Scene& scene, MeasurePlan& plan) {
+    include_sums<DisplacementAccumulator>(plan, "displacement",
+                                          options_of(*scene.measure, scene.granular->bead_radius));
+}
+
+void reset_late_keys(Measure& m) {
+    const Measure unset;
+    m.profile_offset = unset.profile_offset;
+    m.reference = unset.reference;
+    m.mirror = unset.mirror;
+}
+
+std::string describe(const Scene& scene) {
+    return fmt::format("field around rod {} by {}", scene.measure->rod,
+                       measure::to_string(*scene.measure->displacement));
+}
+
+const char* reference_name(const DisplacementField& u) {
+    return u.reference == measure::Reference::box ? "box" : "far";
+}
+
+Values values_of(const DisplacementField& u, double a) {
+    const double spacing = u.peaks.lattice_spacing(); // 0 without peaks
+    return {{"method", measure::to_string(u.method)},
+            {"reference", reference_name(u)},
+            {"spacing", u.grid.width / a},
+            {"blocks", count_value(u.blocks)},
+            {"frames", count_value(u.frames)},
+            {"block_correlation", u.block_correlation},
+            {"mean_speed", u.mean_speed / a},
+            {"offset", Column{u.offset.x / a, u.offset.y / a}},
+            {"row_angle", u.peaks.row_angle()},
+            {"lattice_spacing", spacing > 0.0 ? Value(spacing / a) : Value()},
+            {"contrast", u.peaks.contrast()}};
+}
+
+MeasureTable profile_table(const DisplacementField& u, const char* component, const char* along, double at,
+                           double a) {
+    const measure::Profile p = measure::profile(u, component, along, at);
+    return {fmt::format("profile_{}_{}.csv", component, along),
+            fmt::format("displacement {} along {} of the rod's frame at {} = {:g} a; lengths in bead radii, "
+                        "a = {:g} m; x is the place along the line",
+                        component, along, *along == 'x' ? "y" : "x", p.at / a, a),
+            profile_columns,
+            {scaled(p.place, 1.0 / a), scaled(p.value, 1.0 / a), scaled(p.sigma, 1.0 / a), p.count}};
+}
+
+MeasureGrid grid_of(const DisplacementField& u, double to_a) {
+    return {"/displacement",
+            u.grid,
+            {{"Ux", scaled(u.Ux, to_a), "a"},
+             {"Uy", scaled(u.Uy, to_a), "a"},
+             {"sigma_x", scaled(u.sigma_x, to_a), "a"},
+             {"sigma_y", scaled(u.sigma_y, to_a), "a"},
+             {"count", u.count, ""},
+             {"coherence", u.coherence, ""}},
+            {{"method", measure::to_string(u.method)},
+             {"reference", reference_name(u)},
+             {"mean_speed_a_per_s", u.mean_speed * to_a},
+             {"offset_x", u.offset.x * to_a},
+             {"offset_y", u.offset.y * to_a},
+             {"blocks", count_value(u.blocks)}}};
+}
+
+MeasureImage image_of(const DisplacementField& u, double to_a) {
+    return {"displacement.vti",
+            u.grid,
+            {{"U", 3, vectors(u.Ux, u.Uy, to_a)},
+             {"sigma", 3, vectors(u.sigma_x, u.sigma_y, to_a)},
+             {"count", 1, u.count},
+             {"coherence", 1, u.coherence}}};
+}
+
+MeasureReport report(const MeasuredCase& data) {
+    const double a = data.bead_radius(), to_a = 1.0 / a;
+    const double offset = data.scene.measure->profile_offset.value_or(4.0 * a);
+    const DisplacementField u =
+        measure::reduce(measure::take<DisplacementAccumulator>(data.sums, "displacement"));
+    return {.values = values_of(u, a),
+            .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
+                       profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
+            .grids = {grid_of(u, to_a)},
+            .images = {image_of(u, to_a)},
+            .line = fmt::format("displacement field ({}) from {} frames in {} blocks; rod at {:.3g} a/s",
+                                measure::to_string(u.method), u.frames, u.blocks, u.mean_speed * to_a)};
+}
+
+} // namespace
+
+MeasureKind displacement() {
+    return {.name = "displacement",
+            .order = 40,
+            .wanted = [](const Measure& m) { return m.displacement.has_value(); },
+            .describe = describe,
+            .include = include,
+            .reset_late_keys = reset_late_keys,
+            .report = report,
+            .values = values,
+            .files = files};
+}
+
+} // namespace rodwake::app::measures

@@ -1,0 +1,114 @@
+// Velocity of the beads around the rod, and how far single ones are dragged.
+
+#include "rodwake/measure/flow.hpp"
+
+#include "bed/measure_parts.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::app::measures {
+
+namespace {
+
+using measure::FlowAccumulator, measure::FlowField;
+using scene::Measure, scene::Scene;
+
+constexpr ValueInfo values[] = {
+    {"drag", "Beads dragged", "a", "way of the marked beads along the rod's first heading"},
+    {"drag_share", "Share dragged", "", "the same over the rod's own way"},
+    {"near_speed", "Speed near the rod", "a/s", "mean of the beads' flow within 6 $a$"},
+    {"spacing", "", "a", "of the flow's grid"},
+    {"blocks", "", "", "of time, for the errors"},
+    {"frames", "", "", "measured"},
+};
+
+constexpr ColumnInfo marked_columns[] = {{"bead", "1", "number of the bead"},
+                                         {"x0", "a", "place in the first frame, unwrapped"},
+                                         {"y0", "a", "place in the first frame, unwrapped"},
+                                         {"x1", "a", "place in the last frame, drift removed"},
+                                         {"y1", "a", "place in the last frame, drift removed"}};
+constexpr FileInfo files[] = {{"marked.csv", "beads near the rod, before and after", marked_columns},
+                              {"flow.vti", "flow field for ParaView"}};
+
+measure::FlowOptions options_of(const Measure& m, double a) {
+    measure::FlowOptions options;
+    options.rod = static_cast<std::size_t>(m.rod);
+    options.spacing = m.flow_spacing.value_or(2.0 * a);
+    options.lag = m.flow_lag;
+    options.block = m.block;
+    options.marked_within = m.marked_within.value_or(6.0 * a);
+    options.marked_travel = m.marked_travel.value_or(0.0);
+    return options;
+}
+
+void include(const Scene& scene, MeasurePlan& plan) {
+    include_sums<FlowAccumulator>(plan, "flow", options_of(*scene.measure, scene.granular->bead_radius));
+}
+
+std::string describe(const Scene& scene) {
+    return fmt::format("bead velocity over {:g} s around rod {}", scene.measure->flow_lag,
+                       scene.measure->rod);
+}
+
+Values values_of(const FlowField& f, double a) {
+    return {{"drag", f.drag.scaled(1.0 / a)},  {"drag_share", f.drag_share},
+            {"near_speed", f.near_speed / a},  {"spacing", f.grid.width / a},
+            {"blocks", count_value(f.blocks)}, {"frames", count_value(f.frames)}};
+}
+
+MeasureTable marked_table(const std::vector<measure::MarkedBead>& marked, double a) {
+    std::vector<std::vector<double>> rows;
+    rows.reserve(marked.size());
+    for (const measure::MarkedBead& m : marked)
+        rows.push_back({static_cast<double>(m.bead), m.x0 / a, m.y0 / a, m.x1 / a, m.y1 / a});
+    return {"marked.csv",
+            "of run 1: beads near the rod in the first frame, there and in the last frame, unwrapped, "
+            "drift removed; a",
+            marked_columns, transposed(rows, std::size(marked_columns))};
+}
+
+MeasureGrid grid_of(const FlowField& f, double to_a) {
+    return {"/flow",
+            f.grid,
+            {{"vx", scaled(f.vx, to_a), "a/s"},
+             {"vy", scaled(f.vy, to_a), "a/s"},
+             {"sigma_x", scaled(f.sigma_x, to_a), "a/s"},
+             {"sigma_y", scaled(f.sigma_y, to_a), "a/s"},
+             {"unit_x", f.unit_x, ""},
+             {"unit_y", f.unit_y, ""},
+             {"count", f.count, ""}}};
+}
+
+MeasureImage image_of(const FlowField& f, double to_a) {
+    return {"flow.vti",
+            f.grid,
+            {{"velocity", 3, vectors(f.vx, f.vy, to_a)},
+             {"unit", 3, vectors(f.unit_x, f.unit_y, 1.0)},
+             {"count", 1, f.count}}};
+}
+
+MeasureReport report(const MeasuredCase& data) {
+    const double a = data.bead_radius(), to_a = 1.0 / a;
+    const FlowField f = measure::reduce(measure::take<FlowAccumulator>(data.sums, "flow"));
+    return {.values = values_of(f, a),
+            .tables = {marked_table(f.marked, a)},
+            .grids = {grid_of(f, to_a)},
+            .images = {image_of(f, to_a)},
+            .line = fmt::format("beads near the rod move at {:.3g} a/s and are dragged by {} of its way",
+                                f.near_speed / a, text(f.drag_share))};
+}
+
+} // namespace
+
+MeasureKind flow() {
+    return {.name = "flow",
+            .order = 30,
+            .wanted = [](const Measure& m) { return m.flow; },
+            .describe = describe,
+            .include = include,
+            .report = report,
+            .values = values,
+            .files = files};
+}
+
+} // namespace rodwake::app::measures

@@ -1,0 +1,178 @@
+// Heading diffusion and speed of a rod, from the runs' tracks; the noise of the theory's rods that it makes.
+
+#include "rodwake/measure/heading_diffusion.hpp"
+
+#include "bed/measure_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::app::measures {
+
+namespace {
+
+using measure::HeadingDiffusion, measure::HeadingTrack;
+using scene::Measure, scene::Scene;
+
+constexpr double papers_f_over_mu = 2.2; // a; arXiv 2007.04860, its fit of the wake
+
+constexpr ValueInfo values[] = {
+    {"D_r", "Heading diffusion $D_r$", "rad^2/s", "half the slope of the mean-square heading change"},
+    {"D_r_low", "", "rad^2/s", "lower end of the 95 % interval of D_r"},
+    {"D_r_high", "", "rad^2/s", "upper end of it"},
+    {"D_r_cosine", "$D_r$ from $\\langle\\cos\\Delta\\theta\\rangle$", "rad^2/s",
+     "decay rate of the mean cosine"},
+    {"D_r_early", "$D_r$, short lags", "rad^2/s", "from the lower half of the window alone"},
+    {"D_r_late", "$D_r$, long lags", "rad^2/s", "from the upper half; diffusion if both agree"},
+    {"jitter", "Rattling of the heading", "rad", "rms, forgotten within the shortest lag of the window"},
+    {"turn_rate", "Turning rate", "rad/s", "mean; a steady one adds to the mean-square heading change"},
+    {"speed", "Speed of the rod", "a/s", "along its heading"},
+    {"diffusion_per_length", "$D_r/v_0$", "rad^2/a", "heading diffusion on the way of one bead radius"},
+    {"f_over_mu", "Unit of length $f/\\mu$", "a",
+     "of the next value: that of [scales], else the paper's 2.2 a"},
+    {"rotational_diffusion", "$D_r f/(\\mu v_0)$", "", "the same in the units of the theory"},
+    {"noise", "The theory's [noise]", "", "with the same heading diffusion", 1.0, true},
+    {"lag_low", "", "s", "shortest lag of the fits"},
+    {"lag_high", "", "s", "longest lag of the fits"},
+    {"cosine_amplitude", "", "", "of the fitted exponential at lag 0"},
+    {"blocks", "", "", "of time, within which changes are taken"},
+    {"parts", "", "", "runs or blocks whose scatter gives the errors"},
+};
+
+constexpr ColumnInfo columns[] = {{"lag", "s", "time between two headings"},
+                                  {"square", "rad^2", "mean-square heading change"},
+                                  {"square_error", "rad^2", "standard error; empty: unknown"},
+                                  {"cosine", "1", "mean cosine of the heading change"},
+                                  {"cosine_error", "1", "standard error; empty: unknown"},
+                                  {"origins", "1", "starting times behind them"}};
+constexpr FileInfo files[] = {{"heading.csv", "heading change of the rod against the lag", columns}};
+
+constexpr SeriesInfo series[] = {{{"D_r", "rad^2/s", "heading diffusion of the rod"}},
+                                 {{"diffusion_per_length", "rad^2/a", "heading diffusion over the speed"}}};
+
+void reset_late_keys(Measure& m) {
+    m.heading_diffusion = false;
+    m.heading_lag_low = m.heading_lag_high = std::nullopt;
+}
+
+measure::HeadingOptions options_of(const Scene& scene) {
+    const Measure& m = *scene.measure;
+    const double high = scene::heading_lag_high(m, scene.granular->duration - m.from);
+    return {m.block, m.heading_lag_low.value_or(0.1 * high), high};
+}
+
+/// From t = 0, `from` and `from_travel` on.
+HeadingTrack track_of(const Measure& m, const RunTables& run) {
+    const auto name = [&](const char* column) { return fmt::format("{}{}", column, m.rod); };
+    const std::vector<Column> all = run.tracks({"t", name("x"), name("y"), name("theta")});
+    const Column &t = all[0], &x = all[1], &y = all[2], &theta = all[3];
+    HeadingTrack track;
+    std::size_t start = 0;
+    bool travelled = !m.from_travel;
+    while (start < t.size() && t[start] < -1e-12) // the rods are held
+        ++start;
+    for (std::size_t i = start; i < t.size(); ++i) {
+        travelled = travelled || std::hypot(x[i] - x[start], y[i] - y[start]) >= *m.from_travel;
+        if (!travelled || t[i] < m.from - 1e-12)
+            continue;
+        track.time.push_back(t[i]);
+        track.x.push_back(x[i]);
+        track.y.push_back(y[i]);
+        track.heading.push_back(theta[i]);
+    }
+    return track;
+}
+
+double f_over_mu(const Scene& scene, double a) {
+    return scene.scales ? scene.scales->f_over_mu / a : papers_f_over_mu;
+}
+
+/// What the scene of the theory takes; nothing for a rod that does not walk, and where no diffusion is seen.
+std::string noise_of(const HeadingDiffusion& r, double a, double unit) {
+    constexpr double rounding = 1e-10; // rad; a lone rod on its limit cycle turns by some 1e-16
+    const double change = std::sqrt(r.square.back());
+    if (change < rounding)
+        return fmt::format("none: the heading changes by {:.1g} rad (rms) in {:g} s, by rounding alone",
+                           change, r.lag_high);
+    const double turn = std::abs(r.turn_rate.value);
+    if (turn > 3.0 * r.turn_rate.error && std::pow(turn * r.lag_high, 2) > 0.1 * r.square.back())
+        return fmt::format("none: the rod turns steadily, by {:.2g} +- {:.1g} rad/s", turn,
+                           r.turn_rate.error);
+    const Estimate reduced = r.diffusion_per_length.scaled(a * unit);
+    if (reduced.count == 0 || !(reduced.value > 0.0))
+        return "";
+    const std::string error = reduced.known() ? fmt::format(" +- {:.2g}", reduced.error) : "";
+    return fmt::format("rotational_diffusion = {:.4g}{}, with f/mu = {:.4g} a", reduced.value, error, unit);
+}
+
+Values values_of(const HeadingDiffusion& r, double a, double unit) {
+    const Estimate per_length = r.diffusion_per_length.scaled(a), reduced = per_length.scaled(unit);
+    return {{"D_r", r.diffusion},
+            {"D_r_low", r.low},
+            {"D_r_high", r.high},
+            {"D_r_cosine", r.diffusion_cosine},
+            {"D_r_early", r.early},
+            {"D_r_late", r.late},
+            {"jitter", r.jitter},
+            {"turn_rate", r.turn_rate},
+            {"speed", r.speed.scaled(1.0 / a)},
+            {"diffusion_per_length", per_length},
+            {"f_over_mu", unit},
+            {"rotational_diffusion", reduced},
+            {"noise", noise_of(r, a, unit)},
+            {"lag_low", r.lag_low},
+            {"lag_high", r.lag_high},
+            {"cosine_amplitude", r.cosine_amplitude},
+            {"blocks", count_value(r.blocks)},
+            {"parts", count_value(r.parts)}};
+}
+
+std::string line_of(const HeadingDiffusion& r, double a, double unit) {
+    constexpr double rounding = 1e-24; // rad^2; of headings near 1 it is 1e-32
+    if (!r.square.empty() && std::ranges::all_of(r.square, [](double square) { return square < rounding; }))
+        return fmt::format("the rod never turns: no heading diffusion; speed {} a/s",
+                           text(r.speed.scaled(1.0 / a)));
+    const std::string noise = noise_of(r, a, unit);
+    return fmt::format("heading diffusion {} rad^2/s over {:.3g} to {:.3g} s, speed {} a/s{}",
+                       text(r.diffusion), r.lag_low, r.lag_high, text(r.speed.scaled(1.0 / a)),
+                       noise.empty() ? "" : "; [noise] " + noise);
+}
+
+MeasureReport report(const MeasuredCase& data) {
+    const double a = data.bead_radius(), unit = f_over_mu(data.scene, a);
+    std::vector<HeadingTrack> tracks;
+    for (const RunTables& run : data.tables)
+        tracks.push_back(track_of(*data.scene.measure, run));
+    const HeadingDiffusion r = measure::heading_diffusion(tracks, options_of(data.scene));
+    return {.values = values_of(r, a, unit),
+            .tables = {{"heading.csv",
+                        "mean-square heading change in rad^2 and mean cosine of it against the lag in s",
+                        columns,
+                        {r.lag, r.square, r.square_error, r.cosine, r.cosine_error, r.origins}}},
+            .series = {{"D_r", r.diffusion}, {"diffusion_per_length", r.diffusion_per_length.scaled(a)}},
+            .line = line_of(r, a, unit)};
+}
+
+std::string describe(const Scene& scene) {
+    const measure::HeadingOptions o = options_of(scene);
+    return fmt::format("heading diffusion of rod {} over lags from {:.3g} to {:.3g} s", scene.measure->rod,
+                       o.lag_low, o.lag_high);
+}
+
+} // namespace
+
+MeasureKind heading_diffusion() {
+    return {.name = "heading_diffusion",
+            .order = 90,
+            .wanted = [](const Measure& m) { return m.heading_diffusion; },
+            .describe = describe,
+            .reset_late_keys = reset_late_keys,
+            .report = report,
+            .values = values,
+            .files = files,
+            .series = series};
+}
+
+} // namespace rodwake::app::measures

@@ -1,0 +1,179 @@
+// Two rods: how their separation changed, who turned, how it ended; from the runs' tracks.
+
+#include "rodwake/measure/pairs.hpp"
+
+#include "bed/measure_parts.hpp"
+#include "theory/pair_run.hpp"
+
+#include "rodwake/app/granular.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::app::measures {
+
+namespace {
+
+using measure::PairResult;
+using scene::Measure, scene::Scene;
+
+constexpr ValueInfo values[] = {
+    {"half_box_change", R"($\Delta y$)", "a", "change of the separation while the pair goes half the box"},
+    {"not_there", "Runs short of half the box", "", R"(left out of $\Delta y$)"},
+    {"non_reciprocity", "Non-reciprocity", "", "1: the rear rod alone turns, $-1$: the front rod alone"},
+    {"turn_rear", "Turn of the rear rod", "rad", "towards the other's first place"},
+    {"turn_front", "Turn of the front rod", "rad", "towards the other's first place"},
+    {"contact", "Contact", "runs", "how runs ended"},
+    {"pursuit", "Pursuit", "runs", "how runs ended"},
+    {"escape", "Escape", "runs", "how runs ended"},
+    {"undecided", "", "runs", "how runs ended"},
+};
+
+constexpr ColumnInfo pairs_columns[] = {
+    {"run", "1", "number of the run, from 1"},
+    {"separation", "a", "at the start, across the mean first heading"},
+    {"half_box_change", "a", "of the separation when the rods had come half a box; empty: they have not"},
+    {"last_change", "a", "of the separation at the end, outwards positive"},
+    {"turn0", "rad", "net turn of rod 0 towards the other's first place"},
+    {"turn1", "rad", "net turn of rod 1 towards the other's first place"},
+    {"leader", "1", "rod that was ahead when the pair had turned most"},
+    {"non_reciprocity", "1", "(|turn of the rear| - |turn of the front|)/(their sum)"},
+    {"min_separation", "a", "smallest distance of nearest images"},
+    {"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided"},
+    {"outcome_time", "s", "of the contact, of the lock of headings, or the end of the track"},
+    {"perpendicular", "1", "1: first headings 60 to 120 degrees apart"}};
+constexpr FileInfo files[] = {{"pairs.csv", "how the rods of each run ended", pairs_columns}};
+
+constexpr SeriesInfo series[] = {{{"delta_y", "a", "change of the separation over half a box"}},
+                                 {{"non_reciprocity", "1", "mean over the runs"}}};
+
+void reset_late_keys(Measure& m) {
+    m.pairs = false;
+    m.contact_distance = std::nullopt;
+}
+
+double contact_distance(const Scene& scene) {
+    double longest = 0.0;
+    for (const scene::GranularRod& rod : scene.granular->rods)
+        longest = std::max(longest, rod.shape.length);
+    const double half = 0.5 * longest;
+    return scene.measure ? scene.measure->contact_distance.value_or(half) : half;
+}
+
+/// From t = 0 on: the rods are held before.
+measure::PairTrack track_of(const RunTables& run) {
+    const std::vector<Column> all = run.tracks({"t", "x0", "y0", "theta0", "x1", "y1", "theta1"});
+    std::vector<Column> kept(all.size());
+    for (std::size_t i = 0; i < all[0].size(); ++i)
+        if (all[0][i] >= -1e-12)
+            for (std::size_t k = 0; k < all.size(); ++k)
+                kept[k].push_back(all[k][i]);
+    return {kept[0], {kept[1], kept[4]}, {kept[2], kept[5]}, {kept[3], kept[6]}};
+}
+
+measure::PairRun followed(const Scene& scene, const RunTables& run) {
+    measure::PairOptions options;
+    options.box = bed_size(*scene.granular).box;
+    options.contact_distance = contact_distance(scene);
+    return measure::follow_pair(track_of(run), options);
+}
+
+PairResult pairs_of(const MeasuredCase& data) {
+    std::vector<measure::PairRun> runs;
+    for (const RunTables& run : data.tables)
+        runs.push_back(followed(data.scene, run));
+    return measure::reduce(runs);
+}
+
+PairNumbers numbers_of(const measure::PairRun& p, double a) {
+    return {.separation = p.separation / a,
+            .half_box_change = p.half_box_change ? *p.half_box_change / a : std::nan(""),
+            .last_change = p.last_change / a,
+            .turn = {p.turn[0], p.turn[1]},
+            .non_reciprocity = p.non_reciprocity,
+            .min_separation = p.min_separation / a,
+            .outcome_time = p.ending_time,
+            .leader = p.leader,
+            .outcome = p.ending};
+}
+
+Values values_of(const PairResult& p, double to_a) {
+    return {{"half_box_change", p.half_box_change.scaled(to_a)},
+            {"not_there", count_value(p.not_there)},
+            {"non_reciprocity", p.non_reciprocity},
+            {"turn_rear", p.turn_rear},
+            {"turn_front", p.turn_front},
+            {"contact", count_value(p.contact)},
+            {"pursuit", count_value(p.pursuit)},
+            {"escape", count_value(p.escape)},
+            {"undecided", count_value(p.undecided)}};
+}
+
+std::vector<double> row_of(const measure::PairRun& run, std::size_t number, double a) {
+    const PairNumbers p = numbers_of(run, a);
+    return {static_cast<double>(number),
+            p.separation,
+            p.half_box_change,
+            p.last_change,
+            p.turn[0],
+            p.turn[1],
+            static_cast<double>(p.leader),
+            p.non_reciprocity,
+            p.min_separation,
+            static_cast<double>(p.outcome),
+            p.outcome_time,
+            run.perpendicular ? 1.0 : 0.0};
+}
+
+MeasureTable table_of(const PairResult& pairs, double a) {
+    std::vector<std::vector<double>> rows;
+    rows.reserve(pairs.runs.size());
+    for (const measure::PairRun& p : pairs.runs)
+        rows.push_back(row_of(p, rows.size() + 1, a));
+    return {"pairs.csv",
+            "lengths in a, angles in rad, times in s; outcome 0 contact, 1 pursuit, 2 escape, 3 undecided; "
+            "half_box_change empty: the rods did not come half a box",
+            pairs_columns, transposed(rows, std::size(pairs_columns))};
+}
+
+MeasureReport report(const MeasuredCase& data) {
+    const double a = data.bead_radius(), to_a = 1.0 / a;
+    const PairResult p = pairs_of(data);
+    const Estimate change = p.half_box_change.scaled(to_a);
+    return {.values = values_of(p, to_a),
+            .tables = {table_of(p, a)},
+            .series = {{"delta_y", change}, {"non_reciprocity", p.non_reciprocity}},
+            .line = fmt::format(
+                "change of separation over half the box, in a: {} ({} of {} runs); contact {}, pursuit {}, "
+                "escape {}, undecided {}; non-reciprocity {}",
+                text(change), change.count, p.runs.size(), p.contact, p.pursuit, p.escape, p.undecided,
+                text(p.non_reciprocity))};
+}
+
+} // namespace
+
+MeasureKind pairs() {
+    return {.name = "pairs",
+            .order = 50,
+            .wanted = [](const Measure& m) { return m.pairs; },
+            .describe = [](const Scene&) -> std::string {
+                return "separation over half the box, who turned, outcome";
+            },
+            .reset_late_keys = reset_late_keys,
+            .report = report,
+            .values = values,
+            .files = files,
+            .series = series};
+}
+
+} // namespace rodwake::app::measures
+
+namespace rodwake::app {
+
+PairNumbers pair_numbers(const scene::Scene& scene, const RunTables& run) {
+    return measures::numbers_of(measures::followed(scene, run), scene.granular->bead_radius);
+}
+
+} // namespace rodwake::app

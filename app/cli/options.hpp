@@ -1,0 +1,87 @@
+#pragma once
+// The command line, parsed.
+
+#include "rodwake/scan/run.hpp"
+#include "rodwake/app/tradeoff.hpp"
+#include "rodwake/app/ways.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::cli {
+
+enum class Verb {
+    scenes,
+    new_scene,
+    check,
+    field,
+    rods,
+    dem,
+    impact,
+    measure,
+    fit,
+    scan,
+    tradeoff,
+    run,
+    plot,
+    info,
+    help
+};
+
+struct Options {
+    Verb verb = Verb::check;
+    std::string target;                 ///< scene, run directory, file or verb that the verb works on
+    std::string output;                 ///< -o; empty: results/<name of the scene>
+    std::vector<std::string> overrides; ///< -s table.key=value
+    std::size_t threads = 0;            ///< -j; 0: one for each core
+    std::optional<std::uint64_t> seed;  ///< --seed; absent: that of the scene
+    bool dry_run = false, quiet = false, verbose = false, force = false;
+    std::string json_log; ///< --log-json FILE
+    std::string command;  ///< the whole line, as a shell takes it
+    // verb-specific
+    std::map<std::string, std::string> answers; ///< new: by option, empty where none is given
+    std::string points;                         ///< field --points; "-": standard input
+    std::string backend = "exact";              ///< field --backend
+    double table_tolerance = 1e-8;              ///< field --table-tolerance
+    std::string cases;                          ///< impact --cases; "-": standard input
+    std::string part;                           ///< scan --part i/n
+    bool merge = false;                         ///< scan --merge
+    bool rerun_failed = false;                  ///< scan --rerun-failed
+    std::string want_error;          ///< tradeoff --for: "1e-6", "2%", "rod_speed 2%"; empty: not asked
+    std::optional<double> want_time; ///< tradeoff --within, s
+    std::string error_kind;          ///< tradeoff --error; empty: the first there is
+    std::string tradeoff_of;         ///< tradeoff --of; empty: what the scene names first
+    double limit = 60.0;             ///< tradeoff --limit, s
+    bool pdf = false;                ///< plot --pdf
+    bool scene_reference = false;    ///< info --scene-reference
+    bool schema = false;             ///< info --schema
+    bool man = false;                ///< info --man
+    std::string completion;          ///< info --completion
+    // look of the figures, as the plotting program takes it
+    std::string figure_width; ///< plot --width; empty: each its own
+    std::string figure_style; ///< plot --style; empty: paper
+    std::string font_size;    ///< plot --font-size, pt; empty: of the style
+    bool film = false;        ///< plot --film
+    bool overlay = false;     ///< plot --overlay
+};
+
+/// Result of parsing: either options to act on, or an exit code (help, version, usage error; the text is
+/// printed).
+struct Parsed {
+    Options options;
+    bool exit_now = false;
+    int exit_code = 0;
+};
+/// --part i/n, i from 1; nothing without.
+std::optional<scan::Part> part_of(const Options& options);
+
+/// -o, or results/<scene name>; of a share of a scan part-i-of-n below it.
+std::filesystem::path output_folder(const Options& options);
+
+Parsed parse_command_line(int argc, const char* const* argv);
+
+} // namespace rodwake::cli

@@ -1,0 +1,202 @@
+#include "terminal.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
+#include "signals.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <spdlog/logger.h>
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fcntl.h>
+#include <mutex>
+#include <new>
+#include <string_view>
+#include <unistd.h>
+
+namespace rodwake::cli {
+
+namespace {
+
+using namespace std::chrono_literals;
+using app::Severity;
+constexpr std::chrono::milliseconds terminal_interval = 200ms, plain_interval = 10s;
+
+spdlog::level::level_enum level(Severity severity) {
+    switch (severity) {
+    case Severity::debug:
+        return spdlog::level::debug;
+    case Severity::info:
+        return spdlog::level::info;
+    case Severity::warning:
+        return spdlog::level::warn;
+    case Severity::error:
+        break;
+    }
+    return spdlog::level::err;
+}
+
+/// %J: the message as a JSON string, escaped.
+class JsonPayload : public spdlog::custom_flag_formatter {
+public:
+    void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
+        const std::string_view payload(message.payload.data(), message.payload.size());
+        const std::string text =
+            nlohmann::json(payload).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+        out.append(text.data(), text.data() + text.size());
+    }
+    std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<JsonPayload>(); }
+};
+
+spdlog::sink_ptr json_sink(const std::string& path) {
+    try {
+        auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(path, false);
+        auto formatter = std::make_unique<spdlog::pattern_formatter>();
+        formatter->add_flag<JsonPayload>('J').set_pattern(
+            R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","message":%J})");
+        sink->set_formatter(std::move(formatter));
+        return sink;
+    } catch (const spdlog::spdlog_ex& error) {
+        throw RunError(path + ": cannot write the log: " + error.what());
+    }
+}
+
+spdlog::logger make_logger(const Options& options) {
+    auto terminal = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+    terminal->set_pattern("%v");
+    terminal->set_level(options.quiet     ? spdlog::level::err
+                        : options.verbose ? spdlog::level::debug
+                                          : spdlog::level::info);
+    spdlog::logger logger("rodwake", terminal);
+    if (!options.json_log.empty())
+        logger.sinks().push_back(json_sink(options.json_log));
+    logger.set_level(spdlog::level::debug);
+    logger.flush_on(spdlog::level::info);
+    return logger;
+}
+
+/// The messages of a run, and under them its progress: a line that redraws itself on a terminal, a plain line
+/// now and then elsewhere.
+class Screen {
+public:
+    explicit Screen(const Options& options)
+        : logger_(make_logger(options)), quiet_(options.quiet), terminal_(::isatty(STDERR_FILENO) == 1) {}
+    ~Screen() { wipe(); }
+    Screen(const Screen&) = delete;
+    Screen& operator=(const Screen&) = delete;
+    Screen(Screen&&) = delete;
+    Screen& operator=(Screen&&) = delete;
+
+    void log(Severity severity, const std::string& message) {
+        const std::lock_guard lock(mutex_);
+        wipe();
+        logger_.log(level(severity), printable(message));
+    }
+
+    void progress(const app::ProgressReport& report) {
+        if (quiet_)
+            return;
+        const auto now = Clock::now();
+        if (report.what != what_ || report.value < last_) { // another task
+            what_ = report.what;
+            start_ = now;
+            next_ = now + interval();
+        }
+        last_ = report.value;
+        if (now < next_)
+            return;
+        next_ = now + interval();
+        show(line_of(report, std::chrono::duration<double>(now - start_).count()));
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    std::chrono::milliseconds interval() const { return terminal_ ? terminal_interval : plain_interval; }
+
+    static std::string line_of(const app::ProgressReport& r, double seconds) {
+        const double rate = (r.value - r.begin) / seconds, left = rate > 0.0 ? (r.end - r.value) / rate : 0.0;
+        return fmt::format("{}: {:.4g} of {:.4g} {} ({:.0f} %), {:.3g} {}/s, {:.0f} s left", r.what, r.value,
+                           r.end, r.unit, 100.0 * r.value / r.end, rate, r.unit, left);
+    }
+
+    void show(const std::string& line) {
+        const std::lock_guard lock(mutex_);
+        if (!terminal_)
+            return logger_.info(line);
+        draw("\r\033[K" + line);
+        drawn_ = true;
+    }
+
+    static void draw(const std::string& text) {
+        std::fwrite(text.data(), 1, text.size(), stderr);
+        std::fflush(stderr);
+    }
+
+    void wipe() {
+        if (drawn_)
+            draw("\r\033[K");
+        drawn_ = false;
+    }
+
+    spdlog::logger logger_;
+    bool quiet_, terminal_, drawn_ = false;
+    std::string what_;
+    double last_ = 0.0;
+    Clock::time_point start_, next_;
+    std::mutex mutex_;
+};
+
+} // namespace
+
+void tell(const std::string& text) {
+    const std::string line = printable(text);
+    std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+void end_well_without_memory() {
+    std::set_terminate([] {
+        try {
+            if (const auto error = std::current_exception())
+                std::rethrow_exception(error);
+        } catch (const std::bad_alloc&) {
+            constexpr std::string_view message = "rodwake: not enough memory\n";
+            [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message.data(), message.size());
+            std::_Exit(1);
+        } catch (...) { // a defect: abort tells more
+        }
+        std::abort();
+    });
+}
+
+void open_standard_streams() {
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream)
+        if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF)
+            ::open("/dev/null", O_RDWR); // takes the lowest number that is free: this one
+}
+
+app::RunContext context_of(const Options& options) {
+    const auto screen = std::make_shared<Screen>(options);
+    app::RunContext context;
+    context.threads = options.threads;
+    context.seed = options.seed;
+    context.force = options.force;
+    context.command = options.command;
+    context.log = [screen](Severity severity, const std::string& message) { screen->log(severity, message); };
+    context.progress = [screen](const app::ProgressReport& report) { screen->progress(report); };
+    context.stop = [] { return stop_signal() != 0; };
+    context.checkpoint_requests = checkpoint_requests;
+    context.scan.part = part_of(options).value_or(scan::Part{});
+    context.scan.merge = options.merge;
+    context.scan.rerun_failed = options.rerun_failed;
+    return context;
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,45 @@
+// rodwake help NAME: of what is no verb, what it means in scenes and results.
+
+#include "definition.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
+#include "rodwake/app/run.hpp"
+#include "verbs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace rodwake::cli {
+
+namespace {
+
+/// ` (did you mean "run"?)`, or empty.
+std::string nearest_verb(const std::string& word) {
+    Options unused;
+    CLI::App app("", "rodwake");
+    define_command_line(app, unused);
+    std::vector<std::string_view> verbs;
+    for (const CLI::App* verb : app.get_subcommands({}))
+        verbs.push_back(verb->get_name());
+    return did_you_mean(word, verbs);
+}
+
+} // namespace
+
+int verb_help(const Options& options) {
+    const std::string& name = options.target;
+    if (const auto text = app::explain(name)) {
+        fmt::print("{}", *text);
+        return 0;
+    }
+    const std::vector<std::string> similar = app::similar_names(name);
+    const std::string verb = nearest_verb(name);
+    if (!verb.empty() && name.find('.') == std::string::npos)
+        throw InputError(fmt::format("{}: no such verb{}", name, verb));
+    throw InputError(fmt::format(
+        "{}: no verb, no table or key of a scene, no result file, column or value has this name{}", name,
+        similar.empty() ? "; rodwake help lists the verbs, docs/scene.md all keys"
+                        : fmt::format("; near it: {}", fmt::join(similar, ", "))));
+}
+
+} // namespace rodwake::cli

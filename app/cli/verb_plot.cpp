@@ -1,0 +1,117 @@
+// rodwake plot, and the figures at the end of rodwake run: the plotting program, run on a folder of results.
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/app/run.hpp"
+#include "rodwake/app/run_folder.hpp"
+#include "rodwake/app/ways.hpp"
+#include "signals.hpp"
+#include "verbs.hpp"
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <spawn.h>
+#include <thread>
+#include <vector>
+
+extern char** environ;
+
+namespace rodwake::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int usage_error = 2; ///< of the plotting program
+
+/// Passes a signal that asks us to stop on to the child; Ctrl-C reaches it anyway, SIGTERM does not.
+int wait_for(pid_t child) {
+    int status = 0;
+    for (pid_t ended = 0; ended != child; ended = ::waitpid(child, &status, WNOHANG)) {
+        if (ended < 0 && errno != EINTR)
+            throw RunError(
+                fmt::format("how the plotting program ended is not known: {}", std::strerror(errno)));
+        if (stop_signal())
+            ::kill(child, SIGTERM);
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return status;
+}
+
+int run(const std::vector<std::string>& command) {
+    std::vector<char*> arguments;
+    arguments.reserve(command.size() + 1);
+    for (const std::string& word : command)
+        arguments.push_back(
+            const_cast<char*>(word.c_str())); // posix_spawn takes char* and does not write through it
+    arguments.push_back(nullptr);
+    pid_t child = 0;
+    if (::posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
+        throw RunError(command[0] + ": cannot be run; figures need python3 with matplotlib and h5py "
+                                    "(tools/quickstart --deps-only installs them)");
+    const int status = wait_for(child);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+/// What the plotting program is asked of the look of all figures; it checks the values.
+std::vector<std::string> looks_of(const Options& options) {
+    std::vector<std::string> looks;
+    if (!options.figure_width.empty())
+        looks.push_back("--width=" + options.figure_width);
+    if (!options.figure_style.empty())
+        looks.push_back("--style=" + options.figure_style);
+    if (!options.font_size.empty())
+        looks.push_back("--font-size=" + options.font_size);
+    if (options.overlay)
+        looks.emplace_back("--overlay");
+    if (options.film)
+        looks.emplace_back("--film");
+    if (!options.output.empty())
+        looks.push_back("--output=" + options.output);
+    return looks;
+}
+
+} // namespace
+
+void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
+                  const std::vector<std::string>& looks) {
+    std::vector<std::string> command = {
+        RODWAKE_PYTHON, (shipped_folder() / "plots" / "rodwake_plot.py").string(), run_directory.string()};
+    if (pdf)
+        command.emplace_back("--pdf");
+    if (quiet)
+        command.emplace_back("--quiet");
+    command.insert(command.end(), looks.begin(), looks.end());
+    const int code = run(command);
+    if (code == usage_error && !looks.empty()) // Python itself ends with that code, too
+        throw InputError("nothing was drawn (see above)");
+    if (code != 0 && !stop_signal())
+        throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "
+                                   "{0}, and rodwake plot {0} tries again",
+                                   run_directory.string()));
+    if (std::ranges::none_of(looks, [](const auto& look) { return look.starts_with("--output="); }))
+        app::write_manifest(run_directory);
+}
+
+int verb_plot(const Options& options) {
+    fs::path folder = options.target;
+    if (folder.filename() == "result.h5")
+        folder = folder.has_parent_path() ? folder.parent_path() : ".";
+    if (!fs::is_directory(folder))
+        throw InputError(options.target + ": not a run directory; rodwake run SCENE makes one");
+    if (app::run_status(folder).empty() && !app::read_ways(folder))
+        throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
+    if (options.dry_run)
+        return 0; // there is something to draw; that is all there is to say
+    make_figures(folder, options.pdf, options.quiet, looks_of(options));
+    return stop_signal() ? signal_exit_code(stop_signal()) : 0;
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,164 @@
+// rodwake field, rods, dem, measure, fit, run: read the scene, plan, execute, and say how it ended.
+
+#include "rodwake/app/describe.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scan/mpi.hpp"
+#include "rodwake/app/run.hpp"
+#include "rodwake/app/run_folder.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+#include "verbs.hpp"
+
+#include <algorithm>
+#include <memory>
+
+namespace rodwake::cli {
+
+namespace {
+
+using app::Stage;
+
+/// The stage a verb stands for, and what its scene must have.
+struct StageVerb {
+    Verb verb;
+    Stage stage;
+    const char* lacks;
+};
+
+constexpr StageVerb stage_verbs[] = {
+    {Verb::dem, Stage::granular, "no [granular] table, so there is no bed to simulate"},
+    {Verb::measure, Stage::measure, "no [measure] table and no [rods_order], so there is nothing to measure"},
+    {Verb::fit, Stage::fit, "no [fit] table, so there is nothing to fit"},
+    {Verb::field, Stage::field,
+     "no [field] table, so there is no field to compute; rodwake rods or run may do"},
+    {Verb::scan, Stage::scan, "no [scan] table, so there is nothing to scan"},
+    {Verb::rods, Stage::rods, "no [rods_run] table, so there are no rods to integrate"},
+};
+
+bool has_table(const scene::Scene& scene, Stage stage) {
+    switch (stage) {
+    case Stage::granular:
+        return scene.granular.has_value();
+    case Stage::measure:
+        return scene.measure.has_value();
+    case Stage::fit:
+        return scene.fit.has_value();
+    case Stage::field:
+        return scene.field.has_value();
+    case Stage::order:
+        return scene.rods_order.has_value();
+    case Stage::scan:
+        return scene.scan.has_value();
+    case Stage::rods:
+    case Stage::tradeoff:
+        break;
+    }
+    return scene.rods_run.has_value();
+}
+
+/// Whether the verb looks at the order of rods: of those it integrates, and of those that are to be measured.
+/// Beside [measure] rods of the theory may be integrated later, in a field that is measured now.
+bool has_order(Verb verb, const scene::Scene& scene, const std::filesystem::path& folder) {
+    if (!scene.rods_order)
+        return false;
+    const bool later =
+        scene.measure && !order_of_bed(scene) && app::stage_status(folder, Stage::rods) != "finished";
+    return verb == Verb::rods ? !order_of_bed(scene) : verb == Verb::measure && !later;
+}
+
+std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene, const std::filesystem::path& folder) {
+    const auto of = std::ranges::find(stage_verbs, verb, &StageVerb::verb);
+    if (of == std::end(stage_verbs))
+        return app::stages_of(scene);
+    const bool ordered = has_order(verb, scene, folder);
+    if (!has_table(scene, of->stage) && !(verb == Verb::measure && ordered))
+        throw InputError(scene.path + ": " + of->lacks);
+    if (scene.medium && scene.medium->fitted && (verb == Verb::field || verb == Verb::rods))
+        throw InputError(
+            scene.path +
+            ": medium.fitted = true takes eta and xi from [fit]: rodwake run fits first; or give eta and "
+            "xi in [medium]");
+    std::vector<Stage> stages;
+    if (has_table(scene, of->stage))
+        stages.push_back(of->stage);
+    if (ordered)
+        stages.push_back(Stage::order);
+    return stages;
+}
+
+int finish(const Options& options, app::StageEnd end) {
+    const std::string folder = output_folder(options).string();
+    if (end == app::StageEnd::interrupted)
+        return signal_exit_code(stop_signal());
+    if (end == app::StageEnd::failed)
+        return 1;
+    if (options.verb == Verb::run)
+        make_figures(folder, false, options.quiet);
+    if (stop_signal())
+        return signal_exit_code(stop_signal());
+    return end == app::StageEnd::incomplete ? 3 : 0;
+}
+
+} // namespace
+
+namespace {
+
+/// The MPI job, for a scan or granular runs. Other verbs would do the same work on every rank.
+std::unique_ptr<scan::MpiJob> job_of(const Options& options) {
+    if (!scan::started_as_rank())
+        return nullptr;
+    if (options.verb != Verb::scan && options.verb != Verb::dem)
+        throw InputError("only rodwake scan and rodwake dem work under mpiexec: the other verbs would do the "
+                         "same work on every rank");
+    return scan::MpiJob::join();
+}
+
+/// Ranks that serve say nothing.
+app::RunContext context_of(const Options& options, scan::MpiJob* job) {
+    app::RunContext context = context_of(options);
+    if (!job)
+        return context;
+    if (job->rank() > 0) {
+        context.log = nullptr;
+        context.progress = nullptr;
+    }
+    context.executor = [job](scan::Evaluate evaluate, std::function<bool()> stop) {
+        return job->executor(std::move(evaluate), std::move(stop));
+    };
+    return context;
+}
+
+/// On a rank that rank 0 hands points to, which speaks for all.
+int serve(const Options& options, const scene::Scene& scene, std::span<const Stage> stages,
+          const app::RunContext& context, scan::MpiJob& job) {
+    try {
+        const app::Plan plan = app::plan_run(scene, stages, output_folder(options), context);
+        app::serve(plan, output_folder(options), context, job);
+    } catch (const std::exception& error) {
+        job.fail(describe(error));
+        return 0; // rank 0 ends the job: at an error here mpiexec might kill it before it has told why
+    }
+    return stop_signal() ? signal_exit_code(stop_signal()) : 0;
+}
+
+} // namespace
+
+int verb_stages(const Options& options) {
+    const scene::Scene scene = scene_of(options);
+    const std::vector<Stage> stages = stages_of(options.verb, scene, output_folder(options));
+    if (options.dry_run)
+        return verb_check(options);
+    const auto job = job_of(options);
+    app::RunContext context = context_of(options, job.get());
+    context.draws = options.verb == Verb::run;
+    if (job && job->rank() > 0)
+        return serve(options, scene, stages, context, *job);
+    const auto plan = // large for a small stack
+        std::make_unique<const app::Plan>(
+            app::plan_run(scene, stages, output_folder(options), context));
+    for (const std::string& doubt : app::doubts(*plan))
+        context.log(app::Severity::warning, doubt);
+    return finish(options, app::run(*plan, output_folder(options), context));
+}
+
+} // namespace rodwake::cli

@@ -1,0 +1,138 @@
+#include "run/describe_parts.hpp"
+
+#include "rodwake/core/box_sides.hpp"
+#include <fmt/format.h>
+
+#include <numbers>
+
+namespace rodwake::app {
+
+namespace {
+
+std::string method_text(const scene::Fit& keys) {
+    const fitting::SearchOptions& method = keys.search;
+    return fmt::format("{} from {} start{}, seed {}{}", to_string(method.algorithm), method.starts,
+                       method.starts == 1 ? "" : "s", method.seed,
+                       method.levenberg_marquardt ? ", polished" : "");
+}
+
+void add_parameters(const scene::Fit& keys, Lines& lines) {
+    lines.push_back(
+        {true, fmt::format("fit of {}: {}", fmt::join(keys.parameters, ", "), method_text(keys))});
+    for (const auto& [name, value] : keys.fixed)
+        lines.push_back({true, fmt::format("fit: {} = {:g} held", name, value)});
+    for (const auto& [name, tie] : keys.tied)
+        lines.push_back({true, fmt::format("fit: {} = {:g} {}", name, tie.factor, tie.to)});
+}
+
+/// "60 of 79 points", or that the file is still to be made.
+std::string points_text(const scene::FitProfile& profile, const std::optional<FitProfileData>& data,
+                        double core) {
+    if (!data)
+        return fmt::format("the points of {}, which the run makes", profile.file);
+    return fmt::format("{} of {} points of {}", fitting::outside_core(data->data, core).place.size(),
+                       data->data.place.size(), data->file.string());
+}
+
+std::string track_text(const scene::FitTrajectory& track, const std::optional<FitTrackData>& data) {
+    if (!data)
+        return fmt::format("fit: rods of {}, which the run makes", track.file);
+    return fmt::format("fit: {} rods, {} rows of {}", data->rods, data->data.times.size(),
+                       data->file.string());
+}
+
+std::string mask_text(const scene::Fit& keys) {
+    if (keys.masks.empty())
+        return "no mask, every bin counts";
+    const fitting::MapMask mask = map_mask(keys.masks.front());
+    return fmt::format("|y| >= {:g}, r >= {:g}, {:.0f} to {:.0f} deg from the heading{}", mask.strip,
+                       mask.radius, mask.from * 180.0 / std::numbers::pi, mask.to * 180.0 / std::numbers::pi,
+                       keys.masks.size() > 1 ? fmt::format("; {} other masks tried", keys.masks.size() - 1)
+                                             : "");
+}
+
+void add_maps(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
+    if (keys.maps.empty())
+        return;
+    for (std::size_t i = 0; i < inputs.maps.size(); ++i) {
+        const std::optional<FitMapData>& map = inputs.maps[i];
+        lines.push_back({true, map ? fmt::format("fit: {} x {} bins of {}, box {:g} x {:g}, rod at {:g}",
+                                                 map->data.x.size(), map->data.y.size(), map->file.string(),
+                                                 map->data.lx, map->data.ly, map->data.speed)
+                                   : "fit: bins of a map that the run makes"});
+    }
+    lines.push_back({true, "fit of maps: " + mask_text(keys)});
+    for (const auto& [name, error] : keys.fixed_errors)
+        lines.push_back({true, fmt::format("fit: {} is held with an error of {:g}", name, error)});
+}
+
+void add_data(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
+    for (std::size_t i = 0; i < keys.profiles.size(); ++i) {
+        const scene::FitProfile& p = keys.profiles[i];
+        lines.push_back({true, fmt::format("fit: {} along {} at {} = {:g} {}: {}", p.component, p.along,
+                                           p.along == "x" ? "y" : "x", p.at,
+                                           p.role == scene::FitRole::fit ? "fitted" : "predicted",
+                                           points_text(p, inputs.profiles[i], keys.core))});
+    }
+    for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
+        lines.push_back({true, track_text(keys.trajectories[i], inputs.tracks[i])});
+}
+
+void add_term(const scene::Fit& keys, const char* parameter, const char* what, Lines& lines) {
+    const bool in = scene::fit_has(keys, parameter);
+    lines.push_back({in, in ? fmt::format("fit term: {} ({})", what, parameter)
+                            : fmt::format("fit term: no {}: {} is not in fit.parameters, fixed or tied", what,
+                                          parameter)});
+}
+
+void add_map_terms(const scene::Fit& keys, Lines& lines) {
+    if (keys.maps.empty())
+        return;
+    add_term(keys, "force", "monopole in an orthotropic medium", lines);
+    add_term(keys, "p_xx", "dipole along the rod", lines);
+    add_term(keys, "p_yy", "dipole across the rod", lines);
+    add_term(keys, "q_xxx", "second moment of the force along the rod by x^2", lines);
+    add_term(keys, "q_xyy", "second moment of the force along the rod by y^2", lines);
+    add_term(keys, "q_yxy", "second moment of the force across the rod by xy", lines);
+    add_term(keys, "zeta", "drag of the medium", lines);
+    add_term(keys, "rho", "inertia of the medium", lines);
+    add_term(keys, "eta_s", "viscosity of the medium", lines);
+}
+
+void add_terms(const scene::Fit& keys, Lines& lines) {
+    add_map_terms(keys, lines);
+    if (!keys.profiles.empty()) {
+        add_term(keys, "f_over_mu", "monopole in an isotropic medium", lines);
+        add_term(keys, "f2d_over_mu", "dipole", lines);
+        add_term(keys, "x0", "place of the force ahead of the centre", lines);
+        add_term(keys, "offset", "offset of Ux", lines);
+        add_term(keys, "offset_y", "offset of Uy", lines);
+        lines.push_back({keys.box.has_value(),
+                         keys.box ? fmt::format("fit term: images in a box of {}", to_string(*keys.box))
+                                  : "fit term: no images: no fit.box, infinite plane"});
+        lines.push_back({keys.core > 0.0, keys.core > 0.0
+                                              ? fmt::format("fit: |place| < {:g} left out", keys.core)
+                                              : "fit core: all points count, fit.core is 0"});
+    }
+    if (!keys.trajectories.empty()) {
+        add_term(keys, "kappa", "turning by strain", lines);
+        add_term(keys, "gamma1", "first polar turning", lines);
+        add_term(keys, "gamma2", "second polar turning", lines);
+    }
+}
+
+} // namespace
+
+void describe_fit(const Plan& plan, Lines& lines) {
+    if (!plan.scene.fit || !plan.fit) {
+        lines.push_back({false, "fit: no [fit] table"});
+        return;
+    }
+    const scene::Fit& keys = *plan.scene.fit;
+    add_parameters(keys, lines);
+    add_data(keys, *plan.fit, lines);
+    add_maps(keys, *plan.fit, lines);
+    add_terms(keys, lines);
+}
+
+} // namespace rodwake::app

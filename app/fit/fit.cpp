@@ -1,0 +1,359 @@
+#include "rodwake/app/fit.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace rodwake::app {
+
+namespace {
+
+using fitting::Problem;
+
+bool is_fitted(const scene::FitProfile& profile) { return profile.role == scene::FitRole::fit; }
+
+/// How much larger the data of the fitted profiles are than those that defaults are made for: places of some
+/// 40, displacements of some 0.2. 1 where they are near enough.
+struct DataScale {
+    double place = 1.0, value = 1.0;
+
+    bool usual() const { return place == 1.0 && value == 1.0; }
+};
+
+DataScale data_scale(const FitPlan& plan) {
+    constexpr double usual_place = 40.0, usual_value = 0.2, near = 25.0;
+    double place = 0.0, value = 0.0;
+    for (std::size_t i = 0; i < plan.profiles.size(); ++i)
+        if (const fitting::Profile& data = plan.profiles[i].data; is_fitted(plan.keys.profiles[i]))
+            for (std::size_t k = 0; k < std::min(data.place.size(), data.value.size()); ++k) {
+                place = std::max(place, std::hypot(data.place[k], data.at));
+                value = std::max(value, std::abs(data.value[k]));
+            }
+    const auto scale = [](double size, double usual) {
+        const bool far = std::isfinite(size) && (size > near * usual || size * near < usual);
+        return far && size > 0.0 ? size / usual : 1.0;
+    };
+    return {scale(place, usual_place), scale(value, usual_value)};
+}
+
+/// Of a parameter with a length; 1 for others.
+double scale_of(const std::string& name, const DataScale& data) {
+    const std::map<std::string, double> scales = {
+        {"f_over_mu", data.value}, {"xi", data.place},       {"x0", data.place},
+        {"offset", data.value},    {"offset_y", data.value}, {"f2d_over_mu", data.value * data.place}};
+    const auto at = scales.find(name);
+    return at == scales.end() ? 1.0 : at->second;
+}
+
+/// Defaults are for data of the usual size: they go with the data.
+void rescale(fitting::Parameter& p, const scene::Fit& keys, const DataScale& data) {
+    const double scale = scale_of(p.name, data);
+    if (p.fixed || data.usual())
+        return;
+    if (!keys.bounds.contains(p.name)) {
+        p.lower *= scale;
+        p.upper *= scale;
+    }
+    if (!keys.start.contains(p.name))
+        p.start = std::clamp(p.start * scale, p.lower, p.upper);
+    if (p.start == 0.0)
+        p.scale = scale;
+}
+
+fitting::Parameter parameter(const scene::Fit& keys, const std::string& name, const DataScale& data) {
+    fitting::Parameter p;
+    p.name = name;
+    const auto start = keys.start.find(name);
+    p.start = start == keys.start.end() ? scene::fit_default_start(keys, name) : start->second;
+    if (const auto bounds = scene::fit_bounds(keys, name); bounds && scene::fit_is_free(keys, name)) {
+        p.lower = bounds->low;
+        p.upper = bounds->high;
+    }
+    if (scene::fit_is_free(keys, name) && scene::fit_in_log(keys, name))
+        p.transform = fitting::Transform::log;
+    if (const auto fixed = keys.fixed.find(name); fixed != keys.fixed.end()) {
+        p.fixed = true;
+        p.start = fixed->second;
+    }
+    if (const auto tie = keys.tied.find(name); tie != keys.tied.end()) {
+        p.tied_to = tie->second.to;
+        p.tie_factor = tie->second.factor;
+    }
+    rescale(p, keys, data);
+    return p;
+}
+
+/// Of those the model knows.
+std::vector<fitting::Parameter> parameters(const FitPlan& plan, const std::vector<std::string>& known) {
+    std::vector<fitting::Parameter> out;
+    const DataScale data = data_scale(plan);
+    for (const std::string& name : scene::fit_used(plan.keys))
+        if (std::ranges::find(known, name) != known.end())
+            out.push_back(parameter(plan.keys, name, data));
+    return out;
+}
+
+Problem profile_problem(const FitPlan& plan) {
+    std::vector<fitting::Profile> fitted;
+    for (std::size_t i = 0; i < plan.profiles.size(); ++i)
+        if (is_fitted(plan.keys.profiles[i]))
+            fitted.push_back(plan.profiles[i].data);
+    return fitting::wake_problem(plan.wake, fitted, parameters(plan, fitting::wake_parameter_names()));
+}
+
+/// Methods that search all over the bounds need some: the start is within ten standard errors of its datum.
+void bound_starts(Problem& problem, const FitPlan& plan) {
+    double sigma = 0.0;
+    for (const FitTrackData& track : plan.tracks)
+        sigma = std::max({sigma, track.data.sigma_position, track.data.sigma_heading});
+    for (fitting::Parameter& p : problem.parameters)
+        if (fitting::is_start_pose(p.name)) {
+            p.lower = p.start - 10.0 * sigma;
+            p.upper = p.start + 10.0 * sigma;
+        }
+}
+
+Problem track_problem(const FitPlan& plan) {
+    std::vector<fitting::Trajectory> tracks;
+    for (const FitTrackData& track : plan.tracks)
+        tracks.push_back(track.data);
+    Problem problem = fitting::trajectory_problem(plan.track_model, tracks,
+                                                  parameters(plan, fitting::trajectory_parameter_names()));
+    if (fitting::is_global(plan.keys.search.algorithm))
+        bound_starts(problem, plan);
+    const auto known = std::ranges::count_if(plan.tracks, &FitTrackData::sigma_known);
+    if (known != 0 && known != static_cast<long>(plan.tracks.size()))
+        throw InputError(
+            "some of [[fit.trajectories]] have sigma_position and sigma_heading and some have none: "
+            "their weights cannot be compared; give all of them some, or none");
+    problem.sigma_known = known != 0;
+    return problem;
+}
+
+Problem map_problem(const FitPlan& plan) {
+    std::vector<fitting::Map> maps;
+    for (const FitMapData& map : plan.maps)
+        maps.push_back(map.data);
+    return fitting::map_problem(plan.map_model, maps, plan.mask,
+                                parameters(plan, fitting::map_parameter_names()));
+}
+
+/// "f_over_mu = 1, eta = 1": what is not fixed.
+std::string start_text(const Problem& problem, std::span<const double> values) {
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!problem.parameters[i].fixed)
+            text +=
+                fmt::format("{}{} = {:g}", text.empty() ? "" : ", ", problem.parameters[i].name, values[i]);
+    return text;
+}
+
+/// Of a residual that is not finite, or so large that its square is not.
+std::optional<std::string> trouble_with(const Problem& problem, const Eigen::VectorXd& r) {
+    Eigen::Index at = 0;
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+        if (!std::isfinite(r[i])) {
+            at = i;
+            break;
+        }
+        at = std::abs(r[i]) > std::abs(r[at]) ? i : at;
+    }
+    if (std::isfinite(r.squaredNorm()))
+        return std::nullopt;
+    return fmt::format(
+        "{}: the residual (model - value)/sigma is {:.3g}, which is beyond what can be squared and summed",
+        problem.residual_name(static_cast<std::size_t>(at)), r[at]);
+}
+
+std::optional<std::string> trouble_at(const Problem& problem, std::span<const double> values) {
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.residuals));
+    try {
+        problem.evaluate(values, r, nullptr);
+    } catch (const InputError& error) {
+        return fmt::format("the model cannot be computed: {}", error.what());
+    } catch (const RunError& error) {
+        return fmt::format("the model cannot be computed: {}", error.what());
+    }
+    return trouble_with(problem, r);
+}
+
+/// Neighbours that share data may leave less than there are parameters.
+void require_values(const Problem& problem) {
+    if (fitting::degrees_of_freedom(problem) < 0)
+        throw InputError(
+            fmt::format("fit: {} data points worth {} independent ones cannot fix {} parameters: give more "
+                        "data, a smaller independent_spacing (independent_time of tracks) if neighbours "
+                        "share less, or fix some of the parameters",
+                        problem.residuals, fitting::independent_values(problem),
+                        fitting::free_parameters(problem).size()));
+}
+
+/// A search from where nothing can be computed would only end with the same, later.
+void require_start(const Problem& problem) {
+    std::vector<double> free;
+    for (const std::size_t i : fitting::free_parameters(problem))
+        free.push_back(problem.parameters[i].start);
+    const std::vector<double> values = fitting::all_values(problem, free);
+    if (const auto trouble = trouble_at(problem, values))
+        throw InputError(
+            fmt::format("{} (at the start of the fit: {}); change fit.start, or the data if they are wrong",
+                        *trouble, start_text(problem, values)));
+}
+
+FitPart part(const Problem& problem, const std::vector<std::string>& known, bool starts) {
+    FitPart out;
+    for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+        const std::string& name = problem.parameters[i].name;
+        if (std::ranges::find(known, name) == known.end() && !(starts && fitting::is_start_pose(name)))
+            continue;
+        out.parameters.push_back(problem.parameters[i]);
+        out.index.push_back(i);
+    }
+    return out;
+}
+
+} // namespace
+
+bool FitInputs::complete() const {
+    const auto there = [](const auto& one) { return one.has_value(); };
+    return std::ranges::all_of(profiles, there) && std::ranges::all_of(tracks, there) &&
+           std::ranges::all_of(maps, there);
+}
+
+Problem fit_problem(const FitPlan& plan) {
+    std::vector<Problem> kinds;
+    if (std::ranges::any_of(plan.keys.profiles, is_fitted))
+        kinds.push_back(profile_problem(plan));
+    if (!plan.maps.empty())
+        kinds.push_back(map_problem(plan));
+    if (!plan.tracks.empty())
+        kinds.push_back(track_problem(plan));
+    if (kinds.size() == 1)
+        return kinds.front();
+    const auto known = std::ranges::count_if(kinds, &Problem::sigma_known);
+    if (known != 0 && known != static_cast<long>(kinds.size()))
+        throw InputError(
+            "profiles, maps and trajectories need standard errors all, or none of them: sigma in the files, "
+            "sigma_position and sigma_heading in [[fit.trajectories]]");
+    return fitting::joined(kinds);
+}
+
+fitting::MapMask map_mask(const scene::FitMask& keys) {
+    fitting::MapMask mask{.strip = keys.strip, .radius = keys.radius};
+    if (!keys.sector.empty()) {
+        mask.from = keys.sector[0];
+        mask.to = keys.sector[1];
+    }
+    return mask;
+}
+
+namespace {
+
+/// Each mask is used by a fit of its own after the main one: too late to find that it leaves nothing.
+void require_bins(const FitPlan& plan) {
+    for (std::size_t i = 0; i < plan.keys.masks.size(); ++i)
+        for (const FitMapData& map : plan.maps)
+            if (fitting::used_bins(map.data, map_mask(plan.keys.masks[i])).empty())
+                throw InputError(
+                    fmt::format("fit.masks.{} leaves no bin of {}: make strip or radius smaller, "
+                                "or sector wider",
+                                i, map.file.string()));
+}
+
+} // namespace
+
+FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
+    FitPlan plan;
+    plan.keys = keys;
+    for (auto& profile : inputs.profiles)
+        plan.profiles.push_back(std::move(profile.value()));
+    for (auto& track : inputs.tracks)
+        plan.tracks.push_back(std::move(track.value()));
+    for (auto& map : inputs.maps)
+        plan.maps.push_back(std::move(map.value()));
+    plan.map_model = {keys.rod_length, keys.source_width};
+    require_bins(plan);
+    if (!keys.masks.empty())
+        plan.mask = map_mask(keys.masks.front());
+    plan.wake = {keys.box, keys.heading, keys.core};
+    plan.track_model.ode.rtol = 1e-10;
+    plan.track_model.ode.atol = 1e-12;
+    plan.problem = fit_problem(plan);
+    require_values(plan.problem);
+    plan.problem.remarks = data_remarks(plan);
+    require_start(plan.problem);
+    plan.method = {keys.search};
+    return plan;
+}
+
+std::vector<double> FitPart::values(std::span<const double> all) const {
+    std::vector<double> out;
+    for (const std::size_t i : index)
+        out.push_back(all[i]);
+    return out;
+}
+
+FitPart wake_part(const Problem& problem) { return part(problem, fitting::wake_parameter_names(), false); }
+
+FitPart map_part(const Problem& problem) { return part(problem, fitting::map_parameter_names(), false); }
+
+FitPart track_part(const Problem& problem) {
+    return part(problem, fitting::trajectory_parameter_names(), true);
+}
+
+std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare& compare,
+                                    std::span<const double> fitted) {
+    std::vector<double> out(fitted.begin(), fitted.end());
+    const auto& all = plan.problem.parameters;
+    const auto slot = [&](const char* name) -> double* {
+        const auto at = std::ranges::find(all, name, &fitting::Parameter::name);
+        return at == all.end() ? nullptr : &out[static_cast<std::size_t>(at - all.begin())];
+    };
+    for (const auto& [name, value] : compare.values)
+        if (double* at = slot(name.c_str()))
+            *at = value;
+    const double* strength = slot("f_over_mu");
+    const auto given = [&](const char* name) {
+        return compare.values.contains(name) ? &compare.values.at(name) : nullptr;
+    };
+    if (const double* alpha = given("alpha"); alpha && slot("xi") && strength)
+        *slot("xi") = *strength / *alpha;
+    if (const double* xi = given("xi"); xi && slot("alpha") && strength)
+        *slot("alpha") = *strength / *xi;
+    return out;
+}
+
+namespace {
+
+/// F and T: whatever force and time the scene's constants are given in.
+std::string map_unit(const std::string& parameter, const std::string& length) {
+    static const std::map<std::string, std::string> units = {
+        {"amplitude", "1"},     {"force", "F"},       {"p_xx", "F {0}"},    {"p_yy", "F {0}"},
+        {"q_xxx", "F {0}^2"},   {"q_xyy", "F {0}^2"}, {"q_yxy", "F {0}^2"}, {"zeta", "F T/{0}^3"},
+        {"rho", "F T^2/{0}^3"}, {"eta_s", "F T/{0}"}};
+    const auto at = units.find(parameter);
+    return fmt::format(fmt::runtime(at == units.end() ? "F/{0}" : at->second), length);
+}
+
+} // namespace
+
+std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
+    if (scene::is_map_parameter(parameter))
+        return map_unit(parameter, keys.length_unit);
+    if (fitting::is_start_pose(parameter))
+        return parameter.starts_with("heading") ? "rad" : "f/mu";
+    if (parameter == "kappa")
+        return "v0 mu/f";
+    if (parameter == "gamma1" || parameter == "gamma2")
+        return "v0";
+    if (parameter == "eta" || parameter == "alpha")
+        return "1";
+    const std::string length = keys.profiles.empty() && keys.maps.empty() ? "f/mu" : keys.length_unit;
+    return parameter == "f2d_over_mu" ? length + "^2" : length;
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,244 @@
+#include "fit_data.hpp"
+
+#include "run/catalogue.hpp"
+#include "fit_map_data.hpp"
+#include "rodwake/core/box_sides.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/fitting/wake.hpp"
+#include "rodwake/app/run.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_rods = 1000;
+
+std::string where(const fs::path& file, std::size_t line) {
+    return fmt::format("{}:{}", file.string(), line);
+}
+
+std::string name_or_stem(const std::string& name, const fs::path& file) {
+    return name.empty() ? file.stem().string() : name;
+}
+
+/// Nothing if no sigma is known.
+const std::vector<double>* known_sigmas(const store::Table& table) {
+    const auto* sigma = table.find("sigma");
+    const bool any = sigma && !std::ranges::all_of(*sigma, [](double s) { return std::isnan(s); });
+    return any ? sigma : nullptr;
+}
+
+std::vector<double> times(std::vector<double> values, double factor) {
+    for (double& value : values)
+        value *= factor;
+    return values;
+}
+
+/// Columns x<k>, y<k>, theta<k> of each rod in turn, as far as they go.
+std::vector<const std::vector<double>*> rod_columns(const store::Table& table) {
+    std::vector<const std::vector<double>*> columns;
+    for (std::size_t rod = 0; rod < most_rods; ++rod)
+        for (const char* name : {"x", "y", "theta"}) {
+            const auto* column = table.find(name + std::to_string(rod));
+            if (!column)
+                return columns;
+            columns.push_back(column);
+        }
+    return columns;
+}
+
+std::vector<std::string> more_rod_names() {
+    std::vector<std::string> names;
+    for (std::size_t rod = 1; rod < most_rods; ++rod)
+        for (const char* name : {"x", "y", "theta"})
+            names.push_back(name + std::to_string(rod));
+    return names;
+}
+
+std::vector<double> state(const std::vector<const std::vector<double>*>& columns, std::size_t row,
+                          double length) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < columns.size(); ++k)
+        values.push_back((*columns[k])[row] / (k % 3 == 2 ? 1.0 : length));
+    return values;
+}
+
+/// Rows before t = 0 in which the rods are held where they are then, as tracks.csv of a bed has them.
+std::size_t held_rows(const std::vector<double>& t, const std::vector<const std::vector<double>*>& columns) {
+    const auto first = std::ranges::find_if(t, [](double time) { return time >= -1e-12; }) - t.begin();
+    const auto moves = [&](const std::vector<double>* column) {
+        return std::any_of(column->begin(), column->begin() + first,
+                           [&](double value) { return value != column->begin()[first]; });
+    };
+    const bool held = first < std::ssize(t) && std::ranges::none_of(columns, moves);
+    return held ? static_cast<std::size_t>(first) : 0;
+}
+
+void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
+    out.sigma_known = keys.sigma_position.has_value();
+    out.data.name = out.name;
+    out.data.sigma_position = out.sigma_known ? *keys.sigma_position / out.length : 1.0;
+    out.data.sigma_heading = keys.sigma_heading.value_or(1.0);
+    out.data.free_headings = keys.free_headings;
+    out.data.free_start = scene::fits_start(keys);
+    if (keys.contact_distance)
+        out.data.contact_distance = *keys.contact_distance / out.length;
+    if (keys.contact_time)
+        out.data.contact_time = *keys.contact_time / out.time;
+    out.data.sigma_contact = keys.sigma_contact ? *keys.sigma_contact / out.time : 1.0;
+}
+
+} // namespace
+
+std::vector<fs::path> data_file_places(const std::string& file, const scene::Scene& scene,
+                                       const fs::path& run_directory) {
+    if (fs::path(file).is_absolute())
+        return {file};
+    std::vector<fs::path> places;
+    if ((scene.measure || scene.granular) && !run_directory.empty())
+        places.push_back(run_directory / file);
+    const fs::path beside = (fs::path(scene.path).parent_path() / file).lexically_normal();
+    places.push_back(beside);
+    if (beside != fs::path(file).lexically_normal())
+        places.emplace_back(file);
+    return places;
+}
+
+fs::path find_fit_file(const std::string& file, const scene::Scene& scene, const fs::path& run_directory) {
+    const auto places = data_file_places(file, scene, run_directory);
+    std::string looked;
+    for (const fs::path& place : places) {
+        if (fs::is_regular_file(place))
+            return place;
+        if (std::error_code none; fs::exists(place, none))
+            throw InputError(
+                fmt::format("{}: is not a regular file; [fit] names files with data", place.string()));
+        looked +=
+            fmt::format("{}{}", looked.empty() ? "" : ", ", fs::absolute(place).lexically_normal().string());
+    }
+    const char* hint =
+        made_by_run(file, scene) ? "; rodwake run makes what this scene measures before it is fitted" : "";
+    throw InputError(fmt::format("{}: no such file to fit; looked for {}{}", file, looked, hint));
+}
+
+bool made_by_run(const std::string& file, const scene::Scene& scene) {
+    const std::string name = fs::path(file).filename().string();
+    const FileKind* kind = kind_of(name);
+    if (!kind || !kind->stage)
+        return false;
+    const bool on_top = name == file, of_a_run = file.starts_with("runs/"); // of an ensemble
+    return *kind->stage == Stage::measure
+               ? scene.measure && scene.measure->displacement && on_top
+               : *kind->stage == Stage::granular && scene.granular && (on_top || of_a_run);
+}
+
+FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& file,
+                                std::optional<double> independent_spacing) {
+    static const std::vector<std::string> required = {"x", "value"}, optional = {"sigma"};
+    const store::Table table = store::read_csv(file, required, optional);
+    const std::vector<double> x = times(*table.find("x"), keys.columns.place_factor);
+    const auto& value = *table.find("value");
+    const auto* sigma = known_sigmas(table);
+    FitProfileData out{name_or_stem(keys.name, file), file, {}, 0};
+    fitting::Profile& data = out.data;
+    data.name = out.name;
+    data.component = keys.component == "Ux" ? fitting::Component::Ux : fitting::Component::Uy;
+    data.along = keys.along == "x" ? fitting::Axis::x : fitting::Axis::y;
+    data.at = keys.at;
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        if (!keys.range.empty() && (x[i] < keys.range[0] || x[i] > keys.range[1]))
+            continue;
+        if (sigma && std::isnan((*sigma)[i])) {
+            ++out.left_out;
+            continue;
+        }
+        if (sigma && !((*sigma)[i] > 0.0))
+            throw InputError(
+                fmt::format("{}: sigma = {}: must be above 0; leave the column out if the errors are "
+                            "unknown",
+                            where(file, table.lines[i]), (*sigma)[i]));
+        data.place.push_back(x[i]);
+        data.value.push_back(value[i] * keys.columns.value_factor);
+        if (sigma)
+            data.sigma.push_back((*sigma)[i] * keys.columns.value_factor);
+        data.where.push_back(where(file, table.lines[i]));
+    }
+    if (data.place.empty())
+        throw InputError(file.string() + ": holds no points to fit" +
+                         (keys.range.empty() ? "" : " within fit.profiles.range"));
+    if (independent_spacing)
+        fitting::share_data(data, *independent_spacing);
+    return out;
+}
+
+FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& file,
+                            std::optional<PeriodicBox> box) {
+    static const std::vector<std::string> required = {"t", "x0", "y0", "theta0"}, optional = more_rod_names();
+    const store::Table table = store::read_csv(file, required, optional);
+    const auto columns = rod_columns(table);
+    FitTrackData out{name_or_stem(keys.name, file),
+                     file,
+                     columns.size() / 3,
+                     keys.f_over_mu,
+                     keys.f_over_mu / keys.speed,
+                     false,
+                     false,
+                     {}};
+    if (columns.size() % 3 != 0)
+        throw InputError(fmt::format("{}: rod {} lacks one of the columns x{}, y{}, theta{}", file.string(),
+                                     out.rods, out.rods, out.rods, out.rods));
+    take_keys(keys, out);
+    const auto& t = *table.find("t");
+    for (std::size_t i = held_rows(t, columns); i < table.rows(); ++i) {
+        out.data.times.push_back(t[i] / out.time);
+        out.data.states.push_back(state(columns, i, out.length));
+        out.data.where.push_back(where(file, table.lines[i]));
+    }
+    if (out.data.times.size() < 2)
+        throw InputError(file.string() + ": a trajectory needs at least two rows");
+    settle_track(out, box ? std::optional(*box / out.length) : std::nullopt);
+    if (keys.independent_time)
+        out.data.independent = fitting::mean_worth(
+            fitting::independent_worth(out.data.times, *keys.independent_time / out.time));
+    return out;
+}
+
+FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directory, OwnFiles own) {
+    const scene::Fit& keys = *scene.fit;
+    const auto absent = [&](const std::string& file) {
+        if (own == OwnFiles::required || !made_by_run(file, scene))
+            return false;
+        const auto places = data_file_places(file, scene, run_directory);
+        return own == OwnFiles::left_out ||
+               std::ranges::none_of(places, [](const fs::path& p) { return fs::is_regular_file(p); });
+    };
+    FitInputs inputs{std::vector<std::optional<FitProfileData>>(keys.profiles.size()),
+                               std::vector<std::optional<FitTrackData>>(keys.trajectories.size())};
+    for (std::size_t i = 0; i < keys.profiles.size(); ++i)
+        if (const scene::FitProfile& one = keys.profiles[i]; !absent(one.file))
+            inputs.profiles[i] = read_fit_profile(one, find_fit_file(one.file, scene, run_directory),
+                                                  keys.independent_spacing);
+    for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
+        if (const scene::FitTrajectory& one = keys.trajectories[i]; !absent(one.file))
+            inputs.tracks[i] = read_fit_track(one, find_fit_file(one.file, scene, run_directory), keys.box);
+    for (std::size_t table = 0; table < keys.maps.size(); ++table)
+        for (const std::string& name : keys.maps[table].files) {
+            inputs.maps.emplace_back();
+            if (absent(name))
+                continue;
+            inputs.maps.back() = read_fit_map(keys.maps[table], find_fit_file(name, scene, run_directory),
+                                              keys.independent_spacing, needs_speed(keys), keys.length_unit);
+            inputs.maps.back()->table = table;
+        }
+    return inputs;
+}
+
+} // namespace rodwake::app

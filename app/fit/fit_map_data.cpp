@@ -1,0 +1,225 @@
+#include "fit_map_data.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/csv.hpp"
+#include "rodwake/store/hdf5_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Column = std::vector<double>;
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& why) {
+    throw InputError(fmt::format("{}: fit.maps.files: {}", file.string(), why));
+}
+
+double step_between(const Column& places) { return places[1] - places[0]; }
+
+/// Half the last decimal of all places, or the last digit of each, whichever is larger: programs write as
+/// many of the one or of the other. Single precision rounds, too.
+Column roundings(const Column& places) {
+    constexpr double single = 6e-8; // 2^-24, of the place
+    std::vector<int> exponents;
+    int decimals = -400, digits = 1;
+    for (const double place : places) {
+        std::array<char, 32> text{}; // "1.2346e-01"
+        std::to_chars(text.data(), text.data() + text.size(), std::abs(place), std::chars_format::scientific);
+        const std::string_view shown(text.data());
+        const auto e = shown.find('e');
+        exponents.push_back(place == 0.0 ? -400 : std::stoi(text.data() + e + 1));
+        const int own = std::max(1, static_cast<int>(e) - 1);
+        digits = std::max(digits, own);
+        decimals = place == 0.0 ? decimals : std::max(decimals, own - 1 - exponents.back());
+    }
+    Column half(places.size());
+    for (std::size_t k = 0; k < half.size(); ++k)
+        half[k] =
+            std::max({0.5001 * std::pow(10.0, -decimals), 0.5001 * std::pow(10.0, exponents[k] - digits + 1),
+                      single * std::abs(places[k])});
+    return half;
+}
+
+/// From place to place, if there is an even grid of which all of them are roundings; nothing if there is
+/// none, or if the rounding might hide that a place is missing.
+std::optional<double> rounded_step(const Column& places) {
+    const Column half = roundings(places);
+    double least = 0.0, most = HUGE_VAL;
+    for (std::size_t j = 1; j < places.size(); ++j)
+        for (std::size_t i = 0; i < j; ++i) {
+            const double apart = places[j] - places[i], slack = half[i] + half[j];
+            least = std::max(least, (apart - slack) / static_cast<double>(j - i));
+            most = std::min(most, (apart + slack) / static_cast<double>(j - i));
+            if (least > most)
+                return std::nullopt;
+        }
+    const double step = 0.5 * (least + most);
+    return std::ranges::max(half) <= step / 8.0 ? std::optional(step) : std::nullopt;
+}
+
+/// The places, or the even ones of which they are roundings.
+Column even(const fs::path& file, Column places, const char* axis) {
+    if (places.size() < 2)
+        refuse(file, fmt::format("a map needs two {} or more; it has {}", axis, places.size()));
+    const auto uneven = std::ranges::adjacent_find(places, [&](double a, double b) {
+        return std::abs(b - a - step_between(places)) > 1e-6 * std::abs(step_between(places));
+    });
+    if (uneven == places.end())
+        return places;
+    const auto step = rounded_step(places);
+    if (!step)
+        refuse(file, fmt::format(
+                         "its {} are not evenly spaced: {:g} follows {:g}, and the first two are {:g} apart; "
+                         "are rows of the table missing?",
+                         axis, uneven[1], uneven[0], step_between(places)));
+    // a grid that is the same on both sides of 0 stays so
+    const double start =
+        0.5 * (places.front() + places.back() - *step * static_cast<double>(places.size() - 1));
+    for (std::size_t k = 0; k < places.size(); ++k)
+        places[k] = start + static_cast<double>(k) * *step;
+    return places;
+}
+
+Column layer(const store::Hdf5Reader& h5, const fs::path& file, const char* name, const fitting::Map& map,
+             bool or_unknown) {
+    const std::string path = std::string("/displacement/") + name;
+    if (!h5.has(path))
+        refuse(file, "has no " + path);
+    store::Hdf5Dataset data = h5.dataset(path, or_unknown);
+    if (data.shape != std::vector<std::size_t>{map.y.size(), map.x.size()})
+        refuse(file, path + " has another number of bins than /displacement/x and y");
+    return data.values;
+}
+
+fitting::Map of_measure(const fs::path& file) {
+    const store::Hdf5Reader h5(file);
+    if (!h5.has("/displacement/x") || !h5.has("/displacement/y"))
+        refuse(file, "has no displacement field (/displacement); rodwake measure writes one with "
+                     "measure.displacement = \"phase\"");
+    fitting::Map map;
+    map.x = h5.dataset("/displacement/x").values;
+    map.y = h5.dataset("/displacement/y").values;
+    map.Ux = layer(h5, file, "Ux", map, false);
+    map.Uy = layer(h5, file, "Uy", map, false);
+    map.sigma_x = layer(h5, file, "sigma_x", map, true);
+    map.sigma_y = layer(h5, file, "sigma_y", map, true);
+    for (const double count : layer(h5, file, "count", map, false))
+        map.known.push_back(count > 0.0);
+    map.x = even(file, map.x, "columns x");
+    map.y = even(file, map.y, "rows y");
+    map.lx = step_between(map.x) * static_cast<double>(map.x.size());
+    map.ly = step_between(map.y) * static_cast<double>(map.y.size());
+    map.speed = h5.real("/displacement", "mean_speed_a_per_s");
+    return map;
+}
+
+/// A person may give the box that a scene asked for, from which that of box = "fit" differs by up to 1 %.
+bool is_of_box(const fitting::Map& map, std::span<const double> box) {
+    return std::abs(box[0] / map.lx - 1.0) < 1e-2 && std::abs(box[1] / map.ly - 1.0) < 1e-2;
+}
+
+/// Places of one column or row may differ in their last bits.
+double same_place(const Column& sorted) {
+    return sorted.empty() ? 0.0 : 1e-6 * (sorted.back() - sorted.front());
+}
+
+/// The different values, increasing.
+Column places_of(Column values) {
+    std::ranges::sort(values);
+    const double apart = same_place(values);
+    values.erase(
+        std::unique(values.begin(), values.end(), [&](double a, double b) { return b - a <= apart; }),
+        values.end());
+    return values;
+}
+
+std::size_t slot(const Column& places, double at) {
+    return static_cast<std::size_t>(std::ranges::upper_bound(places, at) - places.begin()) - 1;
+}
+
+fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
+    static const std::vector<std::string> required = {"x", "y", "Ux", "Uy"},
+                                          optional = {"sigma_x", "sigma_y"};
+    const store::Table table = store::read_csv(file, required, optional);
+    const Column &x = *table.find("x"), &y = *table.find("y");
+    const Column *sigma_x = table.find("sigma_x"), *sigma_y = table.find("sigma_y");
+    if ((sigma_x == nullptr) != (sigma_y == nullptr))
+        refuse(file, "columns sigma_x and sigma_y come together");
+    fitting::Map map;
+    const Column columns = places_of(x), rows = places_of(y);
+    map.x = even(file, columns, "columns x");
+    map.y = even(file, rows, "rows y");
+    map.known.assign(map.bins(), false);
+    for (Column* values : {&map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y})
+        values->assign(map.bins(), std::nan(""));
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        const std::size_t bin = slot(rows, y[i]) * map.x.size() + slot(columns, x[i]);
+        if (map.known[bin])
+            throw InputError(fmt::format("{}:{}: x = {:g}, y = {:g} is there twice", file.string(),
+                                         table.lines[i], x[i], y[i]));
+        map.known[bin] = true;
+        map.Ux[bin] = (*table.find("Ux"))[i];
+        map.Uy[bin] = (*table.find("Uy"))[i];
+        map.sigma_x[bin] = sigma_x ? (*sigma_x)[i] : std::nan("");
+        map.sigma_y[bin] = sigma_y ? (*sigma_y)[i] : std::nan("");
+    }
+    for (Column* places : {&map.x, &map.y})
+        std::ranges::for_each(*places, [&](double& place) { place *= units.place_factor; });
+    for (Column* values : {&map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y})
+        std::ranges::for_each(*values, [&](double& value) { value *= units.value_factor; });
+    return map;
+}
+
+} // namespace
+
+bool needs_speed(const scene::Fit& keys) {
+    return scene::fit_has(keys, "zeta") || scene::fit_has(keys, "rho") || scene::fit_has(keys, "eta_s");
+}
+
+FitMapData read_fit_map(const scene::FitMap& keys, const fs::path& file,
+                        std::optional<double> independent_spacing, bool needs_speed,
+                        const std::string& length_unit) {
+    const bool table = file.extension() == ".csv";
+    FitMapData out{keys.name.empty() ? file.filename().string() : keys.name, file, 0, {}, 0, false};
+    if (!table && (length_unit == "m" || length_unit == "cm" || length_unit == "mm" || length_unit == "um"))
+        refuse(file,
+               fmt::format(
+                   "it is in bead radii and fit.length_unit = \"{}\" is the unit of all lengths here: leave "
+                   "length_unit out, strings with a unit are converted to bead radii then",
+                   length_unit));
+    out.data = table ? of_table(file, keys.columns) : of_measure(file);
+    fitting::Map& map = out.data;
+    map.name = file.string();
+    if (table && keys.box.empty())
+        refuse(file, "a table does not say how large its periodic box is: give fit.maps.box = [Lx, Ly]");
+    if (table && needs_speed && !keys.speed)
+        refuse(file, "zeta, rho and eta_s go with the rod's speed, which a table does not say: give "
+                     "fit.maps.speed");
+    map.speed = keys.speed.value_or(map.speed);
+    if (!table && !keys.box.empty() && !is_of_box(map, keys.box))
+        refuse(file,
+               fmt::format("it was measured in a box of {:g} x {:g}, not {:g} x {:g}: leave fit.maps.box out",
+                           map.lx, map.ly, keys.box[0], keys.box[1]));
+    if (table) {
+        map.lx = keys.box[0];
+        map.ly = keys.box[1];
+    }
+    if (const double across = map.x.back() - map.x.front(), up = map.y.back() - map.y.front();
+        across > map.lx * (1.0 + 1e-6) || up > map.ly * (1.0 + 1e-6))
+        refuse(file, fmt::format("its grid is {:g} x {:g}, larger than the box of {:g} x {:g}", across, up,
+                                 map.lx, map.ly));
+    settle_map(out, independent_spacing);
+    return out;
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,223 @@
+#include "fit_stage.hpp"
+
+#include "fit_data.hpp"
+#include "fit_files.hpp"
+#include "fit_ledger.hpp"
+#include "fit_medium.hpp"
+#include "fit_systematics.hpp"
+#include "run/progress.hpp"
+#include "rodwake/core/build_info.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/write.hpp"
+#include "rodwake/app/run.hpp"
+#include "run/stage_list.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* ledger_file = "fit_starts.log";
+
+void log_data(const FitPlan& plan, const Logger& log) {
+    for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
+        const FitProfileData& p = plan.profiles[i];
+        log->info("fit: {} {}: {} points from {}",
+                  plan.keys.profiles[i].role == scene::FitRole::fit ? "profile" : "to predict", p.name,
+                  p.data.place.size(), p.file.string());
+        if (p.left_out > 0)
+            log->warn("fit: {}: {} points without a sigma are left out", p.file.string(), p.left_out);
+    }
+    for (const FitMapData& m : plan.maps) {
+        log->info("fit: map {}: {} of {} bins count, {}", m.name,
+                  fitting::used_bins(m.data, plan.mask).size(), m.data.bins(), m.file.string());
+        if (m.left_out > 0)
+            log->warn("fit: {}: {} bins without a sigma are left out", m.file.string(), m.left_out);
+        if (m.mirrored)
+            log->info("fit: {}: both sides of the rod are the same numbers; those at y > 0 count",
+                      m.file.string());
+    }
+    for (const FitTrackData& t : plan.tracks) {
+        log->info("fit: trajectory {}: {} rods, {} rows from {}", t.name, t.rods, t.data.times.size(),
+                  t.file.string());
+        if (t.unwrapped)
+            log->info(
+                "fit: {}: headings that jump by more than half a turn between rows were brought nearer by "
+                "whole turns",
+                t.file.string());
+    }
+    for (const std::string& remark : plan.problem.remarks) // here too: the fit may fail of it
+        log->warn("fit: {}", remark);
+}
+
+std::string with_unit(const std::string& unit) { return unit.empty() || unit == "1" ? "" : " " + unit; }
+
+std::string line_of(const FitPlan& plan, const fitting::Report& r, std::size_t i) {
+    const fitting::Estimate& e = r.estimates[i];
+    const fitting::Parameter& p = plan.problem.parameters[i];
+    const std::string value = fmt::format("{} = {:.6g}", e.name, e.value),
+                      unit = with_unit(fit_unit(plan.keys, e.name));
+    if (p.fixed)
+        return value + unit + " (fixed)";
+    if (e.at_lower || e.at_upper)
+        return value + unit +
+               fmt::format(" (at its {} bound), 95 % interval {:.5g} to {:.5g}",
+                           e.at_lower ? "lower" : "upper", e.low, e.high);
+    if (std::isfinite(e.standard_error))
+        return fmt::format("{} +- {:.2g}{}", value, e.standard_error, unit);
+    return value + unit + (std::isfinite(r.error_factor) ? ", not fixed by the data" : ", error unknown");
+}
+
+void log_results(const FitPlan& plan, const FitResults& results, const Logger& log) {
+    const fitting::Report& r = results.report;
+    for (std::size_t i = 0; i < r.estimates.size(); ++i)
+        log->info("fit: {}", line_of(plan, r, i));
+    for (const auto& [name, d] : results.derived)
+        log->info("fit: {} = {:.6g}{}{}", name, d.value,
+                  d.not_fixed()                   ? ", not fixed by the data"
+                  : d.known()                     ? fmt::format(" +- {:.2g}", d.error)
+                  : std::isfinite(r.error_factor) ? ""
+                                                  : ", error unknown",
+                  with_unit(fit_unit(plan.keys, name)));
+    log->info("fit: chi2 = {:.4g} for {} degrees of freedom; {} of {} starts ended there; {} ({})", r.chi2,
+              r.dof, r.same_optimum, results.fit.starts.size(), to_string(results.fit.termination),
+              results.fit.reason);
+    for (std::size_t k = 0; k < results.systematics.total.size(); ++k)
+        if (const fitting::Estimate& e = results.report.estimates[k]; e.free)
+            log->info("fit: {} = {:.6g} +- {:.2g} with what held constants, masks and runs add", e.name,
+                      e.value, results.systematics.total[k]);
+    for (const std::string& line : findings(plan, results))
+        log->info("fit: {}", line);
+    for (const std::string& remark : r.diagnostics)
+        log->warn("fit: {}", remark);
+}
+
+/// False if a signal stopped it. One that cannot be had does not take the fit with it.
+bool add_likelihoods(const FitPlan& plan, const fitting::Method& method, FitResults& results,
+                     const RunContext& context, const Logger& log) {
+    const auto& all = plan.problem.parameters;
+    for (const std::string& name : plan.keys.likelihood) {
+        const auto at = std::ranges::find(all, name, &fitting::Parameter::name);
+        try {
+            results.likelihood.emplace(
+                name, fitting::profile_likelihood(plan.problem, method, results.fit,
+                                                  static_cast<std::size_t>(at - all.begin())));
+        } catch (const RunError& error) {
+            log->warn("fit: no likelihood of {}: {}", name, error.what());
+        }
+        if (context.stopped()) {
+            results.likelihood.erase(name); // part of it
+            return false;
+        }
+    }
+    return true;
+}
+
+/// False if a signal stopped it. Refits that fail do not take the fit with them.
+bool add_systematics(const FitPlan& plan, const fitting::Method& method, FitResults& results,
+                     const Logger& log) {
+    try {
+        auto found = fit_systematics(plan, method, results.fit, results.report);
+        if (!found)
+            return false;
+        results.systematics = std::move(*found);
+    } catch (const std::runtime_error& error) { // of a refit: the scene was checked before
+        if (method.stop_requested && method.stop_requested())
+            return false;
+        log->warn("fit: no errors by their cause (held constants, masks, runs): {}", error.what());
+    }
+    return true;
+}
+
+fitting::Fit solve(const FitPlan& plan, fitting::Method& method, FitLedger& ledger,
+                   const RunContext& context, const Logger& log) {
+    method.done = ledger.done();
+    if (!method.done.empty())
+        log->info("fit: going on after {} of {} starts", method.done.size(), method.starts);
+    Progress progress(context, "fit", static_cast<double>(method.starts), "starts");
+    std::size_t count = method.done.size();
+    method.on_start_done = [&](const fitting::StartResult& end) {
+        ledger.add(end);
+        progress.update(static_cast<double>(++count));
+    };
+    method.stop_requested = [&] { return context.stopped(); };
+    fitting::Fit fit = fitting::fit(plan.problem, method);
+    method.on_start_done = nullptr;
+    return fit;
+}
+
+} // namespace
+
+std::string fit_key(const scene::Scene& scene, const FitPlan& plan) {
+    scene::Scene only_fit;
+    only_fit.fit = scene.fit;
+    std::string key = build_info().version + " " + build_info().git + "\n" + scene::to_toml(only_fit);
+    key += fmt::format("seed {}\n", plan.method.seed);
+    for (const FitProfileData& p : plan.profiles)
+        key += fmt::format("{}\n{}\n{}\n", fmt::join(p.data.place, " "), fmt::join(p.data.value, " "),
+                           fmt::join(p.data.sigma, " "));
+    for (const FitMapData& m : plan.maps)
+        key += fmt::format("{} {} {}\n{}\n{}\n{}\n{}\n{}\n{}\n", m.data.lx, m.data.ly, m.data.speed,
+                           fmt::join(m.data.x, " "), fmt::join(m.data.y, " "), fmt::join(m.data.Ux, " "),
+                           fmt::join(m.data.Uy, " "), fmt::join(m.data.sigma_x, " "),
+                           fmt::join(m.data.sigma_y, " "));
+    for (const FitTrackData& t : plan.tracks)
+        for (std::size_t i = 0; i < t.data.times.size(); ++i)
+            key += fmt::format("{} {}\n", t.data.times[i], fmt::join(t.data.states[i], " "));
+    return key;
+}
+
+bool fit_was_stopped(const fs::path& folder) { return fs::exists(folder / ledger_file); }
+
+FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan,
+                             const RunContext& context, const fs::path& folder, const Logger& log) {
+    log_data(plan, log);
+    FitLedger ledger(folder / ledger_file, fit_key(scene, plan),
+                     fitting::free_parameters(plan.problem).size());
+    fitting::Method method = plan.method;
+    method.threads = context.thread_count();
+    fitting::Fit fit = solve(plan, method, ledger, context, log);
+    const bool failed = fit.termination == fitting::Termination::failed, usable = std::isfinite(fit.chi2);
+    bool stopped = fit.termination == fitting::Termination::interrupted || context.stopped();
+    if (!usable || failed) {
+        if (!stopped)
+            log->error("fit: failed: {}", fit.reason);
+        return {stopped ? StageEnd::interrupted : StageEnd::failed, std::nullopt};
+    }
+    FitResults results = fit_results(plan, std::move(fit));
+    stopped = stopped || !add_likelihoods(plan, method, results, context, log) ||
+              !add_systematics(plan, method, results, log);
+    write_fit(folder, plan, results, {context.command});
+    log_results(plan, results, log);
+    if (!stopped)
+        ledger.remove();
+    return {stopped ? StageEnd::interrupted : StageEnd::finished, std::move(results)};
+}
+
+StageEnd run_fit_stage(Session& session) {
+    const scene::Scene& scene = session.plan.scene;
+    // what the run makes is there by now
+    const FitPlan plan =
+        session.plan.fit_plan
+            ? *session.plan.fit_plan
+            : fit_plan(*scene.fit,
+                                 read_fit_inputs(scene, session.directory.path(), OwnFiles::required));
+    const FitStageResult done =
+        fit_in_folder(session.plan.scene, plan, session.context, session.directory.path(), session.log);
+    const bool wanted = session.plan.scene.medium && session.plan.scene.medium->fitted;
+    if (done.end == StageEnd::failed && wanted)
+        throw RunError(
+            "medium.fitted: the fit failed, so there is no medium for the rods and the field; give eta and "
+            "xi in [medium] instead of fitted = true");
+    if (done.end == StageEnd::finished && wanted)
+        take_fitted_medium(session, *done.results, plan);
+    return done.end;
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,25 @@
+#pragma once
+// The fit stage: [fit] solved and its files written.
+
+#include "rodwake/app/fit_results.hpp"
+#include "run/session.hpp"
+
+namespace rodwake::app {
+
+struct FitStageResult {
+    StageEnd end = StageEnd::failed;
+    std::optional<FitResults> results; ///< absent if there is nowhere a finite residual
+};
+
+/// Starts that are done are kept in the folder until the fit is finished; the same command goes on from them.
+FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan,
+                             const RunContext& context, const std::filesystem::path& folder,
+                             const Logger& log);
+
+/// What a fit depends on, as text: version, search, model and data.
+std::string fit_key(const scene::Scene& scene, const FitPlan& plan);
+
+/// Whether a fit was stopped in this folder and can go on.
+bool fit_was_stopped(const std::filesystem::path& folder);
+
+} // namespace rodwake::app

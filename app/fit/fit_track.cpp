@@ -1,0 +1,170 @@
+// Tracks of rods as data of a fit, wherever they come from, and whether data look like what they should be.
+
+#include "rodwake/app/fit.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::app {
+
+namespace {
+
+using States = std::vector<std::vector<double>>;
+constexpr double turn = 2.0 * std::numbers::pi;
+
+/// The heading that is nearest to the one before it, by whole turns. Untouched where it is near already.
+double unwrapped(double heading, double before) {
+    return std::abs(heading - before) <= std::numbers::pi
+               ? heading
+               : heading - turn * std::nearbyint((heading - before) / turn);
+}
+
+/// Of each rod along the rows; whether anything changed.
+bool unwrap(States& states) {
+    bool changed = false;
+    for (std::size_t row = 1; row < states.size(); ++row)
+        for (std::size_t k = 2; k < states[row].size(); k += 3) {
+            const double heading = unwrapped(states[row][k], states[row - 1][k]);
+            changed = changed || heading != states[row][k];
+            states[row][k] = heading;
+        }
+    return changed;
+}
+
+/// Rods that came in again at the other side go on where they were.
+void unwrap_places(States& states, const PeriodicBox& box) {
+    for (std::size_t row = 1; row < states.size(); ++row)
+        for (std::size_t k = 0; k < states[row].size(); ++k)
+            if (k % 3 != 2)
+                states[row][k] = states[row - 1][k] +
+                                 nearest_image(states[row][k] - states[row - 1][k], k % 3 ? box.y : box.x);
+}
+
+/// How all rods move: path lengths, the part along the heading between two rows, and the time it took.
+struct Motion {
+    double path = 0.0, along = 0.0, time = 0.0;
+    double x = 0.0, y = 0.0; ///< sums of the displacements
+    double largest = 0.0;    ///< heading, as in the file
+
+    double cosine() const { return path > 0.0 ? along / path : 1.0; }
+    double spread() const { return path > 0.0 ? 1.0 - std::hypot(x, y) / path : 0.0; } ///< of the directions
+};
+
+/// `unit`: of the headings, rad. Rows in which a rod stands still, as after a contact, do not count.
+Motion motion_of(const fitting::Trajectory& track, double unit) {
+    Motion sum;
+    const std::size_t rows = std::min(track.times.size(), track.states.size());
+    for (std::size_t row = 1; row < rows; ++row)
+        for (std::size_t k = 0; k + 2 < std::min(track.states[row].size(), track.states[row - 1].size());
+             k += 3) {
+            const auto &a = track.states[row - 1], &b = track.states[row];
+            const double dx = b[k] - a[k], dy = b[k + 1] - a[k + 1];
+            if (dx == 0.0 && dy == 0.0)
+                continue;
+            const double heading = 0.5 * (unit * a[k + 2] + unwrapped(unit * b[k + 2], unit * a[k + 2]));
+            sum.x += dx, sum.y += dy;
+            sum.largest = std::max(sum.largest, std::abs(b[k + 2]));
+            sum.path += std::hypot(dx, dy);
+            sum.along += dx * std::cos(heading) + dy * std::sin(heading);
+            sum.time += track.times[row] - track.times[row - 1];
+        }
+    return sum;
+}
+
+/// Motion follows headings in degrees far better than the same numbers as radians, and not only because all
+/// are near 0.
+void refuse_degrees(const FitTrackData& track) {
+    const Motion motion = motion_of(track.data, turn / 360.0);
+    const double in_rad = motion_of(track.data, 1.0).cosine(), in_deg = motion.cosine();
+    const bool told = motion.largest > turn || 1.0 - in_deg < 0.5 * motion.spread();
+    if (told && in_rad < 0.9 && 1.0 - in_deg < 0.25 * (1.0 - in_rad))
+        throw InputError(fmt::format("{}: the headings look like degrees: the rods move along them if they "
+                                     "are (mean cosine {:.2f}), not if they "
+                                     "are radians ({:.2f}); multiply theta by pi/180",
+                                     track.file.string(), in_deg, in_rad));
+}
+
+constexpr const char* scales_text = "f_over_mu and speed of [[fit.trajectories]] say what one f/mu and one "
+                                    "v0 are in the numbers of the file, and a "
+                                    "track in Python is in reduced units";
+
+void add_motion(const FitTrackData& track, std::vector<std::string>& remarks) {
+    const Motion motion = motion_of(track.data, 1.0);
+    const double speed = motion.along / motion.time, path_speed = motion.path / motion.time;
+    if (!std::isfinite(path_speed))
+        return;
+    const auto text = [&](double v) {
+        return fmt::format(
+            "{}: the rods move at {:.3g} in reduced units, where the model has 1: {}; speed = {:.3g} would "
+            "do",
+            track.file.string(), v, scales_text, v * track.length / track.time);
+    };
+    if (path_speed < 0.1 || (speed > 10.0 && path_speed > 10.0))
+        throw InputError(text(path_speed));
+    if (motion.cosine() < 0.3 && speed < 0.5)
+        remarks.push_back(
+            fmt::format("{}: the rods do not move along their headings (mean cosine {:.2f}): theta is "
+                        "counter-clockwise from +x, in radians",
+                        track.file.string(), motion.cosine()));
+    else if (speed < 0.6 || speed > 1.6)
+        remarks.push_back(text(speed));
+}
+
+/// The periodic box is in the unit of the file; rods that see the images are not far from its sides.
+void add_box(const FitTrackData& track, std::vector<std::string>& remarks) {
+    if (!track.data.box)
+        return;
+    double largest = 0.0;
+    for (const std::vector<double>& state : track.data.states)
+        for (std::size_t k = 0; k < state.size(); ++k)
+            if (k % 3 != 2)
+                largest = std::max(largest, std::abs(state[k] - state[k % 3]));
+    if (track.data.box->shorter() > 100.0 * largest)
+        remarks.push_back(fmt::format(
+            "{}: fit.box = {:.3g} is far larger than the distances between the rods, up to "
+            "{:.3g}: for tracks it is in the unit of the file",
+            track.file.string(), track.data.box->shorter() * track.length, largest * track.length));
+}
+
+/// Displacements against the distances at which they are: strains of above 1, or of nothing.
+void add_sizes(const FitProfileData& profile, std::vector<std::string>& remarks) {
+    double place = 0.0, value = 0.0;
+    const fitting::Profile& data = profile.data;
+    for (std::size_t i = 0; i < data.place.size(); ++i) {
+        place = std::max(place, std::hypot(data.place[i], data.at));
+        value = std::max(value, std::abs(data.value[i]));
+    }
+    if (value > place || (value > 0.0 && value < 1e-5 * place))
+        remarks.push_back(
+            fmt::format("{}: displacements of up to {:.2g} at places up to {:.2g}: if they are in another "
+                        "unit than the places, give place_unit or value_unit",
+                        profile.file.string(), value, place));
+}
+
+} // namespace
+
+void settle_track(FitTrackData& track, std::optional<PeriodicBox> box) {
+    track.data.box = box;
+    if (box)
+        unwrap_places(track.data.states, *box);
+    refuse_degrees(track);
+    track.unwrapped = unwrap(track.data.states);
+}
+
+std::vector<std::string> data_remarks(const FitPlan& plan) {
+    std::vector<std::string> remarks;
+    for (const FitProfileData& profile : plan.profiles)
+        add_sizes(profile, remarks);
+    for (const FitTrackData& track : plan.tracks) {
+        add_motion(track, remarks);
+        add_box(track, remarks);
+    }
+    return remarks;
+}
+
+} // namespace rodwake::app

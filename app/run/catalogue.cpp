@@ -1,0 +1,373 @@
+#include "catalogue.hpp"
+
+#include "scan/scan_columns.hpp"
+#include "bed/series_columns.hpp"
+#include "tradeoff/tradeoff_files.hpp"
+#include "tradeoff/ways_files.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <deque>
+
+namespace rodwake::app {
+
+namespace {
+using enum Lifetime;
+
+constexpr ColumnInfo rods_columns[] = {
+    {"t", "{time}", "time"},
+    {"x<k>", "{length}", "place of rod k, unwrapped"},
+    {"y<k>", "{length}", "place of rod k, unwrapped"},
+    {"theta<k>", "rad", "heading of rod k from +x, counter-clockwise, without jumps"}};
+
+constexpr ColumnInfo rods_order_columns[] = {
+    {"t", "{order time}", "time"},
+    {"polar", "1", "polar order |<exp(i theta)>|"},
+    {"nematic", "1", "nematic order |<exp(2 i theta)>|"},
+    {"clusters", "1", "number of clusters"},
+    {"mean_size", "1", "rods by clusters"},
+    {"weighted_size", "1", "mean size of the cluster that a rod is in"},
+    {"largest", "1", "rods of the largest cluster"}};
+
+constexpr ColumnInfo clusters_columns[] = {
+    {"size", "1", "rods of a cluster; sizes that occur"},
+    {"clusters", "1", "clusters of this size at an instant, mean from rods_order.from on"},
+    {"share", "1", "of the rods that are in them"}};
+
+constexpr ColumnInfo ensemble_columns[] = {
+    {"sample", "1", "number of the draw, from 0"},
+    {"run", "1", "number of the run with noise, from 0"},
+    {"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided; empty: the solver failed"},
+    {"time", "{time}", "of contact, else the end of the run"},
+    {"final_separation", "{length}", "of the closest pair then; empty: one rod"},
+    {"min_separation", "{length}", "smallest separation of any pair at any time"},
+    {"turn0", "rad", "of rod 0 from start to end"},
+    {"first", "1", "rod of the pair in contact or pursuit, else of the closest"},
+    {"second", "1", "the other rod of that pair"}};
+
+constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
+                                      {"y", "{length}", "place along the cut"},
+                                      {"Ux", "{length}", "displacement along the rod's heading"},
+                                      {"Uy", "{length}", "displacement across the rod's heading"}};
+
+constexpr ColumnInfo table_columns[] = {
+    {"t", "s", "time; the rods are held before 0"},
+    {"energy", "J", "kinetic and potential energy of beads and rods"},
+    {"kinetic", "J", "kinetic energy of beads and rods"},
+    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean since the row before"},
+    {"T_z", "m^2/s^2", "var vz of the beads, mean since the row before"},
+    {"psi6", "1", "|mean over the beads of psi6|, neighbours nearer than granular.order_cutoff"},
+    {"contacts", "1", "overlapping pairs a step, mean since the row before"},
+    {"floor_impulse", "N s", "upward momentum from the floor since the start"},
+    {"lid_impulse", "N s", "upward momentum from the lid since the start; negative"},
+    {"max_overlap", "a", "largest overlap since the start, of the smaller radius"},
+    {"p_xx", "N/m",
+     "pressure along x in the plane, mean since the row before; in the first row the kinetic part"},
+    {"p_xy", "N/m", "shear part of the pressure tensor, the same"},
+    {"p_yy", "N/m", "pressure along y, the same"}};
+
+constexpr ColumnInfo track_columns[] = {
+    {"t", "s", "time; the rods are held before 0"},
+    {"x<k>", "m", "centre of mass of rod k, unwrapped"},
+    {"y<k>", "m", "centre of mass of rod k, unwrapped"},
+    {"z<k>", "m", "height of the centre of mass of rod k"},
+    {"theta<k>", "rad", "heading of the thin end from +x, without jumps"},
+    {"pitch<k>", "rad", "angle of the axis to the horizontal"},
+    {"speed<k>", "m/s", "along the heading, thin end first positive, mean since the row before"},
+    {"pushed<k>", "N s", "momentum given to the beads along the heading since t = 0"}};
+
+constexpr ColumnInfo runs_columns[] = {
+    {"run", "1", "number of the run, from 1"},
+    {"simulated_time", "s", "time simulated from t = 0"},
+    {"cpu_seconds", "s", "processor time"},
+    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean from t = 0"},
+    {"T_z", "m^2/s^2", "var vz of the beads, mean from t = 0"},
+    {"psi6", "1", "mean from t = 0 of the column psi6 of table.csv"},
+    {"max_overlap", "a", "largest overlap, of the smaller radius"},
+    {"p_xx", "N/m", "pressure along x in the plane, mean from t = 0"},
+    {"p_xy", "N/m", "shear part of the pressure tensor, mean from t = 0"},
+    {"p_yy", "N/m", "pressure along y, mean from t = 0"},
+    {"mean_speed<k>", "m/s", "of rod k along its heading, thin end first positive"},
+    {"net_turn<k>", "rad", "of rod k from t = 0 to the end"},
+    {"force<k>", "N", "of rod k on the beads along its heading, mean from t = 0"},
+    {"thrust<k>", "N", "of the plates on rod k along its heading, mean from t = 0"},
+    {"separation_change", "m", "of two rods across their mean first heading, outwards positive"},
+    {"half_box_time", "s", "when the rods had come half a box; empty: they have not"},
+    {"half_box_separation_change", "m", "separation change then"}};
+
+constexpr ColumnInfo cells_columns[] = {{"outcome", "1", "of all corners of the cell; mixed: they differ"}};
+constexpr ColumnInfo boundary_columns[] = {
+    {"curve", "1", "number of the curve; its rows are in order along it"},
+    {"between", "1", "the two outcomes"},
+    {"error", "1", "half the bracket, as a fraction of the axis"}};
+
+// Of a fit lengths are in the unit of its data, which fit.json names.
+constexpr ColumnInfo fit_profile_columns[] = {
+    {"x", "{data}", "place along the line"},
+    {"value", "{data}", "measured displacement"},
+    {"sigma", "{data}", "standard error as used; 0: unknown"},
+    {"model", "{data}", "fitted displacement"},
+    {"band", "{data}", "standard error of the model; empty: not fixed by the data"},
+    {"residual", "1", "(value - model)/sigma"},
+    {"used", "1", "1: fitted; 0: within the core"}};
+constexpr ColumnInfo fit_map_columns[] = {
+    {"x", "{data}", "place ahead of the rod"},
+    {"y", "{data}", "place to the left of the rod"},
+    {"Ux", "{data}", "measured displacement along the heading; empty: no data"},
+    {"Uy", "{data}", "measured displacement across; empty: no data"},
+    {"sigma_x", "{data}", "standard error of Ux as used; empty: unknown"},
+    {"sigma_y", "{data}", "standard error of Uy as used; empty: unknown"},
+    {"model_Ux", "{data}", "fitted displacement along the heading"},
+    {"model_Uy", "{data}", "fitted displacement across"},
+    {"known", "1", "1: there are data"},
+    {"used", "1", "1: fitted; 0: masked or without data"}};
+constexpr ColumnInfo fit_curve_columns[] = {{"x", "{data}", "place along the line"},
+                                            {"model", "{data}", "fitted displacement"},
+                                            {"band", "{data}", "standard error of the model"},
+                                            {"compare_<k>", "{data}", "displacement of comparison k"}};
+constexpr ColumnInfo fit_track_columns[] = {{"t", "{data}", "time"},
+                                            {"x<k>", "{data}", "measured place of rod k"},
+                                            {"y<k>", "{data}", "measured place of rod k"},
+                                            {"theta<k>", "rad", "measured heading of rod k"},
+                                            {"model_x<k>", "{data}", "fitted place of rod k"},
+                                            {"model_y<k>", "{data}", "fitted place of rod k"},
+                                            {"model_theta<k>", "rad", "fitted heading of rod k"}};
+
+constexpr ColumnInfo summary_values[] = {
+    {"simulated_time", "s", "time simulated from t = 0"},
+    {"cpu_seconds", "s", "processor time"},
+    {"wall_seconds", "s", "of the commands that worked on it"},
+    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean from t = 0"},
+    {"T_z", "m^2/s^2", "var vz of the beads, mean from t = 0"},
+    {"max_overlap", "1", "largest overlap, of the smaller radius"},
+    {"psi6", "1", "mean from t = 0 of the column psi6 of table.csv"},
+    {"pressure.<k>", "N/m", "in the plane, mean from t = 0"},
+    {"rods.<k>.mean_speed", "m/s", "along the heading, thin end first positive"},
+    {"rods.<k>.net_turn", "rad", "from t = 0 to the end"},
+    {"rods.<k>.force", "N", "on the beads along the heading, mean from t = 0"},
+    {"rods.<k>.thrust", "N", "of the plates on the rod along the heading, mean from t = 0"},
+    {"pair.separation_change", "m", "of two rods across their mean first heading, outwards positive"},
+    {"pair.half_box_time", "s", "when the rods had come half a box"},
+    {"pair.half_box_separation_change", "m", "separation change then"},
+    {"beads", "1", "number of the beads"},
+    {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"},
+    {"beads_fraction", "1", "area fraction of the beads alone, N pi a^2/(Lx Ly)"},
+    {"bead_radius", "m", "a"},
+    {"box", "m", "side of the periodic box, or both"},
+    {"time_step", "s", "of the simulation"},
+    {"gamma", "1", "largest acceleration of the plates over gravity"},
+    {"frequency", "Hz", "of the plates"},
+    {"gap", "m", "between the plates"},
+    {"orientation", "rad", "of the close-packed rows from x"},
+    {"cost.particle_steps", "1", "spheres times steps"},
+    {"cost.particle_steps_per_second", "1/s", "of wall clock, without the start"},
+    {"cost.<k>", "s", "of wall clock"}};
+
+constexpr ColumnInfo outcome_values[] = {
+    {"time", "{time}", "of contact, else the end of the run"},
+    {"min_separation", "{length}", "smallest separation of any pair at any time"},
+    {"min_separation_time", "{time}", "when"},
+    {"solver.time_step", "{time}", "of the first run with noise"},
+    {"turn", "rad", "of each rod from start to end"},
+    {"own_turn", "rad", "of it by the rod's own field"}};
+
+constexpr ColumnInfo noise_values[] = {
+    {"capture_probability", "1", "share of the runs with contact or pursuit"},
+    {"capture_low", "1", "lower end of its interval"},
+    {"capture_high", "1", "upper end of its interval"},
+    {"capture_confidence", "1", "of that interval"},
+    {"runs_at_time", "1", "runs that went on at each of the times"},
+    {"first_contact_time.mean", "{time}", "of the runs with contact"},
+    {"first_contact_time.error", "{time}", "its standard error"},
+    {"rotational_diffusion", "1/({time})", "of each heading"},
+    {"translational_diffusion", "({length})^2/({time})", "of each place"},
+    {"speed", "({length})/({time})", "of a rod, v0"},
+    {"time_step", "{time}", "of the integration"},
+    {"times", "{time}", "of the rows of the tables below"},
+    {"mean_square_displacement", "({length})^2", "a row a time, a column a rod"},
+    {"heading_correlation", "1", "a row a time, a column a rod"}};
+
+constexpr ColumnInfo order_values[] = {{"polar", "1", "polar order, mean from `from` on"},
+                                       {"nematic", "1", "nematic order, mean from `from` on"},
+                                       {"mean_size", "1", "rods by clusters"},
+                                       {"weighted_size", "1", "mean size of the cluster that a rod is in"},
+                                       {"largest", "1", "rods of the largest cluster"},
+                                       {"link", "{order length}", "rods nearer than this are linked"},
+                                       {"from", "{order time}", "means are from then on"},
+                                       {"block", "{order time}", "of time, for the errors"}};
+
+constexpr FileKind plain_kinds[] = {
+    {"scene.toml", {}, record, "the scene as resolved: every key with its value"},
+    {"provenance.json",
+     {},
+     record,
+     "who made the run, how each stage ended, the command that makes it again, elapsed seconds of the last "
+     "command"},
+    {"log.txt", {}, record, "messages of every command that worked on the run"},
+    {"manifest.json", {}, record, "this list"},
+    {"rodwake.lock", {}, record, "host and process that works on the run, or did last"},
+    {"result.h5", {}, result, "field and trajectories as datasets with units"},
+    {"report.html", {}, result, "figures and numbers of the run on one page"},
+
+    {"table.csv", Stage::granular, kept, "energy, temperatures, order, contacts against time", table_columns},
+    {"tracks.csv", Stage::granular, kept, "rods of the bed against time", track_columns},
+    {"runs.csv", Stage::granular, kept, "a row a run of the ensemble", runs_columns},
+    {"summary.json", Stage::granular, kept,
+     "means of the run, of an ensemble with their errors; SI; cost by part in seconds of wall clock; seconds "
+     "of "
+     "an ensemble are sums over its runs",
+     summary_values},
+    {"trajectory.h5md", Stage::granular, kept, "places and velocities of all spheres in every stored frame"},
+    {"trajectory.xyz", Stage::granular, kept, "the same as extended XYZ"},
+    {"last_period.h5md", Stage::granular, kept, "frames of the last period of the plates"},
+    {"final.rwc", Stage::granular, kept, "last state, for granular.restart_from"},
+    {"measure.rwc", Stage::granular, kept, "what was measured while the run went on"},
+    {"checkpoint.rwc", Stage::granular, progress, "state to go on from"},
+    {"checkpoint.rwc.previous", Stage::granular, progress, "the state before, in case that one is damaged"},
+    {"rows.log", Stage::granular, progress, "rows of the tables so far"},
+    {"frames.log", Stage::granular, progress, "frames so far"},
+    {"last_period.log", Stage::granular, progress, "frames of the last period so far"},
+
+    {"measure.h5", Stage::measure, result, "fields on grids in the rod's frame"},
+    {"series.json", Stage::measure, result, "fits over the rows of series.csv"},
+
+    {"fit.json", Stage::fit, result, "parameters with errors, and how good the fit is"},
+    {"fit.txt", Stage::fit, result, "the same to read"},
+    {"medium.json", Stage::fit, result, "the medium that the fit gives to field and rods"},
+    {"fit_profile_<k>.csv", Stage::fit, result, "a profile with its fit", fit_profile_columns},
+    {"fit_curve_<k>.csv", Stage::fit, result, "the model along a profile's line", fit_curve_columns},
+    {"fit_map_<k>.csv", Stage::fit, result, "a displacement map with its fit", fit_map_columns},
+    {"fit_trajectory_<k>.csv", Stage::fit, result, "rods with their fit", fit_track_columns},
+    {"fit_starts.log", Stage::fit, progress, "starts that are done"},
+
+    {"field_cut_<k>.csv", Stage::field, result, "displacement along a line", cut_columns},
+
+    {"ledger.sqlite", Stage::scan, kept,
+     "the points of the scan, of beds the runs, as it goes on: tables chunks and causes"},
+    {"ledger.sqlite-wal", Stage::scan, progress, "the newest rows of the ledger while it is open"},
+    {"ledger.sqlite-shm", Stage::scan, progress, "for who reads the ledger while it is open"},
+    {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},
+    {"scan.json", Stage::scan, result, "axes, counts, causes of failures, rate of what was missed"},
+    {"scan.html", Stage::scan, result, "the scan to explore in a browser"},
+    {"cells.csv", Stage::scan, result, "cells of the refinement that were not divided", cells_columns},
+    {"boundary.csv", Stage::scan, result, "boundaries between outcomes as curves", boundary_columns},
+
+    {"ways.json", Stage::tradeoff, kept, "the ways to compute a part of a scene that were tried"},
+    {"tradeoff.json", Stage::tradeoff, kept, "the reference, and the settings that were tried"},
+
+    {"rods.csv", Stage::rods, result, "rods against time", rods_columns},
+    {"rods_order.csv", Stage::order, result, "order parameters of the rods against time, means over the runs",
+     rods_order_columns},
+    {"clusters.csv", Stage::order, result, "clusters of the rods by size", clusters_columns},
+    {"rods_order.json", Stage::order, result,
+     "means of rods_order.csv from rods_order.from on, with standard errors", order_values},
+    {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did", outcome_values},
+    {"ensemble.csv", Stage::rods, result,
+     "a row a run with noise, or a draw of the measured field's errors: how the rods end in it",
+     ensemble_columns},
+    {"noise.json", Stage::rods, result,
+     "ensemble of runs with noise: probability of capture (contact or pursuit) with the ends of its interval "
+     "of 95 %, endings, first contact; by time, of each rod: mean-square displacement and heading "
+     "correlation with standard errors",
+     noise_values},
+    {"medium_film.h5", Stage::rods, result,
+     "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
+     "also where each rod feels those of the others alone; with the rods' places and headings"},
+    {"medium_film.log", Stage::rods, progress, "frames so far"},
+    {"noise_progress.json", Stage::rods, progress, "runs with noise that are done, to go on from"},
+    {"checkpoint.json", Stage::rods, progress, "state to go on from"},
+};
+
+/// With a column of standard errors behind each that has one.
+std::vector<ColumnInfo> columns_of_series() {
+    static std::deque<std::string> names; // owns them
+    std::vector<ColumnInfo> columns;
+    for (const SeriesInfo& info : series_columns()) {
+        columns.push_back(info.column);
+        if (info.with_error)
+            columns.push_back({names.emplace_back(std::string(info.column.name) + "_error"), info.column.unit,
+                               "standard error"});
+    }
+    return columns;
+}
+
+/// ValueInfo has the unit of the report, which may have a prefix.
+std::string_view unit_in_file(const ValueInfo& value) {
+    if (value.factor == 1.0)
+        return value.unit.empty() ? "1" : value.unit;
+    return value.unit.substr(value.unit.starts_with("\u00b5") ? 2 : 1); // micro has two bytes, milli one
+}
+
+std::vector<ColumnInfo> measured_values() {
+    static std::deque<std::string> names; // owns them
+    std::vector<ColumnInfo> values = {
+        {"units.a", "m", "the bead radius"},
+        {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"}};
+    for (const MeasureKind& kind : measure_kinds())
+        for (const ValueInfo& value : kind.values)
+            if (!value.is_text)
+                values.push_back({names.emplace_back(std::string(kind.name) + "." + std::string(value.key)),
+                                  unit_in_file(value), value.meaning});
+    return values;
+}
+
+std::vector<FileKind> all_kinds() {
+    static const std::vector<ColumnInfo> series = columns_of_series(), measured = measured_values();
+    std::vector<FileKind> all(std::begin(plain_kinds), std::end(plain_kinds));
+    all.push_back({"scan.csv", Stage::scan, result, "a row a point of the scan; of beds means over its runs",
+                   scan_columns()});
+    all.push_back({"tradeoff.csv", Stage::tradeoff, result, "a row a setting: its error and its cost",
+                   tradeoff_columns()});
+    all.push_back({"ways.csv", Stage::tradeoff, result,
+                   "a row a way and quantity: value, bias, scatter, cost", ways_columns()});
+    all.push_back({"scan_runs.csv", Stage::scan, result, "a row a run of a scan of beds", scan_columns()});
+    all.push_back({"measure.json", Stage::measure, result,
+                   "what was measured, with errors; lengths in a, speeds in a/s", measured});
+    all.push_back(
+        {"series.csv", Stage::measure, result, "a row for the scene and one for each variant", series});
+    for (const MeasureKind& kind : measure_kinds())
+        for (const FileInfo& file : kind.files)
+            all.push_back({file.pattern, Stage::measure, result, file.what, file.columns});
+    return all;
+}
+
+} // namespace
+
+bool fits(std::string_view name, std::string_view pattern) {
+    const auto gap = pattern.find("<k>");
+    if (gap == std::string_view::npos)
+        return name == pattern;
+    if (!name.starts_with(pattern.substr(0, gap)))
+        return false;
+    const std::string_view rest = pattern.substr(gap + 3);
+    for (std::size_t end = gap + 1; end <= name.size(); ++end) {
+        if (!std::isalnum(static_cast<unsigned char>(name[end - 1])))
+            return false;
+        if (fits(name.substr(end), rest))
+            return true;
+    }
+    return false;
+}
+
+std::span<const FileKind> file_kinds() {
+    static const std::vector<FileKind> kinds = all_kinds();
+    return kinds;
+}
+
+const FileKind* kind_of(std::string_view name) {
+    const auto at =
+        std::ranges::find_if(file_kinds(), [&](const FileKind& k) { return fits(name, k.pattern); });
+    return at == file_kinds().end() ? nullptr : &*at;
+}
+
+std::optional<Stage> stage_of(const FileKind& kind, std::string_view name) {
+    return kind.stage == Stage::granular && name.starts_with("points/") ? Stage::scan : kind.stage;
+}
+
+const ColumnInfo* column_of(const FileKind& kind, std::string_view name) {
+    const auto at =
+        std::ranges::find_if(kind.columns, [&](const ColumnInfo& c) { return fits(name, c.name); });
+    return at == kind.columns.end() ? nullptr : &*at;
+}
+
+} // namespace rodwake::app

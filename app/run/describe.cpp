@@ -1,0 +1,271 @@
+#include "describe_parts.hpp"
+#include "rodwake/medium/film.hpp"
+
+#include "rodwake/core/box_sides.hpp"
+#include "rodwake/rods/conclude.hpp"
+#include "rodwake/scene/advice.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::app {
+
+namespace {
+
+void add_measured_line(const scene::Scene& scene, const scene::MeasuredMedium& m, Lines& lines) {
+    lines.push_back(
+        {true, fmt::format("field measured in {}, f/mu = {:g} m; theory in its core and beyond its "
+                           "edge",
+                           m.file, scene.scales->f_over_mu)});
+    lines.push_back({m.samples > 0, m.samples > 0 ? fmt::format("errors of that field: {} draws", m.samples)
+                                                  : "errors of that field: measured.samples is 0"});
+}
+
+void add_dynamic_lines(const medium::DynamicMedium& m, std::size_t rods, Lines& lines) {
+    lines.push_back({true, fmt::format("medium with{3} memory: {0} x {0} modes, force width {1:g}, {2}",
+                                       m.modes, m.force_width,
+                                       m.start == medium::Start::steady ? "from steady fields" : "from rest",
+                                       m.closure == medium::Closure::none ? "" : "out")});
+    lines.push_back({m.inertia > 0.0, m.inertia > 0.0
+                                          ? fmt::format("inertia of the medium: {:g}", m.inertia)
+                                          : "inertia of the medium: medium.dynamic.inertia is 0"});
+    const bool mesh = medium::evaluation_of(m, rods) == medium::Evaluation::mesh;
+    if (mesh)
+        lines.push_back({true, "fields of many rods by fast Fourier transforms"});
+    lines.push_back({m.self_field, m.self_field ? "each rod in its own field too"
+                                   : mesh
+                                       ? "each rod in its own field: left out to first order in its turning"
+                                       : "each rod in its own field: medium.dynamic.self_field is false"});
+}
+
+void add_film_line(const scene::Scene& scene, Lines& lines) {
+    const medium::DynamicMedium m = scene.medium->memory();
+    if (!m.film_interval || !scene.rods_run) {
+        lines.push_back({false, "film of the medium: no medium.dynamic.film_interval"});
+        return;
+    }
+    const std::size_t frames = medium::film_times(m, scene.rods_run->t_end).size();
+    const auto numbers = static_cast<double>(frames * medium::film_frame_size(m, scene.rods.size()));
+    lines.push_back({true, fmt::format("film of the medium: {0} frames of {1} x {1} points, {2} in "
+                                       "medium_film.h5 (twice that while it is made)",
+                                       frames, m.film_grid, size_text(8.0 * numbers))});
+}
+
+void add_medium_lines(const scene::Scene& scene, Lines& lines) {
+    if (!scene.medium)
+        return;
+    const scene::Medium& m = *scene.medium;
+    lines.push_back({true, m.fitted ? std::string("medium: eta and xi from the fit")
+                                    : fmt::format("medium: eta = {:g}, xi = {:g}", m.eta, m.xi)});
+    lines.push_back({m.box().has_value(),
+                     m.box() ? fmt::format("periodic box of {} for rods and field", to_string(*m.box()))
+                             : "periodic images of rods: no medium.periodic, infinite plane"});
+    if (m.is_dynamic()) {
+        add_dynamic_lines(m.memory(), scene.rods.size(), lines);
+        add_film_line(scene, lines);
+    }
+    if (m.field == scene::FieldBackend::measured)
+        add_measured_line(scene, *m.measured, lines);
+    if (m.field == scene::FieldBackend::table)
+        lines.push_back({true, fmt::format("field from a table, relative error {:g}",
+                                           m.table.value_or(scene::FieldTable{}).tolerance)});
+}
+
+void add_field_lines(const scene::Scene& scene, Lines& lines) {
+    if (!scene.field) {
+        lines.push_back({false, "field maps: no [field] table"});
+        return;
+    }
+    const long points = scene.field->x.empty() ? 0 : scene.field->nx * scene.field->ny;
+    lines.push_back(
+        {true, fmt::format("field of one rod: {} grid points, {} cuts", points, scene.field->cuts.size())});
+}
+
+void add_rod_lines(const Plan& plan, Lines& lines) {
+    if (plan.rods.empty()) {
+        lines.push_back({false, "rod dynamics: no [[rods]] and [rods_run]"});
+        return;
+    }
+    const rods::RodProblem& problem = plan.rods.front().problem;
+    const rods::Couplings& c = problem.couplings;
+    const bool own =
+        plan.scene.medium && plan.scene.medium->is_dynamic() && plan.scene.medium->memory().self_field;
+    const bool interacting = problem.medium && c.any() && (problem.rods.size() > 1 || own);
+    lines.push_back({true, fmt::format("{} rods to t = {:g}, {} variants", problem.rods.size(), problem.t_end,
+                                       plan.rods.size() - 1)});
+    if (const rods::Form form = plan.rods.front().options.form; form != rods::Form::angle)
+        lines.push_back({true, fmt::format("form of the equations: {}", to_string(form))});
+    if (!interacting)
+        lines.push_back({false, problem.rods.size() < 2
+                                    ? "interaction: a single rod feels no other; no field is evaluated"
+                                : problem.medium ? "interaction: no coupling, so no field is evaluated"
+                                                 : "interaction: no [medium]; rods walk straight"});
+    lines.push_back({interacting && c.apolar(),
+                     c.apolar() ? "alignment with the strain axis (kappa)"
+                                : "alignment with the strain axis: kappa is 0, strain is not evaluated"});
+    lines.push_back({interacting && c.polar(),
+                     c.polar()
+                         ? "polar turning (gamma1, gamma2)"
+                         : "polar turning: gamma1 and gamma2 are 0, strain gradients are not evaluated"});
+    lines.push_back({problem.contact_distance.has_value(),
+                     problem.contact_distance
+                         ? fmt::format("contact stops the run at {:g}", *problem.contact_distance)
+                         : "contact: no rods_run.contact_distance"});
+}
+
+void add_choice_lines(const Plan& plan, Lines& lines) {
+    if (!plan.scene.medium || plan.scene.medium->field != scene::FieldBackend::automatic)
+        return;
+    for (const RodsPlan& one : plan.rods)
+        lines.push_back({true, fmt::format("field chosen for the rods{}: {} ({})", one.of.suffix(),
+                                           to_string(one.field.backend), one.field.why)});
+    if (plan.scene.field || plan.scan)
+        lines.push_back({true, "field of maps and scans: exact"});
+}
+
+/// What only many rods have.
+void add_crowd_lines(const Plan& plan, Lines& lines) {
+    if (plan.rods.empty())
+        return;
+    const scene::Scene& scene = plan.rods.front().of.scene;
+    const rods::RodProblem& problem = plan.rods.front().problem;
+    if (scene.rods_random)
+        lines.push_back({true, fmt::format("rods at random in a square of {:g}, seed {}",
+                                           scene.rods_random->extent, scene.rods_random->seed)});
+    if (problem.rods.size() > rods::most_followed_rods)
+        lines.push_back(
+            {false, fmt::format("pursuit and escape of pairs: more than {} rods", rods::most_followed_rods)});
+    if (problem.sums.turning_tolerance > 0.0)
+        lines.push_back({true, fmt::format("far wakes left out: turning rates change by less than {:g}",
+                                           problem.sums.turning_tolerance)});
+    if (problem.sums.accuracy != elastic::Accuracy::full)
+        lines.push_back({true, problem.sums.accuracy == elastic::Accuracy::fine
+                                   ? "sums of wakes to 1e-7 of each"
+                                   : "sums of wakes in single precision"});
+}
+
+void add_order_line(const scene::Scene& scene, Lines& lines) {
+    if (!scene.rods_order)
+        return;
+    if (order_of_bed(scene))
+        lines.push_back({true, fmt::format("order of the motile rods of the bed; clusters by links of less "
+                                           "than {:.4g} a",
+                                           scene.rods_order->link / scene.granular->bead_radius)});
+    else
+        lines.push_back({true, fmt::format("order of the rods; clusters by links of less than {:g}",
+                                           scene.rods_order->link)});
+    if (!order_of_bed(scene) && scene.granular)
+        lines.push_back(
+            {false, "order of the rods of the bed: with [rods_run], [rods_order] looks at its rods"});
+}
+
+std::string points_text(const scan::Design& design) {
+    if (design.kind == scan::Kind::adaptive)
+        return fmt::format("refined to {} cells a side where the outcome changes", design.resolution);
+    return fmt::format("{} points ({}){}", scan::places(design), scan::to_string(design.kind),
+                       design.runs > 0
+                           ? fmt::format(" of {} run{} of the bed each, {} runs in all", design.runs,
+                                         design.runs == 1 ? "" : "s", scan::size(design))
+                           : "");
+}
+
+void add_scan_lines(const Plan& plan, Lines& lines) {
+    if (!plan.scan) {
+        lines.push_back({false, "scan: no [scan] table"});
+        return;
+    }
+    const scan::Design& design = plan.scan->design;
+    std::string axes;
+    for (const scan::Axis& axis : design.axes)
+        axes +=
+            fmt::format("{}{} from {:g} to {:g}", axes.empty() ? "" : ", ", axis.name, axis.from, axis.to);
+    lines.push_back({true, "scan: " + axes + ", " + points_text(design)});
+    if (plan.scan->subject == scene::ScanSubject::beds && plan.scene.measure)
+        lines.push_back({false, "measures of scanned beds: a scan follows the rods alone, contact as in "
+                                "measure.contact_distance"});
+    if (design.boundary_tolerance > 0.0)
+        lines.push_back({true, fmt::format("boundaries between outcomes to {:g} of the axis",
+                                           design.boundary_tolerance)});
+}
+
+std::string runs_of(const NoisePlan& noise) {
+    if (!noise.capture_error)
+        return fmt::format("{} runs", noise.runs);
+    return fmt::format("{} to {} runs, until the capture probability is known to +- {:g}", noise.runs,
+                       std::max(noise.runs, noise.most_runs), *noise.capture_error);
+}
+
+void add_noise_lines(const Plan& plan, Lines& lines) {
+    for (const RodsPlan& one : plan.rods) {
+        if (!one.noise)
+            continue;
+        const rods::Noise& noise = one.noise->noise;
+        lines.push_back(
+            {true, fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {}, steps of at most {:.3g} "
+                               "({}), strong order 1.5",
+                               one.of.suffix(), noise.rotational, noise.translational, runs_of(*one.noise),
+                               noise.time_step,
+                               one.of.scene.noise->time_step
+                                   ? "noise.time_step"
+                                   : "0.05 of the shortest of 1, 1/D_r and the wakes' turning time")});
+    }
+    const auto diffuses = [](const RodsPlan& one) {
+        return one.noise && one.noise->noise.translational > 0.0;
+    };
+    if (noisy(plan.scene) && std::ranges::none_of(plan.rods, diffuses))
+        lines.push_back({false, "diffusion of places: noise.translational_diffusion is 0"});
+}
+
+/// What the scene names and this version leaves out.
+void add_unused_lines(const scene::Scene& scene, Lines& lines) {
+    if (scene.medium && scene.medium->table && scene.medium->field == scene::FieldBackend::exact)
+        lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
+    if (scene.medium && scene.medium->measured && scene.medium->field != scene::FieldBackend::measured)
+        lines.push_back({false, "medium.measured: only used with field = \"measured\""});
+    if (scene.medium && scene.medium->dynamic && !scene.medium->is_dynamic())
+        lines.push_back({false, "medium.dynamic: only used with field = \"dynamic\""});
+    if (scene.noise && !noisy(scene))
+        lines.push_back({false, "noise: rotational_diffusion and translational_diffusion are 0"});
+    else if (scene.noise && !scene.rods_run)
+        lines.push_back({false, "noise: no [rods_run]"});
+    else if (scene.rods_run && !scene.noise)
+        lines.push_back({false, "noise: no [noise] table"});
+}
+
+/// Whether rods of a scan turn towards each other, and nothing stops them.
+bool may_collide(const ScanPlan& scan) {
+    const auto& run = scan.base.rods_run;
+    return scan.subject == scene::ScanSubject::rods && run && !run->contact_distance && scan.base.coupling &&
+           std::ranges::count(scan.keys, "rods_run.contact_distance", &ScanPlan::VariedKey::key) == 0;
+}
+
+} // namespace
+
+std::vector<PlanLine> describe(const Plan& plan) {
+    Lines lines;
+    add_medium_lines(plan.scene, lines);
+    add_field_lines(plan.scene, lines);
+    add_choice_lines(plan, lines);
+    add_rod_lines(plan, lines);
+    add_crowd_lines(plan, lines);
+    add_noise_lines(plan, lines);
+    add_order_line(plan.scene, lines);
+    add_scan_lines(plan, lines);
+    add_unused_lines(plan.scene, lines);
+    describe_granular(plan, lines);
+    describe_fit(plan, lines);
+    return lines;
+}
+
+std::vector<std::string> doubts(const Plan& plan) {
+    std::vector<std::string> list = scene::advice(plan.scene);
+    for (const RodsPlan& one : plan.rods)
+        if (const auto met = rods::contact_at_start(one.problem))
+            list.push_back(fmt::format("rods{}: {} ({:g}): the run ends in contact at time 0",
+                                       one.of.suffix(), met->outcome.reason, *one.problem.contact_distance));
+    if (plan.scan && may_collide(*plan.scan))
+        list.emplace_back("scan without rods_run.contact_distance: rods that meet run into the singularity "
+                          "of their fields, and their points fail; set it, for example to 0.1");
+    return list;
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,200 @@
+#include "rodwake/app/run.hpp"
+
+#include "catalogue.hpp"
+#include "rodwake/app/measure_kind.hpp"
+#include "rodwake/core/spelling.hpp"
+#include "rodwake/scene/document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace rodwake::app {
+
+namespace {
+
+/// "rods[].position" of "[[rods]].0.position", "rods[1].position" and "rods.position": numbers and brackets
+/// dropped.
+std::string plain_name(const std::string& name) {
+    std::string plain, word;
+    for (const char c : name + ".") {
+        if (c != '.' && c != '[' && c != ']') {
+            word += c;
+            continue;
+        }
+        if (word.find_first_not_of("0123456789") != std::string::npos)
+            plain += (plain.empty() ? "" : ".") + word;
+        word.clear();
+    }
+    return plain;
+}
+
+std::string full_name(const scene::KeyInfo& key) {
+    return plain_name(key.table.empty() ? key.name : key.table + "." + key.name);
+}
+
+std::string line(const char* title, const std::string& text) {
+    return text.empty() ? "" : fmt::format("  {:<9} {}\n", title, text);
+}
+
+std::string key_text(const scene::KeyInfo& key) {
+    const std::string where = key.table.empty() ? "the top level" : scene::table_header(key.table);
+    return fmt::format("{}: key of a scene, in {}\n", full_name(key), where) + line("meaning", key.meaning) +
+           line("type", key.type) + line("unit", key.unit) + line("default", key.default_value) +
+           line("legal", key.legal) + line("example", key.name + " = " + key.example) +
+           line("see",
+                fmt::format("docs/scene.md, \"{}\"",
+                            key.table.empty() ? std::string("Top level") : scene::table_header(key.table)));
+}
+
+std::string table_text(const scene::TableInfo& table) {
+    std::string text = fmt::format("{}: table of a scene\n", scene::table_header(table.path));
+    text += line("meaning", table.meaning);
+    for (const std::string& note : table.notes)
+        text += line("note", note);
+    for (const scene::KeyInfo& key : table.keys)
+        text += fmt::format("    {:<22} {}\n", key.name, key.meaning);
+    return text +
+           line("see", fmt::format("docs/scene.md, \"{}\"; rodwake help {}", scene::table_header(table.path),
+                                   table.keys.empty() ? "KEY" : full_name(table.keys.front())));
+}
+
+/// Units that depend on the scene, in words.
+std::string unit_text(std::string_view unit) {
+    static const std::map<std::string_view, std::string> of_scene = {
+        {"{length}", "f/mu (m with units = \"si\")"},
+        {"{length}^2", "f^2/mu^2 (m^2 with units = \"si\")"},
+        {"{time}", "f/(mu v0) (s with units = \"si\")"},
+        {"{order time}", "f/(mu v0) (s with units = \"si\", and of beds)"},
+        {"{scan length}", "f/mu (m with units = \"si\"), of beds a"},
+        {"{scan time}", "f/(mu v0) (s with units = \"si\"), of beds s"},
+        {"{data}", "that of the data (fit.length_unit)"}};
+    const auto found = of_scene.find(unit);
+    return found != of_scene.end() ? found->second : unit == "1" ? "" : std::string(unit);
+}
+
+std::string maker(const FileKind& kind) {
+    return kind.stage ? fmt::format(", made by the stage \"{}\"", to_string(*kind.stage)) : "";
+}
+
+std::string file_text(const FileKind& kind) {
+    std::string text = fmt::format("{}: file of a run{}\n", kind.pattern, maker(kind));
+    text += line("holds", std::string(kind.what));
+    for (const ColumnInfo& column : kind.columns)
+        text += fmt::format("    {:<22} {:<8} {}\n", column.name, unit_text(column.unit), column.meaning);
+    if (kind.pattern == "measure.json")
+        for (const MeasureKind& measure : measure_kinds())
+            for (const ValueInfo& value : measure.values)
+                text += fmt::format("    {:<22} {:<8} {}\n", value.key, value.unit, value.meaning);
+    return text;
+}
+
+/// "mean_speed" for mean_speed<k> and rods.<k>.mean_speed, and each name of the first.
+bool names_column(const std::string& name, std::string_view pattern) {
+    if (const auto dot = pattern.rfind('.'); dot != std::string_view::npos && name == pattern.substr(dot + 1))
+        return true;
+    const auto gap = pattern.find("<k>");
+    const bool starts = gap != 0 && gap != std::string_view::npos && name == pattern.substr(0, gap);
+    return starts || name == pattern || (gap != 0 && fits(name, pattern));
+}
+
+std::string columns_text(const std::string& name) {
+    std::string text;
+    for (const FileKind& kind : file_kinds())
+        for (const ColumnInfo& column : kind.columns)
+            if (names_column(name, column.name))
+                text += fmt::format("{}: {} of {}{}\n", column.name,
+                                    kind.pattern.ends_with(".json") ? "key" : "column", kind.pattern,
+                                    maker(kind)) +
+                        line("meaning", std::string(column.meaning)) + line("unit", unit_text(column.unit));
+    return text;
+}
+
+std::string values_text(const std::string& name) {
+    std::string text;
+    for (const MeasureKind& kind : measure_kinds())
+        for (const ValueInfo& value : kind.values)
+            if (name == value.key || value.key.ends_with("." + name))
+                text += fmt::format("{}: value of measure.json, with [measure] {}\n", value.key, kind.name) +
+                        line("meaning", fmt::format("{}{}{}", value.title, value.title.empty() ? "" : ": ",
+                                                    value.meaning)) +
+                        line("unit", std::string(value.unit)) +
+                        line("in file", value.factor == 1.0
+                                            ? ""
+                                            : fmt::format("times {:g} it is in that unit", value.factor));
+    return text;
+}
+
+std::string scene_text(const std::string& name) {
+    std::string text;
+    const std::string plain = plain_name(name);
+    const auto exact = scene::key_info(plain);
+    for (const scene::TableInfo& table : scene::scene_tables()) {
+        if (!plain.empty() && plain_name(table.path) == plain)
+            text += table_text(table);
+        for (const scene::KeyInfo& key : table.keys)
+            if (full_name(key) == plain || (key.name == name && !exact))
+                text += key_text(key);
+    }
+    if (const auto dot = plain.rfind('.'); text.empty() && dot != std::string::npos)
+        for (const scene::KeyInfo& key : scene::scene_keys()) // an entry of a table of numbers
+            if (full_name(key) == plain.substr(0, dot) && key.type.starts_with("table"))
+                text += key_text(key);
+    return text;
+}
+
+/// Each name with what it means.
+std::vector<std::pair<std::string, std::string>> all_names() {
+    std::vector<std::pair<std::string, std::string>> names;
+    for (const scene::TableInfo& table : scene::scene_tables()) {
+        if (!table.path.empty())
+            names.emplace_back(plain_name(table.path), table.meaning);
+        for (const scene::KeyInfo& key : table.keys)
+            names.emplace_back(full_name(key), key.meaning);
+    }
+    for (const FileKind& kind : file_kinds()) {
+        names.emplace_back(kind.pattern, kind.what);
+        for (const ColumnInfo& column : kind.columns)
+            names.emplace_back(column.name, column.meaning);
+    }
+    for (const MeasureKind& kind : measure_kinds())
+        for (const ValueInfo& value : kind.values)
+            names.emplace_back(value.key, value.meaning);
+    return names;
+}
+
+std::string last_part(const std::string& name) { return name.substr(name.rfind('.') + 1); }
+
+} // namespace
+
+std::optional<std::string> explain(const std::string& name) {
+    std::string text = scene_text(name);
+    for (const FileKind& kind : file_kinds())
+        if (name == kind.pattern || fits(name, kind.pattern))
+            text += file_text(kind);
+    text += columns_text(name) + values_text(name);
+    return text.empty() ? std::nullopt : std::optional(text);
+}
+
+std::vector<std::string> similar_names(const std::string& name) {
+    constexpr std::size_t most = 8;
+    std::vector<std::pair<std::size_t, std::string>> near; // by distance; the word in a meaning comes last
+    const std::size_t far = std::max<std::size_t>(1, std::min<std::size_t>(3, name.size() / 3));
+    for (const auto& [known, meaning] : all_names()) {
+        const bool whole = name.find('.') != std::string::npos;
+        const std::size_t away = edit_distance(plain_name(name), whole ? known : last_part(known));
+        if (away <= far)
+            near.emplace_back(away, known);
+        else if (name.size() > 3 && fmt::format("{} {}", known, meaning).find(name) != std::string::npos)
+            near.emplace_back(far + 1, known);
+    }
+    std::ranges::stable_sort(near, {}, &std::pair<std::size_t, std::string>::first);
+    std::vector<std::string> names;
+    for (const auto& [away, known] : near)
+        if (names.size() < most && std::ranges::count(names, known) == 0)
+            names.push_back(known);
+    return names;
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,126 @@
+#include "rodwake/app/plan.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace rodwake::app {
+
+namespace {
+
+std::vector<BedPlan> plan_beds(const scene::Scene& scene) {
+    std::vector<BedPlan> beds;
+    for (Case& one : bed_cases(scene)) {
+        BedPlan bed{std::move(one), {}, {}, {}};
+        bed.problem = granular_problem(bed.of.scene);
+        bed.schedule = granular_schedule(*bed.of.scene.granular, bed.problem);
+        bed.measures = measure_plan(bed.of.scene, bed.problem);
+        beds.push_back(std::move(bed));
+    }
+    return beds;
+}
+
+} // namespace
+
+const char* to_string(Stage stage) {
+    switch (stage) {
+    case Stage::granular:
+        return "granular";
+    case Stage::measure:
+        return "measure";
+    case Stage::fit:
+        return "fit";
+    case Stage::field:
+        return "field";
+    case Stage::order:
+        return "order";
+    case Stage::scan:
+        return "scan";
+    case Stage::tradeoff:
+        return "tradeoff";
+    case Stage::rods:
+        break;
+    }
+    return "rods";
+}
+
+std::vector<Stage> stages_of(const scene::Scene& scene) {
+    const bool foreign = scene.measure && !scene.measure->trajectory.empty();
+    const bool scanned = scan_subject(scene) == scene::ScanSubject::beds;
+    std::vector<Stage> stages;
+    if (scene.granular && !foreign && !scanned)
+        stages.push_back(Stage::granular);
+    if (scene.measure && !scanned)
+        stages.push_back(Stage::measure);
+    if (scene.fit)
+        stages.push_back(Stage::fit);
+    if (scene.field)
+        stages.push_back(Stage::field);
+    if (scene.rods_run)
+        stages.push_back(Stage::rods);
+    if (scene.rods_order && !(order_of_bed(scene) && scanned))
+        stages.push_back(Stage::order);
+    if (scene.scan)
+        stages.push_back(Stage::scan);
+    return stages;
+}
+
+bool Plan::has(Stage stage) const { return std::ranges::find(stages, stage) != stages.end(); }
+
+std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
+    std::vector<RodsPlan> plans;
+    for (Case& one : cases_of(scene)) {
+        FieldChoice field = field_choice(one.scene);
+        one.scene = with_field(std::move(one.scene), field);
+        RodsPlan plan{std::move(one), {}, {}, std::move(field), {}};
+        plan.problem = rod_problem(plan.of.scene);
+        plan.options = rod_options(*plan.of.scene.rods_run, plan.problem);
+        plan.noise = noise_plan(plan.of.scene, plan.problem);
+        if (plan.of.scene.noise) // one without noise among others is judged alike
+            plan.options.criteria = rods::noisy_criteria;
+        plans.push_back(std::move(plan));
+    }
+    return plans;
+}
+
+Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInputs inputs) {
+    Plan plan{scene, {stages.begin(), stages.end()}, {}, {}, std::move(inputs.fit), {}, {}};
+    const bool scans_beds = plan.has(Stage::scan) && scan_subject(scene) == scene::ScanSubject::beds;
+    const bool bed_order = plan.has(Stage::order) && order_of_bed(scene);
+    if (plan.has(Stage::granular) || plan.has(Stage::measure) || bed_order || scans_beds)
+        plan.beds = plan_beds(scene);
+    if (plan.has(Stage::rods))
+        plan.rods = plan_rods(scene);
+    if (plan.fit && plan.fit->complete())
+        plan.fit_plan = fit_plan(*scene.fit, *plan.fit);
+    if (plan.has(Stage::scan) || (plan.has(Stage::tradeoff) && scene.scan))
+        plan.scan = plan_scan(scene, inputs.list);
+    return plan;
+}
+
+void apply_seed(scene::Scene& scene, std::uint64_t seed) {
+    constexpr auto largest = static_cast<std::uint64_t>(std::numeric_limits<long>::max());
+    const bool measured = scene.medium && scene.medium->measured;
+    if ((scene.granular || scene.fit || scene.scan || scene.rods_random || scene.noise || measured) &&
+        seed > largest)
+        throw InputError(fmt::format("--seed {}: must be from 0 to {}", seed, largest));
+    if (scene.granular)
+        scene.granular->seed = static_cast<long>(seed);
+    if (scene.rods_random) {
+        scene.rods_random->seed = static_cast<long>(seed);
+        scene.rods = random_rods(*scene.rods_random);
+    }
+    if (scene.noise)
+        scene.noise->seed = static_cast<long>(seed);
+    if (scene.fit)
+        scene.fit->search.seed = seed;
+    if (scene.scan)
+        scene.scan->seed = static_cast<long>(seed);
+    if (measured)
+        scene.medium->measured->seed = static_cast<long>(seed);
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,166 @@
+#include "rodwake/app/run.hpp"
+
+#include "fit/fit_stage.hpp"
+#include "bed/granular_jobs.hpp"
+#include "bed/measure_stage.hpp"
+#include "bed/measured_file.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/app/run_folder.hpp"
+#include "rodwake/app/tradeoff.hpp"
+#include "scan/scan_list.hpp"
+#include "scan/scan_request.hpp"
+#include "stage_list.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+StageEnd run_stage(Session& session, Stage stage) {
+    switch (stage) {
+    case Stage::granular:
+        return run_granular_stage(session);
+    case Stage::measure:
+        return run_measure_stage(session);
+    case Stage::fit:
+        return run_fit_stage(session);
+    case Stage::field:
+        return run_field_stage(session);
+    case Stage::order:
+        return run_order_stage(session);
+    case Stage::scan:
+        return run_scan_stage(session);
+    case Stage::tradeoff:
+        return run_tradeoff_stage(session);
+    case Stage::rods:
+        break;
+    }
+    return run_rods_stage(session);
+}
+
+StageEnd run_all(Session& session) {
+    StageEnd end = StageEnd::finished;
+    const std::vector<Stage>& stages = session.directory.stages(); // those that are not done already
+    for (auto stage = stages.begin(); stage != stages.end() && end == StageEnd::finished; ++stage) {
+        end = run_stage(session, *stage);
+        if (end == StageEnd::finished || end == StageEnd::incomplete)
+            session.finished(*stage);
+    }
+    session.close(end);
+    return end;
+}
+
+/// The same, with an exception on record in the run directory.
+StageEnd run_recorded(Session& session) {
+    try {
+        return run_all(session);
+    } catch (const std::exception& error) {
+        session.fail(rodwake::describe(error));
+        throw;
+    }
+}
+
+bool only(const Plan& plan, Stage stage) { return plan.stages.size() == 1 && plan.stages.front() == stage; }
+
+/// What rodwake measure does.
+bool only_measures(const Plan& plan) {
+    return std::ranges::all_of(plan.stages,
+                               [](Stage stage) { return stage == Stage::measure || stage == Stage::order; });
+}
+
+/// Measures and fits add to a run that is there.
+void require_run(const Plan& plan, const fs::path& folder) {
+    if (run_status(folder).empty())
+        throw InputError(
+            fmt::format("{}: holds no rodwake run; rodwake {} SCENE makes one, rodwake run SCENE "
+                        "makes and measures it; -o names its folder",
+                        folder.string(), plan.beds.empty() ? "rods" : "dem"));
+    if (!plan.beds.empty())
+        require_same_beds(plan.scene, folder);
+}
+
+/// Before anything of the folder is touched.
+void require_all(const Plan& plan, const fs::path& folder, const RunContext& context) {
+    const bool foreign = plan.scene.measure && !plan.scene.measure->trajectory.empty();
+    if (plan.has(Stage::granular))
+        require_granular(plan, folder, context);
+    if (only_measures(plan) && !foreign)
+        require_run(plan, folder);
+    if (only_measures(plan) && plan.has(Stage::order))
+        require_rods(plan, folder);
+    if (only(plan, Stage::fit) && plan.scene.granular && !run_status(folder).empty())
+        require_same_beds(plan.scene, folder);
+    if (plan.has(Stage::measure) && foreign)
+        require_trajectory(plan);
+    else if (plan.has(Stage::measure) && only_measures(plan) &&
+             (context.force || stage_status(folder, Stage::measure) == "unfinished"))
+        require_recorded(plan, folder);
+    if (plan.has(Stage::scan))
+        require_scan(*plan.scan, folder, context);
+}
+
+} // namespace
+
+Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const fs::path& folder,
+              const RunContext& context) {
+    if (context.seed)
+        apply_seed(scene, *context.seed);
+    const auto has = [&](Stage stage) { return std::ranges::find(stages, stage) != stages.end(); };
+    if (has(Stage::field) || has(Stage::rods) || has(Stage::tradeoff))
+        require_measured(scene, folder, has(Stage::granular) || has(Stage::measure));
+    PlanInputs inputs;
+    if (has(Stage::fit))
+        inputs.fit = read_fit_inputs(scene, folder,
+                                     has(Stage::granular) || has(Stage::measure) ? OwnFiles::left_out
+                                                                                 : OwnFiles::required);
+    if (has(Stage::tradeoff) && (noisy(scene) || (scene.noise && scene.scan)))
+        throw InputError("tradeoff compares methods that take no noise: leave [noise] out (-s noise=)");
+    if (has(Stage::tradeoff))
+        settings_of(scene); // refuses what it does not know
+    if (has(Stage::scan) || (has(Stage::tradeoff) && scene.scan))
+        inputs.list = read_scan_list(scene);
+    return make_plan(scene, stages, std::move(inputs));
+}
+
+Plan plan_check(scene::Scene scene, const fs::path& folder, const RunContext& context) {
+    if (context.seed)
+        apply_seed(scene, *context.seed);
+    require_measured(scene, folder, true);
+    PlanInputs inputs;
+    if (scene.fit)
+        inputs.fit = read_fit_inputs(scene, folder, OwnFiles::if_there);
+    inputs.list = read_scan_list(scene);
+    return make_plan(scene, stages_of(scene), std::move(inputs));
+}
+
+void serve(const Plan& plan, const fs::path& folder, const RunContext& context, scan::MpiJob& job) {
+    if (plan.has(Stage::scan))
+        serve_scan(plan, folder, context, job);
+    else
+        serve_beds(plan, folder, context, job);
+}
+
+StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context) {
+    require_all(plan, folder, context);
+    const auto held = std::make_unique<Session>(plan, folder, context); // large for a small stack
+    Session& session = *held;
+    const StageEnd end = run_recorded(session);
+    if (end == StageEnd::interrupted)
+        session.log->warn(
+            "stopped by a signal; what was computed is in {}; the same command goes on from the last "
+            "checkpoint, or starts again where there is none yet",
+            folder.string());
+    const bool drawn_later = only_measures(plan) || only(plan, Stage::fit) || only(plan, Stage::scan);
+    if (end == StageEnd::finished || end == StageEnd::incomplete)
+        session.log->info("results in {}{}", folder.string(),
+                          drawn_later ? "; rodwake plot " + folder.string() + " draws them" : "");
+    return end;
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,328 @@
+#include "rodwake/app/run_folder.hpp"
+
+#include "catalogue.hpp"
+#include "bed/measured_file.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/first_difference.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/scene/write.hpp"
+#include "rodwake/store/atomic_file.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace rodwake::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,  Stage::field,
+                                Stage::rods,     Stage::order,   Stage::scan, Stage::tradeoff};
+
+/// What is no run's yet: of one that was killed before its first file was in place, shares of a scan, and
+/// what ways to compute a part of the scene cost.
+bool is_no_run(const fs::path& file) {
+    const std::string name = file.filename().string();
+    return name.starts_with("part-") || name.starts_with("tradeoff_") ||
+           (name.starts_with("provenance.json.") && is_temporary(name)) || name == "rodwake.lock";
+}
+
+bool has_files(const fs::path& folder) {
+    std::error_code error;
+    const fs::directory_iterator entries(folder, error);
+    return std::any_of(begin(entries), end(entries),
+                       [](const auto& entry) { return !is_no_run(entry.path()); });
+}
+
+nlohmann::json provenance_of(const fs::path& folder) {
+    std::ifstream file(folder / "provenance.json");
+    return nlohmann::json::parse(file, nullptr, false);
+}
+
+/// Whether a run of a version that keeps no record of its stages is in the folder.
+bool lacks_records(const fs::path& folder) {
+    return !run_status(folder).empty() && !provenance_of(folder).contains("stages");
+}
+
+StageRecords records_of(const fs::path& folder) {
+    StageRecords records;
+    const nlohmann::json json = provenance_of(folder);
+    if (json.is_object() && json.contains("stages") && json["stages"].is_object())
+        for (const auto& [name, status] : json["stages"].items())
+            if (status.is_string())
+                records[name] = status;
+    return records;
+}
+
+std::optional<scene::Scene> scene_of(const fs::path& folder) {
+    try {
+        return scene::read_scene(folder / "scene.toml");
+    } catch (const InputError&) {
+        return std::nullopt; // of another version, or never written
+    }
+}
+
+bool contains(std::span<const Stage> stages, Stage stage) {
+    return std::ranges::find(stages, stage) != stages.end();
+}
+
+/// A bed, or a scan of beds, that was finished with fewer runs is not finished for more of them.
+bool grows(const scene::Scene& old, const scene::Scene& scene) {
+    return old.granular && scene.granular && scene.granular->runs > old.granular->runs;
+}
+
+bool scan_grows(const scene::Scene& old, const scene::Scene& scene) {
+    const bool beds = scan_subject(scene) == scene::ScanSubject::beds;
+    return old.scan != scene.scan || (beds && grows(old, scene));
+}
+
+/// A fit that was finished before the scene wanted its medium.
+bool lacks_medium(const fs::path& folder, const scene::Scene& scene, Stage stage) {
+    return stage == Stage::fit && scene.medium && scene.medium->fitted && !fs::exists(folder / "medium.json");
+}
+
+/// The scene and the files it names, wherever they may be.
+std::vector<fs::path> inputs_of(const scene::Scene& scene) {
+    std::vector<std::string> names;
+    if (scene.fit) {
+        for (const auto& one : scene.fit->profiles)
+            names.push_back(one.file);
+        for (const auto& one : scene.fit->trajectories)
+            names.push_back(one.file);
+        for (const auto& one : scene.fit->maps)
+            names.insert(names.end(), one.files.begin(), one.files.end());
+    }
+    if (scene.measure)
+        names.push_back(scene.measure->trajectory);
+    if (scene.granular)
+        names.push_back(scene.granular->restart_from);
+    if (scene.scan)
+        names.push_back(scene.scan->file);
+    if (scene.medium && scene.medium->measured)
+        names.push_back(scene.medium->measured->file);
+    std::vector<fs::path> places = {scene.path};
+    for (const std::string& name : names)
+        if (!name.empty())
+            places.insert(places.end(), {name, fs::path(scene.path).parent_path() / name});
+    return places;
+}
+
+/// In a folder that holds no run yet: an input that bears the name of a result would be replaced.
+void refuse_inputs_as_results(const fs::path& folder, const scene::Scene& scene) {
+    std::error_code none;
+    for (const fs::path& input : inputs_of(scene)) {
+        const std::string name = fs::weakly_canonical(input, none)
+                                     .lexically_relative(fs::weakly_canonical(folder, none))
+                                     .generic_string();
+        if (!name.empty() && kind_of(input.filename().string()) && is_own(name) &&
+            fs::exists(folder / name, none))
+            throw InputError(
+                fmt::format("{}: is read by this command, and results of that name would replace it; "
+                            "choose another folder with -o, or give the file another name",
+                            (folder / name).string()));
+    }
+}
+
+} // namespace
+
+std::string stage_status(const fs::path& folder, Stage stage) {
+    const StageRecords records = records_of(folder);
+    const auto record = records.find(to_string(stage));
+    if (record == records.end())
+        return "";
+    const bool lost = record->second == "finished" && lost_files(folder).contains(record->first);
+    return lost || record->second == files_lost ? "unfinished" : record->second;
+}
+
+std::string run_status(const fs::path& folder) {
+    const nlohmann::json json = provenance_of(folder);
+    if (!json.is_object() || !json.contains("status") || !json["status"].is_string())
+        return {};
+    return json["status"];
+}
+
+bool holds_finished(const fs::path& folder, const scene::Scene& scene, Stage stage) {
+    const std::optional<scene::Scene> old = scene_of(folder);
+    return stage_status(folder, stage) == "finished" && old &&
+           stage_key(*old, stage) == stage_key(scene, stage);
+}
+
+RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const Stage> stages, bool force,
+                     bool reopen_scan, bool draws)
+    : path_(std::move(path)), lock_([&] {
+          std::error_code error;
+          if (fs::exists(path_, error) && !fs::is_directory(path_, error))
+              throw InputError(path_.string() + ": is a file; -o names the folder for the results");
+          if (!force && run_status(path_).empty() && has_files(path_))
+              throw InputError(
+                  path_.string() +
+                  ": holds files that are not a rodwake run; choose another folder with -o, or --force to "
+                  "write among them");
+          fs::create_directories(path_, error);
+          if (error)
+              throw RunError(path_.string() + ": cannot make the folder: " + error.message());
+          return FolderLock(path_);
+      }()),
+      old_(records_of(path_)), anew_(force) {
+    had_run_ = !run_status(path_).empty();
+    if (had_run_)
+        lost_ = lost_files(path_);
+    std::erase_if(lost_, [&](const auto& one) {
+        const auto record = old_.find(one.first);
+        return !one.first.empty() &&
+               (record == old_.end() || (record->second != "finished" && record->second != files_lost));
+    });
+    for (auto& [name, status] : old_)
+        if (status == files_lost || lost_.contains(name)) {
+            lost_[name];
+            status = files_lost;
+        }
+    if (lacks_records(path_) && !force)
+        throw InputError(path_.string() +
+                         ": holds a run of an earlier version of rodwake; choose another folder with -o, or "
+                         "--force to replace it");
+    if (!had_run_)
+        refuse_inputs_as_results(path_, scene);
+    const std::optional<scene::Scene> old = scene_of(path_);
+    const auto same = [&](Stage stage) { return old && stage_key(*old, stage) == stage_key(scene, stage); };
+    const auto refuse = [&](const std::string& why) {
+        if (!force)
+            throw InputError(fmt::format("{}: {}; choose another folder with -o, or --force to replace it",
+                                         path_.string(), why));
+    };
+    for (const Stage stage : all_stages) {
+        const auto record = old_.find(to_string(stage));
+        const bool asked = contains(stages, stage);
+        if (asked && (record == old_.end() || force))
+            stages_.push_back(stage);
+        if (record == old_.end() || (asked && force))
+            continue;
+        const bool lost = lost_.contains(record->first);
+        const bool finished = record->second == "finished", alike = same(stage);
+        // an unfinished one has nothing to lose, and its own files know what they are of
+        const bool light =
+            (stage == Stage::measure || stage == Stage::fit || stage == Stage::order) && !finished && !lost;
+        const bool more = (stage == Stage::granular && alike && grows(*old, scene)) ||
+                          lacks_medium(path_, scene, stage) ||
+                          (stage == Stage::scan && alike && (reopen_scan || scan_grows(*old, scene)));
+        if (asked && (light || (alike && (!finished || more)))) {
+            stages_.push_back(stage);
+            if (lost && !more)
+                restored_.push_back(stage);
+            else
+                (finished || lost ? extended_ : resumed_) = true;
+            if (alike)
+                unaffected_.insert(*record);
+        } else if (alike) {
+            kept_.push_back(stage);
+            unaffected_.insert(*record);
+        } else {
+            refuse(old ? fmt::format("holds the stage {} of another scene ({})", record->first,
+                                     first_difference(stage_key(*old, stage), stage_key(scene, stage)))
+                       : fmt::format("holds the stage {} of a scene that cannot be read", record->first));
+            if (stage == Stage::granular && !asked) // too dear to go with another stage
+                throw InputError(
+                    fmt::format("{}: holds a granular run of another scene, which this command does not "
+                                "replace even with --force; choose another folder with -o",
+                                path_.string()));
+            if (stage == Stage::rods && !asked && contains(stages, Stage::order))
+                throw InputError(fmt::format("{}: holds rods of another scene, which this command does not "
+                                             "integrate; rodwake rods SCENE does; -o names another folder",
+                                             path_.string()));
+            dropped_.push_back(stage);
+        }
+    }
+    const auto general = lost_.find("");
+    const bool undrawn = draws && had_run_ && !fs::exists(path_ / "report.html"), // which is drawn last
+        lacks =
+            undrawn || (general != lost_.end() && (draws || !std::ranges::all_of(general->second, is_drawn)));
+    if (stages_.empty() && !lacks)
+        refuse("holds a finished run of this scene");
+    drop_outdated(scene, stages);
+    if (old && old->granular && scene.granular && contains(kept_, Stage::granular))
+        kept_runs_ = old->granular->runs;
+}
+
+void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> asked) {
+    const bool fitted = scene.medium && scene.medium->fitted, own_field = measures_own_field(scene);
+    const auto redone = [&](Stage other) { // a fit may have other data by now
+        return contains(stages_, other) && (other == Stage::fit || !contains(restored_, other));
+    };
+    const auto refuse_to_drop = [&](Stage stage) {
+        if (contains(restored_, Stage::fit) && !contains(asked, stage) && !anew_)
+            throw InputError(
+                fmt::format("{}: files of the fit are gone, and {} follows from it: rodwake run SCENE makes "
+                            "both again; --force makes the fit and removes {}",
+                            path_.string(), to_string(stage), to_string(stage)));
+    };
+    const auto new_field = [&] {
+        return (fitted && redone(Stage::fit)) ||
+               (own_field && (redone(Stage::measure) || redone(Stage::granular)));
+    };
+    const auto outdated = [&](Stage stage) {
+        switch (stage) {
+        case Stage::granular:
+            return false;
+        case Stage::measure:
+            return redone(Stage::granular);
+        case Stage::fit:
+            return scene.granular && (redone(Stage::granular) || redone(Stage::measure));
+        case Stage::order:
+            return order_of_bed(scene)
+                       ? redone(Stage::granular)
+                       : redone(Stage::rods) || contains(dropped_, Stage::rods) || new_field();
+        case Stage::scan:
+        case Stage::tradeoff:
+            return false;
+        case Stage::field:
+        case Stage::rods:
+            break;
+        }
+        return new_field();
+    };
+    for (const Stage stage : std::vector(kept_)) // in the order in which they are done
+        if (outdated(stage)) {
+            refuse_to_drop(stage);
+            (contains(asked, stage) ? stages_ : dropped_).push_back(stage);
+            std::erase(kept_, stage);
+            unaffected_.erase(to_string(stage));
+        }
+    std::ranges::sort(stages_);
+    for (const Stage stage : dropped_)
+        unaffected_.erase(to_string(stage));
+}
+
+StageRecords RunFolder::records(const std::string& status) const {
+    StageRecords records;
+    for (const Stage stage : kept_)
+        records[to_string(stage)] = old_.at(to_string(stage));
+    for (const Stage stage : stages_)
+        records[to_string(stage)] = contains(restored_, stage) && status != "finished" ? files_lost : status;
+    return records;
+}
+
+bool RunFolder::keeps_datasets() const {
+    return contains(kept_, Stage::field) || contains(kept_, Stage::rods);
+}
+
+void RunFolder::begin(const Provenance& provenance, std::string_view scene) const {
+    refuse_links();
+    write("provenance.json", provenance(unaffected_));
+    remove_outdated();
+    write("scene.toml", scene);
+    write("provenance.json", provenance(records("unfinished")));
+}
+
+void RunFolder::write(std::string_view name, std::string_view content) const {
+    const fs::path target = path_ / name;
+    std::error_code error;
+    fs::create_directories(target.parent_path(), error);
+    store::write_atomically(target, content);
+}
+
+} // namespace rodwake::app

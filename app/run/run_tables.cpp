@@ -1,0 +1,48 @@
+#include "run_tables.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/csv.hpp"
+#include "values_json.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+double summary_number(const fs::path& file, const std::string& name, const std::string& what) {
+    std::ifstream in(file);
+    try {
+        const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
+        return summary.at(nlohmann::json::json_pointer(pointer_to(name))).get<double>();
+    } catch (const nlohmann::json::exception&) {
+        throw InputError(fmt::format("{}: no {}; make the granular run again", file.string(), what));
+    }
+}
+
+std::vector<Column> columns_of(const fs::path& file, const std::vector<std::string>& names) {
+    const store::Table table = store::read_csv(file, names);
+    std::vector<Column> columns;
+    columns.reserve(names.size());
+    for (const std::string& name : names)
+        columns.push_back(*table.find(name));
+    return columns;
+}
+
+} // namespace
+
+RunTables run_tables(const fs::path& folder) {
+    return {[file = folder / "summary.json"](const std::string& name, const std::string& what) {
+                return summary_number(file, name, what);
+            },
+            [file = folder / "tracks.csv"](const std::vector<std::string>& names) {
+                return columns_of(file, names);
+            }};
+}
+
+} // namespace rodwake::app

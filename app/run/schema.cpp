@@ -1,0 +1,34 @@
+#include "rodwake/app/schema.hpp"
+
+#include "rodwake/app/measure_kind.hpp"
+#include "rodwake/scene/document.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace rodwake::app {
+
+namespace {
+
+std::string value_entry(const MeasureKind& kind, const ValueInfo& value) {
+    nlohmann::ordered_json out = {{"measure", kind.name}, {"key", value.key}};
+    if (!value.title.empty())
+        out["title"] = value.title;
+    if (!value.is_text) {
+        out["unit"] = value.unit;
+        out["factor"] = value.factor;
+    }
+    out["meaning"] = value.meaning;
+    return out.dump();
+}
+
+} // namespace
+
+std::string schema_json() {
+    scene::SchemaList measures{"measures", {}};
+    for (const MeasureKind& kind : measure_kinds())
+        for (const ValueInfo& value : kind.values)
+            measures.entries.push_back(value_entry(kind, value));
+    return scene::schema_json({&measures, 1});
+}
+
+} // namespace rodwake::app

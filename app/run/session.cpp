@@ -1,0 +1,191 @@
+#include "session.hpp"
+
+#include "fit/fit_medium.hpp"
+#include "rodwake/core/box_sides.hpp"
+#include "rodwake/core/build_info.hpp"
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/scene/write.hpp"
+#include "rodwake/app/run.hpp"
+#include "rodwake/store/provenance.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/sink.h>
+
+#include <algorithm>
+
+namespace rodwake::app {
+
+namespace {
+
+/// Of all stages the one that is least done; a folder without any has only begun.
+std::string worst(const StageRecords& records) {
+    if (records.empty())
+        return "unfinished";
+    for (const char* status : {"failed", "unfinished", "interrupted"})
+        for (const auto& [stage, of] : records)
+            if (of == status)
+                return status;
+    return std::ranges::any_of(records, [](const auto& one) { return one.second == files_lost; })
+               ? "unfinished"
+               : "finished";
+}
+
+/// The seed of everything random; 0 where nothing is.
+std::uint64_t used_seed(const RunContext& context, const scene::Scene& scene) {
+    const std::uint64_t of_noise = scene.noise ? static_cast<std::uint64_t>(scene.noise->seed) : 0,
+                        of_scan = scene.scan ? static_cast<std::uint64_t>(scene.scan->seed) : of_noise,
+                        of_fit = scene.fit ? scene.fit->search.seed : of_scan;
+    return context.seed.value_or(scene.granular ? static_cast<std::uint64_t>(scene.granular->seed) : of_fit);
+}
+
+std::string provenance(const RunContext& context, const scene::Scene& scene, const StageRecords& records,
+                       double wall_seconds) {
+    return store::provenance_json(
+        {context.command, scene.path, worst(records), used_seed(context, scene), wall_seconds, records});
+}
+
+/// The run folder, marked before the first other file: whatever fails afterwards, it can be taken over.
+RunFolder begun(const std::filesystem::path& path, const RunContext& context, const Plan& plan) {
+    RunFolder folder(path, plan.scene, plan.stages, context.force,
+                     context.scan.rerun_failed || context.scan.merge, context.draws);
+    scene::Scene written = plan.scene;
+    if (folder.kept_runs()) // an ensemble that is kept has as many runs as it had
+        written.granular->runs = *folder.kept_runs();
+    folder.begin([&](const StageRecords& records) { return provenance(context, plan.scene, records, 0.0); },
+                 scene::to_toml(written));
+    return folder;
+}
+
+void write_medium(store::Hdf5Writer& results, const elastic::Medium& medium, const OutputUnits& units) {
+    results.attribute("/medium", "eta", medium.eta);
+    results.attribute("/medium", "nu", medium.nu());
+    results.attribute("/medium", "alpha", 1.0 / medium.xi);
+    results.attribute("/medium", "xi", medium.xi * units.length);
+}
+
+void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const OutputUnits& units) {
+    results.attribute("/", "schema", std::int64_t{1});
+    results.attribute("/", "rodwake_version", build_info().version);
+    results.attribute("/", "title", scene.title);
+    const bool bed_only = scene.granular && !scene.field && !scene.rods_run;
+    results.attribute("/", "units", bed_only ? "si" : units.system);
+    results.attribute("/", "length_unit", bed_only ? "m" : units.length_name);
+    results.attribute("/", "time_unit", bed_only ? "s" : units.time_name);
+    if (scene.medium && !scene.medium->fitted)
+        write_medium(results, {scene.medium->eta, scene.medium->xi}, units);
+    if (scene.medium && scene.medium->box()) {
+        const PeriodicBox box = *scene.medium->box() * units.length;
+        results.attribute("/medium", "periodic", box.x);
+        if (!box.square())
+            results.attribute("/medium", "periodic_y", box.y);
+    }
+    if (scene.coupling) {
+        const rods::Couplings c = couplings_of(scene);
+        results.attribute("/coupling", "kappa", c.kappa / units.time);
+        results.attribute("/coupling", "gamma1", c.gamma1 * units.length / units.time);
+        results.attribute("/coupling", "gamma2", c.gamma2 * units.length / units.time);
+    }
+}
+
+} // namespace
+
+Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
+    : context(std::move(of)), plan(std::move(given)), directory(begun(folder, context, plan)),
+      log(make_logger(context, directory.file("log.txt"))), units(output_units(plan.scene)),
+      results(directory.file("result.h5")), start_(std::chrono::steady_clock::now()) {
+    log->debug("{}", context.command);
+    if (!directory.lock_taken_over().empty())
+        log->warn("{}: {} left its lock behind and is gone; taking over", directory.path().string(),
+                  directory.lock_taken_over());
+    if (directory.resumed())
+        log->info("{}: an earlier run did not finish; taking it up", directory.path().string());
+    else if (directory.extended())
+        log->info("{}: going on with a finished run", directory.path().string());
+    tell_lost();
+    tell_threads();
+    for (const Stage stage : plan.stages)
+        if (std::ranges::count(directory.kept(), stage) > 0)
+            log->info("{}: done already", to_string(stage));
+    write_header(results, plan.scene, units);
+    take_kept();
+}
+
+void Session::tell_lost() const {
+    const StageRecords records = directory.records("finished");
+    for (const auto& [stage, files] : directory.lost()) {
+        if (files.empty()) // told by the command that found them gone
+            continue;
+        const auto record = records.find(stage);
+        const bool made =
+            stage.empty() ? context.draws || files.back().ends_with(".json") || files.back().ends_with(".h5")
+                          : record != records.end() && record->second == "finished";
+        log->info("{}{}{} {} gone; {}", stage.empty() ? "" : stage + ": ", files.front(),
+                  files.size() == 1 ? "" : fmt::format(" and {} more files", files.size() - 1),
+                  files.size() == 1 ? "is" : "are", made ? "made again" : "left so by this command");
+    }
+}
+
+/// Loops go on with fewer of themselves.
+void Session::tell_threads() const {
+    const std::size_t wanted = context.thread_count(), started = Team(wanted).started();
+    if (started < wanted)
+        log->warn("only {} of {} threads can be started (a limit of the system's); going on with these",
+                  started, wanted);
+}
+
+void Session::take_kept() {
+    for (const Stage stage : directory.kept()) {
+        if (stage == Stage::field || stage == Stage::rods)
+            if (std::filesystem::exists(directory.file("result.h5")))
+                results.copy_group(directory.file("result.h5"), std::string("/") + to_string(stage));
+        if (stage == Stage::fit && plan.scene.medium && plan.scene.medium->fitted) {
+            const auto [eta, xi] = stored_medium(directory.file("medium.json"));
+            use_medium(eta, xi);
+        }
+    }
+}
+
+void Session::use_medium(double eta, double xi) {
+    fitted_ = plan.scene;
+    fitted_->medium->fitted = false;
+    fitted_->medium->eta = eta;
+    fitted_->medium->xi = xi;
+    write_medium(results, {eta, xi}, units);
+}
+
+void Session::close(StageEnd end) {
+    closing_ = true;
+    results.commit();
+    write_manifest(directory.path());
+    write_provenance(end == StageEnd::finished || end == StageEnd::incomplete
+                         ? "finished"
+                         : (end == StageEnd::failed ? "failed" : "interrupted"),
+                     true);
+}
+
+void Session::fail(const std::string& why) noexcept {
+    try {
+        if (closing_ &&
+            !finished_.empty()) // who ends with an error has not finished, whatever is there already
+            finished_.pop_back();
+        write_provenance("failed", false);
+        for (const auto& sink : log->sinks())
+            if (sink == log->sinks().front()) // log.txt; the caller hears it from the exception
+                sink->log({log->name(), spdlog::level::err, why});
+        log->flush();
+        write_manifest(directory.path());
+    } catch (const std::exception&) { // a full disk takes the record too; `unfinished` still stands there
+    }
+}
+
+/// `results_kept`: result.h5 is in place, so what field and rods computed is not lost.
+void Session::write_provenance(const std::string& status, bool results_kept) const {
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    StageRecords records = directory.records(status);
+    for (const Stage stage : finished_)
+        if (results_kept || (stage != Stage::field && stage != Stage::rods))
+            records[to_string(stage)] = "finished";
+    directory.write("provenance.json", provenance(context, plan.scene, records, wall));
+}
+
+} // namespace rodwake::app

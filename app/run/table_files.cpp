@@ -1,0 +1,91 @@
+#include "table_files.hpp"
+
+#include "rodwake/store/block_file.hpp"
+#include "rodwake/store/bytes.hpp"
+
+namespace rodwake::app {
+
+namespace {
+
+using elastic::PeriodicTableData;
+using elastic::PlaneTable;
+
+constexpr std::uint32_t layout = 1;
+constexpr const char *plane = "plane table", *box = "box table"; // names of their blocks
+
+std::string one_block(const char* name, store::ByteWriter& content) {
+    const store::Block block{name, content.take(), layout};
+    return store::encode_blocks({&block, 1});
+}
+
+void put(store::ByteWriter& out, const elastic::CellTable& cells) {
+    out.put_array(cells.cells_per_unit);
+    out.put_array(cells.polynomial_of);
+    out.put_array(cells.coefficients);
+}
+
+elastic::CellTable get_cells(store::ByteReader& in) {
+    elastic::CellTable cells;
+    cells.cells_per_unit = in.get_array<std::int32_t>();
+    cells.polynomial_of = in.get_array<std::int32_t>();
+    cells.coefficients = in.get_array<double>();
+    return cells;
+}
+
+} // namespace
+
+std::string encode(const PlaneTable& table) {
+    store::ByteWriter out;
+    for (const double number : {table.eta, table.tolerance, table.strain_error, table.gradient_error})
+        out.put(number);
+    out.put(table.points_checked);
+    out.put(table.degree);
+    out.put(table.lowest_level);
+    put(out, table.strain);
+    put(out, table.gradient);
+    return one_block(plane, out);
+}
+
+template<>
+PlaneTable decode(std::string_view bytes, const std::string& file) {
+    const auto blocks = store::decode_blocks(bytes, file);
+    store::ByteReader in(store::find_block(blocks, plane, file, layout).content, file);
+    PlaneTable table;
+    for (double* number : {&table.eta, &table.tolerance, &table.strain_error, &table.gradient_error})
+        *number = in.get<double>();
+    table.points_checked = in.get<std::int64_t>();
+    table.degree = in.get<std::int32_t>();
+    table.lowest_level = in.get<std::int32_t>();
+    table.strain = get_cells(in);
+    table.gradient = get_cells(in);
+    in.finish();
+    return table;
+}
+
+std::string encode(const PeriodicTableData& table) {
+    store::ByteWriter out;
+    for (const double number : {table.eta, table.xi, table.box, table.tolerance, table.error})
+        out.put(number);
+    out.put(table.place_pieces);
+    out.put(table.angle_pieces);
+    for (const std::vector<double>& coefficients : table.coefficients)
+        out.put_array(coefficients);
+    return one_block(box, out);
+}
+
+template<>
+PeriodicTableData decode(std::string_view bytes, const std::string& file) {
+    const auto blocks = store::decode_blocks(bytes, file);
+    store::ByteReader in(store::find_block(blocks, box, file, layout).content, file);
+    PeriodicTableData table;
+    for (double* number : {&table.eta, &table.xi, &table.box, &table.tolerance, &table.error})
+        *number = in.get<double>();
+    table.place_pieces = in.get<std::int32_t>();
+    table.angle_pieces = in.get<std::int32_t>();
+    for (std::vector<double>& coefficients : table.coefficients)
+        coefficients = in.get_array<double>();
+    in.finish();
+    return table;
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,101 @@
+// What a scan depends on: the part of the scene that its points are made from.
+
+#include "rodwake/app/scan_problem.hpp"
+#include "rodwake/core/encounter.hpp"
+#include "rodwake/scene/write.hpp"
+#include "scan_parts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rodwake::app {
+
+namespace {
+
+constexpr std::size_t told_turns = 8; ///< rods whose turns are columns
+
+/// Design and axes as far as they decide what a point of some number is.
+scene::Scan scan_keys(const scene::Scan& scan) {
+    scene::Scan key;
+    key.design = scan.design;
+    key.axes = scan.axes;
+    for (scene::ScanAxis& axis : key.axes)
+        axis.label.clear();
+    if (scan.design == scene::ScanDesign::lhs) { // another number of slices is another sample
+        key.samples = scan.samples;
+        key.seed = scan.seed;
+    }
+    return key;
+}
+
+/// A bed, and when two of its rods touch.
+scene::Scene bed_keys(const scene::Scene& scene) {
+    scene::Scene key;
+    key.path = scene.path;
+    key.granular = scene.granular;
+    if (scene.measure && scene.measure->contact_distance)
+        key.measure.emplace().contact_distance = scene.measure->contact_distance;
+    return key;
+}
+
+} // namespace
+
+void leave_out_outputs(std::optional<scene::RodsRun>& run) {
+    if (!run)
+        return;
+    run->output_times = {run->t_end};
+    run->t_end_from_outputs = false;
+}
+
+scene::Scene scan_base(const scene::Scene& scene) {
+    if (scan_subject(scene) == scene::ScanSubject::beds)
+        return bed_keys(scene);
+    scene::Scene base = scene;
+    base.scan.reset();
+    base.field.reset();
+    base.granular.reset();
+    base.figures.clear();
+    leave_out_outputs(base.rods_run);
+    return base;
+}
+
+scan::Columns columns_of_rods(const scene::Scene& scene) {
+    scan::Columns columns;
+    for (const Ending ending : {Ending::contact, Ending::pursuit, Ending::escape, Ending::undecided})
+        columns.outcomes.emplace_back(rodwake::to_string(ending));
+    columns.observables = {"time", "min_separation", "min_separation_time"};
+    for (std::size_t rod = 0; rod < std::min(scene.rods.size(), told_turns); ++rod)
+        columns.observables.push_back(fmt::format("turn{}", rod));
+    for (const char* name :
+         {"non_reciprocity", "final_separation", "final_angle", "steps", "rhs_evaluations"})
+        columns.observables.emplace_back(name);
+    if (scene.noise)
+        for (const char* name : captures)
+            columns.observables.emplace_back(name);
+    return columns;
+}
+
+std::string scan_key(const scene::Scene& scene) {
+    const bool beds = scan_subject(scene) == scene::ScanSubject::beds;
+    scene::Scene key = beds ? bed_keys(scene) : scene;
+    key.title.clear();
+    key.field.reset();
+    key.figures.clear();
+    key.fit.reset();
+    if (beds) {
+        key.granular->runs = 1; // more of them go on with those there are
+        key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
+    } else {
+        key.granular.reset();
+        key.measure.reset();
+    }
+    leave_out_outputs(key.rods_run);
+    if (key.rods_run)
+        key.rods_run->max_steps = scene::RodsRun{}.max_steps; // a limit, raised when it was met
+    if (scene.scan)
+        key.scan = scan_keys(*scene.scan);
+    return scene::to_plain_toml(key);
+}
+
+} // namespace rodwake::app

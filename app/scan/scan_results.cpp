@@ -1,0 +1,192 @@
+#include "scan_results.hpp"
+
+#include "rodwake/scene/document.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "rodwake/store/hdf5_writer.hpp"
+#include "scan_bed_results.hpp"
+#include "scan_datasets.hpp"
+#include "scan_tables.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+using nlohmann::ordered_json;
+
+const char* spacing_name(scan::Spacing spacing) {
+    static constexpr const char* names[] = {"linear", "log", "listed"};
+    return names[static_cast<std::size_t>(spacing)];
+}
+
+ordered_json axis_json(const ScanPlan& plan, std::size_t number) {
+    const scan::Axis& axis = plan.design.axes[number];
+    const scene::KeyInfo info = scene::key_info(axis.name).value_or(scene::KeyInfo{});
+    const bool si = plan.base.units == scene::UnitSystem::si;
+    ordered_json keys = ordered_json::array(), factors = ordered_json::array();
+    for (const ScanPlan::VariedKey& key : plan.keys)
+        if (key.axis == number) {
+            keys.push_back(key.key);
+            factors.push_back(key.factor);
+        }
+    ordered_json out = {{"key", axis.name},
+                        {"keys", keys},
+                        {"factors", factors},
+                        {"symbol", info.symbol},
+                        {"label", plan.labels[number]},
+                        {"unit", si ? info.unit_si : info.unit_reduced},
+                        {"spacing", spacing_name(axis.spacing)},
+                        {"from", axis.from},
+                        {"to", axis.to},
+                        {"count", axis.count}};
+    if (!axis.words.empty())
+        out["values"] = axis.words;
+    else if (axis.spacing == scan::Spacing::listed)
+        out["values"] = axis.values;
+    return out;
+}
+
+ordered_json boundary_json(const scan::Summary& summary, double tolerance) {
+    if (tolerance == 0.0)
+        return nullptr;
+    std::size_t points = 0;
+    for (const scan::Curve& curve : summary.curves)
+        points += curve.points.size();
+    return {{"curves", summary.curves.size()},
+            {"points", points},
+            {"tolerance", tolerance},
+            {"evaluated", summary.traced},
+            {"gaps", summary.lost_crossings}};
+}
+
+ordered_json rods_json(const ScanPlan& plan) {
+    const OutputUnits units = output_units(plan.base);
+    return {{"subject", "rods"},
+            {"rods", plan.base.rods.size()},
+            {"units", {{"length", units.length_name}, {"time", units.time_name}}}};
+}
+
+/// What is requested, evaluated and failed there are runs.
+ordered_json bed_json(const ScanPlan& plan) {
+    const scene::Granular& bed = *plan.base.granular;
+    const bool varied = std::ranges::count(plan.keys, "granular.bead_radius", &ScanPlan::VariedKey::key) > 0;
+    return {{"subject", "beds"},
+            {"rods", bed.rods.size()},
+            {"points", scan::places(plan.design)},
+            {"runs", plan.design.runs},
+            {"bead_radius", varied ? ordered_json(nullptr) : ordered_json(bed.bead_radius)},
+            {"units", {{"length", "a"}, {"time", "s"}}}};
+}
+
+std::string scan_json(const ScanPlan& plan, const scan::Counts& counts, const scan::Summary& summary,
+                      double wall_seconds) {
+    const bool adaptive = plan.design.kind == scan::Kind::adaptive, audited = summary.audit.tried > 0;
+    ordered_json out = {{"design", scan::to_string(plan.design.kind)},
+                        {"complete", summary.complete},
+                        {"requested", summary.requested},
+                        {"evaluated", counts.points},
+                        {"failed", counts.failed},
+                        {"left", summary.left},
+                        {"wall_seconds", wall_seconds},
+                        {"cpu_seconds", counts.seconds}};
+    const auto of_audit = [&](double value) { return audited ? ordered_json(value) : ordered_json(nullptr); };
+    out["missed_rate"] = adaptive ? of_audit(summary.audit.rate()) : ordered_json(nullptr);
+    out["missed_rate_high"] = adaptive ? of_audit(summary.audit.upper_bound()) : ordered_json(nullptr);
+    out["audited"] = summary.audit.tried;
+    out["missed"] = summary.audit.missed;
+    out["audit_rounds"] = summary.audit_rounds;
+    out["found_by_audit"] = summary.found_by_audit;
+    out["resolution"] = adaptive ? ordered_json(plan.design.resolution) : ordered_json(nullptr);
+    out["axes"] = ordered_json::array();
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
+        out["axes"].push_back(axis_json(plan, k));
+    out["outcomes"] = ordered_json::object();
+    for (const std::string& name : plan.columns.outcomes)
+        out["outcomes"][name] = counts.outcomes.contains(name) ? counts.outcomes.at(name) : 0;
+    out["causes"] = counts.causes;
+    out["boundary"] = boundary_json(summary, plan.design.boundary_tolerance);
+    if (of_beds(plan))
+        out.update(bed_json(plan));
+    else
+        out.update(rods_json(plan));
+    return out.dump(2) + "\n";
+}
+
+/// Both tables of points, and the sample of trajectories, fed with some points at a time.
+class PointWriter {
+public:
+    PointWriter(const std::filesystem::path& folder, const ScanPlan& plan, std::int64_t points,
+                std::size_t trajectories, std::size_t threads)
+        : plan_(plan), threads_(threads), table_(folder / "scan.csv", plan), h5_(folder / "scan.h5"),
+          columns_(h5_, plan, points), sample_(trajectories) {}
+
+    void add(const scan::Result& result) {
+        rows_.push_back(result);
+        if (rows_.size() == rows_at_once)
+            flush();
+    }
+
+    void finish() {
+        flush();
+        table_.commit();
+        columns_.finish();
+        sample_.write(h5_, plan_);
+        h5_.commit();
+    }
+
+private:
+    static constexpr std::size_t rows_at_once = 1 << 14;
+
+    void flush() {
+        table_.add(rows_, threads_);
+        columns_.add(rows_);
+        for (const scan::Result& one : rows_)
+            sample_.add(one);
+        rows_.clear();
+    }
+
+    const ScanPlan& plan_;
+    std::size_t threads_;
+    PointTable table_;
+    store::Hdf5Writer h5_;
+    PointColumns columns_;
+    TrajectorySample sample_;
+    std::vector<scan::Result> rows_; ///< not written yet
+};
+
+/// scan.csv and scan.h5 in one pass over the ledger. A scan that was stopped has no time for trajectories.
+void write_all_points(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
+                      const scan::Ledger& ledger, bool complete, std::size_t threads) {
+    PointWriter writer(folder, plan, ledger.points(),
+                       complete ? static_cast<std::size_t>(keys.trajectories) : 0, threads);
+    ledger.for_each([&](const scan::Result& result) { writer.add(result); });
+    writer.finish();
+}
+
+void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
+                       const scan::Ledger& ledger, const scan::Summary& summary, std::size_t threads) {
+    write_all_points(folder, plan, keys, ledger, summary.complete, threads);
+    if (!summary.leaves.empty())
+        write_cells(folder / "cells.csv", plan, summary);
+    if (!summary.curves.empty())
+        write_boundary(folder / "boundary.csv", plan, summary);
+}
+
+} // namespace
+
+void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
+                const scan::Ledger& ledger, const scan::Counts& counts, const scan::Summary& summary,
+                double wall_seconds, std::size_t threads) {
+    if (of_beds(plan))
+        write_bed_results(folder, plan, ledger);
+    else
+        write_rod_results(folder, plan, keys, ledger, summary, threads);
+    // last: whoever finds it finds everything
+    store::write_atomically(folder / "scan.json", scan_json(plan, counts, summary, wall_seconds));
+}
+
+} // namespace rodwake::app

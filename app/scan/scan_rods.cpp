@@ -1,0 +1,262 @@
+#include "scan_rods.hpp"
+
+#include "rodwake/app/scan_problem.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/pair_batch.hpp"
+#include "scan_noise.hpp"
+#include "scan_values.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using integrate::Method;
+using integrate::Termination;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Another method that can take the form; the same if there is none.
+Method other_method(Method method, rods::Form form) {
+    if (form == rods::Form::dae || method != Method::bdf)
+        return Method::bdf;
+    return form == rods::Form::angle ? Method::adams : Method::erk;
+}
+
+/// The ladder of retries: changes the options for the attempt after number `rung`; false: none left.
+bool next_rung(rods::RodOptions& options, int rung) {
+    integrate::OdeOptions& ode = options.ode;
+    switch (rung) {
+    case 0:
+        ode.max_steps *= 10;
+        return true;
+    case 1:
+        ode.rtol = std::max(0.1 * ode.rtol, 1e-13);
+        ode.atol *= 0.1;
+        return true;
+    case 2:
+        ode.method = other_method(ode.method, options.form);
+        return true;
+    default:
+        return false;
+    }
+}
+
+/// What a pair of a batch takes at most, s, with a good margin: it asks nobody before it is done.
+constexpr double longest_in_batch = 0.1;
+
+/// Whoever may choose the method, and would choose an explicit one, takes many pairs at once.
+bool suits_batch(const scene::RodsRun& run, const rods::RodOptions& options,
+                 std::optional<double> time_limit) {
+    return !run.method && run.form == rods::Form::angle && options.ode.method == Method::erk &&
+           time_limit.value_or(HUGE_VAL) > longest_in_batch;
+}
+
+rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
+    rods::PairOptions options{ode.rtol, ode.atol};
+    options.max_attempts = std::min(options.max_attempts, ode.max_steps);
+    return options;
+}
+
+class PointsOfRods {
+public:
+    PointsOfRods(const ScanPlan& plan, const OutputUnits& units, const std::function<bool()>& stop)
+        : plan_(plan), units_(units), stop_(stop), problem_(plan) {}
+
+    void evaluate(std::span<const scan::Point> points, std::span<scan::Result> results) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            results[i].point = points[i];
+            guarded(results[i], [&](Clock::time_point start) { begin(i, results[i], start); });
+        }
+        for (Batch& batch : batches_)
+            run(batch, results);
+        batches_.clear();
+    }
+
+private:
+    /// Pairs of one tolerance, and the points they are.
+    struct Batch {
+        rods::PairOptions options;
+        std::vector<rods::PairProblem> pairs;
+        std::vector<std::size_t> points;
+    };
+
+    /// Failures are values.
+    template<class Work>
+    static void guarded(scan::Result& result, const Work& work) {
+        const auto start = Clock::now();
+        try {
+            work(start);
+        } catch (const std::exception& error) {
+            result.status = scan::Status::exception;
+            result.set_cause(describe(error));
+        }
+        result.seconds += seconds_since(start);
+    }
+
+    /// Puts the point into a batch, or finishes it.
+    void begin(std::size_t number, scan::Result& result, Clock::time_point start) {
+        const rods::RodProblem& problem = problem_.at(result.point);
+        if (starts_in_contact(problem, result))
+            return;
+        if (plan_.base.noise)
+            return with_noise(problem, result, start);
+        const rods::RodOptions options = rod_options(problem_.run(), problem);
+        const auto pair = rods::to_pair_problem(problem);
+        if (!pair || !suits_batch(problem_.run(), options, plan_.time_limit))
+            return climb(problem, options, result, start);
+        rods::validate(*pair);
+        Batch& batch = batch_of(pair_options(options.ode));
+        batch.pairs.push_back(*pair);
+        batch.points.push_back(number);
+    }
+
+    Batch& batch_of(const rods::PairOptions& options) {
+        const auto at = std::ranges::find_if(batches_, [&](const Batch& batch) {
+            return batch.options.rtol == options.rtol && batch.options.atol == options.atol &&
+                   batch.options.max_attempts == options.max_attempts;
+        }); // more than one only where the tolerance is an axis
+        return at != batches_.end() ? *at : batches_.emplace_back(Batch{options, {}, {}});
+    }
+
+    void run(const Batch& batch, std::span<scan::Result> results) {
+        const auto start = Clock::now();
+        std::vector<rods::PairResult> ends(batch.pairs.size());
+        rods::simulate_pairs(batch.pairs, batch.options, ends);
+        const double each = seconds_since(start) / static_cast<double>(ends.size());
+        for (std::size_t k = 0; k < ends.size(); ++k) {
+            scan::Result& result = results[batch.points[k]];
+            result.seconds += each;
+            guarded(result, [&](Clock::time_point began) {
+                if (!ends[k].handed_over())
+                    store(end_of(batch.pairs[k], ends[k]), plan_, units_, result);
+                if (!ends[k].handed_over() && result.ok())
+                    return;
+                const rods::RodProblem& problem = problem_.at(result.point);
+                rods::RodOptions options = rod_options(problem_.run(), problem);
+                const bool limit_of_batch = batch.options.max_attempts < options.ode.max_steps;
+                if (ends[k].end == rods::PairEnding::too_many_steps && limit_of_batch)
+                    options.ode.method = Method::bdf; // faster from there on
+                climb(problem, options, result, began);
+            });
+        }
+    }
+
+    void climb(const rods::RodProblem& problem, rods::RodOptions options, scan::Result& result,
+               Clock::time_point start) {
+        options.ode.stop_requested = stop_condition(start);
+        std::string causes;
+        for (result.retries = 0;; ++result.retries) {
+            try {
+                attempt(problem, options, result, start);
+            } catch (const std::exception& error) {
+                result.status = scan::Status::exception;
+                result.set_cause(describe(error));
+            }
+            const bool hopeless = result.status == scan::Status::ok ||
+                                  result.status == scan::Status::time_limit ||
+                                  result.status == scan::Status::stopped;
+            const std::string cause(result.ok() ? "" : result.cause_text());
+            if (!scan::cause_pattern(causes).ends_with(scan::cause_pattern(cause))) // a retry may fail alike
+                causes += (causes.empty() ? "" : "; ") + cause;
+            if (hopeless || !next_rung(options, result.retries))
+                break;
+        }
+        result.set_cause(causes);
+    }
+
+    /// A point without noise among others has one run, and no interval.
+    void with_noise(const rods::RodProblem& problem, scan::Result& result, Clock::time_point start) {
+        rods::RodOptions options = rod_options(problem_.run(), problem);
+        const std::optional<NoisePlan> noise = problem_.noise();
+        if (!noise) {
+            options.criteria = rods::noisy_criteria; // as its neighbours are judged
+            return climb(problem, options, result, start);
+        }
+        options.ode.stop_requested = stop_condition(start);
+        if (!evaluate_noisy(plan_, problem, options, *noise, units_, result))
+            interrupted(result, start);
+    }
+
+    void interrupted(scan::Result& result, Clock::time_point start) const {
+        const bool late = seconds_since(start) > plan_.time_limit.value_or(HUGE_VAL);
+        result.status = late ? scan::Status::time_limit : scan::Status::stopped;
+        result.set_cause(fmt::format("more than {:g} s", plan_.time_limit.value_or(0.0)));
+    }
+
+    std::function<bool()> stop_condition(Clock::time_point start) const {
+        const double limit = plan_.time_limit.value_or(HUGE_VAL);
+        if (limit == HUGE_VAL && !stop_)
+            return nullptr;
+        return [this, start, limit] { return (stop_ && stop_()) || seconds_since(start) > limit; };
+    }
+
+    void attempt(const rods::RodProblem& problem, rods::RodOptions options, scan::Result& result,
+                 Clock::time_point start) const {
+        Leader leader(problem);
+        if (problem.rods.size() == 2)
+            options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
+        const rods::RodResult run = rods::simulate(problem, options);
+        const integrate::Status& status = run.solution.status;
+        if (status.termination == Termination::interrupted) {
+            interrupted(result, start);
+        } else if (status.ok()) {
+            store_certain_capture(plan_, run.outcome.ending, result);
+            store(end_of(problem, run, leader.ahead()), plan_, units_, result);
+        } else {
+            result.status = scan::Status::failed;
+            result.set_cause(fmt::format("{}: {}; {}", status.flag, status.cause, status.advice));
+        }
+    }
+
+    bool starts_in_contact(const rods::RodProblem& problem, scan::Result& result) const {
+        const auto met = rods::contact_at_start(problem);
+        if (met) {
+            store_certain_capture(plan_, met->outcome.ending, result);
+            store(end_of(problem, *met, {}), plan_, units_, result);
+        }
+        return met.has_value();
+    }
+
+    const ScanPlan& plan_;
+    const OutputUnits& units_;
+    const std::function<bool()>& stop_;
+    PointProblem problem_;
+    std::vector<Batch> batches_;
+};
+
+} // namespace
+
+scan::Evaluate evaluate_rods(const ScanPlan& plan, std::function<bool()> stop) {
+    return [&plan, units = output_units(plan.base),
+            stop = std::move(stop)](std::span<const scan::Point> points, std::span<scan::Result> results) {
+        PointsOfRods(plan, units, stop).evaluate(points, results);
+    };
+}
+
+rods::RodResult trajectory_of(const ScanPlan& plan, const scan::Result& result, std::size_t times) {
+    scene::Scene scene = plan.base;
+    if (const auto wrong = set_point(plan, scene, result.point))
+        throw InputError(*wrong);
+    rods::RodProblem problem = rod_problem(scene);
+    const double end = result.values[0] / output_units(plan.base).time;
+    problem.output_times.clear();
+    for (std::size_t i = 0; i + 1 < times; ++i)
+        problem.output_times.push_back(end * static_cast<double>(i) / static_cast<double>(times - 1));
+    rods::RodOptions options = rod_options(*scene.rods_run, problem);
+    if (const auto noise = noise_plan(scene, problem))
+        return rods::simulate(problem, options, noise->noise, 0);
+    for (int rung = 0; rung < result.retries; ++rung) // as the attempt that succeeded
+        next_rung(options, rung);
+    return rods::simulate(problem, options);
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,152 @@
+// scan.csv, cells.csv and boundary.csv.
+
+#include "scan_tables.hpp"
+
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/store/atomic_file.hpp"
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+/// Shortest digits that give the number back. Counts, of which tables are full, are written as integers: the
+/// same digits in a third of the time.
+void append(std::string& text, double value) {
+    if (!std::isfinite(value))
+        return;
+    std::array<char, 32> digits; // a double takes up to 24
+    const bool count = value >= 0.0 && value < 1e6 && value == std::trunc(value) && !std::signbit(value);
+    char* const end =
+        count ? std::to_chars(digits.data(), digits.data() + digits.size(), static_cast<long>(value)).ptr
+              : fmt::format_to(digits.data(), FMT_COMPILE("{}"), value);
+    text.append(digits.data(), end);
+}
+
+void append_axis(std::string& text, const scan::Axis& axis, double value) {
+    if (axis.words.empty())
+        append(text, value);
+    else
+        text += axis.words[static_cast<std::size_t>(value)];
+}
+
+void append_place(std::string& text, const ScanPlan& plan, const scan::Point& point) {
+    for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
+        append_axis(text, plan.design.axes[k], values_of(plan.design, point)[k]);
+        text += ',';
+    }
+}
+
+/// "time" stands before the status, the others after it.
+void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
+    append_place(text, plan, r.point);
+    text += outcome_text(plan, r.ok() ? r.outcome : -1);
+    text += ',';
+    append(text, r.ok() ? r.values[0] : std::nan(""));
+    text += ',';
+    text += scan::status_names[static_cast<std::size_t>(r.status)];
+    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k) {
+        text += ',';
+        append(text, r.ok() ? r.values[k] : std::nan(""));
+    }
+    text += ',';
+    append(text, static_cast<double>(r.retries));
+    text += '\n';
+}
+
+std::string between(const ScanPlan& plan, const scan::Curve& curve) {
+    return plan.columns.outcomes[static_cast<std::size_t>(curve.outcome_a)] + "|" +
+           plan.columns.outcomes[static_cast<std::size_t>(curve.outcome_b)];
+}
+
+} // namespace
+
+std::string number_text(double value) {
+    std::string text;
+    append(text, value);
+    return text;
+}
+
+std::string place_text(const ScanPlan& plan, const scan::Point& point) {
+    std::string text;
+    append_place(text, plan, point);
+    return text;
+}
+
+std::string outcome_text(const ScanPlan& plan, std::int32_t outcome) {
+    return outcome < 0 ? "" : plan.columns.outcomes[static_cast<std::size_t>(outcome)];
+}
+
+std::string axis_names(const ScanPlan& plan) {
+    std::string names;
+    for (const scan::Axis& axis : plan.design.axes)
+        names += (names.empty() ? "" : ",") + axis.name;
+    return names;
+}
+
+PointTable::PointTable(const std::filesystem::path& file, const ScanPlan& plan)
+    : pending_(file), plan_(plan) {
+    std::string head = axis_names(plan) + ",outcome,time,status";
+    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k)
+        head += "," + plan.columns.observables[k];
+    pending_.write(head + ",retries\n");
+}
+
+void PointTable::add(std::span<const scan::Result> results, std::size_t threads) {
+    const std::size_t blocks = (results.size() + rows_at_once - 1) / rows_at_once;
+    texts_.resize(blocks);
+    parallel_for(blocks, threads, [&](std::size_t block) {
+        const std::size_t first = block * rows_at_once;
+        texts_[block].clear();
+        for (const scan::Result& one : results.subspan(first, std::min(rows_at_once, results.size() - first)))
+            append_row(texts_[block], plan_, one);
+    });
+    for (const std::string& text : texts_)
+        pending_.write(text);
+}
+
+void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary) {
+    const scan::Lattice lattice(plan.design);
+    std::string text;
+    for (const scan::Axis& axis : plan.design.axes)
+        text += fmt::format("{0}_from,{0}_to,", axis.name);
+    text += "outcome\n";
+    for (const scan::Leaf& leaf : summary.leaves) {
+        scan::Lattice::Place high = leaf.low;
+        for (std::size_t k = 0; k < lattice.axes(); ++k)
+            high[k] += leaf.side;
+        const scan::Point from = lattice.point(leaf.low), to = lattice.point(high);
+        for (std::size_t k = 0; k < lattice.axes(); ++k)
+            for (const double end : {from.at[k], to.at[k]}) {
+                append(text, end);
+                text += ',';
+            }
+        const bool named = !leaf.mixed && leaf.outcome >= 0;
+        text += (leaf.mixed ? "mixed"
+                 : named    ? plan.columns.outcomes[static_cast<std::size_t>(leaf.outcome)]
+                            : "") +
+                std::string("\n");
+    }
+    store::write_atomically(file, text);
+}
+
+void write_boundary(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary) {
+    std::string text = "curve,between," + axis_names(plan) + ",error\n";
+    for (std::size_t i = 0; i < summary.curves.size(); ++i)
+        for (const scan::BoundaryPoint& point : summary.curves[i].points) {
+            text += fmt::format("{},{}", i, between(plan, summary.curves[i]));
+            for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
+                text += "," + number_text(point.at[k]);
+            text += fmt::format(",{:.3g}\n", point.error);
+        }
+    store::write_atomically(file, text);
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,98 @@
+#include "scan_values.hpp"
+
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+/// The order of ScanPlan's columns.
+class PointRow {
+public:
+    explicit PointRow(scan::Result& result) : values_(result.values) {}
+
+    PointRow& operator<<(double value) {
+        values_[next_++] = value;
+        return *this;
+    }
+
+private:
+    std::array<double, scan::max_observables>& values_;
+    std::size_t next_ = 0;
+};
+
+/// (|turn of the rear rod| - |turn of the front rod|)/(their sum); NaN without a common heading, or if nobody
+/// turned.
+double non_reciprocity(std::span<const double> first, const rods::Box& box, const Ahead& ahead,
+                       std::span<const double> turn) {
+    const rods::Offset d = rods::offset(first, 0, 1, box);
+    const PairCourse course(first[2], first[5], d.x, d.y);
+    if (!course.common())
+        return std::nan("");
+    const std::size_t front = course.ahead(d.x + ahead.x, d.y + ahead.y) >= 0.0 ? 0 : 1;
+    const double of_front = std::abs(turn[front]), of_rear = std::abs(turn[1 - front]);
+    constexpr double nothing = 1e-9; // rad
+    return of_front + of_rear > nothing ? (of_rear - of_front) / (of_rear + of_front) : std::nan("");
+}
+
+void put_pair(EncounterEnd& end, integrate::State y, const rods::Separation& pair, const rods::Box& box) {
+    const rods::Offset d = rods::offset(y, pair.first, pair.second, box);
+    end.separation = std::hypot(d.x, d.y);
+    end.angle = angle_between(y[3 * pair.first + 2], y[3 * pair.second + 2]);
+}
+
+} // namespace
+
+void Leader::add(integrate::State y) {
+    const double turned = std::abs(y[2] - first_[2]) + std::abs(y[5] - first_[5]);
+    if (turned <= most_)
+        return;
+    most_ = turned;
+    // moved since the start, so that images in a box do not matter
+    ahead_ = {y[0] - y[3] - first_[0] + first_[3], y[1] - y[4] - first_[1] + first_[4]};
+}
+
+EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run, const Ahead& ahead) {
+    const rods::RodOutcome& outcome = run.outcome;
+    EncounterEnd end{outcome.ending, outcome.time, outcome.min_separation, outcome.min_separation_time,
+                     outcome.turn};
+    end.non_reciprocity = problem.rods.size() == 2 ? non_reciprocity(rods::to_state(problem.rods),
+                                                                     problem.box, ahead, outcome.turn)
+                                                   : std::nan("");
+    put_pair(end, run.solution.final_state, outcome.pair, problem.box);
+    end.steps = run.solution.statistics.steps;
+    end.rhs_evaluations = run.solution.statistics.rhs_evaluations;
+    return end;
+}
+
+EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run) {
+    EncounterEnd end{
+        run.ending, run.time, run.min_separation, run.min_separation_time, {run.turn[0], run.turn[1]}};
+    end.non_reciprocity =
+        non_reciprocity(rods::to_state(pair.rods), {}, {run.ahead_x, run.ahead_y}, run.turn);
+    put_pair(end, run.state, {0, 1, run.separation}, {});
+    end.steps = run.steps;
+    end.rhs_evaluations = run.rhs_evaluations;
+    return end;
+}
+
+void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& units,
+           scan::Result& result) {
+    result.status = scan::Status::ok;
+    result.outcome = static_cast<std::int32_t>(end.ending);
+    PointRow values(result);
+    values << end.time * units.time << end.min_separation * units.length
+           << end.min_separation_time * units.time;
+    for (std::size_t rod = 0; rod < std::min<std::size_t>(end.turn.size(), 8); ++rod)
+        values << end.turn[rod];
+    values << end.non_reciprocity << end.separation * units.length << end.angle
+           << static_cast<double>(end.steps) << static_cast<double>(end.rhs_evaluations);
+    for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
+        if (const std::string& name = plan.columns.observables[k];
+            !std::isfinite(result.values[k]) && name != "non_reciprocity") {
+            result.status = scan::Status::not_finite;
+            result.set_cause(name + " is not finite");
+        }
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,116 @@
+#include "rods_ensemble.hpp"
+
+#include "rodwake/core/estimate.hpp"
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/rods/separation.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+using nlohmann::ordered_json;
+using rods::RodResult;
+
+bool is_ok(const RodResult& one) { return one.solution.status.ok(); }
+
+double final_separation(const RodResult& one, rods::Box box) {
+    return one.solution.final_state.size() < 6 ? std::nan("")
+                                               : rods::closest_pair(one.solution.final_state, box).distance;
+}
+
+/// Mean and standard deviation of one sample each; null where there is none.
+ordered_json spread_json(const std::vector<double>& values) {
+    const Estimate mean = mean_of(values);
+    const double spread = mean.error * std::sqrt(static_cast<double>(values.size()));
+    return {{"mean", values.empty() ? ordered_json() : ordered_json(mean.value)},
+            {"spread", mean.known() && !values.empty() ? ordered_json(spread) : ordered_json()},
+            {"samples", values.size()}};
+}
+
+} // namespace
+
+std::vector<RodResult> run_ensemble(const rods::RodProblem& problem, const rods::RodOptions& options,
+                                    const elastic::MeasuredDisplacement& measured,
+                                    const scene::MeasuredMedium& keys, const RunContext& context) {
+    rods::RodOptions each;
+    each.form = options.form;
+    each.ode = options.ode;
+    each.ode.on_step = nullptr;
+    each.criteria = options.criteria;
+    std::vector<RodResult> samples(static_cast<std::size_t>(keys.samples));
+    parallel_for(samples.size(), context.thread_count(), [&](std::size_t i) {
+        rods::RodProblem drawn = problem;
+        drawn.field =
+            measured.drawn(static_cast<std::uint64_t>(keys.seed), static_cast<std::uint32_t>(i), problem.box);
+        samples[i] = rods::simulate(drawn, each);
+    });
+    return context.stopped() ? std::vector<RodResult>{} : samples;
+}
+
+std::string ensemble_csv(const std::vector<RodResult>& samples, rods::Box box, const OutputUnits& units) {
+    const std::vector<std::string> names = {"sample",           "outcome",        "time",
+                                            "final_separation", "min_separation", "turn0"};
+    std::vector<std::vector<double>> columns(names.size());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const RodResult& one = samples[i];
+        const auto ending = std::ranges::find(all_endings, one.outcome.ending) - all_endings.begin();
+        const double row[] = {static_cast<double>(i),
+                              is_ok(one) ? static_cast<double>(ending) : std::nan(""),
+                              one.outcome.time * units.time,
+                              final_separation(one, box) * units.length,
+                              one.outcome.min_separation * units.length,
+                              one.outcome.turn.empty() ? std::nan("") : one.outcome.turn.front()};
+        for (std::size_t c = 0; c < columns.size(); ++c)
+            columns[c].push_back(row[c]);
+    }
+    return store::to_csv(names, columns);
+}
+
+ordered_json ensemble_json(const std::vector<RodResult>& samples, rods::Box box, const OutputUnits& units) {
+    ordered_json json = {{"samples", samples.size()}};
+    for (const Ending ending : all_endings)
+        json[to_string(ending)] = std::ranges::count_if(
+            samples, [&](const RodResult& one) { return is_ok(one) && one.outcome.ending == ending; });
+    json["failed"] = std::ranges::count_if(samples, [](const RodResult& one) { return !is_ok(one); });
+    std::vector<double> last, least, contacts;
+    for (const RodResult& one : samples)
+        if (is_ok(one) && one.solution.final_state.size() >= 6) {
+            last.push_back(final_separation(one, box) * units.length);
+            least.push_back(one.outcome.min_separation * units.length);
+            if (one.outcome.ending == Ending::contact)
+                contacts.push_back(one.outcome.time * units.time);
+        }
+    json["final_separation"] = spread_json(last);
+    json["min_separation"] = spread_json(least);
+    json["contact_time"] = spread_json(contacts);
+    return json;
+}
+
+void store_ensemble(store::Hdf5Writer& results, const std::string& group,
+                    const std::vector<RodResult>& samples, const std::vector<double>& times,
+                    const OutputUnits& units) {
+    const std::size_t rods = samples.front().solution.final_state.size() / 3;
+    for (const std::size_t which : {0, 1}) {
+        std::vector<double> values;
+        for (const RodResult& one : samples)
+            for (std::size_t t = 0; t < times.size(); ++t)
+                for (std::size_t rod = 0; rod < rods; ++rod)
+                    values.push_back(t < one.solution.states.size()
+                                         ? one.solution.states[t][3 * rod + which] * units.length
+                                         : std::nan(""));
+        results.dataset(group + (which == 0 ? "/x" : "/y"), values, {samples.size(), times.size(), rods},
+                        units.length_name);
+    }
+    std::vector<double> scaled = times;
+    for (double& t : scaled)
+        t *= units.time;
+    results.dataset(group + "/t", scaled, {times.size()}, units.time_name);
+}
+
+} // namespace rodwake::app

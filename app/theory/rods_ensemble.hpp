@@ -1,0 +1,40 @@
+#pragma once
+// The rods of a case in fields drawn from a measured one and its errors: what these errors make of the
+// result.
+
+#include "rodwake/elastic/measured_field.hpp"
+#include "rodwake/rods/simulate.hpp"
+#include "run/session.hpp"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace rodwake::app {
+
+inline constexpr std::array all_endings = {Ending::contact, Ending::pursuit, Ending::escape,
+                                           Ending::undecided};
+
+/// Runs `samples` draws over the threads; results do not depend on their number. Empty if stopped on the way.
+std::vector<rods::RodResult> run_ensemble(const rods::RodProblem& problem, const rods::RodOptions& options,
+                                          const elastic::MeasuredDisplacement& measured,
+                                          const scene::MeasuredMedium& keys, const RunContext& context);
+
+/// ensemble.csv: a row a sample.
+std::string ensemble_csv(const std::vector<rods::RodResult>& samples, rods::Box box,
+                         const OutputUnits& units);
+
+/// For outcome.json: how many samples ended how, mean and spread of separations and times. The spread, a
+/// standard deviation, is the standard error that the field's errors give the central result.
+nlohmann::ordered_json ensemble_json(const std::vector<rods::RodResult>& samples, rods::Box box,
+                                     const OutputUnits& units);
+
+/// Places of all samples at the output times into `group` of the results: x, y as [sample][time][rod], NaN
+/// where a sample has ended.
+void store_ensemble(store::Hdf5Writer& results, const std::string& group,
+                    const std::vector<rods::RodResult>& samples, const std::vector<double>& times,
+                    const OutputUnits& units);
+
+} // namespace rodwake::app

@@ -1,0 +1,322 @@
+#include "noise_runs.hpp"
+#include "run/progress.hpp"
+#include "rods_checkpoint.hpp"
+#include "rods_ensemble.hpp"
+#include "rods_film.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/medium/simulate.hpp"
+#include "rodwake/store/csv.hpp"
+#include "run/stage_list.hpp"
+#include "wake_fields.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace rodwake::app {
+
+namespace {
+
+/// A plan on its way.
+struct Work {
+    const RodsPlan* plan;
+    rods::RodProblem problem; ///< the plan's, with its field
+    rods::RodOptions options;
+    rods::RodResult result;
+    std::vector<double> own_turn; ///< by own fields, where a dynamic medium tells them apart
+    std::shared_ptr<const elastic::MeasuredDisplacement> measured; ///< with field = "measured"
+    std::vector<rods::RodResult> samples; ///< in fields drawn from the measured one and its errors
+    std::optional<rods::NoiseSums> noisy; ///< all runs with noise, of which `result` is the first
+    std::unique_ptr<RodsFilm> film;       ///< with medium.dynamic.film_interval
+
+    const Case& of() const { return plan->of; }
+    /// A higher limit may follow a failure.
+    bool is_over() const {
+        const integrate::Status& status = result.solution.status;
+        return status.ok() && status.termination != integrate::Termination::interrupted;
+    }
+    std::string checkpoint_file() const { return of().folder + "checkpoint.json"; }
+    /// Changes with the data of a measured field.
+    std::string field_key() const {
+        if (!measured)
+            return {};
+        const elastic::SmoothingReport &x = measured->report_x(), &y = measured->report_y();
+        return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", x.chi2, x.lambda, y.chi2, y.lambda);
+    }
+};
+
+void resume(const Session& session, Work& one) {
+    const auto file = session.directory.file(one.checkpoint_file());
+    one.options.resume_from =
+        session.context.force ? std::nullopt : read_checkpoint(file, one.of().scene, one.field_key());
+    if (one.options.resume_from)
+        session.log->info("rods: going on from the checkpoint at t = {:.6g}", one.options.resume_from->time);
+    else if (std::filesystem::exists(file))
+        session.log->warn("{}: damaged, or of another scene, field or version; starting from the beginning",
+                          file.string());
+}
+
+/// Takes up the film where the run is taken up; where its log is not as long, the run begins anew.
+void open_film(const Session& session, Work& one) {
+    const auto folder = session.directory.file(one.of().folder);
+    std::filesystem::create_directories(folder);
+    constexpr double none = -1.0;
+    if (one.options.resume_from)
+        try {
+            one.film = std::make_unique<RodsFilm>(folder, *one.plan, one.options.resume_from->time);
+            return;
+        } catch (const InputError& error) {
+            session.log->warn("{}; starting from the beginning", error.what());
+            one.options.resume_from.reset();
+        }
+    one.film = std::make_unique<RodsFilm>(folder, *one.plan, none);
+}
+
+void solve_dynamic(const Session& session, Work& one) {
+    const medium::DynamicMedium medium = one.of().scene.medium->memory();
+    medium::FilmSink sink;
+    if (medium.film_interval) {
+        open_film(session, one);
+        sink = [&](const medium::FilmFrame& frame) { one.film->add(frame); };
+    }
+    medium::MediumResult result = medium::simulate({one.problem, medium}, one.options, sink);
+    one.own_turn = std::move(result.own_turn);
+    one.result = std::move(static_cast<rods::RodResult&>(result));
+}
+
+void solve(const Session& session, Work& one, bool show_progress) {
+    Progress progress(session.context, "rods", one.plan->problem.t_end, "t");
+    one.options.ode.stop_requested = [&] { return session.context.stopped(); };
+    if (one.plan->noise) { // soon done again
+        one.result = rods::simulate(one.problem, one.options, one.plan->noise->noise, 0);
+        return;
+    }
+    if (show_progress)
+        one.options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
+    one.options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) {
+        if (one.film)
+            one.film->sync();
+        session.directory.write(one.checkpoint_file(),
+                                checkpoint_json(checkpoint, one.of().scene, one.field_key()));
+    };
+    resume(session, one);
+    const auto& medium = one.of().scene.medium;
+    if (medium && medium->is_dynamic())
+        solve_dynamic(session, one);
+    else
+        one.result = rods::simulate(one.problem, one.options);
+    if (one.is_over())
+        std::filesystem::remove(session.directory.file(one.checkpoint_file()));
+}
+
+/// Columns t, x0, y0, theta0, x1, ... in output units; the end of the run (contact, failure) is the last row.
+struct Columns {
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> values;
+};
+
+Columns trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
+    Columns columns{{"t"}, std::vector<std::vector<double>>(1 + 3 * rods)};
+    for (std::size_t rod = 0; rod < rods; ++rod)
+        for (const char* name : {"x", "y", "theta"})
+            columns.names.push_back(name + std::to_string(rod));
+    const auto add = [&](double time, const std::vector<double>& state) {
+        columns.values[0].push_back(time * units.time);
+        for (std::size_t i = 0; i < state.size(); ++i)
+            columns.values[1 + i].push_back(state[i] * (i % 3 == 2 ? 1.0 : units.length));
+    };
+    const integrate::Solution& solution = result.solution;
+    for (std::size_t i = 0; i < solution.times.size(); ++i)
+        add(solution.times[i], solution.states[i]);
+    if (solution.times.empty() || solution.final_time > solution.times.back())
+        add(solution.final_time, solution.final_state);
+    return columns;
+}
+
+/// Component `which` of every rod as [T][N].
+std::vector<double> interleaved(const Columns& columns, std::size_t rods, std::size_t which) {
+    const std::size_t times = columns.values[0].size();
+    std::vector<double> values;
+    values.reserve(times * rods);
+    for (std::size_t t = 0; t < times; ++t)
+        for (std::size_t rod = 0; rod < rods; ++rod)
+            values.push_back(columns.values[1 + 3 * rod + which][t]);
+    return values;
+}
+
+void store_attributes(Session& session, const Work& one, const std::string& group, std::int64_t order) {
+    store::Hdf5Writer& out = session.results;
+    const rods::RodOutcome& outcome = one.result.outcome;
+    const rods::Couplings c = one.plan->problem.couplings;
+    out.attribute(group, "label", one.of().label);
+    out.attribute(group, "order", order);
+    out.attribute(group, "outcome", to_string(outcome.ending));
+    out.attribute(group, "time", outcome.time * session.units.time);
+    out.attribute(group, "min_separation", outcome.min_separation * session.units.length);
+    out.attribute(group, "kappa", c.kappa / session.units.time);
+    out.attribute(group, "gamma1", c.gamma1 * session.units.length / session.units.time);
+    out.attribute(group, "gamma2", c.gamma2 * session.units.length / session.units.time);
+    if (one.of().scene.medium) {
+        out.attribute(group, "field", to_string(one.plan->field.backend));
+        out.attribute(group, "eta", one.of().scene.medium->eta);
+        out.attribute(group, "alpha", 1.0 / one.of().scene.medium->xi);
+    }
+    if (one.of().scene.rods_run->contact_distance)
+        out.attribute(group, "contact_distance",
+                      *one.of().scene.rods_run->contact_distance * session.units.length);
+}
+
+void store(Session& session, Work& one, std::int64_t order) {
+    const std::size_t rods = one.of().scene.rods.size();
+    const Columns columns = trajectory(one.result, rods, session.units);
+    const std::size_t times = columns.values[0].size();
+    const std::string group = "/rods/" + one.of().name;
+    session.results.dataset(group + "/t", columns.values[0], {times}, session.units.time_name);
+    session.results.dataset(group + "/x", interleaved(columns, rods, 0), {times, rods},
+                            session.units.length_name);
+    session.results.dataset(group + "/y", interleaved(columns, rods, 1), {times, rods},
+                            session.units.length_name);
+    session.results.dataset(group + "/theta", interleaved(columns, rods, 2), {times, rods}, "rad");
+    store_attributes(session, one, group, order);
+    session.directory.write(one.of().folder + "rods.csv", store::to_csv(columns.names, columns.values));
+    session.directory.write(one.of().folder + "outcome.json",
+                            outcome_json(one.result, *one.plan, session.units,
+                                         one.samples.empty()
+                                             ? nlohmann::ordered_json()
+                                             : ensemble_json(one.samples, one.problem.box, session.units),
+                                         one.own_turn));
+    if (one.noisy) {
+        session.directory.write(one.of().folder + "noise.json",
+                                noise_json(*one.noisy, *one.plan->noise, one.problem, session.units));
+        session.directory.write(one.of().folder + "ensemble.csv", noise_csv(*one.noisy, rods, session.units));
+    }
+    if (one.film) {
+        one.film->write(session.units, session.context.command);
+        if (one.is_over())
+            one.film->remove_log();
+    }
+    if (one.samples.empty())
+        return;
+    store_ensemble(session.results, group + "/ensemble", one.samples, one.problem.output_times,
+                   session.units);
+    session.directory.write(one.of().folder + "ensemble.csv",
+                            ensemble_csv(one.samples, one.problem.box, session.units));
+}
+
+StageEnd report(const Session& session, const Work& one) {
+    const integrate::Status& status = one.result.solution.status;
+    const std::string name = one.of().label.empty() ? std::string("rods") : "rods, " + one.of().name;
+    if (status.termination == integrate::Termination::failed) {
+        session.log->error("{}: {}", name, status.message());
+        return StageEnd::failed;
+    }
+    session.log->info("{}: {} ({}); {} steps", name, to_string(one.result.outcome.ending),
+                      one.result.outcome.reason, one.result.solution.statistics.steps);
+    return status.termination == integrate::Termination::interrupted ? StageEnd::interrupted
+                                                                     : StageEnd::finished;
+}
+
+/// Threads that the cases leave over add up the wakes of each.
+Work work_of(const RodsPlan& plan, WakeFields& fields, std::size_t threads) {
+    Work one{&plan, plan.problem, plan.options, {}, {}, nullptr, {}, {}, nullptr};
+    const rods::RodProblem& problem = plan.problem;
+    const auto& medium = plan.of.scene.medium;
+    one.problem.sums.threads =
+        medium && medium->is_dynamic()
+            ? medium::worthwhile_threads(medium->memory(), problem.rods.size(), threads)
+            : threads;
+    if (!(problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box)))
+        return one;
+    if (medium->field != scene::FieldBackend::exact && !medium->is_dynamic())
+        one.problem.field = fields.of(plan.of.scene);
+    if (medium->field == scene::FieldBackend::measured)
+        one.measured = fields.measured(plan.of.scene);
+    return one;
+}
+
+/// What the runs say of capture; a warning where noise.most_runs, not a failed run, left the interval too
+/// wide.
+void report_capture(const Session& session, const Work& one, const rods::NoiseSums& sums) {
+    const scan::Proportion captures = captured(sums, one.problem.rods.size());
+    if (captures.of == 0) // a single rod
+        return;
+    const auto [low, high] = captures.wilson(capture_quantile);
+    session.log->info(
+        "noise{}: {} of {} runs end in contact or pursuit, capture probability {:.3g} ({:.3g} to "
+        "{:.3g} with 95 % confidence)",
+        one.of().suffix(), captures.count, captures.of, captures.value(), low, high);
+    const NoisePlan& plan = *one.plan->noise;
+    const bool wide = plan.capture_error && (high - low) / 2.0 > *plan.capture_error;
+    if (wide && sums.ends.size() >= plan.most_runs)
+        session.log->warn(
+            "noise{}: noise.most_runs = {} ended it before noise.capture_error = {:g} was reached",
+            one.of().suffix(), plan.most_runs, *plan.capture_error);
+}
+
+/// One case after the other, each over all threads.
+StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
+    StageEnd end = StageEnd::finished;
+    for (Work& one : cases) {
+        if (!one.plan->noise)
+            continue;
+        rods::NoiseSums sums;
+        if (!run_noise(session, *one.plan, one.problem, one.field_key(), sums))
+            return StageEnd::interrupted;
+        const auto failed = std::ranges::count_if(sums.ends, &rods::NoisyEnd::failed);
+        if (failed > 0) {
+            session.log->error("noise{}: {} of {} runs failed, the first: {}", one.of().suffix(), failed,
+                               sums.ends.size(), sums.failure);
+            end = StageEnd::failed; // the folder stays open for another try
+        }
+        report_capture(session, one, sums);
+        one.noisy = std::move(sums);
+    }
+    return end;
+}
+
+/// One case after the other, each over all threads; false: stopped on the way.
+bool solve_samples(const Session& session, std::vector<Work>& cases) {
+    for (Work& one : cases) {
+        const auto& keys = one.of().scene.medium;
+        if (!one.measured || keys->measured->samples == 0)
+            continue;
+        one.samples = run_ensemble(one.problem, one.options, *one.measured, *keys->measured, session.context);
+        if (one.samples.empty())
+            return false;
+        session.log->info("rods: {} samples of the measured field's errors", one.samples.size());
+    }
+    return true;
+}
+
+} // namespace
+
+StageEnd run_rods_stage(Session& session) {
+    // a medium from [fit] is known only now
+    const std::vector<RodsPlan> fitted =
+        session.fitted() ? plan_rods(session.modelled()) : std::vector<RodsPlan>{};
+    WakeFields fields(session);
+    const std::vector<RodsPlan>& plans = session.fitted() ? fitted : session.plan.rods;
+    const std::size_t threads = std::max<std::size_t>(1, session.context.thread_count() / plans.size());
+    std::vector<Work> cases;
+    cases.reserve(plans.size());
+    for (const RodsPlan& plan : plans) {
+        if (!plan.field.why.empty())
+            session.log->info("rods{}: field {}: {}", plan.of.suffix(),
+                              to_string(plan.field.backend), plan.field.why);
+        cases.push_back(work_of(plan, fields, threads));
+    }
+    parallel_for(cases.size(), session.context.thread_count(),
+                 [&](std::size_t i) { solve(session, cases[i], i == 0); });
+    StageEnd end = solve_samples(session, cases) ? solve_noise(session, cases) : StageEnd::interrupted;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        store(session, cases[i], static_cast<std::int64_t>(i));
+        const StageEnd one = report(session, cases[i]);
+        if (end == StageEnd::finished)
+            end = one;
+    }
+    return end;
+}
+
+} // namespace rodwake::app

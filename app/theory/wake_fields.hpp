@@ -1,0 +1,39 @@
+#pragma once
+// The wakes that the scenes of a run ask for, by medium.field: exact, from a table, or measured.
+
+#include "rodwake/elastic/measured_field.hpp"
+#include "rodwake/app/wake_tables.hpp"
+#include "run/session.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace rodwake::app {
+
+/// Of one stage. Not thread-safe.
+class WakeFields {
+public:
+    /// `directory`: of the run, where measures of its own may stand. The context must outlive this.
+    WakeFields(const RunContext& context, std::filesystem::path directory, Logger log)
+        : directory_(std::move(directory)), log_(std::move(log)), tables_(context) {}
+    explicit WakeFields(const Session& session)
+        : WakeFields(session.context, session.directory.path(), session.log) {}
+
+    /// With field = "auto" the exact one: for rods with_field has chosen before.
+    std::shared_ptr<const elastic::WakeField> of(const scene::Scene& scene);
+    /// With field = "measured"; smoothed at most once. Throws InputError as read_measured does.
+    std::shared_ptr<const elastic::MeasuredDisplacement> measured(const scene::Scene& scene);
+
+private:
+    std::filesystem::path directory_;
+    Logger log_;
+    WakeTables tables_;
+    struct Smoothed {
+        scene::Medium medium;
+        double f_over_mu; ///< the data are in units of it
+        std::shared_ptr<const elastic::MeasuredDisplacement> field;
+    };
+    std::vector<Smoothed> measured_;
+};
+
+} // namespace rodwake::app

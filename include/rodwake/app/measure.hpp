@@ -1,0 +1,33 @@
+#pragma once
+// From the [measure] table of a scene to what is measured of each run, and when. SI.
+
+#include "rodwake/granular/problem.hpp"
+#include "rodwake/measure/measures.hpp"
+#include "rodwake/scene/scene.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace rodwake::app {
+
+struct MeasurePlan {
+    measure::Measures sums; ///< of no frames yet: what each run starts with
+    double interval = 0.0;  ///< between measured frames, s
+    std::int64_t every = 1; ///< the same in steps
+    /// Measures go by measure.interval, which is so many of them: more than 1 where currents need them
+    /// closer.
+    std::size_t stride = 1;
+    std::string key_text; ///< of what the sums depend on; sums of another text are of no use
+};
+
+/// What every frame of a bed has.
+measure::Layout layout_of(const granular::GranularProblem& problem);
+
+/// Nothing without [measure], or if no frame is needed for what it names. Throws InputError.
+std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem);
+
+/// Steps of measure.interval.
+std::int64_t steps_between_frames(const scene::Scene& scene);
+
+} // namespace rodwake::app

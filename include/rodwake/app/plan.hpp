@@ -1,0 +1,74 @@
+#pragma once
+// Everything that a run of a scene will do, made once: what `rodwake check` describes is what the stages
+// execute.
+
+#include "rodwake/app/cases.hpp"
+#include "rodwake/app/field_choice.hpp"
+#include "rodwake/app/fit.hpp"
+#include "rodwake/app/granular.hpp"
+#include "rodwake/app/measure.hpp"
+#include "rodwake/app/rods.hpp"
+#include "rodwake/app/scan.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace rodwake::app {
+
+/// What a run can consist of, in the order in which it is done.
+/// `tradeoff` only where a command asks for it.
+enum class Stage { granular, measure, fit, field, rods, order, scan, tradeoff };
+const char* to_string(Stage stage);
+
+/// The stages a scene names: measures of a stored trajectory need no granular run, and a scan of beds takes
+/// the place of the bed as written and its measures.
+std::vector<Stage> stages_of(const scene::Scene& scene);
+
+/// One bed: the scene as written, or a variant of it.
+struct BedPlan {
+    Case of;
+    granular::GranularProblem problem;
+    GranularSchedule schedule;
+    std::optional<MeasurePlan> measures; ///< what needs frames of the bed; absent: nothing does
+};
+
+/// One set of rods in the elastic medium: the scene as written, or a variant of it.
+struct RodsPlan {
+    Case of; ///< with medium.field as chosen
+    rods::RodProblem problem;
+    rods::RodOptions options;
+    FieldChoice field;
+    std::optional<NoisePlan> noise; ///< absent: none
+};
+
+struct Plan {
+    scene::Scene scene;
+    std::vector<Stage> stages;
+    std::vector<BedPlan> beds;  ///< of a scan of beds the scene as written, which its points vary
+    std::vector<RodsPlan> rods; ///< with medium.fitted, those of the medium the scene starts with
+    std::optional<FitInputs> fit;
+    std::optional<FitPlan> fit_plan; ///< absent until all data are there
+    std::optional<ScanPlan> scan;
+
+    bool has(Stage stage) const;
+};
+
+/// What a scene names and stands in other files.
+struct PlanInputs {
+    std::optional<FitInputs> fit; ///< what could be read of the data that [fit] names
+    std::optional<ScanList> list; ///< scan.file
+};
+
+/// The problems of these stages. Throws InputError for what cannot be modelled.
+Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInputs inputs = {});
+
+/// The cases of the theory stage, for a scene with [[rods]] and [rods_run].
+std::vector<RodsPlan> plan_rods(const scene::Scene& scene);
+
+/// A seed from outside becomes part of the scene, so that the scene of the run makes the same run again.
+/// Throws InputError for one that a scene cannot hold.
+void apply_seed(scene::Scene& scene, std::uint64_t seed);
+
+} // namespace rodwake::app

@@ -1,0 +1,109 @@
+#!/usr/bin/python3
+"""Calls of the system that fail, one at a time, while each verb works: what docs/validation.md says of them.
+
+    studies/validate_faults.py SHIM [--program build/release/rodwake] [--faults 5000] [--only rods,dem,...] [--csv FILE]
+
+SHIM: libfaulty_system.so of the tests' build. Prints Markdown: by verb and call how many failed, how many of these ended with 1
+and a message, how many made no difference (exit code 0 and the results of a sound system), and what was wrong, which is to be
+nothing. --csv: a row a fault, added to the file; faults that stand there are not tried again.
+"""
+
+import argparse
+import collections
+import csv
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parent.parent
+
+
+def arguments_of_command():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("shim", type=Path)
+    parser.add_argument("--program", default=SOURCE / "build/release/rodwake", type=Path)
+    parser.add_argument("--faults", default=5000, type=int)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--csv", type=Path)
+    return parser.parse_args()
+
+
+options = arguments_of_command()
+os.environ["RODWAKE_PROGRAM"] = str(options.program.resolve())
+sys.path.insert(0, str(SOURCE / "tests/support"))
+import faults  # noqa: E402 (it reads the program's name)
+
+COLUMNS = ["verb", "call", "number", "error", "exit", "wrong"]
+
+
+def done_before():
+    if not options.csv or not options.csv.exists():
+        return []
+    with options.csv.open() as file:
+        return list(csv.DictReader(file))
+
+
+def keep(row):
+    if not options.csv:
+        return
+    new = not options.csv.exists()
+    with options.csv.open("a", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        if new:
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def wanted_of(bench, share):
+    """(call, error, number) of `share` faults: of each kind of call as many as it has, up to an equal part; the rest are allocations."""
+    kinds = [(call, error) for call in faults.CALLS for error in faults.ERRORS[call] if call != "malloc"]
+    wanted = [(call, error, number) for call, error in kinds
+              for number in faults.spread(bench.counts[call], max(2, share // (len(kinds) + 1)))]
+    rest = max(2, share - len(wanted))
+    return wanted + [("malloc", *faults.ERRORS["malloc"], number) for number in faults.spread(bench.counts["malloc"], rest)]
+
+
+def all_wanted(benches):
+    """Of every verb, with the smallest share with which they are as many as asked for, or all that there are."""
+    share, found, before = options.faults // len(benches), 0, -1
+    while before < found < options.faults:
+        before = found
+        wanted = {verb: wanted_of(bench, share) for verb, bench in benches.items()}
+        found = sum(map(len, wanted.values()))
+        share += share // 8 + 1
+    return wanted
+
+
+def tried(verb, bench, wanted, known):
+    for call, error, number in wanted:
+        key = (verb, call, str(number), str(error))
+        if key in known:
+            continue
+        wrong, done = bench.fault(call, number, error)
+        row = dict(zip(COLUMNS, (*key, done.returncode, "; ".join(wrong))))
+        keep(row)
+        yield row
+        if wrong:
+            print(f"{verb}: {call} {number} with {error}: {row['wrong']}", file=sys.stderr)
+
+
+def table(rows):
+    print("| verb | call | faults | told, exit code 1 | no difference | silent or unseemly |\n|---|---|---|---|---|---|")
+    groups = collections.defaultdict(list)
+    for row in rows:
+        groups[row["verb"], row["call"]].append(row)
+    for (verb, call), some in [*sorted(groups.items()), (("all", ""), rows)]:
+        told = sum(str(row["exit"]) == "1" and not row["wrong"] for row in some)
+        none = sum(str(row["exit"]) == "0" and not row["wrong"] for row in some)
+        print(f"| {verb} | {call} | {len(some)} | {told} | {none} | {sum(bool(row['wrong']) for row in some)} |")
+
+
+rows = done_before()
+before = {tuple(row[key] for key in COLUMNS[:4]) for row in rows}
+with tempfile.TemporaryDirectory(prefix="rodwake-faults-") as folder:
+    benches = {verb: faults.Bench(verb, Path(folder) / verb, options.shim.resolve())
+               for verb in (options.only.split(",") if options.only else faults.VERBS)}
+    for one, wanted in all_wanted(benches).items():
+        rows.extend(tried(one, benches[one], wanted, before))
+table(rows)

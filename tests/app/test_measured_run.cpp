@@ -1,0 +1,184 @@
+// The files of a measured run: written of plain data, and told of by the kinds of measures.
+
+#include "rodwake/app/measure_kind.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/app/run.hpp"
+#include "run_files.hpp"
+#include "run/catalogue.hpp"
+#include "bed/measure_files.hpp"
+#include "bed/measure_results.hpp"
+#include "run/run_tables.hpp"
+#include "run/values_json.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace rodwake;
+using namespace store_test;
+using app::Stage, app::Values;
+using stages_test::header_of, stages_test::json_of, stages_test::untold;
+
+namespace {
+
+/// The bed behind tests/plots/data/measure.json in two cases, with every measure.
+scene::Scene measured_bed() {
+    std::string text = content(RODWAKE_SOURCE_DIR "/tests/plots/data/measure.toml"); // ends with [measure]
+    const scene::Scene kept = scene::parse_scene(text, "bed.toml");
+    for (const app::MeasureKind& kind : app::measure_kinds())
+        if (!kind.wanted(*kept.measure))
+            text += std::string(kind.name) + " = true\n";
+    return scene::parse_scene(text + "[[variants]]\nname = \"other\"\nset = { \"granular.seed\" = 2 }\n",
+                              "bed.toml");
+}
+
+/// "chi2.algebraic": names of the values in a table of measure.json, an estimate being one.
+void add_names(const nlohmann::json& table, const std::string& before, std::set<std::string>& names) {
+    for (const auto& [name, value] : table.items())
+        if (value.is_object() && !value.contains("samples"))
+            add_names(value, before + name + ".", names);
+        else
+            names.insert(before + name);
+}
+
+/// Values of measure.json that no kind tells of, and those that kinds tell of and are not there.
+std::set<std::string> unequal(const nlohmann::json& measured) {
+    std::set<std::string> found;
+    for (const app::MeasureKind& kind : app::measure_kinds()) {
+        std::set<std::string> names, told;
+        add_names(measured.value(std::string(kind.name), nlohmann::json::object()), "", names);
+        for (const app::ValueInfo& value : kind.values)
+            told.emplace(value.key);
+        std::vector<std::string> different;
+        std::ranges::set_symmetric_difference(names, told, std::back_inserter(different));
+        for (const std::string& name : different)
+            found.insert(std::string(kind.name) + "." + name);
+    }
+    return found;
+}
+
+/// What readers of series.csv rely on; columns of later measures come behind.
+const std::vector<std::string> series_header = {"name",
+                                                "phi_b",
+                                                "d0",
+                                                "imposed_speed",
+                                                "psi6",
+                                                "psi6_error",
+                                                "exponent",
+                                                "exponent_error",
+                                                "class",
+                                                "stiffness",
+                                                "stiffness_error",
+                                                "delta_y",
+                                                "delta_y_error",
+                                                "runs",
+                                                "non_reciprocity",
+                                                "non_reciprocity_error",
+                                                "force",
+                                                "force_error",
+                                                "speed",
+                                                "speed_error",
+                                                "thrust",
+                                                "thrust_error"};
+
+std::vector<std::string> known(std::vector<std::string> header) {
+    header.resize(series_header.size());
+    return header;
+}
+
+app::CaseResults case_of(const std::string& name) {
+    app::CaseResults one;
+    one.name = name;
+    one.bead_radius = 0.5;
+    one.phi_b = 0.75;
+    one.runs = 3;
+    return one;
+}
+
+} // namespace
+
+TEST_CASE("The kinds of measures tell of every file, column and value of a measured run",
+          "[measured][threads]") {
+    const Scratch scratch;
+    const std::vector<Stage> both = {Stage::granular, Stage::measure};
+    const auto plan = app::plan_run(measured_bed(), both, scratch / "run", {});
+    REQUIRE(app::run(plan, scratch / "run", {}) == app::StageEnd::finished);
+    CHECK(untold(scratch / "run") == std::set<std::string>{});
+    nlohmann::json measured = json_of(scratch / "run/measure.json");
+    CHECK(unequal(measured) == std::set<std::string>{});
+    for (const app::MeasureKind& kind : app::measure_kinds())
+        CHECK(measured.contains(kind.name));
+    CHECK(known(header_of(scratch / "run/series.csv")) == series_header);
+
+    measured["order"]["chi2"]["stray"] = 1.0; // the comparison sees either
+    measured["force"].erase("speed");
+    CHECK(unequal(measured) == std::set<std::string>{"order.chi2.stray", "force.speed"});
+}
+
+TEST_CASE("series.csv has the columns of all measures where none was made", "[measured]") {
+    const Scratch scratch;
+    app::CaseResults forced = case_of("forced");
+    forced.imposed_speed = 1.0;
+    app::MeasureReport report;
+    report.series = {{"force", {2.0, unknown_error, 1}}, {"class", {}}};
+    forced.reports.emplace_back("force", report);
+    app::write_series(scratch.path(), {case_of("bare"), forced});
+    CHECK(known(header_of(scratch / "series.csv")) == series_header);
+    const std::string text = content(scratch / "series.csv");
+    CHECK(text.find("\nbare,0.75,,,,,,,,,,,,3,,,,,,,,") != std::string::npos);
+    CHECK(text.find("\nforced,0.75,,2,,,,,,,,,,3,,,2,,,,,") != std::string::npos);
+    CHECK_FALSE(fs::exists(scratch / "series.json"));
+}
+
+TEST_CASE("The catalogue has the columns of the measures with their units", "[measured]") {
+    const app::FileKind* series = app::kind_of("series.csv");
+    REQUIRE(series);
+    CHECK(app::column_of(*series, "stiffness")->unit == "1/a^2");
+    CHECK(app::column_of(*series, "stiffness_error")->unit == "1/a^2");
+    CHECK(app::column_of(*series, "class_error") == nullptr);
+    const app::FileKind* profile = app::kind_of("profile_Ux_x.csv");
+    REQUIRE(profile);
+    CHECK(profile->stage == Stage::measure);
+    CHECK(app::column_of(*profile, "value")->unit == "a");
+}
+
+TEST_CASE("Values become JSON in their order, tables where names have dots", "[measured]") {
+    const Values values = {{"z", 1.5},
+                           {"fit.b", std::int64_t{2}},
+                           {"fit.a.value", "text"},
+                           {"none", {}},
+                           {"flag", true},
+                           {"list", app::Column{1.0, 2.0}},
+                           {"known", Estimate{3.0, 0.25, 4}},
+                           {"lone", Estimate{3.0, unknown_error, 1}},
+                           {"nothing", Estimate{}}};
+    CHECK(app::values_json(values).dump() ==
+          R"({"z":1.5,"fit":{"b":2,"a":{"value":"text"}},"none":null,"flag":true,"list":[1.0,2.0],)"
+          R"("known":{"value":3.0,"error":0.25,"samples":4},"lone":{"value":3.0,"error":null,"samples":1},)"
+          R"("nothing":{"value":null,"error":null,"samples":0}})");
+    CHECK(app::values_json({}).dump() == "{}");
+}
+
+TEST_CASE("The tables of a run are read when they are asked for", "[measured]") {
+    const Scratch scratch;
+    const app::RunTables tables = app::run_tables(scratch.path());
+    CHECK_THROWS_WITH(tables.summary("T_xy", "T_xy"),
+                      (scratch / "summary.json").string() + ": no T_xy; make the granular run again");
+    scratch.file("summary.json", R"({"rods": [{"force": 1.5}, {"force": "much"}]})");
+    scratch.file("tracks.csv", "t,x0,y0\n0,1,2\n0.5,3,4\n");
+    CHECK(tables.summary("rods.0.force", "force") == 1.5);
+    CHECK_THROWS_AS(tables.summary("rods.1.force", "force"), InputError);
+    CHECK_THROWS_AS(tables.summary("rods.2.force", "force"), InputError);
+    CHECK(tables.tracks({"y0", "t"}) == std::vector<app::Column>{{2.0, 4.0}, {0.0, 0.5}});
+    CHECK_THROWS_AS(tables.tracks({"theta0"}), InputError);
+}
+
+TEST_CASE("An attribute of a grid is a number or a text", "[measured]") {
+    const Scratch scratch;
+    store::Hdf5Writer out(scratch / "measure.h5");
+    app::MeasureGrid grid{
+        "/field", measure::RodGrid(8.0, 2.0), {}, {{"method", "phase"}, {"blocks", 3.0}}};
+    CHECK_NOTHROW(app::put_grid(out, grid, 1.0));
+    grid = {"/other", grid.grid, {}, {{"offset", app::Column{1.0, 2.0}}}};
+    CHECK_THROWS_WITH(app::put_grid(out, grid, 1.0),
+                      "/other: attribute offset is neither number nor text");
+}
