@@ -1,5 +1,5 @@
-// Encounters of two rods under the quasi-static closure and without it, for studies/validate_closure.py. Reads
-// cases from standard input, one a line:
+// Encounters of two rods under the quasi-static closure and without it, for studies/validate_closure.py.
+// Reads cases from standard input, one a line:
 //
 //   HOW eta alpha kappa gamma1 gamma2 box width modes t_end contact x0 y0 heading0 x1 y1 heading1
 //

@@ -1,6 +1,5 @@
 // What a granular bed costs: the parts of a step, what is recorded, and what is measured.
 
-#include "run/cost_parts.hpp"
 #include "granular_run.hpp"
 #include "measure_frames.hpp"
 #include "rodwake/app/describe.hpp"
@@ -9,6 +8,7 @@
 #include "rodwake/core/stopwatch.hpp"
 #include "rodwake/granular/record.hpp"
 #include "rodwake/granular/start.hpp"
+#include "run/cost_parts.hpp"
 
 #include <fmt/format.h>
 

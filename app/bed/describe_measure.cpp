@@ -1,5 +1,5 @@
-#include "run/describe_parts.hpp"
 #include "rodwake/app/measure_kind.hpp"
+#include "run/describe_parts.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "granular_cost.hpp"
 
-#include "run/cost_parts.hpp"
 #include "rodwake/app/granular.hpp"
+#include "run/cost_parts.hpp"
 
 #include <fmt/format.h>
 

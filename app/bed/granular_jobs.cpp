@@ -128,8 +128,7 @@ LoadedCheckpoint stored_checkpoint(const std::string& file) {
     return std::move(*loaded);
 }
 
-std::vector<BedWork> beds_of(const Plan& plan, const std::filesystem::path& folder,
-                             const Logger& log) {
+std::vector<BedWork> beds_of(const Plan& plan, const std::filesystem::path& folder, const Logger& log) {
     std::vector<BedWork> all;
     for (const BedPlan& bed : plan.beds) {
         BedWork work{{bed, granular_key(bed.of.scene), {}}, granular_tasks(bed.of, folder), {}};
@@ -150,9 +149,8 @@ std::vector<GranularJob> jobs_of(std::vector<BedWork>& beds) {
     for (BedWork& one : beds)
         for (std::size_t i = 0; i < one.tasks.size(); ++i)
             jobs.push_back({&one, i});
-    std::ranges::stable_sort(jobs, std::ranges::greater(), [](const GranularJob& job) {
-        return sphere_steps(job.of->plan.bed.problem);
-    });
+    std::ranges::stable_sort(jobs, std::ranges::greater(),
+                             [](const GranularJob& job) { return sphere_steps(job.of->plan.bed.problem); });
     return jobs;
 }
 

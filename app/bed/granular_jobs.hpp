@@ -25,8 +25,7 @@ struct GranularJob {
     GranularResult& result() const { return of->results[task]; }
 };
 
-std::vector<BedWork> beds_of(const Plan& plan, const std::filesystem::path& folder,
-                             const Logger& log);
+std::vector<BedWork> beds_of(const Plan& plan, const std::filesystem::path& folder, const Logger& log);
 /// In the order in which they are to start: the dearest first.
 std::vector<GranularJob> jobs_of(std::vector<BedWork>& beds);
 

@@ -3,8 +3,8 @@
 // each other.
 
 #include "granular_checkpoint.hpp"
-#include "run/log.hpp"
 #include "rodwake/app/plan.hpp"
+#include "run/log.hpp"
 
 #include <filesystem>
 #include <functional>

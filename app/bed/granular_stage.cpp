@@ -1,9 +1,9 @@
 #include "granular_jobs.hpp"
 #include "granular_summary.hpp"
-#include "run/progress.hpp"
 #include "rodwake/app/describe.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
+#include "run/progress.hpp"
 #include "run/stage_list.hpp"
 
 #include <fmt/format.h>
@@ -197,8 +197,7 @@ void require_same_beds(const scene::Scene& scene, const std::filesystem::path& f
             require_same_run(task, granular_key(one.scene));
 }
 
-void require_granular(const Plan& plan, const std::filesystem::path& folder,
-                      const RunContext& context) {
+void require_granular(const Plan& plan, const std::filesystem::path& folder, const RunContext& context) {
     if (!context.force)
         require_same_beds(plan.scene, folder);
     for (const BedPlan& one : plan.beds) {
@@ -206,8 +205,8 @@ void require_granular(const Plan& plan, const std::filesystem::path& folder,
         if (bed.start != scene::GranularStart::restart)
             continue;
         const std::string stored = stored_checkpoint(bed.restart_from).checkpoint.scene;
-        require_like(bed.restart_from,
-                     granular_problem(scene::parse_scene(stored, bed.restart_from)), one.problem);
+        require_like(bed.restart_from, granular_problem(scene::parse_scene(stored, bed.restart_from)),
+                     one.problem);
         if (within(bed.restart_from, folder))
             throw InputError(bed.restart_from + ": granular.restart_from lies in " + folder.string() +
                              ", where this run would replace it; choose another folder with -o");

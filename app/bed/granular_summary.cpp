@@ -213,8 +213,7 @@ std::string summary_json(const BedPlan& bed, const GranularSummary& s) {
     return out.dump(2) + "\n";
 }
 
-std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> runs,
-                          std::size_t asked) {
+std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> runs, std::size_t asked) {
     ordered_json out;
     put_mean(out, "simulated_time", runs, [](const GranularSummary& s) { return s.simulated_time; });
     const double count = static_cast<double>(runs.size());

@@ -16,8 +16,7 @@ RunCost cost_of(std::span<const GranularSummary> runs);
 double phi_b(const BedPlan& bed);
 std::string summary_json(const BedPlan& bed, const GranularSummary& summary);
 /// Means with standard errors over the runs.
-std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> runs,
-                          std::size_t asked);
+std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> runs, std::size_t asked);
 std::string ensemble_csv(const granular::GranularProblem& problem, std::span<const GranularSummary> runs);
 
 /// What an earlier command wrote with summary_json; nothing if there is no such file or it cannot be read.

@@ -59,8 +59,7 @@ bool has_files(const GranularPlan& plan, const fs::path& folder, const GranularC
 }
 
 /// What was measured on the way, once more from the last state.
-void restore_records(const MeasurePlan& plan, const fs::path& file,
-                     const GranularCheckpoint& last) {
+void restore_records(const MeasurePlan& plan, const fs::path& file, const GranularCheckpoint& last) {
     if (last.measure_keys != plan.key_text || fs::exists(file))
         return;
     measure::Measures measures = plan.sums;

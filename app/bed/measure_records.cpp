@@ -26,8 +26,7 @@ void write_records(const std::filesystem::path& file, const MeasurePlan& plan,
     store::write_atomically(file, store::encode_blocks(blocks));
 }
 
-std::optional<measure::Measures> read_records(const std::filesystem::path& file,
-                                              const MeasurePlan& plan) {
+std::optional<measure::Measures> read_records(const std::filesystem::path& file, const MeasurePlan& plan) {
     std::ifstream in(file, std::ios::binary);
     if (!in.is_open())
         return std::nullopt;

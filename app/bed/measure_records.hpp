@@ -13,7 +13,6 @@ void write_records(const std::filesystem::path& file, const MeasurePlan& plan,
                    const measure::Measures& measures);
 
 /// Nothing if there is no such file, or one of other [measure] keys. Throws InputError for a damaged one.
-std::optional<measure::Measures> read_records(const std::filesystem::path& file,
-                                              const MeasurePlan& plan);
+std::optional<measure::Measures> read_records(const std::filesystem::path& file, const MeasurePlan& plan);
 
 } // namespace rodwake::app

@@ -17,8 +17,7 @@ struct CaseResults {
     std::optional<double> separation;      ///< two rods: of their centres at the start, m
     std::optional<double> imposed_speed;   ///< of the rod, m/s
     std::size_t runs = 0;
-    std::vector<std::pair<std::string, MeasureReport>>
-        reports;                                                   ///< of each measure that could be had
+    std::vector<std::pair<std::string, MeasureReport>> reports;    ///< of each measure that could be had
     std::vector<std::pair<std::string, std::string>> not_measured; ///< what was wanted and why it is missing
 };
 

@@ -2,8 +2,8 @@
 
 #include "measure_results.hpp"
 #include "rodwake/store/atomic_file.hpp"
-#include "series_columns.hpp"
 #include "run/values_json.hpp"
+#include "series_columns.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,6 @@
 namespace rodwake::app {
 
 namespace {
-
 
 SeriesRow row_of(const CaseResults& r) {
     SeriesRow row{r.imposed_speed, {}};

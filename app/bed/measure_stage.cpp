@@ -4,11 +4,11 @@
 #include "granular_task.hpp"
 #include "measure_frames.hpp"
 #include "measure_records.hpp"
-#include "run/progress.hpp"
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/periodic.hpp"
+#include "run/progress.hpp"
 #include "run/run_tables.hpp"
 #include "run/stage_list.hpp"
 
@@ -40,8 +40,8 @@ std::optional<measure::Measures> measures_of(const RunFiles& run, const MeasureP
 }
 
 /// Of all runs; nothing if a signal stopped it.
-std::optional<std::vector<measure::Measures>>
-sums_of(const std::vector<RunFiles>& runs, const MeasurePlan& plan, const RunContext& context) {
+std::optional<std::vector<measure::Measures>> sums_of(const std::vector<RunFiles>& runs,
+                                                      const MeasurePlan& plan, const RunContext& context) {
     SharedProgress progress(context, "measure", runs.size(), static_cast<double>(runs.size()), "runs");
     std::vector<std::optional<measure::Measures>> found(runs.size());
     parallel_for(runs.size(), context.thread_count(), [&](std::size_t i) {
@@ -130,8 +130,8 @@ CaseResults facts_of(const BedPlan& plan) {
 }
 
 /// Nothing if a signal stopped it.
-std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& context,
-                                        const fs::path& folder, const Logger& log) {
+std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& context, const fs::path& folder,
+                                        const Logger& log) {
     const Case& one = bed.of;
     const std::vector<RunFiles> runs = finished_runs(one, folder, log);
     const scene::Measure& m = *one.scene.measure;

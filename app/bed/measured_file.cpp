@@ -90,9 +90,8 @@ void require_errors(const fs::path& file, const std::vector<double>& values, std
 } // namespace
 
 bool measures_own_field(const Scene& scene) {
-    return std::ranges::any_of(cases_of(scene), [](const Case& one) {
-        return is_measured(one.scene) && is_own(one.scene);
-    });
+    return std::ranges::any_of(cases_of(scene),
+                               [](const Case& one) { return is_measured(one.scene) && is_own(one.scene); });
 }
 
 MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {

@@ -1,9 +1,9 @@
 #pragma once
 // The command line, parsed.
 
-#include "rodwake/scan/run.hpp"
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/app/ways.hpp"
+#include "rodwake/scan/run.hpp"
 
 #include <cstdint>
 #include <filesystem>

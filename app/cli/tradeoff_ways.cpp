@@ -1,8 +1,8 @@
 // rodwake tradeoff of a bed, a fit or a field map: measured once, answered from then on.
 
 #include "tradeoff_ways.hpp"
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/run.hpp"
+#include "rodwake/core/error.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 #include "values.hpp"

@@ -1,8 +1,8 @@
 // rodwake check: the resolved scene, what will be modelled and what not and why, and what it will cost.
 
 #include "rodwake/app/describe.hpp"
-#include "rodwake/scene/write.hpp"
 #include "rodwake/app/run.hpp"
+#include "rodwake/scene/write.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -29,8 +29,8 @@ int verb_check(const Options& options) {
             fmt::print("  {}\n", line.text);
     if (!doubts.empty())
         fmt::print("\n# is this what you mean?\n  {}\n", fmt::join(doubts, "\n  "));
-    fmt::print("\n# expected cost\n{}\n{}: ok\n",
-               app::expected_cost(plan, output_folder(options), context), options.target);
+    fmt::print("\n# expected cost\n{}\n{}: ok\n", app::expected_cost(plan, output_folder(options), context),
+               options.target);
     return 0;
 }
 

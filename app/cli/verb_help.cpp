@@ -1,9 +1,9 @@
 // rodwake help NAME: of what is no verb, what it means in scenes and results.
 
 #include "definition.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
-#include "rodwake/app/run.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 // rodwake plot, and the figures at the end of rodwake run: the plotting program, run on a folder of results.
 
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/app/ways.hpp"
+#include "rodwake/core/error.hpp"
 #include "signals.hpp"
 #include "verbs.hpp"
 

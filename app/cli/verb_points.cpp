@@ -3,9 +3,9 @@
 // there is no field (the rod itself, a medium that does not exist) has nan there, and does not take the
 // others with it.
 
+#include "rodwake/app/wake_tables.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/wake_field.hpp"
-#include "rodwake/app/wake_tables.hpp"
 #include "rodwake/store/csv.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"

@@ -1,10 +1,10 @@
 // rodwake field, rods, dem, measure, fit, run: read the scene, plan, execute, and say how it ended.
 
 #include "rodwake/app/describe.hpp"
-#include "rodwake/core/error.hpp"
-#include "rodwake/scan/mpi.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scan/mpi.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
@@ -154,8 +154,7 @@ int verb_stages(const Options& options) {
     if (job && job->rank() > 0)
         return serve(options, scene, stages, context, *job);
     const auto plan = // large for a small stack
-        std::make_unique<const app::Plan>(
-            app::plan_run(scene, stages, output_folder(options), context));
+        std::make_unique<const app::Plan>(app::plan_run(scene, stages, output_folder(options), context));
     for (const std::string& doubt : app::doubts(*plan))
         context.log(app::Severity::warning, doubt);
     return finish(options, app::run(*plan, output_folder(options), context));

@@ -1,9 +1,9 @@
 // rodwake tradeoff: measures the settings of a scene, unless that is done already, and names the one asked
 // for.
 
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 #include "tradeoff_ways.hpp"
@@ -169,7 +169,7 @@ int verb_tradeoff(const Options& options) {
         app::apply_seed(scene, *options.seed);
     const app::Part part = part_of(options, scene);
     return part == app::Part::rods ? tradeoff_of_rods(options, scene)
-                                      : tradeoff_of_ways(options, scene, part);
+                                   : tradeoff_of_ways(options, scene, part);
 }
 
 } // namespace rodwake::cli

@@ -1,12 +1,12 @@
 #include "fit_data.hpp"
 
-#include "run/catalogue.hpp"
 #include "fit_map_data.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/fitting/wake.hpp"
-#include "rodwake/app/run.hpp"
 #include "rodwake/store/csv.hpp"
+#include "run/catalogue.hpp"
 
 #include <fmt/format.h>
 
@@ -221,7 +221,7 @@ FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directo
                std::ranges::none_of(places, [](const fs::path& p) { return fs::is_regular_file(p); });
     };
     FitInputs inputs{std::vector<std::optional<FitProfileData>>(keys.profiles.size()),
-                               std::vector<std::optional<FitTrackData>>(keys.trajectories.size())};
+                     std::vector<std::optional<FitTrackData>>(keys.trajectories.size())};
     for (std::size_t i = 0; i < keys.profiles.size(); ++i)
         if (const scene::FitProfile& one = keys.profiles[i]; !absent(one.file))
             inputs.profiles[i] = read_fit_profile(one, find_fit_file(one.file, scene, run_directory),

@@ -25,11 +25,11 @@ bool made_by_run(const std::string& file, const scene::Scene& scene);
 
 /// Throws InputError with file:line for a wrong header, a number that is not finite, sigma <= 0, no points.
 FitProfileData read_fit_profile(const scene::FitProfile& keys, const std::filesystem::path& file,
-                                          std::optional<double> independent_spacing);
+                                std::optional<double> independent_spacing);
 
 /// Rows before t = 0, when rods of a bed are still held, are left out. Each heading is brought within half a
 /// turn of the row before: files give them modulo 2 pi, or as one angle of many. Throws InputError as above.
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const std::filesystem::path& file,
-                                      std::optional<PeriodicBox> box = {});
+                            std::optional<PeriodicBox> box = {});
 
 } // namespace rodwake::app

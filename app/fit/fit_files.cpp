@@ -49,8 +49,7 @@ void add_states(std::vector<std::string>& names, std::vector<Column>& columns, c
     }
 }
 
-void write_track(const fs::path& folder, std::size_t i, const FitTrackData& track,
-                 const FitTrackResult& r) {
+void write_track(const fs::path& folder, std::size_t i, const FitTrackData& track, const FitTrackResult& r) {
     std::vector<std::string> names = {"t"};
     std::vector<Column> columns = {{}};
     for (const double t : track.data.times)

@@ -28,8 +28,9 @@ ordered_json estimates_json(const fitting::Report& report) {
     ordered_json out = ordered_json::object();
     for (const std::size_t i : report.free) {
         const fitting::Estimate& e = report.estimates[i];
-        out[e.name] = {{"value", finite_or_null(e.value)},
-                       {"stderr", has_error(report, e) ? finite_or_null(e.standard_error) : ordered_json(nullptr)}};
+        out[e.name] = {
+            {"value", finite_or_null(e.value)},
+            {"stderr", has_error(report, e) ? finite_or_null(e.standard_error) : ordered_json(nullptr)}};
     }
     return out;
 }

@@ -70,8 +70,7 @@ std::optional<fitting::ScaleFactor> scale_factor_of(const Scored& scored, const 
     }
 }
 
-void set_points(const FitPlan& plan, const FitResults& results, std::size_t index,
-                FitProfileResult& out) {
+void set_points(const FitPlan& plan, const FitResults& results, std::size_t index, FitProfileResult& out) {
     const fitting::Profile& data = plan.profiles[index].data;
     const fitting::Prediction prediction = predicted(plan, data, data.place, results.fit.values);
     out.model = prediction.value;
@@ -94,8 +93,7 @@ std::vector<double> curve_places(const fitting::Profile& data) {
     return places;
 }
 
-void set_curve(const FitPlan& plan, const FitResults& results, std::size_t index,
-               FitProfileResult& out) {
+void set_curve(const FitPlan& plan, const FitResults& results, std::size_t index, FitProfileResult& out) {
     const fitting::Profile& data = plan.profiles[index].data;
     const std::vector<double> places = curve_places(data);
     const fitting::Prediction prediction = predicted(plan, data, places, results.fit.values);
@@ -160,8 +158,7 @@ FitCompareResult compare_result(const FitPlan& plan, const scene::FitCompare& ke
     return out;
 }
 
-FitTrackResult track_result(const FitPlan& plan, std::size_t index,
-                            std::span<const double> values) {
+FitTrackResult track_result(const FitPlan& plan, std::size_t index, std::span<const double> values) {
     const FitTrackData& track = plan.tracks[index];
     const FitPart part = track_part(plan.problem);
     FitTrackResult out;

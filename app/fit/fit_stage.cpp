@@ -5,11 +5,11 @@
 #include "fit_ledger.hpp"
 #include "fit_medium.hpp"
 #include "fit_systematics.hpp"
-#include "run/progress.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/write.hpp"
-#include "rodwake/app/run.hpp"
+#include "run/progress.hpp"
 #include "run/stage_list.hpp"
 
 #include <fmt/format.h>
@@ -135,8 +135,8 @@ bool add_systematics(const FitPlan& plan, const fitting::Method& method, FitResu
     return true;
 }
 
-fitting::Fit solve(const FitPlan& plan, fitting::Method& method, FitLedger& ledger,
-                   const RunContext& context, const Logger& log) {
+fitting::Fit solve(const FitPlan& plan, fitting::Method& method, FitLedger& ledger, const RunContext& context,
+                   const Logger& log) {
     method.done = ledger.done();
     if (!method.done.empty())
         log->info("fit: going on after {} of {} starts", method.done.size(), method.starts);
@@ -175,8 +175,8 @@ std::string fit_key(const scene::Scene& scene, const FitPlan& plan) {
 
 bool fit_was_stopped(const fs::path& folder) { return fs::exists(folder / ledger_file); }
 
-FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan,
-                             const RunContext& context, const fs::path& folder, const Logger& log) {
+FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, const RunContext& context,
+                             const fs::path& folder, const Logger& log) {
     log_data(plan, log);
     FitLedger ledger(folder / ledger_file, fit_key(scene, plan),
                      fitting::free_parameters(plan.problem).size());
@@ -206,8 +206,7 @@ StageEnd run_fit_stage(Session& session) {
     const FitPlan plan =
         session.plan.fit_plan
             ? *session.plan.fit_plan
-            : fit_plan(*scene.fit,
-                                 read_fit_inputs(scene, session.directory.path(), OwnFiles::required));
+            : fit_plan(*scene.fit, read_fit_inputs(scene, session.directory.path(), OwnFiles::required));
     const FitStageResult done =
         fit_in_folder(session.plan.scene, plan, session.context, session.directory.path(), session.log);
     const bool wanted = session.plan.scene.medium && session.plan.scene.medium->fitted;

@@ -12,9 +12,8 @@ struct FitStageResult {
 };
 
 /// Starts that are done are kept in the folder until the fit is finished; the same command goes on from them.
-FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan,
-                             const RunContext& context, const std::filesystem::path& folder,
-                             const Logger& log);
+FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, const RunContext& context,
+                             const std::filesystem::path& folder, const Logger& log);
 
 /// What a fit depends on, as text: version, search, model and data.
 std::string fit_key(const scene::Scene& scene, const FitPlan& plan);

@@ -1,7 +1,7 @@
 #include "catalogue.hpp"
 
-#include "scan/scan_columns.hpp"
 #include "bed/series_columns.hpp"
+#include "scan/scan_columns.hpp"
 #include "tradeoff/tradeoff_files.hpp"
 #include "tradeoff/ways_files.hpp"
 

@@ -23,7 +23,7 @@ enum class Lifetime {
 };
 
 struct FileKind {
-    std::string_view pattern;             ///< name in its folder; "<k>" stands for a number or a word
+    std::string_view pattern;   ///< name in its folder; "<k>" stands for a number or a word
     std::optional<Stage> stage; ///< absent: of the run as a whole
     Lifetime lifetime = Lifetime::result;
     std::string_view what;

@@ -2,10 +2,10 @@
 // describe, and the table of all.
 
 #include "cost_parts.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/stopwatch.hpp"
 #include "rodwake/fitting/problem.hpp"
-#include "rodwake/app/run.hpp"
 #include "scan/scan_rods.hpp"
 #include "theory/wake_fields.hpp"
 
@@ -18,7 +18,6 @@
 namespace rodwake::app {
 
 namespace {
-
 
 /// More digits would not come again.
 std::string two_digits(double value) {

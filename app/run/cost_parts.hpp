@@ -32,8 +32,7 @@ std::string duration_text(double seconds);
 std::string percent_text(double share);
 
 /// A line and a table each; plan has the stage.
-std::string rods_cost(const Plan& plan, const std::filesystem::path& folder,
-                      const RunContext& context);
+std::string rods_cost(const Plan& plan, const std::filesystem::path& folder, const RunContext& context);
 std::string bed_cost(const Plan& plan);
 std::string bed_scan_cost(const Plan& plan);
 

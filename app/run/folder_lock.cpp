@@ -1,8 +1,8 @@
 // The lock is the system's own (flock), so it goes with its process however that ends; what stands in the
 // file only tells whose it is.
 
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
 

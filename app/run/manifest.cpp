@@ -1,10 +1,10 @@
 #include "catalogue.hpp"
 #include "rodwake/app/rods.hpp"
+#include "rodwake/app/run.hpp"
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/document.hpp"
 #include "rodwake/scene/read.hpp"
-#include "rodwake/app/run.hpp"
-#include "rodwake/app/run_folder.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
 
@@ -215,8 +215,7 @@ LostFiles lost_files(const fs::path& folder) {
             continue;
         lost[is_drawn(name) ? "" : stage_in(entry)].push_back(name);
         if (name == "result.h5")
-            for (const Stage stage :
-                 {Stage::field, Stage::rods}) // its datasets
+            for (const Stage stage : {Stage::field, Stage::rods}) // its datasets
                 lost[to_string(stage)].push_back(name);
     }
     return lost;

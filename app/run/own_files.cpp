@@ -2,8 +2,8 @@
 // touched.
 
 #include "catalogue.hpp"
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <nlohmann/json.hpp>
 

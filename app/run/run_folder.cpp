@@ -1,7 +1,7 @@
 #include "rodwake/app/run_folder.hpp"
 
-#include "catalogue.hpp"
 #include "bed/measured_file.hpp"
+#include "catalogue.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/first_difference.hpp"
 #include "rodwake/scene/read.hpp"

@@ -1,11 +1,11 @@
 #include "session.hpp"
 
 #include "fit/fit_medium.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/scene/write.hpp"
-#include "rodwake/app/run.hpp"
 #include "rodwake/store/provenance.hpp"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 // What the results of a stage depend on.
 
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/app/scan.hpp"
 #include "rodwake/scene/write.hpp"
-#include "rodwake/app/run_folder.hpp"
 
 #include <algorithm>
 

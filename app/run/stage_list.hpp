@@ -30,8 +30,7 @@ StageEnd run_tradeoff_stage(Session& session);
 /// runs/.
 StageEnd run_granular_stage(Session& session);
 /// Throws InputError for beds that cannot be run, before anything is written or removed.
-void require_granular(const Plan& plan, const std::filesystem::path& folder,
-                      const RunContext& context);
+void require_granular(const Plan& plan, const std::filesystem::path& folder, const RunContext& context);
 /// Throws InputError if the folder holds granular runs of another scene.
 void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder);
 
@@ -51,8 +50,7 @@ void serve_scan(const Plan& plan, const std::filesystem::path& folder, const Run
 
 /// Content of outcome.json. Lengths and times in the session's output units. `ensemble`: null if there is
 /// none.
-std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan,
-                         const OutputUnits& units, const nlohmann::ordered_json& ensemble,
-                         const std::vector<double>& own_turn = {});
+std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, const OutputUnits& units,
+                         const nlohmann::ordered_json& ensemble, const std::vector<double>& own_turn = {});
 
 } // namespace rodwake::app

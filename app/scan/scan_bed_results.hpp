@@ -9,7 +9,6 @@
 namespace rodwake::app {
 
 /// scan.csv, scan_runs.csv and scan.h5 with the same columns. Throws RunError.
-void write_bed_results(const std::filesystem::path& folder, const ScanPlan& plan,
-                       const scan::Ledger& ledger);
+void write_bed_results(const std::filesystem::path& folder, const ScanPlan& plan, const scan::Ledger& ledger);
 
 } // namespace rodwake::app

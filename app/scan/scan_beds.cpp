@@ -1,7 +1,7 @@
 #include "scan_beds.hpp"
 
-#include "run/run_tables.hpp"
 #include "rodwake/core/error.hpp"
+#include "run/run_tables.hpp"
 
 #include <fmt/format.h>
 
@@ -109,8 +109,7 @@ std::optional<std::int64_t> bed_of(const fs::path& file) {
     return place && run ? std::optional(scan::id_of_run(*place - 1, *run - 1)) : std::nullopt;
 }
 
-scan::Evaluate evaluate_beds(const ScanPlan& plan, fs::path folder, RunContext context,
-                             Logger log) {
+scan::Evaluate evaluate_beds(const ScanPlan& plan, fs::path folder, RunContext context, Logger log) {
     return [one = PointOfBeds(plan, std::move(folder), std::move(context), std::move(log))](
                std::span<const scan::Point> points, std::span<scan::Result> results) {
         for (std::size_t i = 0; i < points.size(); ++i)

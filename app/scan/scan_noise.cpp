@@ -9,8 +9,7 @@ namespace rodwake::app {
 
 namespace {
 
-void put(const ScanPlan& plan, std::array<double, std::size(captures)> capture,
-         scan::Result& result) {
+void put(const ScanPlan& plan, std::array<double, std::size(captures)> capture, scan::Result& result) {
     std::ranges::copy(capture, result.values.begin() + static_cast<std::ptrdiff_t>(
                                                            plan.columns.observables.size() - capture.size()));
 }
@@ -25,9 +24,8 @@ Ending most_frequent(const rods::NoiseSums& sums) {
 
 } // namespace
 
-bool evaluate_noisy(const ScanPlan& plan, const rods::RodProblem& problem,
-                    const rods::RodOptions& options, const NoisePlan& noise,
-                    const OutputUnits& units, scan::Result& result) {
+bool evaluate_noisy(const ScanPlan& plan, const rods::RodProblem& problem, const rods::RodOptions& options,
+                    const NoisePlan& noise, const OutputUnits& units, scan::Result& result) {
     rods::RodOptions each = options;
     each.criteria = rods::noisy_criteria;
     rods::NoiseSums sums = rods::no_runs(problem);

@@ -1,9 +1,9 @@
 #pragma once
 // What a scan is asked for beside its scene, and what is there already: seen before anything is written.
 
+#include "rodwake/app/run_context.hpp"
 #include "rodwake/app/scan.hpp"
 #include "rodwake/scan/ledger.hpp"
-#include "rodwake/app/run_context.hpp"
 
 #include <filesystem>
 #include <vector>
@@ -17,7 +17,6 @@ std::vector<std::filesystem::path> shares_in(const std::filesystem::path& folder
 
 /// Throws InputError for shares of an adaptive scan, for a merge without shares, and for ledgers in the
 /// folder or of its shares that are of another scan, of a newer version, or damaged.
-void require_scan(const ScanPlan& plan, const std::filesystem::path& folder,
-                  const RunContext& context);
+void require_scan(const ScanPlan& plan, const std::filesystem::path& folder, const RunContext& context);
 
 } // namespace rodwake::app

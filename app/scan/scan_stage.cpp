@@ -1,10 +1,10 @@
 // The scan stage: ledger, executor, results.
 
-#include "run/progress.hpp"
-#include "run/stage_list.hpp"
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/evaluate.hpp"
 #include "rodwake/app/run.hpp"
+#include "rodwake/core/error.hpp"
+#include "run/progress.hpp"
+#include "run/stage_list.hpp"
 #include "scan_beds.hpp"
 #include "scan_request.hpp"
 #include "scan_results.hpp"
@@ -137,8 +137,7 @@ scan::Evaluate point_evaluator(const ScanPlan& plan, const fs::path& folder, con
     return evaluate_of(plan, folder, context, make_silent_logger());
 }
 
-void serve_scan(const Plan& plan, const fs::path& folder, const RunContext& context,
-                scan::MpiJob& job) {
+void serve_scan(const Plan& plan, const fs::path& folder, const RunContext& context, scan::MpiJob& job) {
     job.serve(point_evaluator(*plan.scan, folder, context));
 }
 

@@ -34,9 +34,7 @@ private:
     std::vector<std::string> texts_; ///< of blocks of rows
 };
 
-void write_cells(const std::filesystem::path& file, const ScanPlan& plan,
-                 const scan::Summary& summary);
-void write_boundary(const std::filesystem::path& file, const ScanPlan& plan,
-                    const scan::Summary& summary);
+void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary);
+void write_boundary(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary);
 
 } // namespace rodwake::app

@@ -76,8 +76,7 @@ EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run) 
     return end;
 }
 
-void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& units,
-           scan::Result& result) {
+void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& units, scan::Result& result) {
     result.status = scan::Status::ok;
     result.outcome = static_cast<std::int32_t>(end.ending);
     PointRow values(result);

@@ -44,7 +44,6 @@ EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run,
 EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run);
 
 /// Into the columns of the plan, in output units; a number that is not finite makes the point fail.
-void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& units,
-           scan::Result& result);
+void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& units, scan::Result& result);
 
 } // namespace rodwake::app

@@ -1,8 +1,8 @@
 #include "rodwake/app/scanned_bed.hpp"
 
-#include "theory/pair_run.hpp"
 #include "rodwake/core/error.hpp"
 #include "scan_parts.hpp"
+#include "theory/pair_run.hpp"
 
 #include <fmt/format.h>
 

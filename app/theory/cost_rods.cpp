@@ -1,8 +1,8 @@
 // What rods in the elastic medium cost: their right-hand side term by term, and a run.
 
-#include "run/cost_parts.hpp"
 #include "rodwake/core/stopwatch.hpp"
 #include "rodwake/medium/simulate.hpp"
+#include "run/cost_parts.hpp"
 #include "wake_fields.hpp"
 
 #include <fmt/format.h>
@@ -107,13 +107,15 @@ Simulate simulation(const std::optional<NoisePlan>& noise) {
 }
 
 Pace pace_of(const RodProblem& problem, const rods::RodOptions& given, const Simulate& simulate) {
-    using Clock = std::chrono::steady_clock; // asked at each step: CPU time is dearer, and asked only then
+    // The wall clock is asked at each step: CPU time is dearer, and asked only when that is over.
     rods::RodOptions options = given;
     Pace pace;
-    const auto last = Clock::now() + std::chrono::duration<double>(of_its_pace);
+    const auto last = std::chrono::steady_clock::now() + std::chrono::duration<double>(of_its_pace);
     options.ode.on_step = [&](const integrate::Step& step) { pace.reached = step.time; };
     const Stopwatch watch;
-    options.ode.stop_requested = [&] { return Clock::now() > last && watch.seconds() > of_its_pace; };
+    options.ode.stop_requested = [&] {
+        return std::chrono::steady_clock::now() > last && watch.seconds() > of_its_pace;
+    };
     const integrate::Solution solution = simulate(problem, options).solution;
     pace.seconds = watch.seconds();
     pace.whole = solution.status.termination != integrate::Termination::interrupted;
@@ -341,8 +343,7 @@ std::string case_cost(const RodsPlan& plan, const Runs& runs, bool parts, const 
 
 } // namespace
 
-std::string rods_cost(const Plan& plan, const std::filesystem::path& folder,
-                      const RunContext& context) {
+std::string rods_cost(const Plan& plan, const std::filesystem::path& folder, const RunContext& context) {
     std::string text;
     std::vector<Kind> told;
     for (const RodsPlan& one : plan.rods) {

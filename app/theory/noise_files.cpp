@@ -1,10 +1,10 @@
 // What an ensemble of rods that diffuse leaves: noise.json and ensemble.csv.
 
 #include "noise_runs.hpp"
-#include "run/values_json.hpp"
 #include "rods_ensemble.hpp"
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/store/csv.hpp"
+#include "run/values_json.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -67,8 +67,8 @@ scan::Proportion captured(const NoiseSums& sums, std::size_t rods) {
     return {counted.count, counted.of};
 }
 
-std::string noise_json(const NoiseSums& sums, const NoisePlan& plan,
-                       const rods::RodProblem& problem, const OutputUnits& units) {
+std::string noise_json(const NoiseSums& sums, const NoisePlan& plan, const rods::RodProblem& problem,
+                       const OutputUnits& units) {
     ordered_json json = {{"runs", sums.ends.size()}};
     add_capture(json, sums, problem.rods.size());
     json["endings"] = endings_json(sums);

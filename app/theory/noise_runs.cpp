@@ -1,7 +1,7 @@
 #include "noise_runs.hpp"
 
-#include "run/progress.hpp"
 #include "rodwake/core/build_info.hpp"
+#include "run/progress.hpp"
 #include "run/values_json.hpp"
 
 #include <fmt/format.h>

@@ -20,8 +20,8 @@ scan::Proportion captured(const rods::NoiseSums& sums, std::size_t rods);
 inline constexpr double capture_quantile = scan::quantile_95;
 
 /// Contents of noise.json and ensemble.csv, in output units.
-std::string noise_json(const rods::NoiseSums& sums, const NoisePlan& plan,
-                       const rods::RodProblem& problem, const OutputUnits& units);
+std::string noise_json(const rods::NoiseSums& sums, const NoisePlan& plan, const rods::RodProblem& problem,
+                       const OutputUnits& units);
 std::string noise_csv(const rods::NoiseSums& sums, std::size_t rods, const OutputUnits& units);
 
 } // namespace rodwake::app

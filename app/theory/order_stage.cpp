@@ -3,11 +3,11 @@
 
 #include "bed/measure_frames.hpp"
 #include "bed/measure_stage.hpp"
-#include "run/progress.hpp"
 #include "rods_order.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/store/csv.hpp"
+#include "run/progress.hpp"
 #include "run/stage_list.hpp"
 
 #include <fmt/format.h>
@@ -64,12 +64,11 @@ std::vector<measure::RodPlace> motile(const measure::Frame& frame, const granula
 RodOrderSeries bed_series(const RunFiles& run, const granular::GranularProblem& problem,
                           const OrderKeys& keys, const std::function<bool(double)>& on_progress) {
     RodOrderSeries series;
-    for_each_frame(
-        run.trajectory, layout_of(problem), 1, [&](const measure::Frame& frame, double part) {
-            series.times.push_back(frame.time);
-            series.orders.push_back(measure::rod_order(motile(frame, problem), keys.link, keys.box));
-            return on_progress(part);
-        });
+    for_each_frame(run.trajectory, layout_of(problem), 1, [&](const measure::Frame& frame, double part) {
+        series.times.push_back(frame.time);
+        series.orders.push_back(measure::rod_order(motile(frame, problem), keys.link, keys.box));
+        return on_progress(part);
+    });
     return series;
 }
 

@@ -55,9 +55,8 @@ nlohmann::ordered_json solver_json(const rods::RodResult& result, const RodsPlan
 
 } // namespace
 
-std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan,
-                         const OutputUnits& units, const nlohmann::ordered_json& ensemble,
-                         const std::vector<double>& own_turn) {
+std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, const OutputUnits& units,
+                         const nlohmann::ordered_json& ensemble, const std::vector<double>& own_turn) {
     const rods::RodOutcome& outcome = result.outcome;
     nlohmann::ordered_json json;
     json["outcome"] = to_string(outcome.ending);

@@ -1,9 +1,9 @@
 #include "rods_checkpoint.hpp"
 
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/rods/form.hpp"
-#include "rodwake/app/run_folder.hpp"
 #include "run/values_json.hpp"
 
 #include <nlohmann/json.hpp>

@@ -15,10 +15,10 @@ namespace {
 using measure::RodOrder;
 using measure::RodOrderSeries;
 
-constexpr std::size_t numbers = 6;
+constexpr std::size_t order_numbers = 6;
 
 /// In the order of the columns after t.
-std::array<double, numbers> numbers_of(const RodOrder& o) {
+std::array<double, order_numbers> numbers_of(const RodOrder& o) {
     return {o.polar,       o.nematic,         static_cast<double>(o.clusters.size()),
             o.mean_size(), o.weighted_size(), static_cast<double>(o.clusters.front())};
 }
@@ -28,12 +28,13 @@ std::string series_csv(const std::vector<RodOrderSeries>& runs) {
     const std::string names[] = {"t",         "polar",         "nematic", "clusters",
                                  "mean_size", "weighted_size", "largest"};
     const auto shortest = std::ranges::min(runs, {}, [](const auto& run) { return run.times.size(); });
-    std::vector<std::vector<double>> columns(1 + numbers, std::vector<double>(shortest.times.size(), 0.0));
+    std::vector<std::vector<double>> columns(1 + order_numbers,
+                                             std::vector<double>(shortest.times.size(), 0.0));
     columns[0] = shortest.times;
     for (const RodOrderSeries& run : runs)
         for (std::size_t i = 0; i < shortest.times.size(); ++i) {
             const auto row = numbers_of(run.orders[i]);
-            for (std::size_t k = 0; k < numbers; ++k)
+            for (std::size_t k = 0; k < order_numbers; ++k)
                 columns[1 + k][i] += row[k] / static_cast<double>(runs.size());
         }
     return store::to_csv(names, columns);
@@ -56,18 +57,18 @@ std::string clusters_csv(const measure::MeanRodOrder& mean, std::size_t rods) {
 
 std::string means_json(const measure::MeanRodOrder& mean, const OrderKeys& keys, std::size_t runs) {
     const Values values{{"polar", mean.polar},
-                                  {"nematic", mean.nematic},
-                                  {"mean_size", mean.mean_size},
-                                  {"weighted_size", mean.weighted_size},
-                                  {"largest", mean.largest},
-                                  {"link", keys.link},
-                                  {"from", keys.from},
-                                  {"block", keys.block},
-                                  {"runs", static_cast<std::int64_t>(runs)},
-                                  {"instants", static_cast<std::int64_t>(mean.instants)},
-                                  {"blocks", static_cast<std::int64_t>(mean.blocks)},
-                                  {"units.length", keys.units.length_name},
-                                  {"units.time", keys.units.time_name}};
+                        {"nematic", mean.nematic},
+                        {"mean_size", mean.mean_size},
+                        {"weighted_size", mean.weighted_size},
+                        {"largest", mean.largest},
+                        {"link", keys.link},
+                        {"from", keys.from},
+                        {"block", keys.block},
+                        {"runs", static_cast<std::int64_t>(runs)},
+                        {"instants", static_cast<std::int64_t>(mean.instants)},
+                        {"blocks", static_cast<std::int64_t>(mean.blocks)},
+                        {"units.length", keys.units.length_name},
+                        {"units.time", keys.units.time_name}};
     return values_json(values).dump(2) + "\n";
 }
 

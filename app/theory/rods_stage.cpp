@@ -1,5 +1,4 @@
 #include "noise_runs.hpp"
-#include "run/progress.hpp"
 #include "rods_checkpoint.hpp"
 #include "rods_ensemble.hpp"
 #include "rods_film.hpp"
@@ -7,6 +6,7 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/store/csv.hpp"
+#include "run/progress.hpp"
 #include "run/stage_list.hpp"
 #include "wake_fields.hpp"
 
@@ -303,8 +303,8 @@ StageEnd run_rods_stage(Session& session) {
     cases.reserve(plans.size());
     for (const RodsPlan& plan : plans) {
         if (!plan.field.why.empty())
-            session.log->info("rods{}: field {}: {}", plan.of.suffix(),
-                              to_string(plan.field.backend), plan.field.why);
+            session.log->info("rods{}: field {}: {}", plan.of.suffix(), to_string(plan.field.backend),
+                              plan.field.why);
         cases.push_back(work_of(plan, fields, threads));
     }
     parallel_for(cases.size(), session.context.thread_count(),

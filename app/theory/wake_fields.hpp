@@ -1,8 +1,8 @@
 #pragma once
 // The wakes that the scenes of a run ask for, by medium.field: exact, from a table, or measured.
 
-#include "rodwake/elastic/measured_field.hpp"
 #include "rodwake/app/wake_tables.hpp"
+#include "rodwake/elastic/measured_field.hpp"
 #include "run/session.hpp"
 
 #include <memory>

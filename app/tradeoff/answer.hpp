@@ -1,8 +1,8 @@
 #pragma once
 // What a setting computes, and how far two of them are apart.
 
-#include "rodwake/core/encounter.hpp"
 #include "rodwake/app/tradeoff.hpp"
+#include "rodwake/core/encounter.hpp"
 
 namespace rodwake::app {
 

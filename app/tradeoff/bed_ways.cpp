@@ -2,10 +2,10 @@
 // with seeds of its own.
 
 #include "bed/granular_summary.hpp"
-#include "rodwake/core/error.hpp"
-#include "rodwake/core/estimate.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/estimate.hpp"
 #include "rodwake/store/csv.hpp"
 #include "way_subject.hpp"
 

@@ -1,9 +1,9 @@
 // Ways to map the field of a rod: exact, or from a table.
 
-#include "theory/wake_fields.hpp"
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/stopwatch.hpp"
-#include "rodwake/app/run_folder.hpp"
+#include "theory/wake_fields.hpp"
 #include "way_subject.hpp"
 
 #include <fmt/format.h>
@@ -162,10 +162,8 @@ WaySubject field_ways(const scene::Scene& scene, const RunContext& context) {
     const bool square = !scene.medium->periodic || scene.medium->periodic->square(); // tables know no other
     for (const double tolerance : square ? std::span(table_tolerances) : std::span<const double>())
         ways.push_back({FieldBackend::table, tolerance});
-    WaySubject subject{stage_key(mapped_by(scene, {}), Stage::field),
-                       "the exact field (docs/validation.md)",
-                       {},
-                       {}};
+    WaySubject subject{
+        stage_key(mapped_by(scene, {}), Stage::field), "the exact field (docs/validation.md)", {}, {}};
     for (const MappedWay& way : ways)
         subject.ways.push_back(
             {.keys =

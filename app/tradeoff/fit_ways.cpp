@@ -1,9 +1,9 @@
 // Ways to fit: the search, whether it is polished, how many starts, where intervals come from.
 
 #include "fit/fit_stage.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/stopwatch.hpp"
-#include "rodwake/app/run.hpp"
 #include "way_subject.hpp"
 
 #include <fmt/format.h>
@@ -217,8 +217,7 @@ WaySubject fit_ways(const scene::Scene& scene, double limit, const std::filesyst
     if (!scene.fit)
         throw InputError(scene.path + ": no [fit] table, so there is no fit whose cost and error could be "
                                       "measured");
-    FitPlan plan =
-        fit_plan(*scene.fit, read_fit_inputs(scene, results, OwnFiles::required));
+    FitPlan plan = fit_plan(*scene.fit, read_fit_inputs(scene, results, OwnFiles::required));
     std::vector<FitWay> ways = all_ways(plan.problem);
     WaySubject subject{
         fit_key(scene, plan),

@@ -1,9 +1,9 @@
 // The ways to solve the rods of a scene, and their names.
 
+#include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/separation_record.hpp"
 #include "rodwake/scene/scan_subject.hpp"
-#include "rodwake/app/tradeoff.hpp"
 
 #include <fmt/format.h>
 

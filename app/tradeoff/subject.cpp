@@ -64,8 +64,7 @@ struct EndColumns {
     }
 };
 
-Encounter encounter_of(const scan::Result& point, const EndColumns& columns,
-                       const OutputUnits& units) {
+Encounter encounter_of(const scan::Result& point, const EndColumns& columns, const OutputUnits& units) {
     Encounter end{
         point.ok(), static_cast<Ending>(point.outcome), point.values[columns.time] / units.time, {}, {}};
     end.final_state.push_back(point.values[columns.separation] / units.length);
@@ -105,8 +104,7 @@ std::vector<scan::Point> sample(scan::Design design) {
 
 Subject subject_of_rods(const Session& session) {
     const auto fields = std::make_shared<WakeFields>(session); // a table is made once
-    return {"a run", settings_of(session.plan.scene),
-            reference_methods(rod_problem(session.plan.scene)),
+    return {"a run", settings_of(session.plan.scene), reference_methods(rod_problem(session.plan.scene)),
             [&session, fields](const Setting& setting, std::function<bool()> stop) -> Subject::Work {
                 const scene::Scene scene = with(session.plan.scene, setting);
                 rods::RodProblem problem = rod_problem(scene);
@@ -128,8 +126,7 @@ Subject subject_of_scan(const Session& session) {
             {Method::erk, Method::bdf},
             [&session, points](const Setting& setting, std::function<bool()> stop) -> Subject::Work {
                 const scene::Scene varied = with(session.plan.scene, setting);
-                const auto plan = std::make_shared<const ScanPlan>(
-                    plan_scan(varied, read_scan_list(varied)));
+                const auto plan = std::make_shared<const ScanPlan>(plan_scan(varied, read_scan_list(varied)));
                 return [plan, points, evaluate = evaluate_rods(*plan, std::move(stop))] {
                     std::vector<scan::Result> results(points->size());
                     evaluate(*points, results);

@@ -1,8 +1,8 @@
 #pragma once
 // The work that is solved by each setting: the rods of a scene once, or a sample of its scan.
 
-#include "run/session.hpp"
 #include "answer.hpp"
+#include "run/session.hpp"
 
 #include <functional>
 

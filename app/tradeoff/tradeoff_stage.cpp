@@ -1,10 +1,10 @@
 // The tradeoff stage: a reference, then every setting against it.
 
-#include "run/progress.hpp"
-#include "run/stage_list.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/stopwatch.hpp"
+#include "run/progress.hpp"
+#include "run/stage_list.hpp"
 #include "subject.hpp"
 #include "tradeoff_files.hpp"
 

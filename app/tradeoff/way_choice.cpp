@@ -1,7 +1,7 @@
 // Which of the ways that were tried is worth having.
 
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/ways.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

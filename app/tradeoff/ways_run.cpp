@@ -1,11 +1,11 @@
 // The ways of a part, tried one after the other.
 
-#include "run/log.hpp"
-#include "run/progress.hpp"
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
 #include "rodwake/store/atomic_file.hpp"
+#include "run/log.hpp"
+#include "run/progress.hpp"
 #include "way_subject.hpp"
 #include "ways_files.hpp"
 

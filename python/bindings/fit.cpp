@@ -27,7 +27,7 @@ std::string place_name(const std::string& name, std::size_t i) {
 }
 
 app::FitProfileData profile_of(const scene::FitProfile& keys, const ProfileTuple& given,
-                                    std::optional<double> independent_spacing) {
+                               std::optional<double> independent_spacing) {
     const auto& [place, value, sigma] = given;
     app::FitProfileData out{keys.name, keys.name, {}, 0};
     out.data = {keys.name,
@@ -45,13 +45,12 @@ app::FitProfileData profile_of(const scene::FitProfile& keys, const ProfileTuple
 }
 
 app::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTuple& given,
-                                std::optional<PeriodicBox> box) {
+                           std::optional<PeriodicBox> box) {
     const auto& [t, poses, independent] = given;
     if (poses.ndim() != 3 || poses.shape(2) != 3 || poses.shape(0) != t.size())
         throw InputError(keys.name + ": expected t (T,) and poses (T, N, 3)");
     const auto rods = static_cast<std::size_t>(poses.shape(1));
-    app::FitTrackData out{keys.name, keys.name, rods, 1.0, 1.0, keys.sigma_position.has_value(),
-                               false,     {}};
+    app::FitTrackData out{keys.name, keys.name, rods, 1.0, 1.0, keys.sigma_position.has_value(), false, {}};
     fitting::Trajectory& data = out.data;
     data.name = keys.name;
     data.times = copied(t);
@@ -76,7 +75,7 @@ app::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTuple& g
 using MapTuple = std::tuple<std::vector<Array>, std::pair<double, double>, double>;
 
 app::FitMapData map_of(const std::string& name, std::size_t table, const MapTuple& given,
-                            std::optional<double> independent_spacing) {
+                       std::optional<double> independent_spacing) {
     const auto& [arrays, box, speed] = given;
     app::FitMapData out{name, name, table, {}, 0, false};
     fitting::Map& map = out.data;

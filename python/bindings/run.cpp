@@ -33,9 +33,8 @@ std::vector<Stage> stages_of(const scene::Scene& scene, const std::optional<Word
         if (std::ranges::none_of(all, named(name)))
             throw InputError(scene.path + ": has no stage '" + name +
                              "'; Scene.stages lists those that it has");
-    std::erase_if(all, [&](Stage stage) {
-        return std::ranges::find(*names, app::to_string(stage)) == names->end();
-    });
+    std::erase_if(
+        all, [&](Stage stage) { return std::ranges::find(*names, app::to_string(stage)) == names->end(); });
     return all;
 }
 
@@ -76,7 +75,7 @@ private:
 };
 
 app::RunContext context_of(std::size_t threads, std::optional<std::uint64_t> seed, bool force,
-                              Reports& reports, const std::atomic<bool>& stopped) {
+                           Reports& reports, const std::atomic<bool>& stopped) {
     app::RunContext context;
     context.threads = threads;
     context.seed = seed;
@@ -113,9 +112,7 @@ std::string run(const scene::Scene& scene, const fs::path& folder, const std::op
         context.executor = executor_in_python(execute);
     const std::vector<Stage> stages = stages_of(scene, names);
     app::StageEnd end = app::StageEnd::failed;
-    const auto work = [&] {
-        end = app::run(app::plan_run(scene, stages, folder, context), folder, context);
-    };
+    const auto work = [&] { end = app::run(app::plan_run(scene, stages, folder, context), folder, context); };
     attended(
         work, [&] { reports.deliver(on_log, on_progress); }, [&] { stopped = true; });
     return name_of(end);

@@ -1,9 +1,9 @@
 #include "scan.hpp"
 
 #include "bind.hpp"
+#include "rodwake/app/evaluate.hpp"
 #include "rodwake/app/plan.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/app/evaluate.hpp"
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>

@@ -2,9 +2,9 @@
 
 #include "bind.hpp"
 #include "rodwake/app/describe.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/scene/write.hpp"
-#include "rodwake/app/run.hpp"
 
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

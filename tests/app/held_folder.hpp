@@ -1,9 +1,9 @@
 #pragma once
 // A folder run/ that holds stages of a scene, and what a command that begins in it leaves there.
 
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/write.hpp"
-#include "rodwake/app/run_folder.hpp"
 #include "store/scratch.hpp"
 
 #include <nlohmann/json.hpp>
@@ -14,8 +14,8 @@ namespace stages_test {
 
 using namespace rodwake;
 using namespace store_test;
-using app::Stage;
 using app::RunFolder;
+using app::Stage;
 
 using Names = std::set<std::string>;
 using Stages = std::vector<Stage>;

@@ -1,9 +1,9 @@
 // Scans of beds: runs of points, their means, and that neither threads nor interruptions change a byte.
 
-#include "rodwake/core/error.hpp"
-#include "rodwake/scene/read.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
 #include "rodwake/store/csv.hpp"
 #include "run_files.hpp"
 

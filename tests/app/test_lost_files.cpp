@@ -27,8 +27,7 @@ TEST_CASE("What follows from a stage stays while its lost files are made again, 
     }
     scratch.file("run/table.csv", "t\n");
     const RunFolder folder(scratch / "run", scene, Stages{Stage::granular}, false);
-    CHECK(folder.records("finished") ==
-          app::StageRecords{{"granular", "finished"}, {"measure", "finished"}});
+    CHECK(folder.records("finished") == app::StageRecords{{"granular", "finished"}, {"measure", "finished"}});
     CHECK(folder.records("interrupted").at("granular") == app::files_lost);
 }
 

@@ -41,7 +41,7 @@ std::string key_text(const std::string& keys) {
 
 /// Runs that wrote these numbers, each the same tracks.
 std::vector<app::RunTables> made_up(const std::vector<double>& numbers,
-                                         const std::vector<Column>& tracks = {}) {
+                                    const std::vector<Column>& tracks = {}) {
     std::vector<app::RunTables> runs;
     for (double number : numbers)
         runs.push_back({[number](const std::string&, const std::string&) { return number; },

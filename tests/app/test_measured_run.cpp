@@ -1,15 +1,15 @@
 // The files of a measured run: written of plain data, and told of by the kinds of measures.
 
-#include "rodwake/app/measure_kind.hpp"
-#include "rodwake/core/error.hpp"
-#include "rodwake/scene/read.hpp"
-#include "rodwake/app/run.hpp"
-#include "run_files.hpp"
-#include "run/catalogue.hpp"
 #include "bed/measure_files.hpp"
 #include "bed/measure_results.hpp"
+#include "rodwake/app/measure_kind.hpp"
+#include "rodwake/app/run.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
+#include "run/catalogue.hpp"
 #include "run/run_tables.hpp"
 #include "run/values_json.hpp"
+#include "run_files.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -175,10 +175,8 @@ TEST_CASE("The tables of a run are read when they are asked for", "[measured]") 
 TEST_CASE("An attribute of a grid is a number or a text", "[measured]") {
     const Scratch scratch;
     store::Hdf5Writer out(scratch / "measure.h5");
-    app::MeasureGrid grid{
-        "/field", measure::RodGrid(8.0, 2.0), {}, {{"method", "phase"}, {"blocks", 3.0}}};
+    app::MeasureGrid grid{"/field", measure::RodGrid(8.0, 2.0), {}, {{"method", "phase"}, {"blocks", 3.0}}};
     CHECK_NOTHROW(app::put_grid(out, grid, 1.0));
     grid = {"/other", grid.grid, {}, {{"offset", app::Column{1.0, 2.0}}}};
-    CHECK_THROWS_WITH(app::put_grid(out, grid, 1.0),
-                      "/other: attribute offset is neither number nor text");
+    CHECK_THROWS_WITH(app::put_grid(out, grid, 1.0), "/other: attribute offset is neither number nor text");
 }

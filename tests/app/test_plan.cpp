@@ -56,9 +56,7 @@ set = { measure.order = false }
 
 scene::Scene read(const std::string& text) { return scene::parse_scene(text, "scene.toml"); }
 
-app::Plan plan(const std::string& text) {
-    return app::make_plan(read(text), app::stages_of(read(text)));
-}
+app::Plan plan(const std::string& text) { return app::make_plan(read(text), app::stages_of(read(text))); }
 
 bool says(const app::Plan& plan, bool modelled, const std::string& text) {
     return std::ranges::any_of(app::describe(plan), [&](const app::PlanLine& line) {

@@ -1,11 +1,11 @@
 // A run without a command line: scene -> plan -> stages -> files.
 
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
+#include "run/catalogue.hpp"
 #include "run_files.hpp"
 #include "scenes.hpp"
-#include "run/catalogue.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -106,8 +106,7 @@ TEST_CASE("The seed of the context becomes that of the scene") {
     app::RunContext context;
     context.seed = 7;
     const std::vector<Stage> stages = {Stage::granular};
-    CHECK(app::plan_run(stages_test::bed(), stages, scratch / "bed", context).beds.front().problem.seed ==
-          7);
+    CHECK(app::plan_run(stages_test::bed(), stages, scratch / "bed", context).beds.front().problem.seed == 7);
     context.seed = std::uint64_t{1} << 63;
     CHECK_THROWS_AS(app::plan_run(stages_test::bed(), stages, scratch / "bed", context), InputError);
 }

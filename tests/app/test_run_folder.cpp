@@ -10,8 +10,8 @@
 
 using namespace rodwake;
 using namespace store_test;
-using app::Stage;
 using app::RunFolder;
+using app::Stage;
 using namespace stages_test;
 
 namespace {

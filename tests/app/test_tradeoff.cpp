@@ -1,9 +1,9 @@
 // Speed against accuracy: which settings a scene allows, what their errors are, and which one is recommended.
 
 #include "rodwake/app/plan.hpp"
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
+#include "rodwake/core/error.hpp"
 #include "run_files.hpp"
 #include "scenes.hpp"
 #include "tradeoff/answer.hpp"

@@ -1,7 +1,7 @@
 // Tables of wakes are kept from run to run, and never trusted blindly.
 
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/wake_tables.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -27,9 +27,7 @@ struct Folder {
     ~Folder() { std::filesystem::remove_all(path); }
 
     std::filesystem::path file() const { return path / app::table_file_name(eta, tolerance); }
-    std::filesystem::path box_file() const {
-        return path / app::table_file_name(in_box, box, box_tolerance);
-    }
+    std::filesystem::path box_file() const { return path / app::table_file_name(in_box, box, box_tolerance); }
 };
 
 struct Listener {

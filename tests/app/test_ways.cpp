@@ -1,7 +1,7 @@
 // Which way to compute a bed, a fit or a field map is worth having: bias told apart from scatter.
 
-#include "rodwake/core/error.hpp"
 #include "rodwake/app/ways.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -12,21 +12,33 @@ import rodwake
 
 SOURCE = rodwake.SOURCE
 
-# Which parts a part may include. What is not listed is an error, so a new part has to be placed here.
-ALLOWED = {"core": {"core"}}
-ALLOWED["integrate"] = {"integrate", "core"}
-ALLOWED["elastic"] = {"elastic", "core"}
-ALLOWED["rods"] = {"rods", "elastic", "integrate", "core"}
-ALLOWED["medium"] = {"medium", "rods", "elastic", "integrate", "core"}
-ALLOWED["granular"] = {"granular", "core"}
-ALLOWED["measure"] = {"measure", "granular", "elastic", "core"}
-ALLOWED["fitting"] = {"fitting", "measure", "rods", "elastic", "integrate", "core"}
-ALLOWED["scene"] = {"scene", "granular", "medium"} | ALLOWED["fitting"]
-ALLOWED["scan"] = {"scan", "core"}
-ALLOWED["assembly"] = {"assembly", "scan"} | ALLOWED["scene"]
-ALLOWED["store"] = {"store", "core"}
-ALLOWED["stages"] = {"stages", "store"} | ALLOWED["assembly"]
-ALLOWED["cli"] = {"cli"} | ALLOWED["stages"]
+PAGE = "docs/architecture.md"
+
+
+def cells_of_table(text, *names):
+    """Rows of the Markdown table whose header begins with these names, a list of cells each."""
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
+    at = next(i for i, row in enumerate(rows) if tuple(row[:len(names)]) == names)
+    width = len(rows[at])
+    taken = []
+    for row in rows[at + 2:]:
+        if len(row) != width or set(row[0]) <= {"-", ":"}:
+            break
+        taken.append(row)
+    return taken
+
+
+def layout(text):
+    """Of the page's two tables: {part: folder}, of C++ parts only, and {part: parts that it may include}."""
+    table = cells_of_table(text, "part", "may include")
+    ends = next((i for i, row in enumerate(table) if row[0] == "part"), len(table))
+    allowed = {row[0]: {row[0], *re.findall(r"\w+", row[1])} for row in table[:ends]}
+    named = {row[0]: re.findall(r"\(\.\./([\w/]+)\)", row[1])[0] for row in cells_of_table(text, "part", "folder")}
+    return {part: named[part] for part in allowed}, allowed
+
+
+FOLDERS, ALLOWED = layout((SOURCE / PAGE).read_text())
+TOPS = {folder.split("/")[0] for folder in FOLDERS.values()}
 # Libraries that stay in one part, or a few.
 ONLY_IN = {
     "integrate": re.compile(r"^(sundials|cvodes|cvode|arkode|idas|ida|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)\b"),
@@ -35,15 +47,16 @@ ONLY_IN = {
     "fitting": re.compile(r"^nlopt"),
     "fitting|measure": re.compile(r"^unsupported/Eigen"),  # Levenberg and Marquardt's search
     "cli": re.compile(r"^(CLI/|spdlog/sinks/stdout)"),  # the terminal
-    "stages|cli": re.compile(r"^spdlog/"),
+    "app|cli": re.compile(r"^spdlog/"),
     "core": re.compile(r"^Random123/"),
     "store|granular": re.compile(r"^xxhash\.h"),
     "scan": re.compile(r"^(sqlite3\.h|mpi\.h)"),
     "elastic|rods|granular|measure": re.compile(r"^hwy/"),
 }
-NO_FILES = {"assembly": re.compile(r"^(fstream|iostream|ostream|cstdio)$")}  # what a part does without
-# A measure is known to its own part and to one file of assembly.
-OF_A_MEASURE = re.compile(r"^rodwake/measure/(displacement|flow|microrheology|order|pairs|phonons|mechanics|heading_diffusion)\.hpp$")
+KINDS = "app/bed/measures"  # a file a measure; they open no files
+NO_FILES = re.compile(r"^(fstream|iostream|ostream|cstdio)$")
+# A measure is known to its own part and to the file of its kind: a header named as a file of that folder is one's.
+MEASURES = {path.stem for path in (SOURCE / KINDS).glob("*.cpp")}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 # A folder of somebody's machine: homes, and where clusters and containers keep work. Not /usr, /etc or /dev, which all have.
 MACHINE_PATH = re.compile(r"(?:(?<=file://)|(?<![\w.~})/*-]))(?:"
@@ -52,24 +65,25 @@ MACHINE_PATH = re.compile(r"(?:(?<=file://)|(?<![\w.~})/*-]))(?:"
 
 
 def part_of(path):
-    """"rods" for include/rodwake/rods/x.hpp, models/rods/x.cpp and src/rods/x.cpp."""
-    parts = path.parts
-    if parts[0] == "fitting":
-        return parts[0]
-    return parts[2] if parts[0] == "include" else parts[1]
+    """"rods" for include/rodwake/rods/x.hpp and models/rods/x.cpp, "app" for app/bed/x.cpp: of the folders around it the deepest."""
+    if path.parts[0] == "include":
+        return path.parts[2]
+    around = [part for part, folder in FOLDERS.items() if path.is_relative_to(folder)]
+    return max(around, key=lambda part: len(FOLDERS[part]), default=path.parts[1] if len(path.parts) > 1 else "")
 
 
 def part_included(path, name):
     """The part that an include names, as far as one can tell without the compiler; "" for a library or a neighbour."""
     if name.startswith("rodwake/"):  # from anywhere
         return name.split("/")[1]
-    steps = [step for step in os.path.normpath(path.parent / name).split(os.sep) if step != ".."]
-    if steps[0] == "fitting" or (steps[0] in ("src", "models") and len(steps) > 2):  # by a way through the tree
-        part = part_of(Path(*steps))
-        if part in ALLOWED and part != part_of(path):
-            return part
-    first = next((step for step in name.split("/")[:-1] if step not in (".", "..", "src", "models")), "")
-    return first if first in ALLOWED else ""  # "rods/x.hpp": tests put src and models on the path
+    target = Path(os.path.normpath(path.parent / name))
+    if ".." in name and target.parts[0] in TOPS:  # by a way through the tree
+        return "" if part_of(target) == part_of(path) else part_of(target)
+    steps = [step for step in name.split("/")[:-1] if step not in (".", "..", *TOPS - {"fitting"})]
+    first = steps[0] if steps else ""
+    if (SOURCE / "app" / first).is_dir() and first not in ALLOWED or part_of(path) == "app" and (SOURCE / "app" / name).is_file():
+        return "app"  # "bed/x.hpp": its slices, and app is on the path
+    return first if first in ALLOWED else ""  # "rods/x.hpp": tests put the folders of the parts on the path
 
 
 def wrong_includes(path, text):
@@ -85,9 +99,9 @@ def wrong_includes(path, text):
         for owner, library in ONLY_IN.items():
             if library.match(name) and part not in owner.split("|"):
                 wrong.append(f"{path}: only {owner} may include {name}")
-        if part in NO_FILES and NO_FILES[part].match(name):
-            wrong.append(f"{path}: {part} opens no files, and so must not include {name}")
-        if OF_A_MEASURE.match(name) and part != "measure" and path != Path(f"src/assembly/measures/{Path(name).stem}.cpp"):
+        if path.is_relative_to(KINDS) and NO_FILES.match(name):
+            wrong.append(f"{path}: measures open no files, and so must not include {name}")
+        if name.startswith("rodwake/measure/") and Path(name).stem in MEASURES and part != "measure" and path != Path(KINDS, f"{Path(name).stem}.cpp"):
             wrong.append(f"{path}: only the measure's own file may include {name}")
     return wrong
 
@@ -115,9 +129,9 @@ def test_cases(text):
 
 def part_files(root=SOURCE):
     """Sources of the parts, and the list of targets that each part links."""
-    inside = [p for p in tracked(root) if p.parts[0] in ("include", "src", "models", "fitting")]
+    inside = [p for p in tracked(root) if p.parts[0] in ("include", *TOPS)]
     return ([p for p in inside if p.suffix in (".hpp", ".cpp", ".inc", ".in")],
-            [p for p in inside if p.name == "CMakeLists.txt" and len(p.parts) == (2 if p.parts[0] == "fitting" else 3)])
+            [p for p in inside if p.name == "CMakeLists.txt" and str(p.parent) in FOLDERS.values()])
 
 
 def wrong_in_tree(root=SOURCE):
@@ -152,47 +166,50 @@ class OrderTest(unittest.TestCase):
                            ("models/elastic/a.cpp", "  #  include <rodwake/integrate/ode.hpp>"),
                            ("models/rods/a.cpp", '#include "rodwake/scene/scene.hpp"'),
                            ("src/store/a.cpp", '#include "rodwake/scene/scene.hpp"'),
-                           ("src/scene/a.cpp", '#include "rodwake/store/csv.hpp"'),
-                           ("src/scene/a.cpp", '#include "../cli/log.hpp"'),
-                           ("src/scene/a.cpp", '#include "../stages/session.hpp"'),
-                           ("src/assembly/a.cpp", '#include "rodwake/stages/run.hpp"'),
-                           ("src/stages/a.cpp", '#include "rodwake/cli/log.hpp"'),
-                           ("src/stages/a.cpp", "#include <spdlog/sinks/stdout_color_sinks.h>"),
-                           ("src/assembly/a.cpp", "#include <spdlog/logger.h>"),
-                           ("src/store/a.cpp", '#include "rodwake/assembly/rods.hpp"'),
+                           ("app/scene/a.cpp", '#include "rodwake/store/csv.hpp"'),
+                           ("app/scene/a.cpp", '#include "../cli/log.hpp"'),
+                           ("app/scene/a.cpp", '#include "../run/session.hpp"'),
+                           ("models/measure/a.cpp", '#include "rodwake/app/run.hpp"'),
+                           ("app/run/a.cpp", '#include "rodwake/cli/log.hpp"'),
+                           ("app/bed/a.cpp", "#include <spdlog/sinks/stdout_color_sinks.h>"),
+                           ("app/scene/a.cpp", "#include <spdlog/logger.h>"),
+                           ("src/store/a.cpp", '#include "rodwake/app/rods.hpp"'),
                            ("fitting/a.cpp", '#include "rodwake/scene/scene.hpp"'),
                            ("fitting/a.cpp", '#include "../src/store/hash.hpp"'),
                            ("fitting/a.cpp", '#include "scene/reader.hpp"'),
-                           ("include/rodwake/fitting/a.hpp", '#include "rodwake/assembly/fit.hpp"'),
+                           ("include/rodwake/fitting/a.hpp", '#include "rodwake/app/fit.hpp"'),
                            ("models/rods/a.cpp", '#include "../../fitting/loss.hpp"'),
                            ("models/rods/a.cpp", '#include "rodwake/fitting/loss.hpp"'),
-                           ("src/measure/a.cpp", '#include "../../models/rods/couplings.hpp"'),
+                           ("models/measure/a.cpp", '#include "../rods/couplings.hpp"'),
                            ("src/integrate/a.cpp", '#include "rods/interaction.hpp"'),
+                           ("models/rods/a.cpp", '#include "bed/measure_parts.hpp"'),
+                           ("app/scene/a.cpp", '#include "run/session.hpp"'),
                            ("src/core/a.cpp", '#include "rodwake/new/a.hpp"'),
                            ("models/rods/a.cpp", "#include <cvodes/cvodes.h>"),
-                           ("src/cli/a.cpp", "#include <sundials/sundials_context.h>"),
-                           ("src/cli/a.cpp", "#include <hdf5.h>"),
-                           ("src/cli/a.cpp", "#include <xxhash.h>"),
+                           ("app/cli/a.cpp", "#include <sundials/sundials_context.h>"),
+                           ("app/cli/a.cpp", "#include <hdf5.h>"),
+                           ("app/cli/a.cpp", "#include <xxhash.h>"),
                            ("src/core/a.cpp", "#include <hwy/highway.h>"),
-                           ("src/assembly/a.cpp", "#include <fstream>"),
-                           ("src/stages/a.cpp", '#include "rodwake/measure/flow.hpp"'),
-                           ("src/assembly/measures/order.cpp", '#include "rodwake/measure/flow.hpp"'),
+                           ("app/bed/measures/a.cpp", "#include <fstream>"),
+                           ("app/bed/a.cpp", '#include "rodwake/measure/flow.hpp"'),
+                           ("app/bed/measures/order.cpp", '#include "rodwake/measure/flow.hpp"'),
                            ("src/new/a.cpp", "")]:
             self.assertEqual(len(wrong_includes(Path(path), line)), 1, line)
         for path, line in [("models/rods/a.cpp", '#include "rodwake/integrate/ode.hpp"'),
                            ("src/integrate/a.cpp", "#include <arkode/arkode_erkstep.h>"),
                            ("src/store/a.cpp", "#include <xxhash.h>"),
                            ("fitting/a.cpp", '#include "rodwake/rods/simulate.hpp"\n#include "loss.hpp"\n#include <nlopt.hpp>'),
-                           ("src/measure/a.cpp", '#include "../../models/granular/shape.hpp"'),
-                           ("src/stages/a.cpp", '#include <spdlog/logger.h>\n#include "rodwake/store/csv.hpp"\n#include "rodwake/assembly/rods.hpp"'),
-                           ("src/scene/a.cpp", '#include "rodwake/granular/problem.hpp"\n#include "rodwake/fitting/method.hpp"'),
+                           ("models/measure/a.cpp", '#include "../granular/shape.hpp"'),
+                           ("app/bed/a.cpp", '#include <spdlog/logger.h>\n#include "rodwake/store/csv.hpp"\n#include "rodwake/app/rods.hpp"'),
+                           ("app/scene/a.cpp", '#include "rodwake/granular/problem.hpp"\n#include "rodwake/fitting/method.hpp"'),
                            ("models/granular/a.cpp", "#include <xxhash.h>"),
-                           ("src/stages/a.cpp", '#include <fstream>\n#include "rodwake/measure/measures.hpp"'),
-                           ("src/assembly/measures/flow.cpp", '#include <filesystem>\n#include "rodwake/measure/flow.hpp"'),
+                           ("app/bed/a.cpp", '#include <fstream>\n#include "rodwake/measure/measures.hpp"'),
+                           ("app/bed/measures/flow.cpp", '#include <filesystem>\n#include "rodwake/measure/flow.hpp"'),
                            ("include/rodwake/measure/pairs.hpp", '#include "rodwake/measure/order.hpp"'),
                            ("models/granular/a.cpp", "#include <hwy/highway.h>"),
                            ("src/store/a.cpp", "#include <hdf5.h>\n// #include nothing\n#include <vector>"),
-                           ("src/cli/a.cpp", '#include "rodwake/rods/simulate.hpp"')]:
+                           ("app/bed/a.cpp", '#include "run/session.hpp"\n#include "scan/scan_parts.hpp"\n#include "granular_run.hpp"'),
+                           ("app/cli/a.cpp", '#include "rodwake/rods/simulate.hpp"')]:
             self.assertEqual(wrong_includes(Path(path), line), [], line)
 
     def test_wrong_links_are_seen(self):

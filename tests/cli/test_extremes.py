@@ -9,10 +9,10 @@ import sys
 import rodwake
 from rodwake import PROGRAM, SOURCE, ProgramTest
 
-sys.path.insert(0, str(SOURCE / "tools"))
+sys.path.insert(0, str(SOURCE / "studies"))
 from extremes.lab import Lab, not_finite
 
-TOOL = SOURCE / "tools" / "validate_extremes.py"
+TOOL = SOURCE / "studies" / "validate_extremes.py"
 
 
 class ExtremesTest(ProgramTest):

@@ -1,8 +1,8 @@
 #pragma once
 // Beads whose memory kernel is known, moved by exact steps of their linear equations.
 
-#include "synthetic.hpp"
 #include "rodwake/measure/microrheology.hpp"
+#include "synthetic.hpp"
 
 #include <Eigen/Dense>
 

@@ -2,9 +2,9 @@
 // force.
 
 #include "catch2/catch.hpp"
-#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/drift_decay.hpp"
+#include "synthetic.hpp"
 
 #include <cmath>
 

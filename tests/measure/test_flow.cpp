@@ -1,9 +1,9 @@
 // Flow around a rod from beads whose velocity in the rod's frame is known.
 
 #include "catch2/catch.hpp"
-#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/flow.hpp"
+#include "synthetic.hpp"
 
 #include <algorithm>
 #include <cmath>

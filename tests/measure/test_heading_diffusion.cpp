@@ -1,9 +1,9 @@
 // Heading diffusion of made-up tracks: Brownian headings of known strength.
 
 #include "catch2/catch.hpp"
-#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/heading_diffusion.hpp"
+#include "synthetic.hpp"
 
 #include <cmath>
 

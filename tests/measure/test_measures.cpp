@@ -1,10 +1,10 @@
 // Accumulators of any kind behind one face: each sees the frames it asked for, and the state of all comes
 // back.
 
-#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/measures.hpp"
 #include "rodwake/measure/microrheology.hpp"
+#include "synthetic.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,9 +1,9 @@
 // Drag of the bed from a push and a drift that are known.
 
 #include "catch2/catch.hpp"
-#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/mechanics.hpp"
+#include "synthetic.hpp"
 
 #include <cmath>
 

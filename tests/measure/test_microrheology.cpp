@@ -1,9 +1,9 @@
 // Microrheology against beads whose motion is known: Ornstein-Uhlenbeck (bound) and free diffusion.
 
 #include "catch2/catch.hpp"
-#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/microrheology.hpp"
+#include "synthetic.hpp"
 
 #include <cmath>
 #include <functional>

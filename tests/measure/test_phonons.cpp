@@ -3,9 +3,9 @@
 #include "catch2/catch.hpp"
 #include "measure/oscillator_fit.hpp"
 #include "measure/phonon_constants.hpp"
-#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/phonons.hpp"
+#include "synthetic.hpp"
 
 #include <Eigen/Dense>
 #include <unsupported/Eigen/MatrixFunctions>

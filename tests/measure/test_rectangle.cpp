@@ -4,11 +4,11 @@
 #include "measure/delaunay.hpp"
 #include "measure/pair_counts.hpp"
 #include "measure/psi6.hpp"
-#include "synthetic.hpp"
 #include "rodwake/measure/bragg.hpp"
 #include "rodwake/measure/displacement.hpp"
 #include "rodwake/measure/flow.hpp"
 #include "rodwake/measure/order.hpp"
+#include "synthetic.hpp"
 
 #include <catch2/catch.hpp>
 

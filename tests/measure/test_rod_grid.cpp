@@ -1,10 +1,10 @@
 // Grids around rods, places as rods see them, and frames that do not fit.
 
 #include "catch2/catch.hpp"
-#include "synthetic.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/measure/rod_grid.hpp"
+#include "synthetic.hpp"
 
 #include <cmath>
 #include <limits>

@@ -14,7 +14,7 @@ from pathlib import Path
 from PIL import Image
 from rodwake import SOURCE, ProgramTest
 
-sys.path.insert(0, str(SOURCE / "tools"))
+sys.path.insert(0, str(SOURCE / "studies"))
 import closure_tables as tables  # noqa: E402
 import validate_closure as tool  # noqa: E402
 

@@ -11,7 +11,7 @@ import numpy as np
 import rodwake
 from rodwake import SOURCE
 
-sys.path.insert(0, str(SOURCE / "tools"))
+sys.path.insert(0, str(SOURCE / "studies"))
 from medium import lab, moments, monopole, moving, pairs, scaling, spread, static, strain  # noqa: E402
 
 TRUE = np.array([4.6e4, 4.2e4, 1.5e4, 1.35e4])  # c11, c22, c12, c66, a^2/s^2

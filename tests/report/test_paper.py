@@ -19,7 +19,7 @@ import rodwake
 from PIL import Image
 from rodwake import SOURCE
 
-sys.path.insert(0, str(SOURCE / "tools"))
+sys.path.insert(0, str(SOURCE / "studies"))
 from paper_rows import bed, bed_pairs, judge, lab, page, subjects, table, theory_pairs  # noqa: E402
 from paper_rows.entry import Row, Run, Subject  # noqa: E402
 from paper_rows.judge import DIFFERS, MATCHES, UNKNOWN  # noqa: E402
@@ -228,7 +228,7 @@ class LabTest(LabCase):
             self.assertEqual(table.judge_row(self.lab, Row("r", "Fig. 1", "says", judged, (run,))).judged.verdict, UNKNOWN)
 
     def test_a_missing_program_is_told_and_a_page_makes_its_folder(self):
-        command = [sys.executable, SOURCE / "tools" / "paper", "-o", self.folder / "new" / "page"]
+        command = [sys.executable, SOURCE / "studies" / "paper", "-o", self.folder / "new" / "page"]
         done = subprocess.run([*command, "--program", self.folder / "nothing"], capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))
         self.assertIn("no such program", done.stderr)

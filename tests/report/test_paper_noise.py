@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from rodwake import SOURCE
 
-sys.path.insert(0, str(SOURCE / "tools"))
+sys.path.insert(0, str(SOURCE / "studies"))
 from paper_rows import noise  # noqa: E402
 from paper_rows.judge import DIFFERS, MATCHES, UNKNOWN  # noqa: E402
 

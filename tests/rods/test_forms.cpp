@@ -1,7 +1,7 @@
 // The three forms of the equations have the same solutions; what is particular to each.
 
-#include "rods/pose_track.hpp"
 #include "reference.hpp"
+#include "rods/pose_track.hpp"
 
 #include "catch2/catch.hpp"
 

@@ -18,7 +18,7 @@ from pathlib import Path
 import rodwake
 from shorter import LONG, shorter
 
-COMMAND = re.compile(r"\s*\$?\s*(rodwake|mpiexec|tools/\w+|build/\S+/rodwake|cmake|ctest|sbatch) ")
+COMMAND = re.compile(r"\s*\$?\s*(rodwake|mpiexec|(?:tools|studies)/\w+|build/\S+/rodwake|cmake|ctest|sbatch) ")
 NOT_RUN = re.compile(r"<!-- not run: (\S.*?) -->")
 RUN_WITH = re.compile(r'<!-- run with ("[^"]*" for "[^"]+"(?:, "[^"]*" for "[^"]+")*): \S.*? -->')
 

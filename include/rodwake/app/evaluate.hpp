@@ -4,8 +4,8 @@
 // runs the scan RunContext::executor sends them and takes the results. Points and results are plain data
 // (scan/point.hpp), and a result depends on scene and point alone.
 
-#include "rodwake/app/scan.hpp"
 #include "rodwake/app/run_context.hpp"
+#include "rodwake/app/scan.hpp"
 
 #include <filesystem>
 

@@ -1,6 +1,6 @@
 #pragma once
 // From [fit] and measured data to a problem of the fitting part and how it is solved. Reading the files is
-// not done here (rodwake/app/fit_inputs.hpp does).
+// not done here (app/fit/fit_data.hpp does).
 
 #include "rodwake/fitting/map.hpp"
 #include "rodwake/fitting/method.hpp"

@@ -6,8 +6,8 @@
 //   run(plan_run(scene, stages_of(scene), "results/pair", {}), "results/pair", {});
 
 #include "rodwake/app/plan.hpp"
-#include "rodwake/scan/mpi.hpp"
 #include "rodwake/app/run_context.hpp"
+#include "rodwake/scan/mpi.hpp"
 
 #include <filesystem>
 #include <span>
@@ -23,13 +23,13 @@ enum class OwnFiles { required, left_out, if_there };
 /// The data that [fit] names, from files in the run directory, beside the scene or where the program runs;
 /// the first that exists counts. Throws InputError naming file:line for what is missing or wrong.
 FitInputs read_fit_inputs(const scene::Scene& scene, const std::filesystem::path& run_directory,
-                                    OwnFiles own);
+                          OwnFiles own);
 
 /// The plan of these stages in that folder, with the context's seed. Throws InputError for what cannot be
 /// modelled and for files that are missing or wrong; nothing is written. Whether the folder can be used,
 /// run() says.
-Plan plan_run(scene::Scene scene, std::span<const Stage> stages,
-                        const std::filesystem::path& folder, const RunContext& context);
+Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const std::filesystem::path& folder,
+              const RunContext& context);
 
 /// The plan of all stages the scene names, to be described: of the data of a fit those count that are there.
 /// Throws InputError as plan_run does.
@@ -38,8 +38,7 @@ Plan plan_check(scene::Scene scene, const std::filesystem::path& folder, const R
 /// What the stages of a plan will cost: a line each, a table of what that consists of, and what leaving a
 /// part out or loosening a setting would save; from about half a second of the work itself on this machine.
 /// Tables of the field are read or made, and kept, as the run does it.
-std::string expected_cost(const Plan& plan, const std::filesystem::path& folder,
-                          const RunContext& context);
+std::string expected_cost(const Plan& plan, const std::filesystem::path& folder, const RunContext& context);
 
 /// Executes a plan. What was computed is kept however it ends; the same call goes on from there. Throws
 /// InputError if the folder cannot be used (another scene's run, a finished one without `force`), RunError if

@@ -1,8 +1,8 @@
 #pragma once
 // What a stage needs of the outside, and all it gets: a terminal, a script and a test give each their own.
 
-#include "rodwake/scan/run.hpp"
 #include "rodwake/app/tradeoff.hpp"
+#include "rodwake/scan/run.hpp"
 
 #include <cstddef>
 #include <cstdint>

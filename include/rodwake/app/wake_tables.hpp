@@ -5,9 +5,9 @@
 // bytes covered by checksums; a file that is damaged or of another version is made anew. Without a writable
 // cache folder a table is made for the run alone.
 
+#include "rodwake/app/run_context.hpp"
 #include "rodwake/elastic/periodic_table.hpp"
 #include "rodwake/elastic/plane_table.hpp"
-#include "rodwake/app/run_context.hpp"
 
 #include <array>
 #include <filesystem>

@@ -11,8 +11,8 @@
 // of a measured difference exceeds that of the bias by e^2 + e_ref^2 in the mean. Fits and field maps have
 // s = e = 0, and q_ref is 0: their quantities are errors already.
 
-#include "rodwake/scene/scene.hpp"
 #include "rodwake/app/run_context.hpp"
+#include "rodwake/scene/scene.hpp"
 
 #include <filesystem>
 #include <optional>

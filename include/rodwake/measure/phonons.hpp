@@ -5,7 +5,8 @@
 //   j(q, t)   = sum_i v_i exp(-i q.r_i),  r_i and v_i relative to the centre of mass of the beads, m/s
 //   C_b(q, t) = <j_b(q, t0 + t) j_b*(q, t0)>/N,  b = L along q, T across it;  q = 2 pi (m/Lx, n/Ly)
 //   T_b(q)    = C_b(q, 0), m^2/s^2: T_xy of the beads if they moved independently; energy is m T
-//   C_b(t)    ~ that of u'' + gamma u' + omega^2 u = noise (models/measure/oscillator_fit.hpp), so omega is the
+//   C_b(t)    ~ that of u'' + gamma u' + omega^2 u = noise (models/measure/oscillator_fit.hpp), so omega is
+//   the
 //               frequency without damping, rho omega^2/q^2 the stiffness, also of overdamped modes
 //   u(q)      = sum_i [r_i(t) - r_i(0)] exp(-i q.r_i(0))/N, variance in time: <|u|^2>, m^2. In white noise
 //               N omega^2 <|u|^2> = T(q), whatever the noise is: omega_static

@@ -53,7 +53,7 @@ struct SchemaList {
 };
 
 /// The same as JSON, for programs: {"schema", "tables": [{"table", "meaning"}], "keys": [...], "figures":
-/// [...], "fit_parameters": [...]} and what else is known of (app/run/schema.hpp).
+/// [...], "fit_parameters": [...]} and what else is known of (rodwake/app/schema.hpp).
 std::string schema_json(std::span<const SchemaList> more = {});
 
 } // namespace rodwake::scene

@@ -65,7 +65,7 @@ struct MeasuredMedium {
 struct Medium {
     double eta = 1.0;                         ///< > -1
     double xi = 1.0;                          ///< > 0, in f/mu; alpha = 1/xi
-    FieldBackend field = FieldBackend::exact; ///< automatic: app/theory/field_choice.hpp
+    FieldBackend field = FieldBackend::exact; ///< automatic: rodwake/app/field_choice.hpp
     std::optional<FieldTable> table;
     std::optional<MeasuredMedium> measured;
     std::optional<medium::DynamicMedium> dynamic; ///< absent: its defaults; only with field = dynamic
