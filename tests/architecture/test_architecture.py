@@ -81,7 +81,7 @@ def part_included(path, name):
         return "" if part_of(target) == part_of(path) else part_of(target)
     steps = [step for step in name.split("/")[:-1] if step not in (".", "..", *TOPS - {"fitting"})]
     first = steps[0] if steps else ""
-    if (SOURCE / "app" / first).is_dir() and first not in ALLOWED or part_of(path) == "app" and (SOURCE / "app" / name).is_file():
+    if first and (part_of(path) == "app" or first not in ALLOWED) and (SOURCE / "app" / first).is_dir():
         return "app"  # "bed/x.hpp": its slices, and app is on the path
     return first if first in ALLOWED else ""  # "rods/x.hpp": tests put the folders of the parts on the path
 
