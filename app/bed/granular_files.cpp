@@ -84,8 +84,7 @@ GranularFiles::GranularFiles(std::filesystem::path folder, const granular::Granu
     : folder_(std::move(folder)), problem_(problem), schedule_(schedule), clumps_(clumps_of(problem)),
       layout_(layout_of(problem, clumps_, schedule.every_bead)),
       frame_doubles_(2 + 6 * layout_.particles() + 13 * layout_.rods()),
-      row_doubles_(granular::TableRow::names().size() +
-                   granular::TrackPoint::names().size() * layout_.rods()) {
+      row_doubles_(field_count<granular::TableRow> + field_count<granular::TrackPoint> * layout_.rods()) {
     std::filesystem::create_directories(folder_);
     rows_.emplace(folder_ / "rows.log", row_doubles_ * sizeof(double), kept.rows);
     if (schedule_.h5md || schedule_.xyz)
@@ -95,10 +94,13 @@ GranularFiles::GranularFiles(std::filesystem::path folder, const granular::Granu
 }
 
 void GranularFiles::add_row(const granular::TableRow& r, const std::vector<granular::TrackPoint>& track) {
-    const auto values = r.values();
-    std::vector<double> record(values.begin(), values.end());
+    const auto append = [](std::vector<double>& record, const auto& numbers) {
+        record.insert(record.end(), numbers.begin(), numbers.end());
+    };
+    std::vector<double> record;
+    append(record, field_values(r));
     for (const granular::TrackPoint& p : track)
-        record.insert(record.end(), {p.x, p.y, p.z, p.heading, p.pitch, p.speed, p.impulse_on_beads});
+        append(record, field_values(p));
     rows_->append(bytes(record));
 }
 
@@ -146,11 +148,11 @@ LogLengths GranularFiles::sync() {
 }
 
 void GranularFiles::write_tables() {
-    const auto table_names = granular::TableRow::names();
+    const auto table_names = field_names<granular::TableRow>();
     std::vector<std::string> names(table_names.begin(), table_names.end());
     const std::size_t of_table = names.size();
     for (std::size_t r = 0; r < layout_.rods(); ++r)
-        for (const char* name : granular::TrackPoint::names())
+        for (const std::string_view name : field_names<granular::TrackPoint>())
             names.push_back(fmt::format("{}{}", name, r));
     std::vector<std::vector<double>> columns(names.size());
     for (std::size_t i = 0; i < rows_->records(); ++i) {

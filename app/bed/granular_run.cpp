@@ -283,6 +283,15 @@ private:
         return rod;
     }
 
+    static PairSummary pair_summary(const granular::PairProgress& pair) {
+        PairSummary summary{.separation_change = pair.change};
+        if (pair.half_box_time >= 0.0) {
+            summary.half_box_time = pair.half_box_time;
+            summary.half_box_separation_change = pair.half_box_change;
+        }
+        return summary;
+    }
+
     GranularSummary summary() const {
         const granular::RecordSums& sums = record_.sums();
         const double samples = static_cast<double>(std::max<std::int64_t>(sums.run.count, 1));
@@ -295,11 +304,13 @@ private:
         s.T_z = sums.run.T_z / samples;
         s.max_overlap = simulation_.tallies().max_overlap;
         s.psi6 = sums.rows > 0 ? sums.psi6 / static_cast<double>(sums.rows) : 0.0;
-        s.pressure = record_.mean_pressure(simulation_);
+        const granular::PlaneTensor pressure = record_.mean_pressure(simulation_);
+        s.pressure = {granular::isotropic(pressure), pressure[0], pressure[1], pressure[2]};
         s.absorbing_state = granular::in_absorbing_state(simulation_.temperatures(), bed_.problem);
         for (std::size_t i = 0; i < bed_.problem.rods.size(); ++i)
             s.rods.push_back(rod_summary(i, s.simulated_time));
-        s.pair = sums.pair;
+        if (s.rods.size() == 2)
+            s.pair = pair_summary(sums.pair);
         s.state_hash = granular::state_hash(simulation_.state());
         s.cost = cost();
         return s;

@@ -4,11 +4,15 @@
 
 #include "granular_checkpoint.hpp"
 #include "rodwake/app/plan.hpp"
+#include "rodwake/core/estimate.hpp"
+#include "rodwake/core/record.hpp"
 #include "run/log.hpp"
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace rodwake::app {
 
@@ -29,24 +33,97 @@ struct GranularTask {
     std::filesystem::path folder;
 };
 
-/// Of one rod; SI, + is thin end first.
+/// Of one rod; + is thin end first.
 struct RodSummary {
     std::string kind;
-    double mean_speed = 0.0, net_turn = 0.0;
-    double force = 0.0;  ///< on the beads along the heading, mean, N
-    double thrust = 0.0; ///< of the plates on the rod along the heading, mean, N
+    double mean_speed = 0.0, net_turn = 0.0, force = 0.0, thrust = 0.0;
+
+    static constexpr auto fields() {
+        using R = RodSummary;
+        return std::tuple{
+            field("kind", &R::kind, {"", "motile or apolar", OverRuns::same}),
+            field("mean_speed", &R::mean_speed,
+                  {"m/s", "of the rod along its heading, thin end first positive", OverRuns::mean, "=", "="}),
+            field("net_turn", &R::net_turn, {"rad", "of the rod from t = 0 to the end"}),
+            field("force", &R::force,
+                  {"N", "of the rod on the beads along its heading, mean from t = 0", OverRuns::mean, "=",
+                   "="}),
+            field("thrust", &R::thrust,
+                  {"N", "of the plates on the rod along its heading, mean from t = 0"})};
+    }
 };
 
+/// In the plane, mean from t = 0.
+struct PressureSummary {
+    double mean = unknown_error, xx = unknown_error, xy = unknown_error, yy = unknown_error;
+
+    static constexpr auto fields() {
+        using R = PressureSummary;
+        return std::tuple{
+            field("mean", &R::mean,
+                  {"N/m", "of the bed in the plane, mean over directions and from t = 0", OverRuns::mean, "",
+                   "pressure"}),
+            field("xx", &R::xx,
+                  {"N/m", "pressure along x in the plane, mean from t = 0", OverRuns::mean, "p_xx"}),
+            field("xy", &R::xy,
+                  {"N/m", "shear part of the pressure tensor, mean from t = 0", OverRuns::mean, "p_xy"}),
+            field("yy", &R::yy, {"N/m", "pressure along y, mean from t = 0", OverRuns::mean, "p_yy"})};
+    }
+};
+
+/// Of two rods; NaN: they have not come half a box.
+struct PairSummary {
+    double separation_change = 0.0, half_box_time = unknown_error, half_box_separation_change = unknown_error;
+
+    static constexpr auto fields() {
+        using R = PairSummary;
+        return std::tuple{field("separation_change", &R::separation_change,
+                                {"m", "of two rods across their mean first heading, outwards positive"}),
+                          field("half_box_time", &R::half_box_time,
+                                {.unit = "s",
+                                 .meaning = "when the rods had come half a box; empty: they have not",
+                                 .over_runs = OverRuns::mean_of_known,
+                                 .known_runs = "half_box_runs"}),
+                          field("half_box_separation_change", &R::half_box_separation_change,
+                                {"m", "separation change then", OverRuns::mean_of_known})};
+    }
+};
+
+/// What a run tells of itself. A number is added here, and where it is computed (Run::summary); summary.json,
+/// runs.csv, means over runs, scans of beds, catalogue and manifest follow.
 struct GranularSummary {
-    std::uint32_t run = 0;
     double simulated_time = 0.0, cpu_seconds = 0.0, wall_seconds = 0.0;
     double T_xy = 0.0, T_z = 0.0, max_overlap = 0.0, psi6 = 0.0;
-    granular::PlaneTensor pressure{}; ///< mean from t = 0, N/m; NaN: of an earlier version
-    bool absorbing_state = false;     ///< at the end
+    PressureSummary pressure;
+    bool absorbing_state = false; ///< at the end
     std::vector<RodSummary> rods;
-    granular::PairProgress pair{};
+    std::optional<PairSummary> pair; ///< of two rods
+    std::uint32_t run = 0;
     std::uint64_t state_hash = 0;
     RunCost cost{};
+
+    static constexpr auto fields() {
+        using R = GranularSummary;
+        return std::tuple{
+            field("simulated_time", &R::simulated_time,
+                  {"s", "time simulated from t = 0", OverRuns::mean, "=", "time"}),
+            field("cpu_seconds", &R::cpu_seconds, {"s", "processor time", OverRuns::sum}),
+            field("wall_seconds", &R::wall_seconds,
+                  {"s", "of the commands that worked on it", OverRuns::sum, ""}),
+            field("T_xy", &R::T_xy,
+                  {"m^2/s^2", "(var vx + var vy)/2 of the beads, mean from t = 0", OverRuns::mean, "=", "="}),
+            field("T_z", &R::T_z,
+                  {"m^2/s^2", "var vz of the beads, mean from t = 0", OverRuns::mean, "=", "="}),
+            field("max_overlap", &R::max_overlap,
+                  {"a", "largest overlap of two bodies, of the smaller radius", OverRuns::largest, "=", "="}),
+            field("psi6", &R::psi6,
+                  {"1", "mean from t = 0 of the column psi6 of table.csv", OverRuns::mean, "=", "="}),
+            field("pressure", &R::pressure, {"N/m", "in the plane, mean from t = 0"}),
+            field("absorbing_state", &R::absorbing_state,
+                  {"", "whether the beads ended in step with the plates", OverRuns::not_told}),
+            field("rods", &R::rods, {"", "of each rod", OverRuns::not_told}),
+            field("pair", &R::pair, {"", "of two rods", OverRuns::not_told})};
+    }
 };
 
 struct GranularResult {

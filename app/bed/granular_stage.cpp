@@ -55,8 +55,7 @@ public:
 private:
     void print(const granular::TableRow& r) {
         if (!headed_)
-            log_->info("{:>9} {:>11} {:>10} {:>10} {:>6} {:>8} {:>10} {:>8}", "t/s", "energy/J", "T_xy",
-                       "T_z", "psi6", "contacts", "floor/N s", "overlap");
+            log_->info("      t/s    energy/J       T_xy        T_z   psi6 contacts  floor/N s  overlap");
         log_->info("{:9.3f} {:11.4e} {:10.3e} {:10.3e} {:6.3f} {:8.1f} {:10.3e} {:8.4f}", r.t, r.energy,
                    r.T_xy, r.T_z, r.psi6, r.contacts, r.floor_impulse, r.max_overlap);
         headed_ = true;
@@ -77,8 +76,7 @@ void report_one(const Session& session, const GranularSummary& s) {
     session.log->info(
         "dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, pressure "
         "{:.4g} mN/m, largest overlap {:.4f} a",
-        s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, 1e3 * granular::isotropic(s.pressure),
-        s.max_overlap);
+        s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, 1e3 * s.pressure.mean, s.max_overlap);
     for (std::size_t i = 0; i < s.rods.size(); ++i)
         session.log->info("dem: rod {} ({}): {:.4g} mm/s thin end first, turned by {:.4g} rad", i,
                           s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);

@@ -1,7 +1,8 @@
 #include "granular_summary.hpp"
 
-#include "rodwake/core/estimate.hpp"
 #include "rodwake/store/csv.hpp"
+#include "run/catalogue.hpp"
+#include "run/record_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,115 +21,143 @@ using nlohmann::ordered_json;
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
-/// What was modelled; the same in both files.
+/// What was modelled; the same in the files of a run and of an ensemble.
+struct BedHeader {
+    std::size_t beads;
+    double phi_b, beads_fraction, bead_radius;
+    std::variant<double, std::array<double, 2>> box;
+    double time_step, gamma, frequency, gap, orientation;
+    std::uint64_t seed;
+
+    static constexpr auto fields() {
+        using R = BedHeader;
+        return std::tuple{
+            field("beads", &R::beads, {"1", "number of the beads"}),
+            field("phi_b", &R::phi_b,
+                  {"1", "area fraction that the scene asks for: of beads, and of rods where they count"}),
+            field("beads_fraction", &R::beads_fraction,
+                  {"1", "area fraction of the beads alone, N pi a^2/(Lx Ly)"}),
+            field("bead_radius", &R::bead_radius, {"m", "a"}),
+            field("box", &R::box, {"m", "side of the periodic box, or both"}),
+            field("time_step", &R::time_step, {"s", "of the simulation"}),
+            field("gamma", &R::gamma, {"1", "largest acceleration of the plates over gravity"}),
+            field("frequency", &R::frequency, {"Hz", "of the plates"}),
+            field("gap", &R::gap, {"m", "between the plates"}),
+            field("orientation", &R::orientation, {"rad", "of the close-packed rows from x"}),
+            field("seed", &R::seed, {"", "of all random numbers"})};
+    }
+};
+
 ordered_json header(const BedPlan& bed) {
     const granular::GranularProblem& p = bed.problem;
-    return {{"beads", p.beads},
-            {"phi_b", phi_b(bed)},
-            {"beads_fraction", granular::bead_area_fraction(p)},
-            {"bead_radius", p.bead_radius},
-            {"box", p.box.square() ? ordered_json(p.box.x) : ordered_json{p.box.x, p.box.y}},
-            {"time_step", p.time_step},
-            {"gamma", p.plates.gamma},
-            {"frequency", p.plates.frequency},
-            {"gap", p.plates.gap},
-            {"orientation", p.orientation},
-            {"seed", p.seed}};
-}
-
-ordered_json rods_json(const std::vector<RodSummary>& rods) {
-    ordered_json list = ordered_json::array();
-    for (const RodSummary& rod : rods)
-        list.push_back({{"kind", rod.kind},
-                        {"mean_speed", rod.mean_speed},
-                        {"net_turn", rod.net_turn},
-                        {"force", rod.force},
-                        {"thrust", rod.thrust}});
-    return list;
-}
-
-/// N/m; JSON has null for NaN.
-constexpr std::array<const char*, 3> pressure_names{"xx", "xy", "yy"};
-
-ordered_json pressure_json(const granular::PlaneTensor& pressure) {
-    ordered_json out = {{"mean", granular::isotropic(pressure)}};
-    for (std::size_t k = 0; k < pressure.size(); ++k)
-        out[pressure_names[k]] = pressure[k];
-    return out;
-}
-
-/// Unknown in files of earlier versions.
-granular::PlaneTensor pressure_of(const json& summary) {
-    granular::PlaneTensor pressure;
-    pressure.fill(std::nan(""));
-    if (summary.contains("pressure"))
-        for (std::size_t k = 0; k < pressure.size(); ++k)
-            if (const json& part = summary.at("pressure").at(pressure_names[k]); !part.is_null())
-                pressure[k] = part;
-    return pressure;
-}
-
-/// null where there is no pair, or it has not come half a box.
-ordered_json pair_json(const granular::PairProgress& pair) {
-    const bool there = pair.half_box_time >= 0.0;
-    return {
-        {"separation_change", pair.change},
-        {"half_box_time", there ? ordered_json(pair.half_box_time) : ordered_json(nullptr)},
-        {"half_box_separation_change", there ? ordered_json(pair.half_box_change) : ordered_json(nullptr)}};
-}
-
-template<class Get>
-Estimate mean_over(std::span<const GranularSummary> runs, const Get& get) {
-    std::vector<double> values;
-    for (const GranularSummary& run : runs)
-        values.push_back(get(run));
-    return mean_of(values);
+    BedHeader h{p.beads,
+                phi_b(bed),
+                granular::bead_area_fraction(p),
+                p.bead_radius,
+                p.box.x,
+                p.time_step,
+                p.plates.gamma,
+                p.plates.frequency,
+                p.plates.gap,
+                p.orientation,
+                p.seed};
+    if (!p.box.square())
+        h.box = std::array{p.box.x, p.box.y};
+    return record_json(h);
 }
 
 /// The error is null where one run is all there is.
-template<class Get>
-void put_mean(ordered_json& out, const std::string& name, std::span<const GranularSummary> runs,
-              const Get& get) {
-    const Estimate mean = mean_over(runs, get);
+void put_mean(ordered_json& out, const std::string& name, std::span<const double> values) {
+    const Estimate mean = mean_of(values);
     out[name] = mean.value;
-    out[name + "_error"] = mean.known() ? ordered_json(mean.error) : ordered_json(nullptr);
+    out[name + "_error"] = finite_or_null(mean.error);
 }
 
-ordered_json mean_pressure(std::span<const GranularSummary> runs) {
+void put_known_mean(ordered_json& out, const std::string& name, std::vector<double> values,
+                    std::string_view known_runs) {
+    std::erase_if(values, [](double value) { return std::isnan(value); });
+    if (!known_runs.empty())
+        out[std::string(known_runs)] = values.size();
+    if (!values.empty())
+        put_mean(out, name, values);
+}
+
+template<class Member, Described Record>
+std::vector<Member> members(std::span<const Record> runs, Member Record::*member) {
+    std::vector<Member> list;
+    for (const Record& run : runs)
+        list.push_back(run.*member);
+    return list;
+}
+
+/// What runs have in common, as their description says, but for their largest values.
+template<Described Record>
+ordered_json means_json(std::span<const Record> runs) {
     ordered_json out;
-    put_mean(out, "mean", runs, [](const GranularSummary& s) { return granular::isotropic(s.pressure); });
-    for (std::size_t k = 0; k < pressure_names.size(); ++k)
-        put_mean(out, pressure_names[k], runs, [k](const GranularSummary& s) { return s.pressure[k]; });
+    for_each_field<Record>([&](const auto& field) {
+        const std::string name(field.name);
+        const auto values = members(runs, field.member);
+        using Member = typename std::remove_cvref_t<decltype(values)>::value_type;
+        if constexpr (Described<Member>) {
+            out[name] = means_json(std::span(values));
+        } else if constexpr (std::is_same_v<Member, double>) {
+            if (field.info.over_runs == OverRuns::mean)
+                put_mean(out, name, values);
+            else if (field.info.over_runs == OverRuns::mean_of_known)
+                put_known_mean(out, name, values, field.info.known_runs);
+            else if (field.info.over_runs == OverRuns::sum)
+                out[name] = mean_of(values).value * static_cast<double>(runs.size());
+        } else if constexpr (std::is_same_v<Member, std::string>) {
+            out[name] = values.front(); // OverRuns::same
+        }
+    });
     return out;
 }
 
-ordered_json mean_rods(const granular::GranularProblem& problem, std::span<const GranularSummary> runs) {
+template<Described Record>
+void put_largest(ordered_json& out, std::span<const Record> runs) {
+    for_each_field<Record>([&](const auto& field) {
+        if constexpr (std::is_same_v<decltype(field.member), double Record::*>)
+            if (field.info.over_runs == OverRuns::largest)
+                out[std::string(field.name)] = std::ranges::max(members(runs, field.member));
+    });
+}
+
+ordered_json mean_rods(std::span<const GranularSummary> runs) {
     ordered_json list = ordered_json::array();
-    for (std::size_t i = 0; i < problem.rods.size(); ++i) {
-        ordered_json rod = {{"kind", runs[0].rods[i].kind}};
-        put_mean(rod, "mean_speed", runs, [i](const GranularSummary& s) { return s.rods[i].mean_speed; });
-        put_mean(rod, "net_turn", runs, [i](const GranularSummary& s) { return s.rods[i].net_turn; });
-        put_mean(rod, "force", runs, [i](const GranularSummary& s) { return s.rods[i].force; });
-        put_mean(rod, "thrust", runs, [i](const GranularSummary& s) { return s.rods[i].thrust; });
-        list.push_back(rod);
+    for (std::size_t i = 0; i < runs[0].rods.size(); ++i) {
+        std::vector<RodSummary> rod;
+        for (const GranularSummary& run : runs)
+            rod.push_back(run.rods[i]);
+        list.push_back(means_json(std::span<const RodSummary>(rod)));
     }
     return list;
 }
 
 ordered_json mean_pair(std::span<const GranularSummary> runs) {
-    ordered_json pair;
-    put_mean(pair, "separation_change", runs, [](const GranularSummary& s) { return s.pair.change; });
-    std::vector<GranularSummary> far;
+    std::vector<PairSummary> pairs;
     for (const GranularSummary& run : runs)
-        if (run.pair.half_box_time >= 0.0)
-            far.push_back(run);
-    pair["half_box_runs"] = far.size();
-    if (!far.empty()) {
-        put_mean(pair, "half_box_time", far, [](const GranularSummary& s) { return s.pair.half_box_time; });
-        put_mean(pair, "half_box_separation_change", far,
-                 [](const GranularSummary& s) { return s.pair.half_box_change; });
-    }
-    return pair;
+        pairs.push_back(run.pair.value_or(PairSummary{}));
+    return means_json(std::span<const PairSummary>(pairs));
+}
+
+/// Numbers of a part of the summary. Its place in the file begins with `before`, its columns end with
+/// `behind`.
+template<class Get>
+void add_numbers(std::vector<SummaryNumber>& all, const Get& part, const std::string& before,
+                 const std::string& behind, bool largest = false) {
+    using Record = std::remove_cvref_t<decltype(part(std::declval<const GranularSummary&>()))>;
+    for_each_field<Record>([&](const auto& field) {
+        const auto told = [&](std::string_view column) {
+            return column.empty() ? std::string() : std::string(column) + behind;
+        };
+        if constexpr (std::is_same_v<decltype(field.member), double Record::*>)
+            if ((field.info.over_runs == OverRuns::largest) == largest)
+                all.push_back(
+                    {before + std::string(field.name), told(field.column()), told(field.scan_column()),
+                     field.info.unit, field.info.meaning, field.info.over_runs,
+                     [part, member = field.member](const GranularSummary& s) { return part(s).*member; }});
+    });
 }
 
 /// Seconds of wall clock.
@@ -152,27 +181,7 @@ RunCost cost_of(const json& j) {
 GranularSummary summary_of(const json& j, std::uint32_t run) {
     GranularSummary s;
     s.run = run;
-    s.simulated_time = j.at("simulated_time");
-    s.cpu_seconds = j.at("cpu_seconds");
-    s.wall_seconds = j.at("wall_seconds");
-    s.T_xy = j.at("T_xy");
-    s.T_z = j.at("T_z");
-    s.max_overlap = j.at("max_overlap");
-    s.psi6 = j.at("psi6");
-    s.pressure = pressure_of(j);
-    s.absorbing_state = j.at("absorbing_state");
-    for (const json& rod : j.at("rods"))
-        s.rods.push_back(
-            {rod.at("kind"), rod.at("mean_speed"), rod.at("net_turn"), rod.at("force"), rod.at("thrust")});
-    s.pair.half_box_time = -1.0;
-    if (j.contains("pair")) {
-        const json& pair = j.at("pair");
-        s.pair.change = pair.at("separation_change");
-        if (!pair.at("half_box_time").is_null()) {
-            s.pair.half_box_time = pair.at("half_box_time");
-            s.pair.half_box_change = pair.at("half_box_separation_change");
-        }
-    }
+    read_record(j, s);
     s.state_hash = std::stoull(j.at("state_hash").get<std::string>(), nullptr, 16);
     if (j.contains("cost")) // not in files of earlier versions
         s.cost = cost_of(j.at("cost"));
@@ -193,18 +202,7 @@ double phi_b(const BedPlan& bed) {
 }
 
 std::string summary_json(const BedPlan& bed, const GranularSummary& s) {
-    ordered_json out = {{"simulated_time", s.simulated_time},
-                        {"cpu_seconds", s.cpu_seconds},
-                        {"wall_seconds", s.wall_seconds},
-                        {"T_xy", s.T_xy},
-                        {"T_z", s.T_z},
-                        {"max_overlap", s.max_overlap},
-                        {"psi6", s.psi6},
-                        {"pressure", pressure_json(s.pressure)},
-                        {"absorbing_state", s.absorbing_state},
-                        {"rods", rods_json(s.rods)}};
-    if (bed.problem.rods.size() == 2)
-        out["pair"] = pair_json(s.pair);
+    ordered_json out = record_json(s);
     out["state_hash"] = hash_text(s.state_hash);
     out["run"] = s.run + 1; // as its folder
     out["runs"] = 1;
@@ -214,29 +212,13 @@ std::string summary_json(const BedPlan& bed, const GranularSummary& s) {
 }
 
 std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> runs, std::size_t asked) {
-    ordered_json out;
-    put_mean(out, "simulated_time", runs, [](const GranularSummary& s) { return s.simulated_time; });
-    const double count = static_cast<double>(runs.size());
-    out["cpu_seconds"] =
-        mean_over(runs, [](const GranularSummary& s) { return s.cpu_seconds; }).value * count;
-    out["wall_seconds"] =
-        mean_over(runs, [](const GranularSummary& s) { return s.wall_seconds; }).value * count;
-    put_mean(out, "T_xy", runs, [](const GranularSummary& s) { return s.T_xy; });
-    put_mean(out, "T_z", runs, [](const GranularSummary& s) { return s.T_z; });
-    put_mean(out, "psi6", runs, [](const GranularSummary& s) { return s.psi6; });
-    out["pressure"] = mean_pressure(runs);
-    double worst = 0.0;
-    std::vector<std::uint64_t> hashes;
-    for (const GranularSummary& s : runs) {
-        worst = std::max(worst, s.max_overlap);
-        hashes.push_back(s.state_hash);
-    }
-    out["max_overlap"] = worst;
+    ordered_json out = means_json(runs);
+    put_largest(out, runs);
     out["absorbing_runs"] = std::ranges::count(runs, true, &GranularSummary::absorbing_state);
-    out["rods"] = mean_rods(bed.problem, runs);
+    out["rods"] = mean_rods(runs);
     if (bed.problem.rods.size() == 2)
         out["pair"] = mean_pair(runs);
-    out["state_hash"] = hash_text(granular::combined_hash(hashes));
+    out["state_hash"] = hash_text(granular::combined_hash(members(runs, &GranularSummary::state_hash)));
     out["runs"] = asked;
     out["finished_runs"] = runs.size();
     out.update(header(bed));
@@ -244,38 +226,65 @@ std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> r
     return out.dump(2) + "\n";
 }
 
-std::string ensemble_csv(const granular::GranularProblem& problem, std::span<const GranularSummary> runs) {
-    std::vector<std::string> names = {"run",  "simulated_time", "cpu_seconds", "T_xy", "T_z",
-                                      "psi6", "max_overlap",    "p_xx",        "p_xy", "p_yy"};
-    for (std::size_t i = 0; i < problem.rods.size(); ++i)
-        for (const char* name : {"mean_speed", "net_turn", "force", "thrust"})
-            names.push_back(fmt::format("{}{}", name, i));
-    const bool pair = problem.rods.size() == 2;
+std::vector<std::string> rod_numbers(std::size_t rods) {
+    std::vector<std::string> numbers;
+    for (std::size_t k = 0; k < rods; ++k)
+        numbers.push_back(std::to_string(k));
+    return numbers;
+}
+
+std::vector<SummaryNumber> summary_numbers(const std::vector<std::string>& rods, bool pair) {
+    std::vector<SummaryNumber> all;
+    const auto whole = [](const GranularSummary& s) -> const GranularSummary& { return s; };
+    for (const bool largest : {false, true})
+        add_numbers(all, whole, "", "", largest);
+    add_numbers(
+        all, [](const GranularSummary& s) -> const PressureSummary& { return s.pressure; }, "pressure.", "");
+    for (std::size_t i = 0; i < rods.size(); ++i)
+        add_numbers(
+            all, [i](const GranularSummary& s) -> const RodSummary& { return s.rods[i]; },
+            "rods." + rods[i] + ".", rods[i]);
     if (pair)
-        names.insert(names.end(), {"separation_change", "half_box_time", "half_box_separation_change"});
-    std::vector<std::vector<double>> columns(names.size());
-    for (const GranularSummary& s : runs) {
-        std::vector<double> row = {static_cast<double>(s.run + 1),
-                                   s.simulated_time,
-                                   s.cpu_seconds,
-                                   s.T_xy,
-                                   s.T_z,
-                                   s.psi6,
-                                   s.max_overlap,
-                                   s.pressure[0],
-                                   s.pressure[1],
-                                   s.pressure[2]};
-        for (const RodSummary& rod : s.rods)
-            row.insert(row.end(), {rod.mean_speed, rod.net_turn, rod.force, rod.thrust});
-        const double none = std::nan("");
-        const bool far = s.pair.half_box_time >= 0.0;
-        if (pair)
-            row.insert(row.end(), {s.pair.change, far ? s.pair.half_box_time : none,
-                                   far ? s.pair.half_box_change : none});
-        for (std::size_t k = 0; k < row.size(); ++k)
-            columns[k].push_back(row[k]);
-    }
+        add_numbers(
+            all, [](const GranularSummary& s) -> const PairSummary& { return s.pair.value(); }, "pair.", "");
+    return all;
+}
+
+std::string ensemble_csv(const granular::GranularProblem& problem, std::span<const GranularSummary> runs) {
+    std::vector<std::string> names = {"run"};
+    std::vector<std::vector<double>> columns(1);
+    for (const GranularSummary& s : runs)
+        columns[0].push_back(static_cast<double>(s.run + 1));
+    for (const SummaryNumber& number :
+         summary_numbers(rod_numbers(problem.rods.size()), problem.rods.size() == 2))
+        if (!number.column.empty()) {
+            names.push_back(number.column);
+            std::ranges::transform(runs, std::back_inserter(columns.emplace_back()), number.of);
+        }
     return store::to_csv(names, columns);
+}
+
+std::vector<ColumnInfo> runs_columns() {
+    std::vector<ColumnInfo> columns = {{"run", "1", "number of the run, from 1"}};
+    for (const SummaryNumber& number : summary_numbers({"<k>"}, true))
+        if (!number.column.empty())
+            columns.push_back(column_info(number.column, number.unit, number.meaning));
+    return columns;
+}
+
+std::vector<ColumnInfo> summary_values() {
+    std::vector<ColumnInfo> values;
+    for (const SummaryNumber& number : summary_numbers({"<k>"}, true))
+        values.push_back(column_info(number.path, number.unit, number.meaning));
+    for_each_field<BedHeader>([&](const auto& field) {
+        if (!field.info.unit.empty())
+            values.push_back({field.name, field.info.unit, field.info.meaning});
+    });
+    values.insert(values.end(),
+                  {{"cost.particle_steps", "1", "spheres times steps"},
+                   {"cost.particle_steps_per_second", "1/s", "of wall clock, without the start"},
+                   {"cost.<k>", "s", "of wall clock"}});
+    return values;
 }
 
 std::optional<GranularSummary> read_summary(const std::filesystem::path& file,

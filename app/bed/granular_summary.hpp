@@ -4,9 +4,11 @@
 #include "granular_run.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace rodwake::app {
 
@@ -22,5 +24,24 @@ std::string ensemble_csv(const granular::GranularProblem& problem, std::span<con
 /// What an earlier command wrote with summary_json; nothing if there is no such file or it cannot be read.
 std::optional<GranularSummary> read_summary(const std::filesystem::path& file,
                                             const granular::GranularProblem& problem, std::uint32_t run);
+
+/// A number of a run, wherever it is told.
+struct SummaryNumber {
+    std::string path;        ///< in summary.json: "rods.0.force"
+    std::string column;      ///< of runs.csv; "": none
+    std::string scan_column; ///< of the tables of a scan; "": none
+    std::string_view unit, meaning;
+    OverRuns over_runs;
+    std::function<double(const GranularSummary&)> of;
+};
+
+/// All of them, in the order of the columns; `rods`: their numbers as text, or "<k>" for every rod.
+std::vector<SummaryNumber> summary_numbers(const std::vector<std::string>& rods, bool pair);
+/// "0", "1", ...
+std::vector<std::string> rod_numbers(std::size_t rods);
+
+/// Columns of runs.csv, and the numbers of summary.json.
+std::vector<ColumnInfo> runs_columns();
+std::vector<ColumnInfo> summary_values();
 
 } // namespace rodwake::app

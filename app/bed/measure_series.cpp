@@ -21,20 +21,20 @@ SeriesRow row_of(const CaseResults& r) {
     return row;
 }
 
-std::string field(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : ""; }
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : ""; }
 
-std::string field(const std::optional<double>& value, double scale) {
-    return value ? field(*value * scale) : "";
+std::string cell(const std::optional<double>& value, double scale) {
+    return value ? cell(*value * scale) : "";
 }
 
 /// "value" or "value,error"; empty fields for what was not measured or is not known.
 std::string fields(const SeriesRow& row, const SeriesInfo& info) {
     const auto found = std::ranges::find(row.values, info.column.name, &SeriesValue::name);
     const Estimate e = found == row.values.end() ? Estimate{} : found->value;
-    std::string value = e.count > 0 ? field(e.value) : "";
+    std::string value = e.count > 0 ? cell(e.value) : "";
     if (!info.with_error)
         return value;
-    return value + "," + (e.count > 0 && e.known() ? field(e.error) : "");
+    return value + "," + (e.count > 0 && e.known() ? cell(e.error) : "");
 }
 
 /// Fields of the case itself; nothing for a column of a measure.
@@ -43,11 +43,11 @@ std::optional<std::string> field_of_case(const CaseResults& r, std::string_view 
     if (column == "name")
         return r.name;
     if (column == "phi_b")
-        return field(r.phi_b);
+        return cell(r.phi_b);
     if (column == "d0")
-        return field(r.separation, to_a);
+        return cell(r.separation, to_a);
     if (column == "imposed_speed")
-        return field(r.imposed_speed, to_a);
+        return cell(r.imposed_speed, to_a);
     return column == "runs" ? std::optional(std::to_string(r.runs)) : std::nullopt;
 }
 

@@ -1,5 +1,6 @@
 #include "catalogue.hpp"
 
+#include "bed/granular_summary.hpp"
 #include "bed/series_columns.hpp"
 #include "scan/scan_columns.hpp"
 #include "tradeoff/tradeoff_files.hpp"
@@ -7,7 +8,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <deque>
+#include <set>
 
 namespace rodwake::app {
 
@@ -50,51 +51,6 @@ constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
                                       {"Ux", "{length}", "displacement along the rod's heading"},
                                       {"Uy", "{length}", "displacement across the rod's heading"}};
 
-constexpr ColumnInfo table_columns[] = {
-    {"t", "s", "time; the rods are held before 0"},
-    {"energy", "J", "kinetic and potential energy of beads and rods"},
-    {"kinetic", "J", "kinetic energy of beads and rods"},
-    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean since the row before"},
-    {"T_z", "m^2/s^2", "var vz of the beads, mean since the row before"},
-    {"psi6", "1", "|mean over the beads of psi6|, neighbours nearer than granular.order_cutoff"},
-    {"contacts", "1", "overlapping pairs a step, mean since the row before"},
-    {"floor_impulse", "N s", "upward momentum from the floor since the start"},
-    {"lid_impulse", "N s", "upward momentum from the lid since the start; negative"},
-    {"max_overlap", "a", "largest overlap since the start, of the smaller radius"},
-    {"p_xx", "N/m",
-     "pressure along x in the plane, mean since the row before; in the first row the kinetic part"},
-    {"p_xy", "N/m", "shear part of the pressure tensor, the same"},
-    {"p_yy", "N/m", "pressure along y, the same"}};
-
-constexpr ColumnInfo track_columns[] = {
-    {"t", "s", "time; the rods are held before 0"},
-    {"x<k>", "m", "centre of mass of rod k, unwrapped"},
-    {"y<k>", "m", "centre of mass of rod k, unwrapped"},
-    {"z<k>", "m", "height of the centre of mass of rod k"},
-    {"theta<k>", "rad", "heading of the thin end from +x, without jumps"},
-    {"pitch<k>", "rad", "angle of the axis to the horizontal"},
-    {"speed<k>", "m/s", "along the heading, thin end first positive, mean since the row before"},
-    {"pushed<k>", "N s", "momentum given to the beads along the heading since t = 0"}};
-
-constexpr ColumnInfo runs_columns[] = {
-    {"run", "1", "number of the run, from 1"},
-    {"simulated_time", "s", "time simulated from t = 0"},
-    {"cpu_seconds", "s", "processor time"},
-    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean from t = 0"},
-    {"T_z", "m^2/s^2", "var vz of the beads, mean from t = 0"},
-    {"psi6", "1", "mean from t = 0 of the column psi6 of table.csv"},
-    {"max_overlap", "a", "largest overlap, of the smaller radius"},
-    {"p_xx", "N/m", "pressure along x in the plane, mean from t = 0"},
-    {"p_xy", "N/m", "shear part of the pressure tensor, mean from t = 0"},
-    {"p_yy", "N/m", "pressure along y, mean from t = 0"},
-    {"mean_speed<k>", "m/s", "of rod k along its heading, thin end first positive"},
-    {"net_turn<k>", "rad", "of rod k from t = 0 to the end"},
-    {"force<k>", "N", "of rod k on the beads along its heading, mean from t = 0"},
-    {"thrust<k>", "N", "of the plates on rod k along its heading, mean from t = 0"},
-    {"separation_change", "m", "of two rods across their mean first heading, outwards positive"},
-    {"half_box_time", "s", "when the rods had come half a box; empty: they have not"},
-    {"half_box_separation_change", "m", "separation change then"}};
-
 constexpr ColumnInfo cells_columns[] = {{"outcome", "1", "of all corners of the cell; mixed: they differ"}};
 constexpr ColumnInfo boundary_columns[] = {
     {"curve", "1", "number of the curve; its rows are in order along it"},
@@ -132,36 +88,6 @@ constexpr ColumnInfo fit_track_columns[] = {{"t", "{data}", "time"},
                                             {"model_x<k>", "{data}", "fitted place of rod k"},
                                             {"model_y<k>", "{data}", "fitted place of rod k"},
                                             {"model_theta<k>", "rad", "fitted heading of rod k"}};
-
-constexpr ColumnInfo summary_values[] = {
-    {"simulated_time", "s", "time simulated from t = 0"},
-    {"cpu_seconds", "s", "processor time"},
-    {"wall_seconds", "s", "of the commands that worked on it"},
-    {"T_xy", "m^2/s^2", "(var vx + var vy)/2 of the beads, mean from t = 0"},
-    {"T_z", "m^2/s^2", "var vz of the beads, mean from t = 0"},
-    {"max_overlap", "1", "largest overlap, of the smaller radius"},
-    {"psi6", "1", "mean from t = 0 of the column psi6 of table.csv"},
-    {"pressure.<k>", "N/m", "in the plane, mean from t = 0"},
-    {"rods.<k>.mean_speed", "m/s", "along the heading, thin end first positive"},
-    {"rods.<k>.net_turn", "rad", "from t = 0 to the end"},
-    {"rods.<k>.force", "N", "on the beads along the heading, mean from t = 0"},
-    {"rods.<k>.thrust", "N", "of the plates on the rod along the heading, mean from t = 0"},
-    {"pair.separation_change", "m", "of two rods across their mean first heading, outwards positive"},
-    {"pair.half_box_time", "s", "when the rods had come half a box"},
-    {"pair.half_box_separation_change", "m", "separation change then"},
-    {"beads", "1", "number of the beads"},
-    {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"},
-    {"beads_fraction", "1", "area fraction of the beads alone, N pi a^2/(Lx Ly)"},
-    {"bead_radius", "m", "a"},
-    {"box", "m", "side of the periodic box, or both"},
-    {"time_step", "s", "of the simulation"},
-    {"gamma", "1", "largest acceleration of the plates over gravity"},
-    {"frequency", "Hz", "of the plates"},
-    {"gap", "m", "between the plates"},
-    {"orientation", "rad", "of the close-packed rows from x"},
-    {"cost.particle_steps", "1", "spheres times steps"},
-    {"cost.particle_steps_per_second", "1/s", "of wall clock, without the start"},
-    {"cost.<k>", "s", "of wall clock"}};
 
 constexpr ColumnInfo outcome_values[] = {
     {"time", "{time}", "of contact, else the end of the run"},
@@ -209,14 +135,6 @@ constexpr FileKind plain_kinds[] = {
     {"result.h5", {}, result, "field and trajectories as datasets with units"},
     {"report.html", {}, result, "figures and numbers of the run on one page"},
 
-    {"table.csv", Stage::granular, kept, "energy, temperatures, order, contacts against time", table_columns},
-    {"tracks.csv", Stage::granular, kept, "rods of the bed against time", track_columns},
-    {"runs.csv", Stage::granular, kept, "a row a run of the ensemble", runs_columns},
-    {"summary.json", Stage::granular, kept,
-     "means of the run, of an ensemble with their errors; SI; cost by part in seconds of wall clock; seconds "
-     "of "
-     "an ensemble are sums over its runs",
-     summary_values},
     {"trajectory.h5md", Stage::granular, kept, "places and velocities of all spheres in every stored frame"},
     {"trajectory.xyz", Stage::granular, kept, "the same as extended XYZ"},
     {"last_period.h5md", Stage::granular, kept, "frames of the last period of the plates"},
@@ -280,13 +198,12 @@ constexpr FileKind plain_kinds[] = {
 
 /// With a column of standard errors behind each that has one.
 std::vector<ColumnInfo> columns_of_series() {
-    static std::deque<std::string> names; // owns them
     std::vector<ColumnInfo> columns;
     for (const SeriesInfo& info : series_columns()) {
         columns.push_back(info.column);
         if (info.with_error)
-            columns.push_back({names.emplace_back(std::string(info.column.name) + "_error"), info.column.unit,
-                               "standard error"});
+            columns.push_back(
+                column_info(std::string(info.column.name) + "_error", info.column.unit, "standard error"));
     }
     return columns;
 }
@@ -299,21 +216,47 @@ std::string_view unit_in_file(const ValueInfo& value) {
 }
 
 std::vector<ColumnInfo> measured_values() {
-    static std::deque<std::string> names; // owns them
     std::vector<ColumnInfo> values = {
         {"units.a", "m", "the bead radius"},
         {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"}};
     for (const MeasureKind& kind : measure_kinds())
         for (const ValueInfo& value : kind.values)
             if (!value.is_text)
-                values.push_back({names.emplace_back(std::string(kind.name) + "." + std::string(value.key)),
-                                  unit_in_file(value), value.meaning});
+                values.push_back(column_info(std::string(kind.name) + "." + std::string(value.key),
+                                             unit_in_file(value), value.meaning));
     return values;
 }
 
+/// Of a described row, whose names end with this.
+template<Described Row>
+std::vector<ColumnInfo> columns_of(const std::string& behind) {
+    std::vector<ColumnInfo> columns;
+    for_each_field<Row>([&](const auto& field) {
+        columns.push_back(column_info(std::string(field.name) + behind, field.info.unit, field.info.meaning));
+    });
+    return columns;
+}
+
+std::vector<ColumnInfo> columns_of_tracks() {
+    std::vector<ColumnInfo> columns = columns_of<granular::TrackPoint>("<k>");
+    columns.insert(columns.begin(), columns_of<granular::TableRow>("").front()); // time
+    return columns;
+}
+
 std::vector<FileKind> all_kinds() {
-    static const std::vector<ColumnInfo> series = columns_of_series(), measured = measured_values();
+    static const std::vector<ColumnInfo> series = columns_of_series(), measured = measured_values(),
+                                         table = columns_of<granular::TableRow>(""),
+                                         tracks = columns_of_tracks(), runs = runs_columns(),
+                                         summary = summary_values();
     std::vector<FileKind> all(std::begin(plain_kinds), std::end(plain_kinds));
+    all.push_back(
+        {"table.csv", Stage::granular, kept, "energy, temperatures, order, contacts against time", table});
+    all.push_back({"tracks.csv", Stage::granular, kept, "rods of the bed against time", tracks});
+    all.push_back({"runs.csv", Stage::granular, kept, "a row a run of the ensemble", runs});
+    all.push_back({"summary.json", Stage::granular, kept,
+                   "means of the run, of an ensemble with their errors; SI; cost by part in seconds of wall "
+                   "clock; seconds of an ensemble are sums over its runs",
+                   summary});
     all.push_back({"scan.csv", Stage::scan, result, "a row a point of the scan; of beds means over its runs",
                    scan_columns()});
     all.push_back({"tradeoff.csv", Stage::tradeoff, result, "a row a setting: its error and its cost",
@@ -332,6 +275,11 @@ std::vector<FileKind> all_kinds() {
 }
 
 } // namespace
+
+ColumnInfo column_info(std::string name, std::string_view unit, std::string_view meaning) {
+    static std::set<std::string> names;
+    return {*names.insert(std::move(name)).first, unit, meaning};
+}
 
 bool fits(std::string_view name, std::string_view pattern) {
     const auto gap = pattern.find("<k>");

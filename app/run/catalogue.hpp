@@ -32,6 +32,9 @@ struct FileKind {
 
 std::span<const FileKind> file_kinds();
 
+/// With a name that is made: it lasts as long as the program. Not for several threads at once.
+ColumnInfo column_info(std::string name, std::string_view unit, std::string_view meaning);
+
 /// Where files of a run are besides its folder. Below it may also lie shares of a scan, what a tradeoff tried
 /// and runs of the user's own.
 inline constexpr std::string_view own_folders[] = {"figures", "variants", "points", "runs"};

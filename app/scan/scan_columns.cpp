@@ -1,6 +1,10 @@
 #include "scan_columns.hpp"
 
-#include <deque>
+#include "bed/granular_summary.hpp"
+#include "run/catalogue.hpp"
+
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -18,14 +22,7 @@ constexpr ColumnInfo numbers[] = {
     {"min_separation", "{scan length}", "smallest separation of two rods"},
     {"turn<k>", "rad", "of rod k from start to end; in beds + is towards the other rod's first place"},
     {"non_reciprocity", "1", "(|turn of the rear| - |turn of the front|)/(their sum)"},
-    {"leader", "1", "rod that was ahead when the pair had turned most"},
-    {"T_xy", "m^2/s^2", "mean over the run"},
-    {"T_z", "m^2/s^2", "mean over the run"},
-    {"psi6", "1", "as in summary.json: neighbours nearer than granular.order_cutoff"},
-    {"pressure", "N/m", "of the bed in the plane, mean over directions and the run"},
-    {"max_overlap", "radii", "largest overlap of two bodies since the start"},
-    {"mean_speed<k>", "m/s", "of rod k along its heading, thin end first positive"},
-    {"force<k>", "N", "of rod k on the beads along its heading, mean from t = 0"}};
+    {"leader", "1", "rod that was ahead when the pair had turned most"}};
 
 constexpr ColumnInfo others[] = {
     {"outcome", "1",
@@ -54,13 +51,23 @@ constexpr ColumnInfo others[] = {
     {"<k>_low", "1", "lower end of the 95 % interval of the share (Clopper and Pearson)"},
     {"<k>_high", "1", "upper end of the 95 % interval of the share (Clopper and Pearson)"}};
 
+/// Of beds: those of their summaries, but for the time, which has one meaning with rods and with beds.
+std::vector<ColumnInfo> numbers_of_beds() {
+    std::vector<ColumnInfo> columns;
+    for (const SummaryNumber& number : summary_numbers({"<k>"}, true))
+        if (!number.scan_column.empty() && number.scan_column != numbers[0].name)
+            columns.push_back(column_info(number.scan_column, number.unit, number.meaning));
+    return columns;
+}
+
 std::vector<ColumnInfo> with_errors() {
-    static std::deque<std::string> names; // owns them
-    std::vector<ColumnInfo> columns(std::begin(others), std::end(others));
-    for (const ColumnInfo& column : numbers) {
+    std::vector<ColumnInfo> told(std::begin(numbers), std::end(numbers)),
+        columns(std::begin(others), std::end(others));
+    std::ranges::copy(numbers_of_beds(), std::back_inserter(told));
+    for (const ColumnInfo& column : told) {
         columns.push_back(column);
-        columns.push_back({names.emplace_back(std::string(column.name) + "_error"), column.unit,
-                           "standard error of the mean; empty: unknown"});
+        columns.push_back(column_info(std::string(column.name) + "_error", column.unit,
+                                      "standard error of the mean; empty: unknown"));
     }
     return columns;
 }

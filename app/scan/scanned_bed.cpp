@@ -1,10 +1,9 @@
 #include "rodwake/app/scanned_bed.hpp"
 
+#include "bed/granular_summary.hpp"
 #include "rodwake/core/error.hpp"
 #include "scan_parts.hpp"
 #include "theory/pair_run.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -47,20 +46,14 @@ std::vector<Observable> of_pair() {
             {"leader", [](const Finished& run) { return static_cast<double>(run.pair.leader); }}};
 }
 
-Observable of_summary(const std::string& name, const std::string& place) {
-    return {name, [place](const Finished& run) { return run.summary(place); }};
-}
-
 /// The list of columns, in their order; "time" is the first.
 std::vector<Observable> observables_of(const scene::Scene& scene) {
-    std::vector<Observable> all =
-        has_pair(scene) ? of_pair() : std::vector{of_summary("time", "simulated_time")};
-    for (const char* name : {"T_xy", "T_z", "psi6", "max_overlap"})
-        all.push_back(of_summary(name, name));
-    all.push_back(of_summary("pressure", "pressure.mean"));
-    for (std::size_t rod = 0; rod < std::min(scene.granular->rods.size(), told_rods); ++rod)
-        for (const char* name : {"mean_speed", "force"})
-            all.push_back(of_summary(fmt::format("{}{}", name, rod), fmt::format("rods.{}.{}", rod, name)));
+    std::vector<Observable> all = has_pair(scene) ? of_pair() : std::vector<Observable>{};
+    const std::size_t rods = std::min(scene.granular->rods.size(), told_rods);
+    for (const SummaryNumber& number : summary_numbers(rod_numbers(rods), false))
+        if (!number.scan_column.empty() && !(has_pair(scene) && number.scan_column == all.front().name))
+            all.push_back({number.scan_column,
+                           [path = number.path](const Finished& run) { return run.summary(path); }});
     return all;
 }
 

@@ -118,15 +118,24 @@ std::vector<double> mean_speed(const store::Table& runs, const scene::Granular& 
     return rods > 0.0 ? mean : std::vector<double>{};
 }
 
+/// Of the bed as a whole: what scans tell of it under the same name, as means.
+std::vector<SummaryNumber> bed_numbers() {
+    std::vector<SummaryNumber> numbers = summary_numbers({}, false);
+    std::erase_if(numbers, [](const SummaryNumber& n) {
+        return n.column != n.scan_column || n.column.empty() || n.over_runs != OverRuns::mean;
+    });
+    return numbers;
+}
+
 /// From runs.csv: one value a run.
 std::vector<Found> of_runs(const store::Table& runs, const scene::Granular& bed) {
     const double count = static_cast<double>(runs.rows());
     std::vector<Found> all;
     if (const std::vector<double> speed = mean_speed(runs, bed); !speed.empty())
         all.push_back(found_of("rod_speed", "m/s", mean_of(speed), count));
-    for (const char* name : {"T_xy", "T_z"})
-        all.push_back(found_of(name, "m^2/s^2", mean_of(*runs.find(name)), count));
-    all.push_back(found_of("psi6", "1", mean_of(*runs.find("psi6")), count));
+    for (const SummaryNumber& number : bed_numbers())
+        all.push_back(
+            found_of(number.column, std::string(number.unit), mean_of(*runs.find(number.column)), count));
     if (!bed.rods.empty() && bed.rods.front().imposed_speed)
         all.push_back(found_of("force", "N", mean_of(*runs.find("force0")), count));
     if (const auto* change = runs.find("separation_change"))
@@ -234,7 +243,9 @@ private:
         const fs::path file = folder / "runs.csv";
         if (!fs::exists(file))
             return {};
-        const std::vector<std::string> names{"cpu_seconds", "T_xy", "T_z", "psi6"};
+        std::vector<std::string> names{"cpu_seconds"};
+        for (const SummaryNumber& number : bed_numbers())
+            names.push_back(number.column);
         std::vector<std::string> more{"separation_change"};
         for (std::size_t k = 0; k < bed.rods.size(); ++k)
             more.insert(more.end(), {fmt::format("mean_speed{}", k), fmt::format("force{}", k)});

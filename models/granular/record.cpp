@@ -56,20 +56,6 @@ bool in_absorbing_state(const Temperatures& T, const GranularProblem& problem) {
     return problem.beads > 1 && T.xy < still * speed * speed;
 }
 
-std::array<const char*, 13> TableRow::names() {
-    return {"t",           "energy",      "kinetic", "T_xy", "T_z", "psi6", "contacts", "floor_impulse",
-            "lid_impulse", "max_overlap", "p_xx",    "p_xy", "p_yy"};
-}
-
-std::array<double, 13> TableRow::values() const {
-    return {t,           energy,      kinetic,     T_xy,        T_z,        psi6, contacts, floor_impulse,
-            lid_impulse, max_overlap, pressure[0], pressure[1], pressure[2]};
-}
-
-std::array<const char*, 7> TrackPoint::names() {
-    return {"x", "y", "z", "theta", "pitch", "speed", "pushed"};
-}
-
 void Record::begin(const Simulation& simulation) {
     sums_.run = {};
     sums_.psi6 = 0.0;
@@ -159,8 +145,11 @@ TableRow Record::row(const Simulation& simulation) {
     row.floor_impulse = tallies.floor_impulse;
     row.lid_impulse = tallies.lid_impulse;
     row.max_overlap = tallies.max_overlap;
-    row.pressure = pressure_since(simulation, simulation.step() - sums_.row_step, pressure_.row_virial,
-                                  pressure_.row_flux, sums_.row.count);
+    const PlaneTensor pressure = pressure_since(simulation, simulation.step() - sums_.row_step,
+                                                pressure_.row_virial, pressure_.row_flux, sums_.row.count);
+    row.p_xx = pressure[0];
+    row.p_xy = pressure[1];
+    row.p_yy = pressure[2];
     pressure_.row_flux = {};
     pressure_.row_virial = tallies.virial;
     sums_.row = {};

@@ -1,9 +1,9 @@
 #pragma once
 // What a measure found, as plain data: values, tables, grids, its part of series.csv. Units are those of the
-// files: lengths in bead radii a, times in s, the rest SI. Whoever writes the files (stages) knows no single
-// measure.
+// files: lengths in bead radii a, times in s, the rest SI. Whoever writes the files knows no single measure.
 
 #include "rodwake/core/estimate.hpp"
+#include "rodwake/core/record.hpp"
 #include "rodwake/measure/rod_grid.hpp"
 
 #include <cstddef>
@@ -27,13 +27,6 @@ struct NamedValue {
     Value value;
 };
 using Values = std::vector<NamedValue>;
-
-/// A column of a table. "<k>" in a name stands for a number: x<k> is x0, x1, ...
-struct ColumnInfo {
-    std::string_view name;
-    std::string_view unit; ///< "1": none; "{length}", "{time}": those of the run's results
-    std::string_view meaning;
-};
 
 /// A CSV file: columns of equal length. NaN is an empty field.
 struct MeasureTable {

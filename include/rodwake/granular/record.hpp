@@ -2,33 +2,62 @@
 // What is kept of a run while it goes on: running means, one row of numbers at an interval, the rods' tracks.
 // Long runs need not store frames.
 
+#include "rodwake/core/record.hpp"
 #include "rodwake/granular/simulation.hpp"
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 namespace rodwake::granular {
 
-/// One row of table.csv. SI.
+/// One row of table.csv.
 struct TableRow {
-    double t, energy, kinetic, T_xy, T_z; ///< T: means over the interval before the row
-    double psi6, contacts;                ///< now; overlapping pairs per step over the interval
-    double floor_impulse, lid_impulse;    ///< upward momentum given since the start (lid: negative), N s
-    double max_overlap;                   ///< since the start, radii
-    PlaneTensor pressure; ///< mean over the interval before the row, N/m; in the first row the kinetic part
+    double t, energy, kinetic, T_xy, T_z, psi6, contacts, floor_impulse, lid_impulse, max_overlap, p_xx, p_xy,
+        p_yy;
 
-    static std::array<const char*, 13> names();
-    std::array<double, 13> values() const; ///< in the order of the names
+    static constexpr auto fields() {
+        using R = TableRow;
+        return std::tuple{
+            field("t", &R::t, {"s", "time; the rods are held before 0"}),
+            field("energy", &R::energy, {"J", "kinetic and potential energy of beads and rods"}),
+            field("kinetic", &R::kinetic, {"J", "kinetic energy of beads and rods"}),
+            field("T_xy", &R::T_xy,
+                  {"m^2/s^2", "(var vx + var vy)/2 of the beads, mean since the row before"}),
+            field("T_z", &R::T_z, {"m^2/s^2", "var vz of the beads, mean since the row before"}),
+            field("psi6", &R::psi6,
+                  {"1", "|mean over the beads of psi6|, neighbours nearer than granular.order_cutoff"}),
+            field("contacts", &R::contacts, {"1", "overlapping pairs a step, mean since the row before"}),
+            field("floor_impulse", &R::floor_impulse,
+                  {"N s", "upward momentum from the floor since the start"}),
+            field("lid_impulse", &R::lid_impulse,
+                  {"N s", "upward momentum from the lid since the start; negative"}),
+            field("max_overlap", &R::max_overlap,
+                  {"a", "largest overlap since the start, of the smaller radius"}),
+            field("p_xx", &R::p_xx,
+                  {"N/m", "pressure along x in the plane, mean since the row before; in the first row the "
+                          "kinetic part"}),
+            field("p_xy", &R::p_xy, {"N/m", "shear part of the pressure tensor, the same"}),
+            field("p_yy", &R::p_yy, {"N/m", "pressure along y, the same"})};
+    }
 };
 
-/// Where a rod is in a row of tracks.csv. SI, angles in rad; heading without jumps.
+/// Where a rod is in a row of tracks.csv.
 struct TrackPoint {
-    double x, y, z, heading, pitch;
-    double speed;            ///< along its heading, mean since the row before, m/s
-    double impulse_on_beads; ///< momentum given to the beads along its heading since t = 0, N s
+    double x, y, z, heading, pitch, speed, impulse_on_beads;
 
-    static std::array<const char*, 7> names();
+    static constexpr auto fields() {
+        using R = TrackPoint;
+        return std::tuple{
+            field("x", &R::x, {"m", "centre of mass of the rod, unwrapped"}),
+            field("y", &R::y, {"m", "centre of mass of the rod, unwrapped"}),
+            field("z", &R::z, {"m", "height of the centre of mass of the rod"}),
+            field("theta", &R::heading, {"rad", "heading of the thin end from +x, without jumps"}),
+            field("pitch", &R::pitch, {"rad", "angle of the axis to the horizontal"}),
+            field("speed", &R::speed,
+                  {"m/s", "along the heading, thin end first positive, mean since the row before"}),
+            field("pushed", &R::impulse_on_beads,
+                  {"N s", "momentum given to the beads along the heading since t = 0"})};
+    }
 };
 
 /// How far a rod came, forward along its own heading, since t = 0.

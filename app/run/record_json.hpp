@@ -1,0 +1,101 @@
+#pragma once
+// Described results (core/record.hpp) as JSON, both ways. NaN is null. Included by one source a result, for
+// it brings JSON and a visit of each field.
+
+#include "run/values_json.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+namespace rodwake::app {
+
+template<Described Record>
+nlohmann::ordered_json record_json(const Record& record);
+
+template<class T>
+requires std::is_arithmetic_v<T> || std::is_same_v<T, std::string> nlohmann::ordered_json
+member_json(const T& value) {
+    if constexpr (std::is_floating_point_v<T>)
+        return finite_or_null(value);
+    else
+        return value;
+}
+
+template<Described T>
+nlohmann::ordered_json member_json(const T& value) {
+    return record_json(value);
+}
+
+template<Described T>
+nlohmann::ordered_json member_json(const std::vector<T>& list) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::array();
+    for (const T& item : list)
+        out.push_back(record_json(item));
+    return out;
+}
+
+/// A square's side, or both sides.
+inline nlohmann::ordered_json member_json(const std::variant<double, std::array<double, 2>>& sides) {
+    return std::visit([](const auto& value) { return nlohmann::ordered_json(value); }, sides);
+}
+
+/// {"name": value, ...} in the order of the description; an optional member that is absent is left out.
+template<Described Record>
+nlohmann::ordered_json record_json(const Record& record) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::object();
+    for_each_field<Record>([&](const auto& field) {
+        const auto& value = record.*field.member;
+        if constexpr (requires { value.has_value(); }) {
+            if (value)
+                out[std::string(field.name)] = member_json(*value);
+        } else {
+            out[std::string(field.name)] = member_json(value);
+        }
+    });
+    return out;
+}
+
+template<Described Record>
+void read_record(const nlohmann::json& json, Record& record);
+
+template<class T>
+void read_member(const nlohmann::json& json, T& value) {
+    if constexpr (Described<T>)
+        read_record(json, value);
+    else if constexpr (std::is_floating_point_v<T>)
+        value = json.is_null() ? std::numeric_limits<T>::quiet_NaN() : json.get<T>();
+    else
+        json.get_to(value);
+}
+
+template<Described T>
+void read_member(const nlohmann::json& json, std::vector<T>& list) {
+    for (const nlohmann::json& item : json)
+        read_record(item, list.emplace_back());
+}
+
+template<Described T>
+void read_member(const nlohmann::json& json, std::optional<T>& value) {
+    read_record(json, value.emplace());
+}
+
+/// From record_json. Members that are records themselves, or optional, keep their value where the document
+/// has none: it is of an earlier version. Throws nlohmann::json::exception where anything else is missing or
+/// no such value.
+template<Described Record>
+void read_record(const nlohmann::json& json, Record& record) {
+    for_each_field<Record>([&](const auto& field) {
+        auto& value = record.*field.member;
+        constexpr bool may_be_missing = Described<std::remove_cvref_t<decltype(value)>> || requires {
+            value.has_value();
+        };
+        if (!may_be_missing || json.contains(field.name))
+            read_member(json.at(std::string(field.name)), value);
+    });
+}
+
+} // namespace rodwake::app

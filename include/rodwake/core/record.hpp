@@ -1,0 +1,145 @@
+#pragma once
+// Results described once. A struct of results says beside its members what each is called in files, its unit
+// and what it means; JSON, CSV, means over runs, catalogue, manifest and columns of scans follow from that:
+//
+//     struct RodSummary {
+//         double mean_speed = 0.0;
+//         static constexpr auto fields() {
+//             using R = RodSummary;
+//             return std::tuple{field("mean_speed", &R::mean_speed, {"m/s", "of the rod along its
+//             heading"})};
+//         }
+//     };
+//
+// A member without unit or meaning does not compile. A member may itself be described, or a list of such.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+
+namespace rodwake {
+
+/// A column of a table, or a number of a JSON file ("rods.<k>.force"). "<k>" in a name stands for a number or
+/// a word: x<k> is x0, x1, ...
+struct ColumnInfo {
+    std::string_view name;
+    std::string_view unit; ///< one that is_unit knows
+    std::string_view meaning;
+};
+
+/// Units of results. "1": none; "{length}", "{time}", ...: those that the file or the run names.
+inline constexpr std::string_view units[] = {"1",
+                                             "s",
+                                             "m",
+                                             "a",
+                                             "rad",
+                                             "deg",
+                                             "rad^2",
+                                             "rad^2/s",
+                                             "rad^2/a",
+                                             "1/s",
+                                             "1/a",
+                                             "1/a^2",
+                                             "a^2",
+                                             "a^2/s",
+                                             "a/s",
+                                             "a^2/s^2",
+                                             "m/s",
+                                             "m^2/s^2",
+                                             "m^2/s",
+                                             "Hz",
+                                             "J",
+                                             "N",
+                                             "N s",
+                                             "N/m",
+                                             "N s/m",
+                                             "kg",
+                                             "MB",
+                                             "kB",
+                                             "{length}",
+                                             "{time}",
+                                             "{data}",
+                                             "{scan length}",
+                                             "{scan time}",
+                                             "{order length}",
+                                             "{order time}",
+                                             "1/({time})",
+                                             "({length})/({time})",
+                                             "({length})^2",
+                                             "({length})^2/({time})"};
+
+constexpr bool is_unit(std::string_view unit) { return std::ranges::find(units, unit) != std::end(units); }
+
+/// What becomes of a number when there are several runs.
+enum class OverRuns : char {
+    mean,          ///< with its standard error
+    mean_of_known, ///< the same over the runs that have it (not NaN)
+    sum,
+    largest,
+    same, ///< of the first run, for it is the same in all
+    not_told
+};
+
+struct FieldInfo {
+    std::string_view unit; ///< of numbers; empty of all else
+    std::string_view meaning;
+    OverRuns over_runs = OverRuns::mean;
+    std::string_view column = "=";     ///< in tables with a row a run; "=": its name; "": none
+    std::string_view scan_column = ""; ///< in the tables of a scan; "=": its name; "": none
+    std::string_view known_runs = "";  ///< of mean_of_known: key of the number of runs that have it; "": none
+};
+
+template<class Record, class Member>
+struct Field {
+    std::string_view name;
+    Member Record::*member;
+    FieldInfo info;
+
+    constexpr std::string_view column() const { return info.column == "=" ? name : info.column; }
+    constexpr std::string_view scan_column() const {
+        return info.scan_column == "=" ? name : info.scan_column;
+    }
+};
+
+template<class Record, class Member>
+consteval Field<Record, Member> field(std::string_view name, Member Record::*member, FieldInfo info) {
+    if (name.empty() || info.meaning.empty())
+        throw "a described result has a name and a meaning";
+    if (std::is_floating_point_v<Member> ? !is_unit(info.unit) : !info.unit.empty() && !is_unit(info.unit))
+        throw "a described number has a unit of the list `units`";
+    return {name, member, info};
+}
+
+template<class T>
+concept Described = requires {
+    T::fields();
+};
+
+template<Described Record>
+constexpr std::size_t field_count = std::tuple_size_v<decltype(Record::fields())>;
+
+/// Calls f(field) for each, in the order of the description.
+template<Described Record, class Call>
+constexpr void for_each_field(const Call& f) {
+    std::apply([&](const auto&... fields) { (f(fields), ...); }, Record::fields());
+}
+
+template<Described Record>
+constexpr auto field_names() {
+    return std::apply([](const auto&... fields) { return std::array{fields.name...}; }, Record::fields());
+}
+
+/// Of a record of nothing but numbers: a row of a table.
+template<Described Record>
+constexpr auto field_values(const Record& record) {
+    return std::apply(
+        [&](const auto&... fields) {
+            return std::array<double, sizeof...(fields)>{record.*fields.member...};
+        },
+        Record::fields());
+}
+
+} // namespace rodwake
