@@ -1,8 +1,9 @@
 #include "fit_files.hpp"
 
+#include "fit_records.hpp"
 #include "fit_systematics.hpp"
 #include "rodwake/store/atomic_file.hpp"
-#include "rodwake/store/csv.hpp"
+#include "run/record_table.hpp"
 
 #include <fmt/format.h>
 
@@ -14,74 +15,68 @@ namespace rodwake::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Column = std::vector<double>;
 
 void write_profile(const fs::path& folder, std::size_t i, const FitProfileData& data,
                    const FitProfileResult& r) {
-    static const std::vector<std::string> names = {"x",    "value",    "sigma", "model",
-                                                   "band", "residual", "used"};
-    const std::vector<Column> columns = {data.data.place,
-                                         data.data.value,
-                                         r.sigma,
-                                         r.model,
-                                         r.band,
-                                         r.residual,
-                                         Column(r.used.begin(), r.used.end())};
-    store::write_atomically(folder / fmt::format("fit_profile_{}.csv", i), store::to_csv(names, columns));
+    std::vector<FitProfileRow> rows;
+    for (std::size_t k = 0; k < data.data.place.size(); ++k)
+        rows.push_back({data.data.place[k], data.data.value[k], r.sigma[k], r.model[k], r.band[k],
+                        r.residual[k], r.used[k] ? 1.0 : 0.0});
+    store::write_atomically(folder / fmt::format("fit_profile_{}.csv", i), csv_of(rows));
 }
 
 void write_curve(const fs::path& folder, std::size_t i, const FitProfileResult& r) {
-    std::vector<std::string> names = {"x", "model", "band"};
-    for (std::size_t k = 3; k < r.curve.size(); ++k)
-        names.push_back(fmt::format("compare_{}", k - 3));
-    store::write_atomically(folder / fmt::format("fit_curve_{}.csv", i), store::to_csv(names, r.curve));
+    std::vector<FitCurveRow> rows;
+    for (std::size_t k = 0; k < r.curve[0].size(); ++k)
+        rows.push_back({r.curve[0][k], r.curve[1][k], r.curve[2][k]});
+    RecordTable table;
+    table.add(rows);
+    for (std::size_t k = 3; k < r.curve.size(); ++k) {
+        std::vector<FitComparison> compared;
+        for (const double value : r.curve[k])
+            compared.push_back({value});
+        table.add(compared, std::to_string(k - 3));
+    }
+    store::write_atomically(folder / fmt::format("fit_curve_{}.csv", i), table.csv());
 }
 
-/// Columns of x, y, theta of each rod from reduced states, in the file's unit.
-void add_states(std::vector<std::string>& names, std::vector<Column>& columns, const std::string& prefix,
-                const FitTrackData& track, const std::vector<std::vector<double>>& states) {
-    for (std::size_t k = 0; k < 3 * track.rods; ++k) {
-        static constexpr const char* letters[] = {"x", "y", "theta"};
-        names.push_back(fmt::format("{}{}{}", prefix, letters[k % 3], k / 3));
-        columns.emplace_back();
+/// Poses of each rod from reduced states, in the file's unit.
+template<class Pose>
+void add_states(RecordTable& table, const FitTrackData& track,
+                const std::vector<std::vector<double>>& states) {
+    for (std::size_t rod = 0; rod < track.rods; ++rod) {
+        std::vector<Pose> poses;
         for (const auto& state : states)
-            columns.back().push_back(state[k] * (k % 3 == 2 ? 1.0 : track.length));
+            poses.push_back(
+                {state[3 * rod] * track.length, state[3 * rod + 1] * track.length, state[3 * rod + 2]});
+        table.add(poses, std::to_string(rod));
     }
 }
 
 void write_track(const fs::path& folder, std::size_t i, const FitTrackData& track, const FitTrackResult& r) {
-    std::vector<std::string> names = {"t"};
-    std::vector<Column> columns = {{}};
+    std::vector<FitTimeRow> times;
     for (const double t : track.data.times)
-        columns[0].push_back(t * track.time);
-    add_states(names, columns, "", track, track.data.states);
-    add_states(names, columns, "model_", track, r.model);
-    store::write_atomically(folder / fmt::format("fit_trajectory_{}.csv", i), store::to_csv(names, columns));
+        times.push_back({t * track.time});
+    RecordTable table;
+    table.add(times);
+    add_states<MeasuredPose>(table, track, track.data.states);
+    add_states<FittedPose>(table, track, r.model);
+    store::write_atomically(folder / fmt::format("fit_trajectory_{}.csv", i), table.csv());
 }
 
 /// All bins, row by row; what is not known is empty.
 void write_map(const fs::path& folder, std::size_t i, const fitting::Map& map, const FitMapResult& r) {
-    static const std::vector<std::string> names = {"x",       "y",        "Ux",       "Uy",    "sigma_x",
-                                                   "sigma_y", "model_Ux", "model_Uy", "known", "used"};
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    std::vector<Column> columns(names.size());
+    const double enlarged = 1.0 / std::sqrt(map.independent);
+    std::vector<FitMapRow> rows;
     for (std::size_t bin = 0; bin < map.bins(); ++bin) {
         const bool known = map.known[bin], sigma = known && !map.sigma_x.empty();
-        const double enlarged = 1.0 / std::sqrt(map.independent);
-        const double row[] = {map.place_x(bin),
-                              map.place_y(bin),
-                              known ? map.Ux[bin] : unknown,
-                              known ? map.Uy[bin] : unknown,
-                              sigma ? enlarged * map.sigma_x[bin] : unknown,
-                              sigma ? enlarged * map.sigma_y[bin] : unknown,
-                              r.model.Ux[bin],
-                              r.model.Uy[bin],
-                              known ? 1.0 : 0.0,
-                              r.used[bin] ? 1.0 : 0.0};
-        for (std::size_t k = 0; k < columns.size(); ++k)
-            columns[k].push_back(row[k]);
+        rows.push_back({map.place_x(bin), map.place_y(bin), known ? map.Ux[bin] : unknown,
+                        known ? map.Uy[bin] : unknown, sigma ? enlarged * map.sigma_x[bin] : unknown,
+                        sigma ? enlarged * map.sigma_y[bin] : unknown, r.model.Ux[bin], r.model.Uy[bin],
+                        known ? 1.0 : 0.0, r.used[bin] ? 1.0 : 0.0});
     }
-    store::write_atomically(folder / fmt::format("fit_map_{}.csv", i), store::to_csv(names, columns));
+    store::write_atomically(folder / fmt::format("fit_map_{}.csv", i), csv_of(rows));
 }
 
 std::string findings_text(const FitPlan& plan, const FitResults& results) {

@@ -2,7 +2,10 @@
 
 #include "bed/granular_summary.hpp"
 #include "bed/series_columns.hpp"
+#include "fit/fit_records.hpp"
+#include "record_table.hpp"
 #include "scan/scan_columns.hpp"
+#include "theory/theory_records.hpp"
 #include "tradeoff/tradeoff_files.hpp"
 #include "tradeoff/ways_files.hpp"
 
@@ -15,37 +18,6 @@ namespace rodwake::app {
 namespace {
 using enum Lifetime;
 
-constexpr ColumnInfo rods_columns[] = {
-    {"t", "{time}", "time"},
-    {"x<k>", "{length}", "place of rod k, unwrapped"},
-    {"y<k>", "{length}", "place of rod k, unwrapped"},
-    {"theta<k>", "rad", "heading of rod k from +x, counter-clockwise, without jumps"}};
-
-constexpr ColumnInfo rods_order_columns[] = {
-    {"t", "{order time}", "time"},
-    {"polar", "1", "polar order |<exp(i theta)>|"},
-    {"nematic", "1", "nematic order |<exp(2 i theta)>|"},
-    {"clusters", "1", "number of clusters"},
-    {"mean_size", "1", "rods by clusters"},
-    {"weighted_size", "1", "mean size of the cluster that a rod is in"},
-    {"largest", "1", "rods of the largest cluster"}};
-
-constexpr ColumnInfo clusters_columns[] = {
-    {"size", "1", "rods of a cluster; sizes that occur"},
-    {"clusters", "1", "clusters of this size at an instant, mean from rods_order.from on"},
-    {"share", "1", "of the rods that are in them"}};
-
-constexpr ColumnInfo ensemble_columns[] = {
-    {"sample", "1", "number of the draw, from 0"},
-    {"run", "1", "number of the run with noise, from 0"},
-    {"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided; empty: the solver failed"},
-    {"time", "{time}", "of contact, else the end of the run"},
-    {"final_separation", "{length}", "of the closest pair then; empty: one rod"},
-    {"min_separation", "{length}", "smallest separation of any pair at any time"},
-    {"turn0", "rad", "of rod 0 from start to end"},
-    {"first", "1", "rod of the pair in contact or pursuit, else of the closest"},
-    {"second", "1", "the other rod of that pair"}};
-
 constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
                                       {"y", "{length}", "place along the cut"},
                                       {"Ux", "{length}", "displacement along the rod's heading"},
@@ -57,144 +29,126 @@ constexpr ColumnInfo boundary_columns[] = {
     {"between", "1", "the two outcomes"},
     {"error", "1", "half the bracket, as a fraction of the axis"}};
 
-// Of a fit lengths are in the unit of its data, which fit.json names.
-constexpr ColumnInfo fit_profile_columns[] = {
-    {"x", "{data}", "place along the line"},
-    {"value", "{data}", "measured displacement"},
-    {"sigma", "{data}", "standard error as used; 0: unknown"},
-    {"model", "{data}", "fitted displacement"},
-    {"band", "{data}", "standard error of the model; empty: not fixed by the data"},
-    {"residual", "1", "(value - model)/sigma"},
-    {"used", "1", "1: fitted; 0: within the core"}};
-constexpr ColumnInfo fit_map_columns[] = {
-    {"x", "{data}", "place ahead of the rod"},
-    {"y", "{data}", "place to the left of the rod"},
-    {"Ux", "{data}", "measured displacement along the heading; empty: no data"},
-    {"Uy", "{data}", "measured displacement across; empty: no data"},
-    {"sigma_x", "{data}", "standard error of Ux as used; empty: unknown"},
-    {"sigma_y", "{data}", "standard error of Uy as used; empty: unknown"},
-    {"model_Ux", "{data}", "fitted displacement along the heading"},
-    {"model_Uy", "{data}", "fitted displacement across"},
-    {"known", "1", "1: there are data"},
-    {"used", "1", "1: fitted; 0: masked or without data"}};
-constexpr ColumnInfo fit_curve_columns[] = {{"x", "{data}", "place along the line"},
-                                            {"model", "{data}", "fitted displacement"},
-                                            {"band", "{data}", "standard error of the model"},
-                                            {"compare_<k>", "{data}", "displacement of comparison k"}};
-constexpr ColumnInfo fit_track_columns[] = {{"t", "{data}", "time"},
-                                            {"x<k>", "{data}", "measured place of rod k"},
-                                            {"y<k>", "{data}", "measured place of rod k"},
-                                            {"theta<k>", "rad", "measured heading of rod k"},
-                                            {"model_x<k>", "{data}", "fitted place of rod k"},
-                                            {"model_y<k>", "{data}", "fitted place of rod k"},
-                                            {"model_theta<k>", "rad", "fitted heading of rod k"}};
+/// Rows of which a table has a block of columns a rod, a comparison.
+template<Described Row>
+struct Each {};
 
-constexpr ColumnInfo outcome_values[] = {
-    {"time", "{time}", "of contact, else the end of the run"},
-    {"min_separation", "{length}", "smallest separation of any pair at any time"},
-    {"min_separation_time", "{time}", "when"},
-    {"solver.time_step", "{time}", "of the first run with noise"},
-    {"turn", "rad", "of each rod from start to end"},
-    {"own_turn", "rad", "of it by the rod's own field"}};
-
-constexpr ColumnInfo noise_values[] = {
-    {"capture_probability", "1", "share of the runs with contact or pursuit"},
-    {"capture_low", "1", "lower end of its interval"},
-    {"capture_high", "1", "upper end of its interval"},
-    {"capture_confidence", "1", "of that interval"},
-    {"runs_at_time", "1", "runs that went on at each of the times"},
-    {"first_contact_time.mean", "{time}", "of the runs with contact"},
-    {"first_contact_time.error", "{time}", "its standard error"},
-    {"rotational_diffusion", "1/({time})", "of each heading"},
-    {"translational_diffusion", "({length})^2/({time})", "of each place"},
-    {"speed", "({length})/({time})", "of a rod, v0"},
-    {"time_step", "{time}", "of the integration"},
-    {"times", "{time}", "of the rows of the tables below"},
-    {"mean_square_displacement", "({length})^2", "a row a time, a column a rod"},
-    {"heading_correlation", "1", "a row a time, a column a rod"}};
-
-constexpr ColumnInfo order_values[] = {{"polar", "1", "polar order, mean from `from` on"},
-                                       {"nematic", "1", "nematic order, mean from `from` on"},
-                                       {"mean_size", "1", "rods by clusters"},
-                                       {"weighted_size", "1", "mean size of the cluster that a rod is in"},
-                                       {"largest", "1", "rods of the largest cluster"},
-                                       {"link", "{order length}", "rods nearer than this are linked"},
-                                       {"from", "{order time}", "means are from then on"},
-                                       {"block", "{order time}", "of time, for the errors"}};
-
-constexpr FileKind plain_kinds[] = {
-    {"scene.toml", {}, record, "the scene as resolved: every key with its value"},
-    {"provenance.json",
-     {},
-     record,
-     "who made the run, how each stage ended, the command that makes it again, elapsed seconds of the last "
-     "command"},
-    {"log.txt", {}, record, "messages of every command that worked on the run"},
-    {"manifest.json", {}, record, "this list"},
-    {"rodwake.lock", {}, record, "host and process that works on the run, or did last"},
-    {"result.h5", {}, result, "field and trajectories as datasets with units"},
-    {"report.html", {}, result, "figures and numbers of the run on one page"},
-
-    {"trajectory.h5md", Stage::granular, kept, "places and velocities of all spheres in every stored frame"},
-    {"trajectory.xyz", Stage::granular, kept, "the same as extended XYZ"},
-    {"last_period.h5md", Stage::granular, kept, "frames of the last period of the plates"},
-    {"final.rwc", Stage::granular, kept, "last state, for granular.restart_from"},
-    {"measure.rwc", Stage::granular, kept, "what was measured while the run went on"},
-    {"checkpoint.rwc", Stage::granular, progress, "state to go on from"},
-    {"checkpoint.rwc.previous", Stage::granular, progress, "the state before, in case that one is damaged"},
-    {"rows.log", Stage::granular, progress, "rows of the tables so far"},
-    {"frames.log", Stage::granular, progress, "frames so far"},
-    {"last_period.log", Stage::granular, progress, "frames of the last period so far"},
-
-    {"measure.h5", Stage::measure, result, "fields on grids in the rod's frame"},
-    {"series.json", Stage::measure, result, "fits over the rows of series.csv"},
-
-    {"fit.json", Stage::fit, result, "parameters with errors, and how good the fit is"},
-    {"fit.txt", Stage::fit, result, "the same to read"},
-    {"medium.json", Stage::fit, result, "the medium that the fit gives to field and rods"},
-    {"fit_profile_<k>.csv", Stage::fit, result, "a profile with its fit", fit_profile_columns},
-    {"fit_curve_<k>.csv", Stage::fit, result, "the model along a profile's line", fit_curve_columns},
-    {"fit_map_<k>.csv", Stage::fit, result, "a displacement map with its fit", fit_map_columns},
-    {"fit_trajectory_<k>.csv", Stage::fit, result, "rods with their fit", fit_track_columns},
-    {"fit_starts.log", Stage::fit, progress, "starts that are done"},
-
-    {"field_cut_<k>.csv", Stage::field, result, "displacement along a line", cut_columns},
-
-    {"ledger.sqlite", Stage::scan, kept,
-     "the points of the scan, of beds the runs, as it goes on: tables chunks and causes"},
-    {"ledger.sqlite-wal", Stage::scan, progress, "the newest rows of the ledger while it is open"},
-    {"ledger.sqlite-shm", Stage::scan, progress, "for who reads the ledger while it is open"},
-    {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},
-    {"scan.json", Stage::scan, result, "axes, counts, causes of failures, rate of what was missed"},
-    {"scan.html", Stage::scan, result, "the scan to explore in a browser"},
-    {"cells.csv", Stage::scan, result, "cells of the refinement that were not divided", cells_columns},
-    {"boundary.csv", Stage::scan, result, "boundaries between outcomes as curves", boundary_columns},
-
-    {"ways.json", Stage::tradeoff, kept, "the ways to compute a part of a scene that were tried"},
-    {"tradeoff.json", Stage::tradeoff, kept, "the reference, and the settings that were tried"},
-
-    {"rods.csv", Stage::rods, result, "rods against time", rods_columns},
-    {"rods_order.csv", Stage::order, result, "order parameters of the rods against time, means over the runs",
-     rods_order_columns},
-    {"clusters.csv", Stage::order, result, "clusters of the rods by size", clusters_columns},
-    {"rods_order.json", Stage::order, result,
-     "means of rods_order.csv from rods_order.from on, with standard errors", order_values},
-    {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did", outcome_values},
-    {"ensemble.csv", Stage::rods, result,
-     "a row a run with noise, or a draw of the measured field's errors: how the rods end in it",
-     ensemble_columns},
-    {"noise.json", Stage::rods, result,
-     "ensemble of runs with noise: probability of capture (contact or pursuit) with the ends of its interval "
-     "of 95 %, endings, first contact; by time, of each rod: mean-square displacement and heading "
-     "correlation with standard errors",
-     noise_values},
-    {"medium_film.h5", Stage::rods, result,
-     "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
-     "also where each rod feels those of the others alone; with the rods' places and headings"},
-    {"medium_film.log", Stage::rods, progress, "frames so far"},
-    {"noise_progress.json", Stage::rods, progress, "runs with noise that are done, to go on from"},
-    {"checkpoint.json", Stage::rods, progress, "state to go on from"},
+template<class Row>
+struct AddColumns {
+    static void to(std::vector<ColumnInfo>& columns) { add_columns<Row>(columns); }
 };
+template<class Row>
+struct AddColumns<Each<Row>> {
+    static void to(std::vector<ColumnInfo>& columns) { add_columns<Row>(columns, "<k>"); }
+};
+
+/// Of a table of such blocks, side by side.
+template<class... Rows>
+std::span<const ColumnInfo> columns_of() {
+    static const std::vector<ColumnInfo> columns = [] {
+        std::vector<ColumnInfo> all;
+        (AddColumns<Rows>::to(all), ...);
+        return all;
+    }();
+    return columns;
+}
+
+/// The numbers of a JSON file.
+template<Described Record>
+std::span<const ColumnInfo> values_of() {
+    static const std::vector<ColumnInfo> values = [] {
+        std::vector<ColumnInfo> all;
+        add_values<Record>(all);
+        return all;
+    }();
+    return values;
+}
+
+std::vector<FileKind> plain_kinds() {
+    return {
+        {"scene.toml", {}, record, "the scene as resolved: every key with its value"},
+        {"provenance.json",
+         {},
+         record,
+         "who made the run, how each stage ended, the command that makes it again, elapsed seconds of the "
+         "last "
+         "command"},
+        {"log.txt", {}, record, "messages of every command that worked on the run"},
+        {"manifest.json", {}, record, "this list"},
+        {"rodwake.lock", {}, record, "host and process that works on the run, or did last"},
+        {"result.h5", {}, result, "field and trajectories as datasets with units"},
+        {"report.html", {}, result, "figures and numbers of the run on one page"},
+
+        {"table.csv", Stage::granular, kept, "energy, temperatures, order, contacts against time",
+         columns_of<granular::TableRow>()},
+        {"tracks.csv", Stage::granular, kept, "rods of the bed against time",
+         columns_of<granular::RowTime, Each<granular::TrackPoint>>()},
+        {"trajectory.h5md", Stage::granular, kept,
+         "places and velocities of all spheres in every stored frame"},
+        {"trajectory.xyz", Stage::granular, kept, "the same as extended XYZ"},
+        {"last_period.h5md", Stage::granular, kept, "frames of the last period of the plates"},
+        {"final.rwc", Stage::granular, kept, "last state, for granular.restart_from"},
+        {"measure.rwc", Stage::granular, kept, "what was measured while the run went on"},
+        {"checkpoint.rwc", Stage::granular, progress, "state to go on from"},
+        {"checkpoint.rwc.previous", Stage::granular, progress,
+         "the state before, in case that one is damaged"},
+        {"rows.log", Stage::granular, progress, "rows of the tables so far"},
+        {"frames.log", Stage::granular, progress, "frames so far"},
+        {"last_period.log", Stage::granular, progress, "frames of the last period so far"},
+
+        {"measure.h5", Stage::measure, result, "fields on grids in the rod's frame"},
+        {"series.json", Stage::measure, result, "fits over the rows of series.csv"},
+
+        {"fit.json", Stage::fit, result, "parameters with errors, and how good the fit is"},
+        {"fit.txt", Stage::fit, result, "the same to read"},
+        {"medium.json", Stage::fit, result, "the medium that the fit gives to field and rods"},
+        {"fit_profile_<k>.csv", Stage::fit, result, "a profile with its fit", columns_of<FitProfileRow>()},
+        {"fit_curve_<k>.csv", Stage::fit, result, "the model along a profile's line",
+         columns_of<FitCurveRow, Each<FitComparison>>()},
+        {"fit_map_<k>.csv", Stage::fit, result, "a displacement map with its fit", columns_of<FitMapRow>()},
+        {"fit_trajectory_<k>.csv", Stage::fit, result, "rods with their fit",
+         columns_of<FitTimeRow, Each<MeasuredPose>, Each<FittedPose>>()},
+        {"fit_starts.log", Stage::fit, progress, "starts that are done"},
+
+        {"field_cut_<k>.csv", Stage::field, result, "displacement along a line", cut_columns},
+
+        {"ledger.sqlite", Stage::scan, kept,
+         "the points of the scan, of beds the runs, as it goes on: tables chunks and causes"},
+        {"ledger.sqlite-wal", Stage::scan, progress, "the newest rows of the ledger while it is open"},
+        {"ledger.sqlite-shm", Stage::scan, progress, "for who reads the ledger while it is open"},
+        {"scan.h5", Stage::scan, result, "the points of the scan and a sample of trajectories as datasets"},
+        {"scan.json", Stage::scan, result, "axes, counts, causes of failures, rate of what was missed"},
+        {"scan.html", Stage::scan, result, "the scan to explore in a browser"},
+        {"cells.csv", Stage::scan, result, "cells of the refinement that were not divided", cells_columns},
+        {"boundary.csv", Stage::scan, result, "boundaries between outcomes as curves", boundary_columns},
+
+        {"ways.json", Stage::tradeoff, kept, "the ways to compute a part of a scene that were tried"},
+        {"tradeoff.json", Stage::tradeoff, kept, "the reference, and the settings that were tried"},
+
+        {"rods.csv", Stage::rods, result, "rods against time", columns_of<TimeRow, Each<PoseRow>>()},
+        {"rods_order.csv", Stage::order, result,
+         "order parameters of the rods against time, means over the runs", columns_of<OrderRow>()},
+        {"clusters.csv", Stage::order, result, "clusters of the rods by size", columns_of<ClusterRow>()},
+        {"rods_order.json", Stage::order, result,
+         "means of rods_order.csv from rods_order.from on, with standard errors", values_of<OrderReport>()},
+        {"outcome.json", Stage::rods, result, "how the encounter ended, and what the solver did",
+         values_of<OutcomeReport>()},
+        {"ensemble.csv", Stage::rods, result,
+         "a row a run with noise, or a draw of the measured field's errors: how the rods end in it",
+         columns_of<DrawnRow, NoisyRow>()},
+        {"noise.json", Stage::rods, result,
+         "ensemble of runs with noise: probability of capture (contact or pursuit) with the ends of its "
+         "interval "
+         "of 95 %, endings, first contact; by time, of each rod: mean-square displacement and heading "
+         "correlation with standard errors",
+         values_of<NoiseReport>()},
+        {"medium_film.h5", Stage::rods, result,
+         "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
+         "also where each rod feels those of the others alone; with the rods' places and headings"},
+        {"medium_film.log", Stage::rods, progress, "frames so far"},
+        {"noise_progress.json", Stage::rods, progress, "runs with noise that are done, to go on from"},
+        {"checkpoint.json", Stage::rods, progress, "state to go on from"}};
+}
 
 /// With a column of standard errors behind each that has one.
 std::vector<ColumnInfo> columns_of_series() {
@@ -227,31 +181,10 @@ std::vector<ColumnInfo> measured_values() {
     return values;
 }
 
-/// Of a described row, whose names end with this.
-template<Described Row>
-std::vector<ColumnInfo> columns_of(const std::string& behind) {
-    std::vector<ColumnInfo> columns;
-    for_each_field<Row>([&](const auto& field) {
-        columns.push_back(column_info(std::string(field.name) + behind, field.info.unit, field.info.meaning));
-    });
-    return columns;
-}
-
-std::vector<ColumnInfo> columns_of_tracks() {
-    std::vector<ColumnInfo> columns = columns_of<granular::TrackPoint>("<k>");
-    columns.insert(columns.begin(), columns_of<granular::TableRow>("").front()); // time
-    return columns;
-}
-
 std::vector<FileKind> all_kinds() {
     static const std::vector<ColumnInfo> series = columns_of_series(), measured = measured_values(),
-                                         table = columns_of<granular::TableRow>(""),
-                                         tracks = columns_of_tracks(), runs = runs_columns(),
-                                         summary = summary_values();
-    std::vector<FileKind> all(std::begin(plain_kinds), std::end(plain_kinds));
-    all.push_back(
-        {"table.csv", Stage::granular, kept, "energy, temperatures, order, contacts against time", table});
-    all.push_back({"tracks.csv", Stage::granular, kept, "rods of the bed against time", tracks});
+                                         runs = runs_columns(), summary = summary_values();
+    std::vector<FileKind> all = plain_kinds();
     all.push_back({"runs.csv", Stage::granular, kept, "a row a run of the ensemble", runs});
     all.push_back({"summary.json", Stage::granular, kept,
                    "means of the run, of an ensemble with their errors; SI; cost by part in seconds of wall "

@@ -4,7 +4,6 @@
 
 #include "run/values_json.hpp"
 
-#include <array>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -16,14 +15,16 @@ namespace rodwake::app {
 template<Described Record>
 nlohmann::ordered_json record_json(const Record& record);
 
+/// Numbers, texts and lists of them.
 template<class T>
-requires std::is_arithmetic_v<T> || std::is_same_v<T, std::string> nlohmann::ordered_json
-member_json(const T& value) {
+nlohmann::ordered_json member_json(const T& value) {
     if constexpr (std::is_floating_point_v<T>)
         return finite_or_null(value);
     else
         return value;
 }
+
+inline nlohmann::ordered_json member_json(const Estimate& estimate) { return estimate_json(estimate); }
 
 template<Described T>
 nlohmann::ordered_json member_json(const T& value) {
@@ -38,9 +39,17 @@ nlohmann::ordered_json member_json(const std::vector<T>& list) {
     return out;
 }
 
-/// A square's side, or both sides.
-inline nlohmann::ordered_json member_json(const std::variant<double, std::array<double, 2>>& sides) {
-    return std::visit([](const auto& value) { return nlohmann::ordered_json(value); }, sides);
+/// One or another; nothing at all is null.
+template<class... Ts>
+nlohmann::ordered_json member_json(const std::variant<Ts...>& alternatives) {
+    return std::visit(
+        [](const auto& value) -> nlohmann::ordered_json {
+            if constexpr (std::is_same_v<decltype(value), const std::monostate&>)
+                return nullptr;
+            else
+                return member_json(value);
+        },
+        alternatives);
 }
 
 /// {"name": value, ...} in the order of the description; an optional member that is absent is left out.

@@ -4,8 +4,6 @@
 #include "rodwake/scan/mpi.hpp"
 #include "session.hpp"
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <string>
 
 namespace rodwake::app {
@@ -47,10 +45,5 @@ StageEnd run_scan_stage(Session& session);
 /// On a rank of an MPI job but the first: evaluates points of the plan's scan.
 void serve_scan(const Plan& plan, const std::filesystem::path& folder, const RunContext& context,
                 scan::MpiJob& job);
-
-/// Content of outcome.json. Lengths and times in the session's output units. `ensemble`: null if there is
-/// none.
-std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, const OutputUnits& units,
-                         const nlohmann::ordered_json& ensemble, const std::vector<double>& own_turn = {});
 
 } // namespace rodwake::app

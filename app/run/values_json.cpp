@@ -10,15 +10,17 @@ using nlohmann::ordered_json;
 
 struct ToJson {
     ordered_json operator()(std::monostate) const { return nullptr; }
-    ordered_json operator()(const Estimate& e) const {
-        return {{"value", e.count > 0 ? ordered_json(e.value) : ordered_json(nullptr)},
-                {"error", e.known() ? ordered_json(e.error) : ordered_json(nullptr)},
-                {"samples", e.count}};
-    }
+    ordered_json operator()(const Estimate& e) const { return estimate_json(e); }
     ordered_json operator()(const auto& value) const { return value; }
 };
 
 } // namespace
+
+ordered_json estimate_json(const Estimate& e) {
+    return {{"value", e.count > 0 ? ordered_json(e.value) : ordered_json(nullptr)},
+            {"error", e.known() ? ordered_json(e.error) : ordered_json(nullptr)},
+            {"samples", e.count}};
+}
 
 std::string pointer_to(const std::string& name) {
     std::string path = "/" + name;

@@ -19,10 +19,13 @@ inline nlohmann::ordered_json finite_or_null(const std::optional<double>& value)
     return value ? finite_or_null(*value) : nlohmann::ordered_json(nullptr);
 }
 
+/// {"value", "error", "samples"}.
+nlohmann::ordered_json estimate_json(const Estimate& estimate);
+
 /// Where "rods.0.force" stands in a document: the text of a JSON pointer.
 std::string pointer_to(const std::string& name);
 
-/// An estimate is {"value", "error", "samples"}; what is not there or not known is null.
+/// What is not there or not known is null.
 nlohmann::ordered_json values_json(const Values& values);
 
 } // namespace rodwake::app

@@ -9,6 +9,7 @@
 #include "rodwake/store/csv.hpp"
 #include "run/progress.hpp"
 #include "run/stage_list.hpp"
+#include "theory_records.hpp"
 
 #include <fmt/format.h>
 
@@ -26,10 +27,10 @@ std::size_t rows_that_count(const std::vector<double>& t, const scene::RodsRun& 
 }
 
 RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, const OrderKeys& keys) {
-    std::vector<std::string> names{"t"};
+    std::vector<std::string> names{std::string(field_names<TimeRow>().front())};
     for (std::size_t rod = 0; rod < scene.rods.size(); ++rod)
-        for (const char* name : {"x", "y", "theta"})
-            names.push_back(name + std::to_string(rod));
+        for (const std::string_view name : field_names<PoseRow>())
+            names.push_back(std::string(name) + std::to_string(rod));
     const auto columns = store::read_csv(folder / "rods.csv", names).columns;
     RodOrderSeries series;
     series.times = columns[0];

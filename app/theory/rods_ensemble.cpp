@@ -3,18 +3,14 @@
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/rods/separation.hpp"
-#include "rodwake/store/csv.hpp"
-
-#include <nlohmann/json.hpp>
+#include "run/record_table.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace rodwake::app {
 
 namespace {
-using nlohmann::ordered_json;
 using rods::RodResult;
 
 bool is_ok(const RodResult& one) { return one.solution.status.ok(); }
@@ -24,13 +20,15 @@ double final_separation(const RodResult& one, rods::Box box) {
                                                : rods::closest_pair(one.solution.final_state, box).distance;
 }
 
-/// Mean and standard deviation of one sample each; null where there is none.
-ordered_json spread_json(const std::vector<double>& values) {
+Spread spread_of(const std::vector<double>& values) {
     const Estimate mean = mean_of(values);
-    const double spread = mean.error * std::sqrt(static_cast<double>(values.size()));
-    return {{"mean", values.empty() ? ordered_json() : ordered_json(mean.value)},
-            {"spread", mean.known() && !values.empty() ? ordered_json(spread) : ordered_json()},
-            {"samples", values.size()}};
+    Spread out;
+    out.samples = values.size();
+    if (!values.empty())
+        out.mean = mean.value;
+    if (mean.known() && !values.empty())
+        out.spread = mean.error * std::sqrt(static_cast<double>(values.size()));
+    return out;
 }
 
 } // namespace
@@ -54,42 +52,38 @@ std::vector<RodResult> run_ensemble(const rods::RodProblem& problem, const rods:
 }
 
 std::string ensemble_csv(const std::vector<RodResult>& samples, rods::Box box, const OutputUnits& units) {
-    const std::vector<std::string> names = {"sample",           "outcome",        "time",
-                                            "final_separation", "min_separation", "turn0"};
-    std::vector<std::vector<double>> columns(names.size());
+    std::vector<DrawnRow> rows;
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const RodResult& one = samples[i];
-        const auto ending = std::ranges::find(all_endings, one.outcome.ending) - all_endings.begin();
-        const double row[] = {static_cast<double>(i),
-                              is_ok(one) ? static_cast<double>(ending) : std::nan(""),
-                              one.outcome.time * units.time,
-                              final_separation(one, box) * units.length,
-                              one.outcome.min_separation * units.length,
-                              one.outcome.turn.empty() ? std::nan("") : one.outcome.turn.front()};
-        for (std::size_t c = 0; c < columns.size(); ++c)
-            columns[c].push_back(row[c]);
+        rows.push_back({static_cast<double>(i), is_ok(one) ? ending_code(one.outcome.ending) : std::nan(""),
+                        one.outcome.time * units.time, final_separation(one, box) * units.length,
+                        one.outcome.min_separation * units.length,
+                        one.outcome.turn.empty() ? std::nan("") : one.outcome.turn.front()});
     }
-    return store::to_csv(names, columns);
+    return csv_of(rows);
 }
 
-ordered_json ensemble_json(const std::vector<RodResult>& samples, rods::Box box, const OutputUnits& units) {
-    ordered_json json = {{"samples", samples.size()}};
-    for (const Ending ending : all_endings)
-        json[to_string(ending)] = std::ranges::count_if(
-            samples, [&](const RodResult& one) { return is_ok(one) && one.outcome.ending == ending; });
-    json["failed"] = std::ranges::count_if(samples, [](const RodResult& one) { return !is_ok(one); });
+DrawnReport drawn_report(const std::vector<RodResult>& samples, rods::Box box, const OutputUnits& units) {
+    DrawnReport report;
+    report.samples = samples.size();
     std::vector<double> last, least, contacts;
-    for (const RodResult& one : samples)
-        if (is_ok(one) && one.solution.final_state.size() >= 6) {
-            last.push_back(final_separation(one, box) * units.length);
-            least.push_back(one.outcome.min_separation * units.length);
-            if (one.outcome.ending == Ending::contact)
-                contacts.push_back(one.outcome.time * units.time);
+    for (const RodResult& one : samples) {
+        if (!is_ok(one)) {
+            ++report.failed;
+            continue;
         }
-    json["final_separation"] = spread_json(last);
-    json["min_separation"] = spread_json(least);
-    json["contact_time"] = spread_json(contacts);
-    return json;
+        report.add(one.outcome.ending);
+        if (one.solution.final_state.size() < 6)
+            continue;
+        last.push_back(final_separation(one, box) * units.length);
+        least.push_back(one.outcome.min_separation * units.length);
+        if (one.outcome.ending == Ending::contact)
+            contacts.push_back(one.outcome.time * units.time);
+    }
+    report.final_separation = spread_of(last);
+    report.min_separation = spread_of(least);
+    report.contact_time = spread_of(contacts);
+    return report;
 }
 
 void store_ensemble(store::Hdf5Writer& results, const std::string& group,

@@ -5,17 +5,12 @@
 #include "rodwake/elastic/measured_field.hpp"
 #include "rodwake/rods/simulate.hpp"
 #include "run/session.hpp"
+#include "theory_records.hpp"
 
-#include <nlohmann/json_fwd.hpp>
-
-#include <array>
 #include <string>
 #include <vector>
 
 namespace rodwake::app {
-
-inline constexpr std::array all_endings = {Ending::contact, Ending::pursuit, Ending::escape,
-                                           Ending::undecided};
 
 /// Runs `samples` draws over the threads; results do not depend on their number. Empty if stopped on the way.
 std::vector<rods::RodResult> run_ensemble(const rods::RodProblem& problem, const rods::RodOptions& options,
@@ -28,8 +23,12 @@ std::string ensemble_csv(const std::vector<rods::RodResult>& samples, rods::Box 
 
 /// For outcome.json: how many samples ended how, mean and spread of separations and times. The spread, a
 /// standard deviation, is the standard error that the field's errors give the central result.
-nlohmann::ordered_json ensemble_json(const std::vector<rods::RodResult>& samples, rods::Box box,
-                                     const OutputUnits& units);
+DrawnReport drawn_report(const std::vector<rods::RodResult>& samples, rods::Box box,
+                         const OutputUnits& units);
+
+/// Content of outcome.json. Lengths and times in output units.
+std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, const OutputUnits& units,
+                         std::optional<DrawnReport> ensemble, const std::vector<double>& own_turn = {});
 
 /// Places of all samples at the output times into `group` of the results: x, y as [sample][time][rod], NaN
 /// where a sample has ended.

@@ -1,11 +1,11 @@
 #include "rods_order.hpp"
 
 #include "rodwake/core/box_sides.hpp"
-#include "rodwake/store/csv.hpp"
-#include "run/values_json.hpp"
+#include "run/record_json.hpp"
+#include "run/record_table.hpp"
+#include "theory_records.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace rodwake::app {
@@ -15,61 +15,48 @@ namespace {
 using measure::RodOrder;
 using measure::RodOrderSeries;
 
-constexpr std::size_t order_numbers = 6;
-
-/// In the order of the columns after t.
-std::array<double, order_numbers> numbers_of(const RodOrder& o) {
-    return {o.polar,       o.nematic,         static_cast<double>(o.clusters.size()),
-            o.mean_size(), o.weighted_size(), static_cast<double>(o.clusters.front())};
+OrderRow row_of(double t, const RodOrder& o) {
+    return {t,
+            o.polar,
+            o.nematic,
+            static_cast<double>(o.clusters.size()),
+            o.mean_size(),
+            o.weighted_size(),
+            static_cast<double>(o.clusters.front())};
 }
 
 /// Means over the runs, as far as all of them go.
 std::string series_csv(const std::vector<RodOrderSeries>& runs) {
-    const std::string names[] = {"t",         "polar",         "nematic", "clusters",
-                                 "mean_size", "weighted_size", "largest"};
     const auto shortest = std::ranges::min(runs, {}, [](const auto& run) { return run.times.size(); });
-    std::vector<std::vector<double>> columns(1 + order_numbers,
-                                             std::vector<double>(shortest.times.size(), 0.0));
-    columns[0] = shortest.times;
+    std::vector<OrderRow> rows(shortest.times.size());
     for (const RodOrderSeries& run : runs)
-        for (std::size_t i = 0; i < shortest.times.size(); ++i) {
-            const auto row = numbers_of(run.orders[i]);
-            for (std::size_t k = 0; k < order_numbers; ++k)
-                columns[1 + k][i] += row[k] / static_cast<double>(runs.size());
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            const OrderRow row = row_of(shortest.times[i], run.orders[i]);
+            for_each_field<OrderRow>([&](const auto& field) {
+                rows[i].*field.member += row.*field.member / static_cast<double>(runs.size());
+            });
+            rows[i].t = row.t; // the same in all
         }
-    return store::to_csv(names, columns);
+    return csv_of(rows);
 }
 
 /// Sizes that occur.
 std::string clusters_csv(const measure::MeanRodOrder& mean, std::size_t rods) {
-    const std::string names[] = {"size", "clusters", "share"};
-    std::vector<std::vector<double>> columns(std::size(names));
+    std::vector<ClusterRow> rows;
     for (std::size_t i = 0; i < mean.clusters.size(); ++i) {
         const auto size = static_cast<double>(i + 1);
-        if (mean.clusters[i] == 0.0)
-            continue;
-        columns[0].push_back(size);
-        columns[1].push_back(mean.clusters[i]);
-        columns[2].push_back(size * mean.clusters[i] / static_cast<double>(rods));
+        if (mean.clusters[i] != 0.0)
+            rows.push_back({size, mean.clusters[i], size * mean.clusters[i] / static_cast<double>(rods)});
     }
-    return store::to_csv(names, columns);
+    return csv_of(rows);
 }
 
 std::string means_json(const measure::MeanRodOrder& mean, const OrderKeys& keys, std::size_t runs) {
-    const Values values{{"polar", mean.polar},
-                        {"nematic", mean.nematic},
-                        {"mean_size", mean.mean_size},
-                        {"weighted_size", mean.weighted_size},
-                        {"largest", mean.largest},
-                        {"link", keys.link},
-                        {"from", keys.from},
-                        {"block", keys.block},
-                        {"runs", static_cast<std::int64_t>(runs)},
-                        {"instants", static_cast<std::int64_t>(mean.instants)},
-                        {"blocks", static_cast<std::int64_t>(mean.blocks)},
-                        {"units.length", keys.units.length_name},
-                        {"units.time", keys.units.time_name}};
-    return values_json(values).dump(2) + "\n";
+    const OrderReport report{
+        mean.polar,   mean.nematic,  mean.mean_size, mean.weighted_size,
+        mean.largest, keys.link,     keys.from,      keys.block,
+        runs,         mean.instants, mean.blocks,    {keys.units.length_name, keys.units.time_name, {}}};
+    return record_json(report).dump(2) + "\n";
 }
 
 } // namespace

@@ -5,13 +5,12 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/simulate.hpp"
-#include "rodwake/store/csv.hpp"
 #include "run/progress.hpp"
+#include "run/record_table.hpp"
 #include "run/stage_list.hpp"
 #include "wake_fields.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
@@ -111,39 +110,61 @@ void solve(const Session& session, Work& one, bool show_progress) {
         std::filesystem::remove(session.directory.file(one.checkpoint_file()));
 }
 
-/// Columns t, x0, y0, theta0, x1, ... in output units; the end of the run (contact, failure) is the last row.
-struct Columns {
-    std::vector<std::string> names;
-    std::vector<std::vector<double>> values;
+/// In output units; the end of the run (contact, failure) is the last row.
+struct Trajectory {
+    std::vector<TimeRow> times;
+    std::vector<std::vector<PoseRow>> rods; ///< [rod][time]
 };
 
-Columns trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
-    Columns columns{{"t"}, std::vector<std::vector<double>>(1 + 3 * rods)};
-    for (std::size_t rod = 0; rod < rods; ++rod)
-        for (const char* name : {"x", "y", "theta"})
-            columns.names.push_back(name + std::to_string(rod));
+Trajectory trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
+    Trajectory path{{}, std::vector<std::vector<PoseRow>>(rods)};
     const auto add = [&](double time, const std::vector<double>& state) {
-        columns.values[0].push_back(time * units.time);
-        for (std::size_t i = 0; i < state.size(); ++i)
-            columns.values[1 + i].push_back(state[i] * (i % 3 == 2 ? 1.0 : units.length));
+        path.times.push_back({time * units.time});
+        for (std::size_t rod = 0; rod < rods; ++rod)
+            path.rods[rod].push_back(
+                {state[3 * rod] * units.length, state[3 * rod + 1] * units.length, state[3 * rod + 2]});
     };
     const integrate::Solution& solution = result.solution;
     for (std::size_t i = 0; i < solution.times.size(); ++i)
         add(solution.times[i], solution.states[i]);
     if (solution.times.empty() || solution.final_time > solution.times.back())
         add(solution.final_time, solution.final_state);
-    return columns;
+    return path;
 }
 
-/// Component `which` of every rod as [T][N].
-std::vector<double> interleaved(const Columns& columns, std::size_t rods, std::size_t which) {
-    const std::size_t times = columns.values[0].size();
-    std::vector<double> values;
-    values.reserve(times * rods);
-    for (std::size_t t = 0; t < times; ++t)
-        for (std::size_t rod = 0; rod < rods; ++rod)
-            values.push_back(columns.values[1 + 3 * rod + which][t]);
-    return values;
+std::string rods_csv(const Trajectory& path) {
+    RecordTable table;
+    table.add(path.times);
+    for (std::size_t rod = 0; rod < path.rods.size(); ++rod)
+        table.add(path.rods[rod], std::to_string(rod));
+    return table.csv();
+}
+
+/// Datasets t [T] and x, y, theta [T][N].
+void store_trajectory(Session& session, const std::string& group, const Trajectory& path) {
+    const auto put = [&](const auto& field, const std::vector<double>& values,
+                         std::vector<std::size_t> shape) {
+        const std::string unit(field.info.unit);
+        session.results.dataset(group + "/" + std::string(field.name), values, shape,
+                                unit == "{time}"     ? session.units.time_name
+                                : unit == "{length}" ? session.units.length_name
+                                                     : unit);
+    };
+    const std::size_t times = path.times.size(), rods = path.rods.size();
+    for_each_field<TimeRow>([&](const auto& field) {
+        std::vector<double> values;
+        for (const TimeRow& row : path.times)
+            values.push_back(row.*field.member);
+        put(field, values, {times});
+    });
+    for_each_field<PoseRow>([&](const auto& field) {
+        std::vector<double> values;
+        values.reserve(times * rods);
+        for (std::size_t t = 0; t < times; ++t)
+            for (const std::vector<PoseRow>& rod : path.rods)
+                values.push_back(rod[t].*field.member);
+        put(field, values, {times, rods});
+    });
 }
 
 void store_attributes(Session& session, const Work& one, const std::string& group, std::int64_t order) {
@@ -170,23 +191,17 @@ void store_attributes(Session& session, const Work& one, const std::string& grou
 
 void store(Session& session, Work& one, std::int64_t order) {
     const std::size_t rods = one.of().scene.rods.size();
-    const Columns columns = trajectory(one.result, rods, session.units);
-    const std::size_t times = columns.values[0].size();
+    const Trajectory path = trajectory(one.result, rods, session.units);
     const std::string group = "/rods/" + one.of().name;
-    session.results.dataset(group + "/t", columns.values[0], {times}, session.units.time_name);
-    session.results.dataset(group + "/x", interleaved(columns, rods, 0), {times, rods},
-                            session.units.length_name);
-    session.results.dataset(group + "/y", interleaved(columns, rods, 1), {times, rods},
-                            session.units.length_name);
-    session.results.dataset(group + "/theta", interleaved(columns, rods, 2), {times, rods}, "rad");
+    store_trajectory(session, group, path);
     store_attributes(session, one, group, order);
-    session.directory.write(one.of().folder + "rods.csv", store::to_csv(columns.names, columns.values));
-    session.directory.write(one.of().folder + "outcome.json",
-                            outcome_json(one.result, *one.plan, session.units,
-                                         one.samples.empty()
-                                             ? nlohmann::ordered_json()
-                                             : ensemble_json(one.samples, one.problem.box, session.units),
-                                         one.own_turn));
+    session.directory.write(one.of().folder + "rods.csv", rods_csv(path));
+    std::optional<DrawnReport> drawn;
+    if (!one.samples.empty())
+        drawn = drawn_report(one.samples, one.problem.box, session.units);
+    session.directory.write(
+        one.of().folder + "outcome.json",
+        outcome_json(one.result, *one.plan, session.units, std::move(drawn), one.own_turn));
     if (one.noisy) {
         session.directory.write(one.of().folder + "noise.json",
                                 noise_json(*one.noisy, *one.plan->noise, one.problem, session.units));

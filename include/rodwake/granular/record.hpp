@@ -10,34 +10,45 @@
 
 namespace rodwake::granular {
 
+/// When a row of table.csv and tracks.csv was written.
+struct RowTime {
+    double t;
+
+    static constexpr auto fields() {
+        return std::tuple{field("t", &RowTime::t, {"s", "time; the rods are held before 0"})};
+    }
+};
+
 /// One row of table.csv.
-struct TableRow {
-    double t, energy, kinetic, T_xy, T_z, psi6, contacts, floor_impulse, lid_impulse, max_overlap, p_xx, p_xy,
+struct TableRow : RowTime {
+    double energy, kinetic, T_xy, T_z, psi6, contacts, floor_impulse, lid_impulse, max_overlap, p_xx, p_xy,
         p_yy;
 
     static constexpr auto fields() {
         using R = TableRow;
-        return std::tuple{
-            field("t", &R::t, {"s", "time; the rods are held before 0"}),
-            field("energy", &R::energy, {"J", "kinetic and potential energy of beads and rods"}),
-            field("kinetic", &R::kinetic, {"J", "kinetic energy of beads and rods"}),
-            field("T_xy", &R::T_xy,
-                  {"m^2/s^2", "(var vx + var vy)/2 of the beads, mean since the row before"}),
-            field("T_z", &R::T_z, {"m^2/s^2", "var vz of the beads, mean since the row before"}),
-            field("psi6", &R::psi6,
-                  {"1", "|mean over the beads of psi6|, neighbours nearer than granular.order_cutoff"}),
-            field("contacts", &R::contacts, {"1", "overlapping pairs a step, mean since the row before"}),
-            field("floor_impulse", &R::floor_impulse,
-                  {"N s", "upward momentum from the floor since the start"}),
-            field("lid_impulse", &R::lid_impulse,
-                  {"N s", "upward momentum from the lid since the start; negative"}),
-            field("max_overlap", &R::max_overlap,
-                  {"a", "largest overlap since the start, of the smaller radius"}),
-            field("p_xx", &R::p_xx,
-                  {"N/m", "pressure along x in the plane, mean since the row before; in the first row the "
-                          "kinetic part"}),
-            field("p_xy", &R::p_xy, {"N/m", "shear part of the pressure tensor, the same"}),
-            field("p_yy", &R::p_yy, {"N/m", "pressure along y, the same"})};
+        return std::tuple_cat(
+            RowTime::fields(),
+            std::tuple{
+                field("energy", &R::energy, {"J", "kinetic and potential energy of beads and rods"}),
+                field("kinetic", &R::kinetic, {"J", "kinetic energy of beads and rods"}),
+                field("T_xy", &R::T_xy,
+                      {"m^2/s^2", "(var vx + var vy)/2 of the beads, mean since the row before"}),
+                field("T_z", &R::T_z, {"m^2/s^2", "var vz of the beads, mean since the row before"}),
+                field("psi6", &R::psi6,
+                      {"1", "|mean over the beads of psi6|, neighbours nearer than granular.order_cutoff"}),
+                field("contacts", &R::contacts, {"1", "overlapping pairs a step, mean since the row before"}),
+                field("floor_impulse", &R::floor_impulse,
+                      {"N s", "upward momentum from the floor since the start"}),
+                field("lid_impulse", &R::lid_impulse,
+                      {"N s", "upward momentum from the lid since the start; negative"}),
+                field("max_overlap", &R::max_overlap,
+                      {"a", "largest overlap since the start, of the smaller radius"}),
+                field("p_xx", &R::p_xx,
+                      {"N/m",
+                       "pressure along x in the plane, mean since the row before; in the first row the "
+                       "kinetic part"}),
+                field("p_xy", &R::p_xy, {"N/m", "shear part of the pressure tensor, the same"}),
+                field("p_yy", &R::p_yy, {"N/m", "pressure along y, the same"})});
     }
 };
 

@@ -1,0 +1,96 @@
+#pragma once
+// What the tables of a fit hold. Lengths, times and displacements are in the unit of the data, which fit.json
+// names.
+
+#include "rodwake/core/record.hpp"
+
+namespace rodwake::app {
+
+/// fit_profile_<i>.csv
+struct FitProfileRow {
+    double x, value, sigma, model, band, residual, used;
+
+    static constexpr auto fields() {
+        using R = FitProfileRow;
+        return std::tuple{
+            field("x", &R::x, {"{data}", "place along the line"}),
+            field("value", &R::value, {"{data}", "measured displacement"}),
+            field("sigma", &R::sigma, {"{data}", "standard error as used; 0: unknown"}),
+            field("model", &R::model, {"{data}", "fitted displacement"}),
+            field("band", &R::band, {"{data}", "standard error of the model; empty: not fixed by the data"}),
+            field("residual", &R::residual, {"1", "(value - model)/sigma"}),
+            field("used", &R::used, {"1", "1: fitted; 0: within the core"})};
+    }
+};
+
+/// fit_curve_<i>.csv, and a column for each comparison
+struct FitCurveRow {
+    double x, model, band;
+
+    static constexpr auto fields() {
+        using R = FitCurveRow;
+        return std::tuple{field("x", &R::x, {"{data}", "place along the line"}),
+                          field("model", &R::model, {"{data}", "fitted displacement"}),
+                          field("band", &R::band, {"{data}", "standard error of the model"})};
+    }
+};
+
+struct FitComparison {
+    double displacement;
+
+    static constexpr auto fields() {
+        return std::tuple{
+            field("compare_", &FitComparison::displacement, {"{data}", "displacement of the comparison"})};
+    }
+};
+
+/// fit_trajectory_<i>.csv: the time, the measured poses of each rod, the fitted ones
+struct FitTimeRow {
+    double t;
+
+    static constexpr auto fields() { return std::tuple{field("t", &FitTimeRow::t, {"{data}", "time"})}; }
+};
+
+struct MeasuredPose {
+    double x, y, theta;
+
+    static constexpr auto fields() {
+        using R = MeasuredPose;
+        return std::tuple{field("x", &R::x, {"{data}", "measured place of the rod"}),
+                          field("y", &R::y, {"{data}", "measured place of the rod"}),
+                          field("theta", &R::theta, {"rad", "measured heading of the rod"})};
+    }
+};
+
+struct FittedPose {
+    double x, y, theta;
+
+    static constexpr auto fields() {
+        using R = FittedPose;
+        return std::tuple{field("model_x", &R::x, {"{data}", "fitted place of the rod"}),
+                          field("model_y", &R::y, {"{data}", "fitted place of the rod"}),
+                          field("model_theta", &R::theta, {"rad", "fitted heading of the rod"})};
+    }
+};
+
+/// fit_map_<i>.csv: a row a bin
+struct FitMapRow {
+    double x, y, Ux, Uy, sigma_x, sigma_y, model_Ux, model_Uy, known, used;
+
+    static constexpr auto fields() {
+        using R = FitMapRow;
+        return std::tuple{
+            field("x", &R::x, {"{data}", "place ahead of the rod"}),
+            field("y", &R::y, {"{data}", "place to the left of the rod"}),
+            field("Ux", &R::Ux, {"{data}", "measured displacement along the heading; empty: no data"}),
+            field("Uy", &R::Uy, {"{data}", "measured displacement across; empty: no data"}),
+            field("sigma_x", &R::sigma_x, {"{data}", "standard error of Ux as used; empty: unknown"}),
+            field("sigma_y", &R::sigma_y, {"{data}", "standard error of Uy as used; empty: unknown"}),
+            field("model_Ux", &R::model_Ux, {"{data}", "fitted displacement along the heading"}),
+            field("model_Uy", &R::model_Uy, {"{data}", "fitted displacement across"}),
+            field("known", &R::known, {"1", "1: there are data"}),
+            field("used", &R::used, {"1", "1: fitted; 0: masked or without data"})};
+    }
+};
+
+} // namespace rodwake::app

@@ -1,0 +1,68 @@
+#pragma once
+// Described rows as a CSV file, and their columns for the catalogue.
+
+#include "catalogue.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <string>
+#include <vector>
+
+namespace rodwake::app {
+
+/// Blocks of columns side by side: of each kind of rows as many.
+class RecordTable {
+public:
+    /// Their names end with `behind`: the number of a rod.
+    template<Described Row>
+    void add(const std::vector<Row>& rows, const std::string& behind = "") {
+        for_each_field<Row>([&](const auto& field) {
+            names_.push_back(std::string(field.name) + behind);
+            std::vector<double>& column = columns_.emplace_back();
+            column.reserve(rows.size());
+            for (const Row& row : rows)
+                column.push_back(static_cast<double>(row.*field.member));
+        });
+    }
+
+    const std::vector<std::string>& names() const { return names_; }
+    std::string csv() const { return store::to_csv(names_, columns_); }
+
+private:
+    std::vector<std::string> names_;
+    std::vector<std::vector<double>> columns_;
+};
+
+template<Described Row>
+std::string csv_of(const std::vector<Row>& rows) {
+    RecordTable table;
+    table.add(rows);
+    return table.csv();
+}
+
+/// Appends what the catalogue tells of such rows, but for names that are there.
+template<Described Row>
+void add_columns(std::vector<ColumnInfo>& columns, const std::string& behind = "") {
+    for_each_field<Row>([&](const auto& field) {
+        const std::string name = std::string(field.name) + behind;
+        if (std::ranges::find(columns, name, &ColumnInfo::name) == columns.end())
+            columns.push_back(column_info(name, field.info.unit, field.info.meaning));
+    });
+}
+
+/// Appends the numbers of a JSON file, "rods.<k>.force"; what is in it without a unit is no number.
+template<Described Record>
+void add_values(std::vector<ColumnInfo>& values, const std::string& before = "") {
+    for_each_field<Record>([&](const auto& field) {
+        using Member = std::remove_cvref_t<decltype(std::declval<Record>().*field.member)>;
+        const std::string name = before + std::string(field.name);
+        if constexpr (Described<Member>)
+            add_values<Member>(values, name + ".");
+        else if constexpr (requires { requires Described<typename Member::value_type>; })
+            add_values<typename Member::value_type>(
+                values, name + (requires(Member m) { m.size(); } ? ".<k>." : "."));
+        else if (!field.info.unit.empty())
+            values.push_back(column_info(name, field.info.unit, field.info.meaning));
+    });
+}
+
+} // namespace rodwake::app
