@@ -25,12 +25,12 @@ constexpr ColumnInfo columns_of_ways[] = {
     {"runs", "1", "runs it was measured with"},
     {"quantity", "1", "what was computed; empty: the way gave nothing"},
     {"unit", "1", "of this and the numbers that follow"},
-    {"value", "see unit", "what was found"},
-    {"error", "see unit", "standard error of the value"},
-    {"scatter", "see unit", "standard deviation of one run; 0: all runs give the same"},
-    {"bias", "see unit", "difference from the reference"},
-    {"bias_error", "see unit", "standard error of the bias"},
-    {"scale", "see unit", "what 100 % is"},
+    {"value", "{unit}", "what was found"},
+    {"error", "{unit}", "standard error of the value"},
+    {"scatter", "{unit}", "standard deviation of one run; 0: all runs give the same"},
+    {"bias", "{unit}", "difference from the reference"},
+    {"bias_error", "{unit}", "standard error of the bias"},
+    {"scale", "{unit}", "what 100 % is"},
     {"status", "1", "ok, or why there is no result"}};
 
 double finite_or_null(const ordered_json& value) { return value.is_null() ? HUGE_VAL : value.get<double>(); }

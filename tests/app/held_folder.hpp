@@ -10,7 +10,7 @@
 
 #include <set>
 
-namespace stages_test {
+namespace app_test {
 
 using namespace rodwake;
 using namespace store_test;
@@ -58,4 +58,4 @@ inline Names files_of_run(const Scratch& scratch) {
     return files;
 }
 
-} // namespace stages_test
+} // namespace app_test

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace stages_test {
+namespace app_test {
 
 namespace fs = std::filesystem;
 
@@ -52,4 +52,4 @@ inline std::set<std::string> untold(const fs::path& folder) {
     return missing;
 }
 
-} // namespace stages_test
+} // namespace app_test

@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace assembly_test {
+namespace app_test {
 
 using namespace rodwake;
 using store_test::error_of;
@@ -75,4 +75,4 @@ inline std::string list_refusal(const app::ScanList& rows) {
     return error_of<InputError>([&] { list(rows); });
 }
 
-} // namespace assembly_test
+} // namespace app_test

@@ -5,11 +5,11 @@
 
 #include <string>
 
-namespace stages_test {
+namespace app_test {
 
-inline rodwake::scene::Scene pair(double kappa = 0.5, double t_end = 2.0) {
+inline rodwake::scene::Scene pair(double strength = 0.5, double t_end = 2.0) {
     return rodwake::scene::parse_scene(
-        "schema = 1\n[medium]\neta = 1.0\nalpha = 1.0\n[coupling]\nkappa = " + std::to_string(kappa) +
+        "schema = 1\n[medium]\neta = 1.0\nalpha = 1.0\n[coupling]\nkappa = " + std::to_string(strength) +
             "\n[field]\nx = [-2.0, 2.0]\ny = [-2.0, 2.0]\nnx = 5\nny = 5\n"
             "[[field.cuts]]\nfrom = -2.0\nto = 2.0\ncount = 5\n"
             "[rods_run]\nt_end = " +
@@ -27,4 +27,4 @@ inline rodwake::scene::Scene bed(double phi_b = 0.5, long runs = 1) {
         "bed.toml");
 }
 
-} // namespace stages_test
+} // namespace app_test

@@ -15,7 +15,7 @@ using namespace rodwake;
 using namespace store_test;
 using app::Stage;
 using app::StageEnd;
-using stages_test::json_of, stages_test::untold;
+using app_test::json_of, app_test::untold;
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-using namespace stages_test;
+using namespace app_test;
 
 TEST_CASE("What follows from a stage stays while its lost files are made again, killed in between or not") {
     const Scratch scratch;

@@ -16,7 +16,7 @@
 using namespace rodwake;
 using namespace store_test;
 using app::Stage, app::Values;
-using stages_test::header_of, stages_test::json_of, stages_test::untold;
+using app_test::header_of, app_test::json_of, app_test::untold;
 
 namespace {
 

@@ -13,7 +13,7 @@ using namespace rodwake;
 using namespace store_test;
 using app::Stage;
 using app::StageEnd;
-using stages_test::json_of, stages_test::untold;
+using app_test::json_of, app_test::untold;
 
 namespace {
 
@@ -26,7 +26,7 @@ StageEnd run(const scene::Scene& scene, std::vector<Stage> stages, const fs::pat
 
 TEST_CASE("A library user reads a scene and gets a run") {
     const Scratch scratch;
-    CHECK(run(stages_test::pair(), {Stage::field, Stage::rods}, scratch / "run") == StageEnd::finished);
+    CHECK(run(app_test::pair(), {Stage::field, Stage::rods}, scratch / "run") == StageEnd::finished);
     CHECK(app::run_status(scratch / "run") == "finished");
     CHECK(json_of(scratch / "run/outcome.json").contains("outcome"));
     CHECK(untold(scratch / "run").empty());
@@ -37,7 +37,7 @@ TEST_CASE("A library user reads a scene and gets a run") {
 
 TEST_CASE("The search for files and columns that the manifest does not tell of can fail") {
     const Scratch scratch;
-    run(stages_test::pair(), {Stage::rods}, scratch / "run");
+    run(app_test::pair(), {Stage::rods}, scratch / "run");
     scratch.file("run/stray.csv", "a,b\n");
     auto manifest = json_of(scratch / "run/manifest.json");
     manifest["files"]["rods.csv"]["columns"].erase(0);
@@ -47,9 +47,9 @@ TEST_CASE("The search for files and columns that the manifest does not tell of c
 
 TEST_CASE("Stages add up in one folder to what one run makes", "[threads]") {
     const Scratch scratch;
-    run(stages_test::pair(), {Stage::field, Stage::rods}, scratch / "whole");
-    run(stages_test::pair(), {Stage::rods}, scratch / "parts");
-    CHECK(run(stages_test::pair(), {Stage::field}, scratch / "parts") == StageEnd::finished);
+    run(app_test::pair(), {Stage::field, Stage::rods}, scratch / "whole");
+    run(app_test::pair(), {Stage::rods}, scratch / "parts");
+    CHECK(run(app_test::pair(), {Stage::field}, scratch / "parts") == StageEnd::finished);
     for (const char* name : {"rods.csv", "outcome.json", "field_cut_0.csv"})
         CHECK(content(scratch / "parts" / name) == content(scratch / "whole" / name));
     CHECK(json_of(scratch / "parts/provenance.json").at("stages") ==
@@ -59,15 +59,15 @@ TEST_CASE("Stages add up in one folder to what one run makes", "[threads]") {
 
 TEST_CASE("What is done already is not done again by a run of more") {
     const Scratch scratch;
-    run(stages_test::pair(), {Stage::rods}, scratch / "parts");
+    run(app_test::pair(), {Stage::rods}, scratch / "parts");
     const auto before = fs::last_write_time(scratch / "parts/rods.csv");
-    CHECK(run(stages_test::pair(), {Stage::field, Stage::rods}, scratch / "parts") == StageEnd::finished);
+    CHECK(run(app_test::pair(), {Stage::field, Stage::rods}, scratch / "parts") == StageEnd::finished);
     CHECK(fs::last_write_time(scratch / "parts/rods.csv") == before);
 }
 
 TEST_CASE("A stage that fails does not undo those before it") {
     const Scratch scratch;
-    scene::Scene scene = stages_test::pair();
+    scene::Scene scene = app_test::pair();
     scene.rods_run->max_steps = 2;
     CHECK(run(scene, {Stage::field, Stage::rods}, scratch / "run") == StageEnd::failed);
     CHECK(json_of(scratch / "run/provenance.json").at("stages") ==
@@ -81,10 +81,10 @@ TEST_CASE("A caller can stop a run, and the same call goes on") {
     const Scratch scratch;
     app::RunContext context;
     context.stop = [] { return true; };
-    CHECK(run(stages_test::pair(), {Stage::rods}, scratch / "run", context) == StageEnd::interrupted);
+    CHECK(run(app_test::pair(), {Stage::rods}, scratch / "run", context) == StageEnd::interrupted);
     CHECK(app::run_status(scratch / "run") == "interrupted");
-    CHECK(run(stages_test::pair(), {Stage::rods}, scratch / "run") == StageEnd::finished);
-    run(stages_test::pair(), {Stage::rods}, scratch / "whole");
+    CHECK(run(app_test::pair(), {Stage::rods}, scratch / "run") == StageEnd::finished);
+    run(app_test::pair(), {Stage::rods}, scratch / "whole");
     CHECK(content(scratch / "run/rods.csv") == content(scratch / "whole/rods.csv"));
 }
 
@@ -95,7 +95,7 @@ TEST_CASE("A caller hears messages and progress") {
     double last = 0.0;
     context.log = [&](app::Severity, const std::string& text) { messages += text + "\n"; };
     context.progress = [&](const app::ProgressReport& report) { last = report.value / report.end; };
-    CHECK(run(stages_test::bed(), {Stage::granular}, scratch / "bed", context) == StageEnd::finished);
+    CHECK(run(app_test::bed(), {Stage::granular}, scratch / "bed", context) == StageEnd::finished);
     CHECK(has(messages, "dem: beads 64"));
     CHECK(last == Approx(1.0));
     CHECK(untold(scratch / "bed").empty());
@@ -106,9 +106,9 @@ TEST_CASE("The seed of the context becomes that of the scene") {
     app::RunContext context;
     context.seed = 7;
     const std::vector<Stage> stages = {Stage::granular};
-    CHECK(app::plan_run(stages_test::bed(), stages, scratch / "bed", context).beds.front().problem.seed == 7);
+    CHECK(app::plan_run(app_test::bed(), stages, scratch / "bed", context).beds.front().problem.seed == 7);
     context.seed = std::uint64_t{1} << 63;
-    CHECK_THROWS_AS(app::plan_run(stages_test::bed(), stages, scratch / "bed", context), InputError);
+    CHECK_THROWS_AS(app::plan_run(app_test::bed(), stages, scratch / "bed", context), InputError);
 }
 
 TEST_CASE("Names fit the patterns of the catalogue") {

@@ -12,7 +12,7 @@ using namespace rodwake;
 using namespace store_test;
 using app::RunFolder;
 using app::Stage;
-using namespace stages_test;
+using namespace app_test;
 
 namespace {
 

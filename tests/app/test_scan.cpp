@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-using namespace assembly_test;
+using namespace app_test;
 
 TEST_CASE("A scan of two keys: axes, columns, and the scene of a point") {
     const auto made = plan(kappa + axis("key = \"rods.1.position.0\"\nfrom = -6\nto = 6.0\ncount = 3"));

@@ -5,7 +5,7 @@
 
 #include <map>
 
-using namespace assembly_test;
+using namespace app_test;
 
 namespace {
 

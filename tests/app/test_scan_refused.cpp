@@ -2,7 +2,7 @@
 
 #include "scan_scenes.hpp"
 
-using namespace assembly_test;
+using namespace app_test;
 
 TEST_CASE("Axes that are none are refused with their key") {
     CHECK(has(refusal(axis("key = \"coupling.kapa\"\nfrom = 0.0\nto = 1.0")),

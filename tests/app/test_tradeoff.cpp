@@ -16,7 +16,7 @@
 
 using namespace rodwake;
 using namespace rodwake::app;
-using stages_test::pair;
+using app_test::pair;
 
 namespace {
 
@@ -130,7 +130,7 @@ TEST_CASE("settings are those that the scene allows") {
     const auto of_many = settings_of(many);
     CHECK(count(of_many, [](const Setting& s) { return s.method == integrate::Method::bdf; }) == 0);
     CHECK(count(of_many, [](const Setting& s) { return s.precision == elastic::Accuracy::single; }) > 0);
-    CHECK_THROWS_AS(settings_of(stages_test::bed()), InputError);
+    CHECK_THROWS_AS(settings_of(app_test::bed()), InputError);
 }
 
 TEST_CASE("what the settings choose makes no other measurement, and what they do not does") {
@@ -141,7 +141,7 @@ TEST_CASE("what the settings choose makes no other measurement, and what they do
     chosen.medium->field = scene::FieldBackend::table;
     CHECK(key(chosen) == key(pair()));
     CHECK(key(pair(0.7)) != key(pair()));
-    CHECK_FALSE(key(stages_test::bed()).empty()); // beside a tradeoff another scene may be refused, not fatal
+    CHECK_FALSE(key(app_test::bed()).empty()); // beside a tradeoff another scene may be refused, not fatal
 }
 
 TEST_CASE("a setting's keys make the scene that it stands for") {
@@ -200,7 +200,7 @@ TEST_CASE("a scan's settings are measured against a reference, and taken up wher
     context.stop = nullptr;
     const Tradeoff table = measured(scene, out, context);
     CHECK(holds_finished(out, scene, app::Stage::tradeoff));
-    CHECK(stages_test::untold(out).empty());
+    CHECK(app_test::untold(out).empty());
     CHECK(table.unit == "2 points of the scan");
     CHECK(table.trials.size() == settings_of(scene).size());
     CHECK(table.trials.front().seconds <= begun.trials.front().seconds); // kept, and timed once more

@@ -24,7 +24,7 @@ constexpr ValueInfo values[] = {
      "mean over beads of the size of the local bond order"},
     {"neighbours", "Neighbours", "", "of a bead, mean"},
     {"cutoff", "Cut-off", "a", "beads nearer than this are neighbours"},
-    {"g_minimum", "First minimum of $g(r)$", "a", ""},
+    {"g_minimum", "First minimum of $g(r)$", "a", "distance at which $g(r)$ of the beads has it"},
     {"exponent", R"($\eta_6$)", "", R"(of $g_B \propto r^{-\eta_6}$, fitted)"},
     {"length", R"($\xi_6$)", "a", R"(of $g_B \propto \mathrm{exp}(-r/\xi_6)$, fitted)"},
     {"plateau", "", "", "$g_B$ far away: mean over the farther half of the points"},

@@ -30,46 +30,17 @@ struct ColumnInfo {
     std::string_view meaning;
 };
 
-/// Units of results. "1": none; "{length}", "{time}", ...: those that the file or the run names.
-inline constexpr std::string_view units[] = {"1",
-                                             "s",
-                                             "m",
-                                             "a",
-                                             "rad",
-                                             "deg",
-                                             "rad^2",
-                                             "rad^2/s",
-                                             "rad^2/a",
-                                             "1/s",
-                                             "1/a",
-                                             "1/a^2",
-                                             "a^2",
-                                             "a^2/s",
-                                             "a/s",
-                                             "a^2/s^2",
-                                             "m/s",
-                                             "m^2/s^2",
-                                             "m^2/s",
-                                             "Hz",
-                                             "J",
-                                             "N",
-                                             "N s",
-                                             "N/m",
-                                             "N s/m",
-                                             "kg",
-                                             "MB",
-                                             "kB",
-                                             "{length}",
-                                             "{time}",
-                                             "{data}",
-                                             "{scan length}",
-                                             "{scan time}",
-                                             "{order length}",
-                                             "{order time}",
-                                             "1/({time})",
-                                             "({length})/({time})",
-                                             "({length})^2",
-                                             "({length})^2/({time})"};
+/// Units of results. "1": none; "{length}", "{time}", ...: those that the file or the run names;
+/// "{unit}": in the column of that name.
+// clang-format off
+inline constexpr std::string_view units[] = {
+    "1", "s", "m", "a", "rad", "deg", "rad^2", "rad^2/s", "rad^2/a", "1/s", "1/a", "1/a^2", "a^2",
+    "a^2/s", "a/s", "m/s", "m^2/s^2", "m^2/s", "Hz", "J", "N", "N s", "N/m", "MB", "kB", "{length}",
+    "{time}", "{data}", "{scan length}", "{scan time}", "{order length}", "{order time}", "1/({time})",
+    "({length})/({time})", "({length})^2", "({length})^2/({time})", "rad/s", "kg/m^2", "a^-2", "runs",
+    "f/(mu v0)", "{unit}"
+};
+// clang-format on
 
 constexpr bool is_unit(std::string_view unit) { return std::ranges::find(units, unit) != std::end(units); }
 

@@ -1,0 +1,162 @@
+// Described results: what follows from a description, and that a wrong one is seen.
+
+#include "run/catalogue.hpp"
+#include "run/record_json.hpp"
+#include "run/record_table.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace {
+
+using namespace rodwake;
+using namespace rodwake::app;
+
+struct Part {
+    double width = 0.0;
+
+    static constexpr auto fields() { return std::tuple{field("width", &Part::width, {"m", "of the part"})}; }
+};
+
+struct Whole {
+    std::string name;
+    double length = 0.0, depth = std::numeric_limits<double>::quiet_NaN();
+    bool is_good = false;
+    std::int64_t count = 0;
+    Part part;
+    std::vector<Part> parts;
+    std::optional<Part> more;
+    std::variant<std::monostate, double> other;
+    Estimate mean;
+
+    static constexpr auto fields() {
+        using R = Whole;
+        return std::tuple{field("name", &R::name, {"", "what it is called"}),
+                          field("length", &R::length, {"a", "of it"}),
+                          field("depth", &R::depth, {"a", "of it; empty: unknown"}),
+                          field("is_good", &R::is_good, {"", "whether it is"}),
+                          field("count", &R::count, {"1", "of them"}),
+                          field("part", &R::part, {"", "a part"}),
+                          field("parts", &R::parts, {"", "parts"}),
+                          field("more", &R::more, {"", "a part that may be absent"}),
+                          field("other", &R::other, {"s", "null where there is none"}),
+                          field("mean", &R::mean, {"1", "a mean"})};
+    }
+};
+
+Whole example() {
+    Whole whole;
+    whole.name = "one";
+    whole.length = 0.1;
+    whole.is_good = true;
+    whole.count = 3;
+    whole.part.width = 2.0;
+    whole.parts = {{3.0}, {4.0}};
+    whole.mean = {1.5, 0.5, 4};
+    return whole;
+}
+
+/// Of nothing but what read_record takes.
+struct Numbers {
+    std::string name;
+    double length = 0.0, depth = 0.0;
+    std::vector<Part> parts;
+    Part part{7.0};
+    std::optional<Part> more;
+
+    static constexpr auto fields() {
+        using R = Numbers;
+        return std::tuple{field("name", &R::name, {"", "what it is called"}),
+                          field("length", &R::length, {"a", "of it"}),
+                          field("depth", &R::depth, {"a", "of it"}),
+                          field("parts", &R::parts, {"", "parts"}),
+                          field("part", &R::part, {"", "a part"}),
+                          field("more", &R::more, {"", "may be absent"})};
+    }
+};
+
+} // namespace
+
+TEST_CASE("A described result is JSON in the order of its description", "[record]") {
+    Whole whole = example();
+    CHECK(
+        record_json(whole).dump() ==
+        R"({"name":"one","length":0.1,"depth":null,"is_good":true,"count":3,"part":{"width":2.0},)"
+        R"("parts":[{"width":3.0},{"width":4.0}],"other":null,"mean":{"value":1.5,"error":0.5,"samples":4}})");
+    whole.more = Part{5.0};
+    whole.other = 6.0;
+    const auto json = record_json(whole);
+    CHECK(json.at("more").at("width") == 5.0);
+    CHECK(json.at("other") == 6.0);
+}
+
+TEST_CASE("A described result is read back, and what is missing is told", "[record]") {
+    const Numbers written{"one", 0.1, std::nan(""), {{3.0}, {4.0}}, {2.0}, Part{5.0}};
+    const nlohmann::json json = nlohmann::json::parse(record_json(written).dump());
+    Numbers read;
+    read_record(json, read);
+    CHECK(read.name == "one");
+    CHECK(read.length == 0.1);
+    CHECK(std::isnan(read.depth));
+    REQUIRE(read.parts.size() == 2);
+    CHECK(read.parts[1].width == 4.0);
+    CHECK(read.part.width == 2.0);
+    CHECK(read.more.value().width == 5.0);
+
+    nlohmann::json earlier = json;
+    earlier.erase("part");
+    earlier.erase("more");
+    Numbers kept;
+    read_record(earlier, kept);
+    CHECK(kept.part.width == 7.0);
+    CHECK_FALSE(kept.more);
+    for (const char* name : {"name", "length", "depth", "parts"}) {
+        nlohmann::json wrong = json;
+        wrong.erase(name);
+        Numbers none;
+        CHECK_THROWS_AS(read_record(wrong, none), nlohmann::json::exception);
+        wrong[name] = {{"another", "kind"}};
+        CHECK_THROWS_AS(read_record(wrong, none), nlohmann::json::exception);
+    }
+}
+
+TEST_CASE("Described rows are blocks of columns, NaN is an empty field", "[record]") {
+    RecordTable table;
+    table.add(std::vector<Part>{{1.0}, {2.0}});
+    table.add(std::vector<Part>{{3.0}, {std::nan("")}}, "0");
+    CHECK(table.csv() == "width,width0\n1,3\n2,\n");
+    CHECK(csv_of(std::vector<Part>{{0.1}}) == "width\n0.10000000000000001\n");
+    std::vector<ColumnInfo> columns;
+    add_columns<Part>(columns);
+    add_columns<Part>(columns); // known by now
+    add_columns<Part>(columns, "<k>");
+    REQUIRE(columns.size() == 2);
+    CHECK(columns[1].name == "width<k>");
+    CHECK(columns[1].unit == "m");
+}
+
+TEST_CASE("Numbers of a described result have their place in the file", "[record]") {
+    std::vector<ColumnInfo> values;
+    add_values<Whole>(values);
+    std::vector<std::string_view> names;
+    for (const ColumnInfo& value : values)
+        names.push_back(value.name);
+    CHECK(names == std::vector<std::string_view>{"length", "depth", "count", "part.width", "parts.<k>.width",
+                                                 "more.width", "other", "mean"});
+}
+
+TEST_CASE("Every column and value of every file has a known unit and a meaning", "[record]") {
+    std::size_t told = 0;
+    for (const FileKind& kind : file_kinds())
+        for (const ColumnInfo& column : kind.columns) {
+            INFO(kind.pattern << ": " << column.name << " in " << column.unit);
+            CHECK(is_unit(column.unit));
+            CHECK_FALSE(column.meaning.empty());
+            ++told;
+        }
+    CHECK(told > 300);
+    CHECK_FALSE(is_unit("{lenght}"));
+    CHECK_FALSE(is_unit(""));
+}

@@ -1,0 +1,92 @@
+"""Results are described once (core/record.hpp): a wrong description does not compile, and names are not quoted elsewhere."""
+
+import json
+import os
+import re
+import subprocess
+import unittest
+
+from test_architecture import text_of, tracked
+
+import rodwake
+
+COMPILER = os.environ.get("CXX", "c++")
+DESCRIBED = re.compile(r'\bfield\(\s*"(\w+)"')
+SOURCE = """#include "rodwake/core/record.hpp"
+struct R {{
+    double speed = 0.0;
+    static constexpr auto fields() {{ return std::tuple{{rodwake::field({})}}; }}
+}};
+int main() {{ return static_cast<int>(std::get<0>(R::fields()).name.size()); }}
+"""
+# Words that files of several kinds have in common.
+GENERAL = set("blocks contact contacts error escape failed failure message model outcome pair pressure pursuit reason rods run share sigma status "
+              "steps theta time times turn undecided used value".split())
+# Names of described results that other C++ files quote, and why these may; to grow shorter.
+SCAN = {"app/scan/scan_columns.cpp", "app/scan/scan_key.cpp"}  # its columns are not described yet
+QUOTED = {
+    "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
+    "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
+    "capture_probability": {"app/scan/scan_columns.cpp", "include/rodwake/app/scan_problem.hpp"},
+    "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/bed_ways.cpp"},  # of the scan; how long a run takes
+    "final_separation": {*SCAN, "app/tradeoff/subject.cpp"},
+    "mean_speed": {"app/bed/measures/displacement.cpp", "app/bed/measures/force.cpp", "app/run/glossary.cpp"},
+    "min_separation_time": SCAN,
+    "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
+    "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
+    "pushed": {"app/bed/measures/mechanics.cpp"},
+    "rhs_evaluations": {*SCAN, "app/tradeoff/subject.cpp", "app/tradeoff/tradeoff_files.cpp"},
+    "separation_change": {"app/tradeoff/bed_ways.cpp"},
+    "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
+    "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
+    "thrust": {"app/bed/granular_checkpoint.cpp", "app/bed/measures/force.cpp"},
+    "turn0": {"app/bed/measures/pairs.cpp", "app/scan/scanned_bed.cpp"},
+    "wall_seconds": {"app/scan/scan_results.cpp", "src/store/provenance.cpp"},  # of the scan; of the command
+}
+
+
+def compiled(description):
+    done = subprocess.run([COMPILER, "-std=c++20", "-fsyntax-only", "-I", rodwake.SOURCE / "include", "-x", "c++", "-"],
+                          input=SOURCE.format(description), capture_output=True, text=True)
+    return done.returncode == 0, done.stderr
+
+
+def quoted_elsewhere(files, common):
+    """{name: files} of described names, but for those in `common`, quoted outside the files that describe them."""
+    homes = {}
+    for path, text in files.items():
+        for name in DESCRIBED.findall(text):
+            homes.setdefault(name, set()).add(path)
+    found = {}
+    for name in set(homes) - common:
+        others = {path for path, text in files.items() if path not in homes[name] and f'"{name}"' in text}
+        if others:
+            found[name] = others
+    return found
+
+
+class DescribedResultsTest(unittest.TestCase):
+    def test_a_wrong_description_does_not_compile(self):
+        self.assertEqual(compiled('"speed", &R::speed, {"m/s", "of the rod"}'), (True, ""))
+        for wrong, why in (('"speed", &R::speed, {"m/ss", "of the rod"}', "unit"), ('"speed", &R::speed, {"", "of the rod"}', "unit"),
+                           ('"speed", &R::speed, {"m/s", ""}', "meaning"), ('"", &R::speed, {"m/s", "of the rod"}', "name")):
+            good, said = compiled(wrong)
+            self.assertFalse(good, wrong)
+            self.assertIn(why, said)
+
+    def test_names_are_quoted_where_they_are_described(self):
+        """Left out are names that are a scene key too, that several kinds of files have, or of one or two letters."""
+        files = {str(p): text_of(p) for p in tracked() if p.suffix in (".hpp", ".cpp") and p.parts[0] in ("app", "include", "models", "src", "fitting")}
+        schema = json.loads((rodwake.SOURCE / "plots/rodwake_plots/schema.json").read_text())
+        common = {key["key"] for key in schema["keys"]} | {name for text in files.values() for name in DESCRIBED.findall(text) if len(name) < 3}
+        common |= {parameter["name"] for parameter in schema["fit_parameters"]} | GENERAL
+        self.assertEqual(quoted_elsewhere(files, common), QUOTED)
+
+    def test_a_name_quoted_elsewhere_is_seen(self):
+        files = {"a.hpp": 'field("psi6", &R::psi6, {})', "b.cpp": 'x.at("psi6")', "c.cpp": '"psi60"'}
+        self.assertEqual(quoted_elsewhere(files, set()), {"psi6": {"b.cpp"}})
+        self.assertEqual(quoted_elsewhere(files, {"psi6"}), {})
+
+
+if __name__ == "__main__":
+    rodwake.main()
