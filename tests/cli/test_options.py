@@ -58,7 +58,7 @@ class HelpTest(ProgramTest):
                 ("[scan]", r"^\[scan\]: table of a scene\n(.*\n)*    resolution "), ("scan.axes", r"^\[\[scan\.axes\]\]: table"),
                 ("granular", r"^\[granular\]: table"), ("scan.csv", r'^scan\.csv: file of a run, made by the stage "scan"\n(.*\n)*    turn<k> +rad '),
                 ("fit_profile_0.csv", r"^fit_profile_<k>\.csv: file of a run"), 
-                ("mean_speed", r"(?m)^mean_speed<k>: column of runs\.csv.*\n  meaning +of rod k along its heading"),
+                ("mean_speed", r"(?m)^mean_speed<k>: column of runs\.csv.*\n  meaning +of the rod along its heading"),
                 ("mean_speed1", r"(?m)^mean_speed<k>: column of scan\.csv.*\n(  .*\n)*  unit +m/s"),
                 ("psi6", r"(?m)^psi6: column of table\.csv"), ("min_separation", r"(?m)^min_separation: key of outcome\.json"),
                 ("measure.json", r"(?m)^    psi6 ")):
