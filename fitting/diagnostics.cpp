@@ -2,6 +2,8 @@
 
 #include "diagnostics.hpp"
 
+#include "rodwake/rods/couplings.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -166,7 +168,7 @@ void add_bounds(Diagnostics& diagnostics, const Problem& problem, const Report& 
 void add_sizes(Diagnostics& diagnostics, const Report& report) {
     constexpr double largest = 1e5;
     for (const Estimate& e : report.estimates)
-        if ((e.name == "kappa" || e.name == "gamma1" || e.name == "gamma2") && std::abs(e.value) > largest)
+        if (rods::find_coupling(e.name) && std::abs(e.value) > largest)
             diagnostics.push_back(fmt::format(
                 "{} = {:.3g} is no coupling of rods (usual are 0.01 to 1000): are f_over_mu and speed of "
                 "the tracks right, and their headings in radians?",

@@ -161,7 +161,11 @@ integrate::OdeOptions trajectory_ode_options() {
 }
 
 std::vector<std::string> trajectory_parameter_names() {
-    return {"kappa", "gamma1", "gamma2", "eta", "xi", "alpha"};
+    std::vector<std::string> names;
+    for (const rods::Coupling& coupling : rods::coupling_list)
+        names.emplace_back(coupling.name);
+    names.insert(names.end(), {"eta", "xi", "alpha"});
+    return names;
 }
 
 Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Trajectory>& trajectories,

@@ -5,6 +5,7 @@
 #include "rodwake/rods/separation.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -93,7 +94,7 @@ void check_trajectories(const std::vector<Trajectory>& trajectories) {
 }
 
 void check_trajectory_parameters(const std::vector<Parameter>& parameters) {
-    const auto has = [&](const char* name) {
+    const auto has = [&](std::string_view name) {
         return std::ranges::find(parameters, name, &Parameter::name) != parameters.end();
     };
     if (!has("eta"))
@@ -102,10 +103,13 @@ void check_trajectory_parameters(const std::vector<Parameter>& parameters) {
         throw InputError(
             has("xi") ? "fit of trajectories: xi and alpha = 1/xi are both given; leave one out"
                       : "fit of trajectories: parameter xi (or alpha) is missing; fix it if it is known");
-    if (!has("kappa") && !has("gamma1") && !has("gamma2"))
+    std::vector<std::string_view> couplings;
+    for (const rods::Coupling& coupling : rods::coupling_list)
+        couplings.push_back(coupling.name);
+    if (std::ranges::none_of(couplings, has))
         throw InputError(
-            "fit of trajectories: none of kappa, gamma1, gamma2 is a parameter, so nothing turns "
-            "the rods");
+            fmt::format("fit of trajectories: none of {} is a parameter, so nothing turns the rods",
+                        fmt::join(couplings, ", ")));
 }
 
 } // namespace rodwake::fitting

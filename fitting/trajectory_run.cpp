@@ -17,10 +17,14 @@ namespace {
 using Column = Eigen::Index;
 
 const std::map<std::string, Role>& physical_roles() {
-    static const std::map<std::string, Role> roles = {
-        {"kappa", {rods::Parameter::kappa}},   {"gamma1", {rods::Parameter::gamma1}},
-        {"gamma2", {rods::Parameter::gamma2}}, {"eta", {rods::Parameter::eta}},
-        {"xi", {rods::Parameter::xi}},         {"alpha", {rods::Parameter::xi, true}}};
+    static const std::map<std::string, Role> roles = [] {
+        std::map<std::string, Role> all = {{"eta", {rods::Parameter::eta}},
+                                           {"xi", {rods::Parameter::xi}},
+                                           {"alpha", {rods::Parameter::xi, true}}};
+        for (int k = 0; k < static_cast<int>(rods::Parameter::eta); ++k)
+            all[std::string(rods::coupling_list[k].name)] = {static_cast<rods::Parameter>(k)};
+        return all;
+    }();
     return roles;
 }
 

@@ -78,7 +78,7 @@ void add_data(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
         lines.push_back({true, track_text(keys.trajectories[i], inputs.tracks[i])});
 }
 
-void add_term(const scene::Fit& keys, const char* parameter, const char* what, Lines& lines) {
+void add_term(const scene::Fit& keys, const std::string& parameter, std::string_view what, Lines& lines) {
     const bool in = scene::fit_has(keys, parameter);
     lines.push_back({in, in ? fmt::format("fit term: {} ({})", what, parameter)
                             : fmt::format("fit term: no {}: {} is not in fit.parameters, fixed or tied", what,
@@ -114,11 +114,9 @@ void add_terms(const scene::Fit& keys, Lines& lines) {
                                               ? fmt::format("fit: |place| < {:g} left out", keys.core)
                                               : "fit core: all points count, fit.core is 0"});
     }
-    if (!keys.trajectories.empty()) {
-        add_term(keys, "kappa", "turning by strain", lines);
-        add_term(keys, "gamma1", "first polar turning", lines);
-        add_term(keys, "gamma2", "second polar turning", lines);
-    }
+    if (!keys.trajectories.empty())
+        for (const rods::Coupling& coupling : rods::coupling_list)
+            add_term(keys, std::string(coupling.name), coupling.words, lines);
 }
 
 } // namespace

@@ -346,10 +346,8 @@ std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
         return map_unit(parameter, keys.length_unit);
     if (fitting::is_start_pose(parameter))
         return parameter.starts_with("heading") ? "rad" : "f/mu";
-    if (parameter == "kappa")
-        return "v0 mu/f";
-    if (parameter == "gamma1" || parameter == "gamma2")
-        return "v0";
+    if (const rods::Coupling* coupling = rods::find_coupling(parameter))
+        return std::string(coupling->unit);
     if (parameter == "eta" || parameter == "alpha")
         return "1";
     const std::string length = keys.profiles.empty() && keys.maps.empty() ? "f/mu" : keys.length_unit;

@@ -156,11 +156,13 @@ std::vector<CostRow> scan_rows(const ScanPlan& plan, double whole) {
         run.atol *= run.rtol / plan.base.rods_run->rtol;
         add(fmt::format("rods_run.rtol = {:g} instead of {:g}", run.rtol, plan.base.rods_run->rtol), other);
     }
-    const bool varied = varies(plan, "coupling.gamma1") || varies(plan, "coupling.gamma2");
+    const bool varied = std::ranges::any_of(rods::coupling_list, [&](const rods::Coupling& c) {
+        return c.polar && varies(plan, "coupling." + std::string(c.name));
+    });
     if (plan.base.coupling && couplings_of(plan.base).polar() && !varied) {
         other = plan;
-        other.base.coupling->gamma1 = other.base.coupling->gamma2 = 0.0;
-        add("no polar turning (gamma1, gamma2)", other);
+        static_cast<rods::Couplings&>(*other.base.coupling) = rods::without(*other.base.coupling, true);
+        add(fmt::format("no polar turning ({})", rods::coupling_names(true)), other);
     }
     return rows;
 }

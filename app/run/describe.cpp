@@ -100,11 +100,12 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
                                 : problem.medium ? "interaction: no coupling, so no field is evaluated"
                                                  : "interaction: no [medium]; rods walk straight"});
     lines.push_back({interacting && c.apolar(),
-                     c.apolar() ? "alignment with the strain axis (kappa)"
-                                : "alignment with the strain axis: kappa is 0, strain is not evaluated"});
+                     c.apolar()
+                         ? fmt::format("alignment with the strain axis ({})", rods::coupling_names(false))
+                         : "alignment with the strain axis: kappa is 0, strain is not evaluated"});
     lines.push_back({interacting && c.polar(),
                      c.polar()
-                         ? "polar turning (gamma1, gamma2)"
+                         ? fmt::format("polar turning ({})", rods::coupling_names(true))
                          : "polar turning: gamma1 and gamma2 are 0, strain gradients are not evaluated"});
     lines.push_back({problem.contact_distance.has_value(),
                      problem.contact_distance

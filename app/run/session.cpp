@@ -79,15 +79,18 @@ void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const O
         if (!box.square())
             results.attribute("/medium", "periodic_y", box.y);
     }
-    if (scene.coupling) {
-        const rods::Couplings c = couplings_of(scene);
-        results.attribute("/coupling", "kappa", c.kappa / units.time);
-        results.attribute("/coupling", "gamma1", c.gamma1 * units.length / units.time);
-        results.attribute("/coupling", "gamma2", c.gamma2 * units.length / units.time);
-    }
+    if (scene.coupling)
+        write_couplings(results, "/coupling", couplings_of(scene), units);
 }
 
 } // namespace
+
+void write_couplings(store::Hdf5Writer& results, const std::string& group, const rods::Couplings& couplings,
+                     const OutputUnits& units) {
+    for (const rods::Coupling& one : rods::coupling_list)
+        results.attribute(group, std::string(one.name),
+                          rods::in_units(one, couplings.*one.number, units.length, units.time));
+}
 
 Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
     : context(std::move(of)), plan(std::move(given)), directory(begun(folder, context, plan)),

@@ -46,4 +46,8 @@ private:
     std::chrono::steady_clock::time_point start_;
 };
 
+/// Attributes of a group, in output units.
+void write_couplings(store::Hdf5Writer& results, const std::string& group, const rods::Couplings& couplings,
+                     const OutputUnits& units);
+
 } // namespace rodwake::app

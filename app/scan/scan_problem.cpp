@@ -11,10 +11,10 @@ namespace rodwake::app {
 namespace {
 
 double* of_coupling(const std::string& key, rods::Couplings& couplings) {
-    return key == "coupling.kappa"    ? &couplings.kappa
-           : key == "coupling.gamma1" ? &couplings.gamma1
-           : key == "coupling.gamma2" ? &couplings.gamma2
-                                      : nullptr;
+    constexpr std::string_view table = "coupling.";
+    const rods::Coupling* coupling =
+        key.starts_with(table) ? rods::find_coupling(std::string_view(key).substr(table.size())) : nullptr;
+    return coupling ? &(couplings.*coupling->number) : nullptr;
 }
 
 double* of_rod(const std::string& key, std::vector<rods::Pose>& rods) {

@@ -20,7 +20,8 @@ bool has_profiles(const Fit& fit, const char* component, bool fitted_only) {
 bool has_wake(const Fit& fit) { return fit_has(fit, "f_over_mu") || fit_has(fit, "f2d_over_mu"); }
 
 bool has_coupling(const Fit& fit) {
-    return fit_has(fit, "kappa") || fit_has(fit, "gamma1") || fit_has(fit, "gamma2");
+    return std::ranges::any_of(rods::coupling_list,
+                               [&](const rods::Coupling& c) { return fit_has(fit, std::string(c.name)); });
 }
 
 /// What the data must hold for a parameter to mean something; empty: it does.
@@ -32,7 +33,7 @@ std::string lacks(const Fit& fit, const std::string& name) {
         return maps ? "" : "[[fit.maps]]";
     if (maps && (name == "offset" || name == "offset_y"))
         return "";
-    if (name == "kappa" || name == "gamma1" || name == "gamma2")
+    if (rods::find_coupling(name))
         return tracks ? "" : "[[fit.trajectories]]";
     if (name == "offset")
         return has_profiles(fit, "Ux", fitted_only) ? "" : fmt::format("a profile of Ux{}", role);

@@ -177,25 +177,20 @@ private:
         if (!rods::model_of(problem_).interacting())
             return;
         const bool images = problem_.box && !problem_.field;
+        const auto without_polar = [](RodProblem& p) { p.couplings = rods::without(p.couplings, true); };
+        const auto without_apolar = [](RodProblem& p) { p.couplings = rods::without(p.couplings, false); };
         const RodProblem all = problem_;
         RodProblem near = problem_; // without images, where those can be told apart
         if (images)
             to_plane(near);
         const double of_all = images ? rates_time(near) : full_;
-        const double strain =
-            !c.apolar() ? walking
-            : c.polar()
-                ? rates_time(near, [](RodProblem& p) { p.couplings.gamma1 = p.couplings.gamma2 = 0.0; })
-                : of_all;
+        const double strain = !c.apolar() ? walking : c.polar() ? rates_time(near, without_polar) : of_all;
         if (c.apolar())
-            add_rates("strain (kappa)", strain - walking,
-                      c.polar() ? rates_time(all, [](RodProblem& p) { p.couplings.kappa = 0.0; }) : walking);
+            add_rates(fmt::format("strain ({})", rods::coupling_names(false)), strain - walking,
+                      c.polar() ? rates_time(all, without_apolar) : walking);
         if (c.polar())
-            add_rates(
-                "polar turning (gamma1, gamma2)", of_all - strain,
-                c.apolar()
-                    ? rates_time(all, [](RodProblem& p) { p.couplings.gamma1 = p.couplings.gamma2 = 0.0; })
-                    : walking);
+            add_rates(fmt::format("polar turning ({})", rods::coupling_names(true)), of_all - strain,
+                      c.apolar() ? rates_time(all, without_polar) : walking);
         if (images)
             add_rates("images in the box (medium.periodic)", full_ - of_all, of_all);
     }

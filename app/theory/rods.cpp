@@ -11,9 +11,8 @@ rods::Couplings couplings_of(const scene::Scene& scene) {
     if (!scene.coupling)
         return {};
     const scene::Coupling& c = *scene.coupling;
-    return c.polar_basis == scene::PolarBasis::divergence
-               ? rods::from_divergence_basis(c.kappa, c.gamma1, c.gamma2)
-               : rods::Couplings{c.kappa, c.gamma1, c.gamma2};
+    return c.polar_basis == scene::PolarBasis::divergence ? rods::from_divergence_basis(c)
+                                                          : rods::Couplings(c);
 }
 
 rods::RodProblem rod_problem(const scene::Scene& scene) {

@@ -170,15 +170,12 @@ void store_trajectory(Session& session, const std::string& group, const Trajecto
 void store_attributes(Session& session, const Work& one, const std::string& group, std::int64_t order) {
     store::Hdf5Writer& out = session.results;
     const rods::RodOutcome& outcome = one.result.outcome;
-    const rods::Couplings c = one.plan->problem.couplings;
     out.attribute(group, "label", one.of().label);
     out.attribute(group, "order", order);
     out.attribute(group, "outcome", to_string(outcome.ending));
     out.attribute(group, "time", outcome.time * session.units.time);
     out.attribute(group, "min_separation", outcome.min_separation * session.units.length);
-    out.attribute(group, "kappa", c.kappa / session.units.time);
-    out.attribute(group, "gamma1", c.gamma1 * session.units.length / session.units.time);
-    out.attribute(group, "gamma2", c.gamma2 * session.units.length / session.units.time);
+    write_couplings(out, group, one.plan->problem.couplings, session.units);
     if (one.of().scene.medium) {
         out.attribute(group, "field", to_string(one.plan->field.backend));
         out.attribute(group, "eta", one.of().scene.medium->eta);

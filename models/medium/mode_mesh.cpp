@@ -74,11 +74,12 @@ void ModeMesh::strain(std::span<const double> field) {
 
 /// gamma1 lap u + gamma2 grad div u.
 void ModeMesh::polar(std::span<const double> field, const rods::Couplings& couplings) {
-    team_.run(modes_.rows(), [&](std::size_t row) {
+    const auto [kappa, gamma1, gamma2] = couplings;
+    team_.run(modes_.rows(), [&, gamma1 = gamma1, gamma2 = gamma2](std::size_t row) {
         fill_row(row, [&](std::size_t i, double qx, double qy) {
             const Displacement u = displacement(modes_, i, field);
-            const double laplacian = -couplings.gamma1 * (qx * qx + qy * qy);
-            const Complex divergence = -couplings.gamma2 * (qx * u.x + qy * u.y);
+            const double laplacian = -gamma1 * (qx * qx + qy * qy);
+            const Complex divergence = -gamma2 * (qx * u.x + qy * u.y);
             return std::array{laplacian * u.x + qx * divergence, laplacian * u.y + qy * divergence};
         });
     });
@@ -87,6 +88,7 @@ void ModeMesh::polar(std::span<const double> field, const rods::Couplings& coupl
 
 void ModeMesh::turning(integrate::State poses, std::span<const double> field,
                        const rods::Couplings& couplings, std::span<double> rates) {
+    const auto& [kappa, gamma1, gamma2] = couplings; // the polar ones: polar()
     place(poses);
     values_.resize(poses.size() / 3);
     std::ranges::fill(rates, 0.0);
@@ -96,7 +98,7 @@ void ModeMesh::turning(integrate::State poses, std::span<const double> field,
             const rods::Direction n = rods::direction(poses, a);
             const double twice_cosine = n.cosine * n.cosine - n.sine * n.sine,
                          twice_sine = 2.0 * n.sine * n.cosine;
-            rates[a] += couplings.kappa * (values_[a].im * twice_cosine - values_[a].re * twice_sine);
+            rates[a] += kappa * (values_[a].im * twice_cosine - values_[a].re * twice_sine);
         }
     }
     if (couplings.polar()) {

@@ -47,12 +47,13 @@ public:
 
 private:
     void add_ring(double q, double weight, const Eigen::VectorXd& times, Eigen::VectorXd& sum) const {
+        const auto& [kappa, gamma1, gamma2] = c_;
         constexpr int nodes = 96;
         for (int k = 0; k < nodes; ++k) {
             const double y = (k + 0.5) / nodes, phi = 0.5 * std::numbers::pi * (1.0 - y * y);
             const double c = std::cos(phi), s = std::sin(phi), dphi = 2.0 * y / nodes; // of the quarter
-            const Number l = i * c_.kappa * q * c * s - (c_.gamma1 + c_.gamma2) * q * q * s;
-            const Number t = 0.5 * i * c_.kappa * q * (c * c - s * s) - c_.gamma1 * q * q * c;
+            const Number l = i * kappa * q * c * s - (gamma1 + gamma2) * q * q * s;
+            const Number t = 0.5 * i * kappa * q * (c * c - s * s) - gamma1 * q * q * c;
             const Number from_l = -l * s * along_ * q / (along_ * q - i * c);
             const Number from_t = t * (-c + i * s * s / (across_ * q - i * c));
             for (Eigen::Index j = 0; j < times.size(); ++j) {

@@ -113,12 +113,13 @@ void validate(const RodProblem& problem) {
 }
 
 bool reaches(const elastic::Medium& medium, const Couplings& c, double distance, double time, double angle) {
+    const auto& [kappa, gamma1, gamma2] = c;
     const elastic::WakeBound bound(medium);
     double rate = 0.0;
     if (c.apolar())
-        rate += std::abs(c.kappa) * bound.strain(distance, 0.0);
+        rate += std::abs(kappa) * bound.strain(distance, 0.0);
     if (c.polar())
-        rate += (std::abs(c.gamma1) + std::abs(c.gamma2)) * bound.polar(distance, 0.0);
+        rate += (std::abs(gamma1) + std::abs(gamma2)) * bound.polar(distance, 0.0);
     return rate * time > angle;
 }
 

@@ -2,8 +2,21 @@
 
 namespace rodwake::rods {
 
-Couplings from_divergence_basis(double kappa, double gamma1, double gamma2) {
+std::string coupling_names(bool polar) {
+    std::string names;
+    for (const Coupling& coupling : coupling_list)
+        if (coupling.polar == polar)
+            names += (names.empty() ? "" : ", ") + std::string(coupling.name);
+    return names;
+}
+
+Couplings from_divergence_basis(const Couplings& of_divergence) {
+    const auto [kappa, gamma1, gamma2] = of_divergence;
     return {kappa, 0.5 * gamma1, gamma2 + 0.5 * gamma1};
+}
+
+Couplings from_divergence_basis(double kappa, double gamma1, double gamma2) {
+    return from_divergence_basis({kappa, gamma1, gamma2});
 }
 
 namespace {
@@ -28,7 +41,8 @@ double vector_torque(const Vector& v, RelativeHeading n) { return n.cosine * v.y
 double vector_torque_by_phi(const Vector& v, RelativeHeading n) { return -n.sine * v.y - n.cosine * v.x; }
 
 Vector polar_vector(const Couplings& c, const Vector& laplacian, const Vector& gradient) {
-    return {c.gamma1 * laplacian.x + c.gamma2 * gradient.x, c.gamma1 * laplacian.y + c.gamma2 * gradient.y};
+    const auto& [kappa, gamma1, gamma2] = c;
+    return {gamma1 * laplacian.x + gamma2 * gradient.x, gamma1 * laplacian.y + gamma2 * gradient.y};
 }
 
 } // namespace
@@ -38,19 +52,21 @@ elastic::FieldRequest request_of(const Couplings& couplings, bool gradients) {
 }
 
 double turning_rate(const elastic::FieldValues& f, const Couplings& c, RelativeHeading n) {
+    const auto& [kappa, gamma1, gamma2] = c; // the polar ones: polar_vector
     double rate = 0.0;
     if (c.apolar())
-        rate += c.kappa * axis_torque(f.strain, n);
+        rate += kappa * axis_torque(f.strain, n);
     if (c.polar())
         rate += vector_torque(polar_vector(c, f.laplacian, f.gradient_of_trace), n);
     return rate;
 }
 
 Vector drive(const elastic::FieldValues& f, const Couplings& c, Vector n) {
+    const auto& [kappa, gamma1, gamma2] = c;
     Vector h{0.0, 0.0};
     if (c.apolar())
-        h = {c.kappa * (f.strain.xx * n.x + f.strain.xy * n.y),
-             c.kappa * (f.strain.xy * n.x + f.strain.yy * n.y)};
+        h = {kappa * (f.strain.xx * n.x + f.strain.xy * n.y),
+             kappa * (f.strain.xy * n.x + f.strain.yy * n.y)};
     if (c.polar()) {
         const Vector polar = polar_vector(c, f.laplacian, f.gradient_of_trace);
         h = {h.x + polar.x, h.y + polar.y};
@@ -59,11 +75,12 @@ Vector drive(const elastic::FieldValues& f, const Couplings& c, Vector n) {
 }
 
 TurningRate turning_rate_derivatives(const elastic::FieldValues& f, const Couplings& c, RelativeHeading n) {
+    const auto& [kappa, gamma1, gamma2] = c;
     TurningRate rate{turning_rate(f, c, n), 0.0, 0.0, 0.0};
     if (c.apolar()) {
-        rate.by_x += c.kappa * axis_torque(f.strain_x, n);
-        rate.by_y += c.kappa * axis_torque(f.strain_y, n);
-        rate.by_phi += c.kappa * axis_torque_by_phi(f.strain, n);
+        rate.by_x += kappa * axis_torque(f.strain_x, n);
+        rate.by_y += kappa * axis_torque(f.strain_y, n);
+        rate.by_phi += kappa * axis_torque_by_phi(f.strain, n);
     }
     if (c.polar()) {
         rate.by_x += vector_torque(polar_vector(c, f.laplacian_x, f.gradient_of_trace_x), n);

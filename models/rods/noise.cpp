@@ -41,12 +41,13 @@ void validate(const Noise& noise) {
 /// The fastest rate at which a heading can relax in these wakes: 2 |kappa| times the size of the traceless
 /// strain, and the size of the polar drive.
 double relaxation_rate(const elastic::FieldValues& f, const Couplings& c) {
+    const auto& [kappa, gamma1, gamma2] = c;
     double rate = 0.0;
     if (c.apolar())
-        rate += 2.0 * std::abs(c.kappa) * std::hypot(f.strain.xy, 0.5 * (f.strain.xx - f.strain.yy));
+        rate += 2.0 * std::abs(kappa) * std::hypot(f.strain.xy, 0.5 * (f.strain.xx - f.strain.yy));
     if (c.polar())
-        rate += std::hypot(c.gamma1 * f.laplacian.x + c.gamma2 * f.gradient_of_trace.x,
-                           c.gamma1 * f.laplacian.y + c.gamma2 * f.gradient_of_trace.y);
+        rate += std::hypot(gamma1 * f.laplacian.x + gamma2 * f.gradient_of_trace.x,
+                           gamma1 * f.laplacian.y + gamma2 * f.gradient_of_trace.y);
     return rate;
 }
 

@@ -76,9 +76,10 @@ void PairQueue::load(std::size_t lane, const PairProblem& pair) {
     l.delta[lane] = medium.delta;
     l.inverse_nu[lane] = medium.inverse_nu;
     const double unit = 0.5 * std::numbers::inv_pi * medium.c_shear;
-    l.kappa[lane] = 0.5 * unit * pair.couplings.kappa; // the kernels give twice the torque's parts
-    l.gamma1[lane] = unit * medium.c_shear * pair.couplings.gamma1;
-    l.gamma2[lane] = unit * medium.c_shear * pair.couplings.gamma2;
+    const auto& [kappa, gamma1, gamma2] = pair.couplings;
+    l.kappa[lane] = 0.5 * unit * kappa; // the kernels give twice the torque's parts
+    l.gamma1[lane] = unit * medium.c_shear * gamma1;
+    l.gamma2[lane] = unit * medium.c_shear * gamma2;
     l.time[lane] = 0.0;
     l.step[lane] = first_step;
     l.t_end[lane] = pair.t_end;

@@ -17,12 +17,14 @@ namespace {
 using integrate::State;
 using Column = Eigen::Index;
 
-bool of_medium(Parameter p) { return p == Parameter::eta || p == Parameter::xi; }
+bool of_medium(Parameter p) { return !coupling_of(p); }
 
 /// The turning rate is linear in the couplings: its derivative by one is the rate with that one alone.
 Couplings unit_coupling(Parameter p) {
-    return {p == Parameter::kappa ? 1.0 : 0.0, p == Parameter::gamma1 ? 1.0 : 0.0,
-            p == Parameter::gamma2 ? 1.0 : 0.0};
+    Couplings couplings;
+    if (const Coupling* one = coupling_of(p))
+        couplings.*one->number = 1.0;
+    return couplings;
 }
 
 /// Derivatives of the right-hand side by couplings and medium.
@@ -49,8 +51,8 @@ ParameterDerivatives::ParameterDerivatives(const RodProblem& problem, std::span<
     : field_(wakes_of(problem)), couplings_(problem.couplings),
       parameters_(parameters.begin(), parameters.end()) {
     for (const Parameter p : parameters_) {
-        request_.strain |= p == Parameter::kappa;
-        request_.polar |= p == Parameter::gamma1 || p == Parameter::gamma2;
+        request_.strain |= unit_coupling(p).apolar();
+        request_.polar |= unit_coupling(p).polar();
         medium_wanted_ |= of_medium(p) && couplings_.any();
     }
 }
@@ -159,19 +161,9 @@ Eigen::MatrixXd initial_sensitivities(std::size_t rods, std::size_t parameters,
 double& value(RodProblem& problem, Parameter parameter) {
     if (of_medium(parameter) && !problem.medium)
         throw InputError("eta and xi belong to a medium; there is none");
-    switch (parameter) {
-    case Parameter::kappa:
-        return problem.couplings.kappa;
-    case Parameter::gamma1:
-        return problem.couplings.gamma1;
-    case Parameter::gamma2:
-        return problem.couplings.gamma2;
-    case Parameter::eta:
-        return problem.medium->eta;
-    case Parameter::xi:
-        break;
-    }
-    return problem.medium->xi;
+    if (const Coupling* coupling = coupling_of(parameter))
+        return problem.couplings.*coupling->number;
+    return parameter == Parameter::eta ? problem.medium->eta : problem.medium->xi;
 }
 
 double value(const RodProblem& problem, Parameter parameter) {

@@ -34,13 +34,14 @@ integrate::Event contact_event(double distance, Box box) {
 } // namespace
 
 elastic::MutualWakesOptions sum_options(const Couplings& c, const WakeSums& sums) {
-    const double polar = std::abs(c.gamma1) + std::abs(c.gamma2);
+    const auto& [kappa, gamma1, gamma2] = c;
+    const double polar = std::abs(gamma1) + std::abs(gamma2);
     const double share = (c.apolar() && c.polar() ? 0.5 : 1.0) * sums.turning_tolerance;
     elastic::MutualWakesOptions options{sums.accuracy, sums.threads, 0.0, 0.0};
     // a sum that no coupling reads may lose everything
     constexpr double anything = 1e30;
     options.strain_tolerance = share == 0.0 ? 0.0
-                               : c.apolar() ? std::numbers::sqrt2 * share / std::abs(c.kappa)
+                               : c.apolar() ? std::numbers::sqrt2 * share / std::abs(kappa)
                                             : anything;
     options.polar_tolerance = share == 0.0 ? 0.0 : c.polar() ? share / polar : anything;
     return options;

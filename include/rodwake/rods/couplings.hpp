@@ -8,6 +8,16 @@
 //   laplacian  (figure sup_ufield)   A = lap u,    B = grad div u       <- kept inside
 //   divergence (text)                A = div eps,  B = grad tr eps
 // Since div eps = (lap u + grad div u)/2: gamma1^lap = gamma1/2, gamma2^lap = gamma2 + gamma1/2.
+//
+// A coupling is a member of Couplings and a line of coupling_list, by which scans, fits, files and messages
+// go. Whoever computes with couplings takes them apart, `const auto [kappa, gamma1, gamma2] = couplings`, so
+// a new one does not compile until each of these places has its term. All couplings so far are linear in the
+// field: sums over wakes, Fourier modes, Jacobian and bounds of the turning rate rely on it.
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <string_view>
 
 namespace rodwake::rods {
 
@@ -18,12 +28,59 @@ struct Couplings {
     double gamma1 = 0.0;
     double gamma2 = 0.0;
 
-    bool apolar() const { return kappa != 0.0; }
-    bool polar() const { return gamma1 != 0.0 || gamma2 != 0.0; }
+    bool apolar() const;
+    bool polar() const;
     bool any() const { return apolar() || polar(); }
+    bool operator==(const Couplings&) const = default;
 };
 
+struct Coupling {
+    std::string_view name; ///< in scenes, fits, files and Python
+    double Couplings::*number;
+    bool polar;             ///< multiplies derivatives of the strain, else the strain
+    std::string_view unit;  ///< of the number in reduced units
+    std::string_view words; ///< what it does, in lists of terms
+};
+
+inline constexpr Coupling coupling_list[] = {
+    {"kappa", &Couplings::kappa, false, "v0 mu/f", "turning by strain"},
+    {"gamma1", &Couplings::gamma1, true, "v0", "first polar turning"},
+    {"gamma2", &Couplings::gamma2, true, "v0", "second polar turning"}};
+static_assert(sizeof(Couplings) == std::size(coupling_list) * sizeof(double), "each coupling has its line");
+
+inline bool Couplings::apolar() const {
+    return std::ranges::any_of(coupling_list,
+                               [&](const Coupling& c) { return !c.polar && this->*c.number != 0.0; });
+}
+inline bool Couplings::polar() const {
+    return std::ranges::any_of(coupling_list,
+                               [&](const Coupling& c) { return c.polar && this->*c.number != 0.0; });
+}
+
+/// nullptr if there is none of this name.
+constexpr const Coupling* find_coupling(std::string_view name) {
+    const auto at = std::ranges::find(coupling_list, name, &Coupling::name);
+    return at == std::end(coupling_list) ? nullptr : at;
+}
+
+/// In a unit of length (f/mu) and a unit of time (f/(mu v0)): of a polar one length/time, else 1/time.
+constexpr double in_units(const Coupling& coupling, double number, double length, double time) {
+    return (coupling.polar ? number * length : number) / time;
+}
+
+/// Without those that are polar, or those that are not.
+constexpr Couplings without(Couplings couplings, bool polar) {
+    for (const Coupling& coupling : coupling_list)
+        if (coupling.polar == polar)
+            couplings.*coupling.number = 0.0;
+    return couplings;
+}
+
+/// "gamma1, gamma2"
+std::string coupling_names(bool polar);
+
 /// Couplings from coefficients of div eps and grad tr eps.
+Couplings from_divergence_basis(const Couplings& of_divergence);
 Couplings from_divergence_basis(double kappa, double gamma1, double gamma2);
 
 } // namespace rodwake::rods

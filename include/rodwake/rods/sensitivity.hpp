@@ -9,8 +9,15 @@
 
 namespace rodwake::rods {
 
-/// Couplings in the laplacian basis and the medium, in reduced units as everywhere here.
+/// Couplings in the laplacian basis, in the order of coupling_list, and the medium, in reduced units as
+/// everywhere here.
 enum class Parameter { kappa, gamma1, gamma2, eta, xi };
+static_assert(static_cast<std::size_t>(Parameter::eta) == std::size(coupling_list));
+
+/// nullptr for those of the medium.
+constexpr const Coupling* coupling_of(Parameter parameter) {
+    return parameter < Parameter::eta ? &coupling_list[static_cast<std::size_t>(parameter)] : nullptr;
+}
 
 double& value(RodProblem& problem, Parameter parameter);
 double value(const RodProblem& problem, Parameter parameter);

@@ -11,6 +11,7 @@
 #include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/integrate/method.hpp"
 #include "rodwake/medium/dynamic_medium.hpp"
+#include "rodwake/rods/couplings.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/scene/fit.hpp"
 #include "rodwake/scene/granular.hpp"
@@ -83,8 +84,7 @@ struct Medium {
 };
 
 /// [coupling]: kappa in v0 mu/f, gamma in v0, as written in the scene (polar_basis says which basis).
-struct Coupling {
-    double kappa = 0.0, gamma1 = 0.0, gamma2 = 0.0;
+struct Coupling : rods::Couplings {
     PolarBasis polar_basis = PolarBasis::laplacian;
 
     bool operator==(const Coupling&) const = default;
