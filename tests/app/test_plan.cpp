@@ -2,7 +2,10 @@
 
 #include "rodwake/app/describe.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/rods/simulate.hpp"
 #include "rodwake/scene/read.hpp"
+#include "rodwake/scene/set.hpp"
+#include "scene/fit_parameters.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -83,6 +86,27 @@ TEST_CASE("Rods of a scene become a problem and options") {
     CHECK(plans[1].of.name == "strong");
     CHECK(plans[1].of.folder == "variants/strong/");
     CHECK(plans[1].problem.couplings.kappa == 100.0);
+}
+
+TEST_CASE("Every coupling is a key of scenes, turns the rods alone, and can be fitted") {
+    for (const rods::Coupling& coupling : rods::coupling_list) {
+        const std::string name(coupling.name);
+        INFO(name);
+        scene::Scene scene = read(rods_text);
+        *scene.coupling = {};
+        const auto wrong = scene::compile_setter(scene, "coupling." + name).set(scene, 2.5);
+        CHECK_FALSE(wrong);
+        const rods::Couplings set = app::couplings_of(scene);
+        CHECK(set.*coupling.number == 2.5);
+        CHECK(set == rods::without(set, !coupling.polar));
+        CHECK_FALSE(rods::without(set, coupling.polar).any());
+        CHECK(std::ranges::count(scene::fit_parameter_list(), name, &scene::FitParameter::name) == 1);
+        const rods::RodProblem problem = app::rod_problem(scene);
+        const auto result = rods::simulate(problem, {});
+        CHECK(result.outcome.turn[0] != 0.0);
+    }
+    CHECK(rods::find_coupling("gamma3") == nullptr);
+    CHECK(rods::coupling_names(true) == "gamma1, gamma2");
 }
 
 TEST_CASE("Beds of a scene: as written, and the variants that change it") {
