@@ -46,6 +46,7 @@ void add_states(RecordTable& table, const FitTrackData& track,
                 const std::vector<std::vector<double>>& states) {
     for (std::size_t rod = 0; rod < track.rods; ++rod) {
         std::vector<Pose> poses;
+        poses.reserve(states.size());
         for (const auto& state : states)
             poses.push_back(
                 {state[3 * rod] * track.length, state[3 * rod + 1] * track.length, state[3 * rod + 2]});

@@ -49,6 +49,21 @@ void add_columns(std::vector<ColumnInfo>& columns, const std::string& behind = "
     });
 }
 
+/// "turn1" for_each_number's field and suffix.
+inline std::string numbered(std::string_view name, int suffix) {
+    return suffix < 0 ? std::string(name) : std::string(name) + std::to_string(suffix);
+}
+
+/// Appends the columns of for_each_number, "turn<k>" for a list.
+template<Described Record>
+void add_number_columns(std::vector<ColumnInfo>& columns) {
+    for_each_field<Record>([&](const auto& field) {
+        constexpr bool list = requires(const Record& record) { (record.*field.member).size(); };
+        columns.push_back(
+            column_info(std::string(field.name) + (list ? "<k>" : ""), field.info.unit, field.info.meaning));
+    });
+}
+
 /// Appends the numbers of a JSON file, "rods.<k>.force"; what is in it without a unit is no number.
 template<Described Record>
 void add_values(std::vector<ColumnInfo>& values, const std::string& before = "") {

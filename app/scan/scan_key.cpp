@@ -3,7 +3,9 @@
 #include "rodwake/app/scan_problem.hpp"
 #include "rodwake/core/encounter.hpp"
 #include "rodwake/scene/write.hpp"
+#include "run/record_table.hpp"
 #include "scan_parts.hpp"
+#include "scan_values.hpp"
 
 #include <fmt/format.h>
 
@@ -12,8 +14,6 @@
 namespace rodwake::app {
 
 namespace {
-
-constexpr std::size_t told_turns = 8; ///< rods whose turns are columns
 
 /// Design and axes as far as they decide what a point of some number is.
 scene::Scan scan_keys(const scene::Scan& scan) {
@@ -64,14 +64,13 @@ scan::Columns columns_of_rods(const scene::Scene& scene) {
     scan::Columns columns;
     for (const Ending ending : {Ending::contact, Ending::pursuit, Ending::escape, Ending::undecided})
         columns.outcomes.emplace_back(rodwake::to_string(ending));
-    columns.observables = {"time", "min_separation", "min_separation_time"};
-    for (std::size_t rod = 0; rod < std::min(scene.rods.size(), told_turns); ++rod)
-        columns.observables.push_back(fmt::format("turn{}", rod));
-    for (const char* name :
-         {"non_reciprocity", "final_separation", "final_angle", "steps", "rhs_evaluations"})
-        columns.observables.emplace_back(name);
+    EncounterEnd some;
+    some.turn.resize(scene.rods.size());
+    for_each_number(some, told_turns, [&](const auto& field, int rod, double) {
+        columns.observables.push_back(numbered(field.name, rod));
+    });
     if (scene.noise)
-        for (const char* name : captures)
+        for (const std::string_view name : field_names<CaptureNumbers>())
             columns.observables.emplace_back(name);
     return columns;
 }

@@ -9,9 +9,10 @@ namespace rodwake::app {
 
 namespace {
 
-void put(const ScanPlan& plan, std::array<double, std::size(captures)> capture, scan::Result& result) {
-    std::ranges::copy(capture, result.values.begin() + static_cast<std::ptrdiff_t>(
-                                                           plan.columns.observables.size() - capture.size()));
+void put(const ScanPlan& plan, const CaptureNumbers& capture, scan::Result& result) {
+    const auto numbers = field_values(capture);
+    std::ranges::copy(numbers, result.values.begin() + static_cast<std::ptrdiff_t>(
+                                                           plan.columns.observables.size() - numbers.size()));
 }
 
 /// The first of equals.

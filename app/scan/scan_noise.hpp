@@ -7,11 +7,11 @@
 namespace rodwake::app {
 
 /// All runs of a point on this thread: its outcome is the most frequent ending, its numbers those of run 0,
-/// and behind them captures. Fails if a run does. False: options.ode.stop_requested stopped it.
+/// and behind them CaptureNumbers. Fails if a run does. False: options.ode.stop_requested stopped it.
 bool evaluate_noisy(const ScanPlan& plan, const rods::RodProblem& problem, const rods::RodOptions& options,
                     const NoisePlan& noise, const OutputUnits& units, scan::Result& result);
 
-/// Puts in captures of a point that has a single outcome for certain; nothing without [noise].
+/// Puts in CaptureNumbers of a point that has a single outcome for certain; nothing without [noise].
 void store_certain_capture(const ScanPlan& plan, Ending ending, scan::Result& result);
 
 } // namespace rodwake::app

@@ -6,21 +6,6 @@ namespace rodwake::app {
 
 namespace {
 
-/// The order of ScanPlan's columns.
-class PointRow {
-public:
-    explicit PointRow(scan::Result& result) : values_(result.values) {}
-
-    PointRow& operator<<(double value) {
-        values_[next_++] = value;
-        return *this;
-    }
-
-private:
-    std::array<double, scan::max_observables>& values_;
-    std::size_t next_ = 0;
-};
-
 /// (|turn of the rear rod| - |turn of the front rod|)/(their sum); NaN without a common heading, or if nobody
 /// turned.
 double non_reciprocity(std::span<const double> first, const rods::Box& box, const Ahead& ahead,
@@ -79,13 +64,13 @@ EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run) 
 void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& units, scan::Result& result) {
     result.status = scan::Status::ok;
     result.outcome = static_cast<std::int32_t>(end.ending);
-    PointRow values(result);
-    values << end.time * units.time << end.min_separation * units.length
-           << end.min_separation_time * units.time;
-    for (std::size_t rod = 0; rod < std::min<std::size_t>(end.turn.size(), 8); ++rod)
-        values << end.turn[rod];
-    values << end.non_reciprocity << end.separation * units.length << end.angle
-           << static_cast<double>(end.steps) << static_cast<double>(end.rhs_evaluations);
+    std::size_t next = 0; // the order of ScanPlan's columns is that of the description
+    for_each_number(end, told_turns, [&](const auto& field, int, double number) {
+        const double unit = field.info.unit == "{scan time}"     ? units.time
+                            : field.info.unit == "{scan length}" ? units.length
+                                                                 : 1.0;
+        result.values[next++] = number * unit;
+    });
     for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
         if (const std::string& name = plan.columns.observables[k];
             !std::isfinite(result.values[k]) && name != "non_reciprocity") {

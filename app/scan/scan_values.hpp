@@ -3,6 +3,7 @@
 
 #include "rodwake/app/rods.hpp"
 #include "rodwake/app/scan.hpp"
+#include "rodwake/core/record.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 
 #include <vector>
@@ -35,9 +36,45 @@ struct EncounterEnd {
     double time = 0.0, min_separation = 0.0, min_separation_time = 0.0;
     std::vector<double> turn;
     double non_reciprocity = 0.0; ///< NaN: there is none
-    double separation = 0.0;      ///< at the end; of more rods of the pair that the outcome is about
-    double angle = 0.0;           ///< between the headings, likewise
+    double separation = 0.0;      ///< of more rods of the pair that the outcome is about
+    double angle = 0.0;           ///< likewise
     long steps = 0, rhs_evaluations = 0;
+
+    static constexpr auto fields() {
+        using R = EncounterEnd;
+        return std::tuple{
+            field("time", &R::time, {"{scan time}", "of contact, else the time reached"}),
+            field("min_separation", &R::min_separation, {"{scan length}", "smallest separation of two rods"}),
+            field("min_separation_time", &R::min_separation_time,
+                  {"{scan time}", "when the separation was smallest"}),
+            field("turn", &R::turn,
+                  {"rad", "of the rod from start to end; in beds + is towards the other rod's first place"}),
+            field("non_reciprocity", &R::non_reciprocity,
+                  {"1", "(|turn of the rear| - |turn of the front|)/(their sum)"}),
+            field("final_separation", &R::separation, {"{scan length}", "at the end"}),
+            field("final_angle", &R::angle, {"rad", "between the headings at the end"}),
+            field("steps", &R::steps, {"1", "of the solver"}),
+            field("rhs_evaluations", &R::rhs_evaluations, {"1", "of the right-hand side"})};
+    }
+};
+
+inline constexpr int told_turns = 8; ///< rods whose turns are columns
+
+/// The last columns of rods with [noise].
+struct CaptureNumbers {
+    double probability, low, high, runs;
+
+    static constexpr auto fields() {
+        using R = CaptureNumbers;
+        return std::tuple{
+            field("capture_probability", &R::probability,
+                  {"1", "share of the runs with noise in contact or pursuit"}),
+            field("capture_probability_low", &R::low,
+                  {"1", "lower end of its 95 % interval (Wilson); itself without noise"}),
+            field("capture_probability_high", &R::high,
+                  {"1", "upper end of its 95 % interval (Wilson); itself without noise"}),
+            field("capture_runs", &R::runs, {"1", "runs with noise behind it; 1 without noise"})};
+    }
 };
 
 EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run, const Ahead& ahead);

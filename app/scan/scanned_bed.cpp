@@ -2,6 +2,7 @@
 
 #include "bed/granular_summary.hpp"
 #include "rodwake/core/error.hpp"
+#include "run/record_table.hpp"
 #include "scan_parts.hpp"
 #include "theory/pair_run.hpp"
 
@@ -12,49 +13,19 @@ namespace rodwake::app {
 
 namespace {
 
-/// What a run wrote; of two rods with what became of the pair.
-struct Finished {
-    const RunTables& tables;
-    PairNumbers pair;
-
-    double summary(const std::string& name) const { return tables.summary(name, name); }
-};
-
-/// A number of a run: its column, and how it is made.
-struct Observable {
-    std::string name;
-    std::function<double(const Finished&)> of;
-};
-
 constexpr std::size_t told_rods = 5; ///< rods with columns of their own
 
 bool has_pair(const scene::Scene& scene) { return scene.granular->rods.size() == 2; }
 
-Observable of_pair(const char* name, double PairNumbers::*number) {
-    return {name, [number](const Finished& run) { return run.pair.*number; }};
-}
-
-std::vector<Observable> of_pair() {
-    return {of_pair("time", &PairNumbers::outcome_time),
-            of_pair("delta_y", &PairNumbers::half_box_change),
-            of_pair("last_change", &PairNumbers::last_change),
-            of_pair("separation", &PairNumbers::separation),
-            of_pair("min_separation", &PairNumbers::min_separation),
-            {"turn0", [](const Finished& run) { return run.pair.turn[0]; }},
-            {"turn1", [](const Finished& run) { return run.pair.turn[1]; }},
-            of_pair("non_reciprocity", &PairNumbers::non_reciprocity),
-            {"leader", [](const Finished& run) { return static_cast<double>(run.pair.leader); }}};
-}
-
-/// The list of columns, in their order; "time" is the first.
-std::vector<Observable> observables_of(const scene::Scene& scene) {
-    std::vector<Observable> all = has_pair(scene) ? of_pair() : std::vector<Observable>{};
-    const std::size_t rods = std::min(scene.granular->rods.size(), told_rods);
-    for (const SummaryNumber& number : summary_numbers(rod_numbers(rods), false))
-        if (!number.scan_column.empty() && !(has_pair(scene) && number.scan_column == all.front().name))
-            all.push_back({number.scan_column,
-                           [path = number.path](const Finished& run) { return run.summary(path); }});
-    return all;
+/// What the summary of a run tells behind the numbers of a pair, which have a time of their own.
+std::vector<SummaryNumber> told_numbers(const scene::Scene& scene) {
+    std::vector<SummaryNumber> told =
+        summary_numbers(rod_numbers(std::min(scene.granular->rods.size(), told_rods)), false);
+    const std::string_view time = field_names<PairNumbers>().front();
+    std::erase_if(told, [&](const SummaryNumber& number) {
+        return number.scan_column.empty() || (has_pair(scene) && number.scan_column == time);
+    });
+    return told;
 }
 
 } // namespace
@@ -66,8 +37,12 @@ scan::Columns columns_of_beds(const scene::Scene& scene) {
             columns.outcomes.emplace_back(rodwake::to_string(ending));
     else
         columns.outcomes = {"finished"};
-    for (const Observable& one : observables_of(scene))
-        columns.observables.push_back(one.name);
+    if (has_pair(scene))
+        for_each_number(PairNumbers{}, 2, [&](const auto& field, int rod, double) {
+            columns.observables.push_back(numbered(field.name, rod));
+        });
+    for (const SummaryNumber& number : told_numbers(scene))
+        columns.observables.push_back(number.scan_column);
     return columns;
 }
 
@@ -94,14 +69,14 @@ BedPlan scanned_bed(const ScanPlan& plan, const scan::Point& point) {
 }
 
 BedYield yield_of(const scene::Scene& scene, const RunTables& run) {
-    Finished finished{run, {}};
     BedYield yield;
     if (has_pair(scene)) {
-        finished.pair = pair_numbers(scene, run);
-        yield.outcome = static_cast<std::int32_t>(finished.pair.outcome);
+        const PairNumbers pair = pair_numbers(scene, run);
+        yield.outcome = static_cast<std::int32_t>(pair.outcome);
+        for_each_number(pair, 2, [&](const auto&, int, double number) { yield.values.push_back(number); });
     }
-    for (const Observable& one : observables_of(scene))
-        yield.values.push_back(one.of(finished));
+    for (const SummaryNumber& number : told_numbers(scene))
+        yield.values.push_back(run.summary(number.path, number.path));
     return yield;
 }
 

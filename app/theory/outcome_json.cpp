@@ -54,7 +54,7 @@ SolverReport solver_report(const rods::RodResult& result, const RodsPlan& plan, 
 } // namespace
 
 std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, const OutputUnits& units,
-                         std::optional<DrawnReport> ensemble, const std::vector<double>& own_turn) {
+                         const std::optional<DrawnReport>& ensemble, const std::vector<double>& own_turn) {
     const rods::RodOutcome& outcome = result.outcome;
     OutcomeReport report;
     report.outcome = to_string(outcome.ending);
@@ -70,7 +70,7 @@ std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, co
     report.reason = outcome.reason;
     report.units = {units.length_name, units.time_name, "rad"};
     report.solver = solver_report(result, plan, units);
-    report.ensemble = std::move(ensemble);
+    report.ensemble = ensemble;
     return record_json(report).dump(2) + "\n";
 }
 

@@ -28,7 +28,8 @@ DrawnReport drawn_report(const std::vector<rods::RodResult>& samples, rods::Box 
 
 /// Content of outcome.json. Lengths and times in output units.
 std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, const OutputUnits& units,
-                         std::optional<DrawnReport> ensemble, const std::vector<double>& own_turn = {});
+                         const std::optional<DrawnReport>& ensemble,
+                         const std::vector<double>& own_turn = {});
 
 /// Places of all samples at the output times into `group` of the results: x, y as [sample][time][rod], NaN
 /// where a sample has ended.

@@ -196,9 +196,8 @@ void store(Session& session, Work& one, std::int64_t order) {
     std::optional<DrawnReport> drawn;
     if (!one.samples.empty())
         drawn = drawn_report(one.samples, one.problem.box, session.units);
-    session.directory.write(
-        one.of().folder + "outcome.json",
-        outcome_json(one.result, *one.plan, session.units, std::move(drawn), one.own_turn));
+    session.directory.write(one.of().folder + "outcome.json",
+                            outcome_json(one.result, *one.plan, session.units, drawn, one.own_turn));
     if (one.noisy) {
         session.directory.write(one.of().folder + "noise.json",
                                 noise_json(*one.noisy, *one.plan->noise, one.problem, session.units));

@@ -1,8 +1,8 @@
 #include "ways_files.hpp"
-#include "run/values_json.hpp"
 
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "run/values_json.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,7 +33,8 @@ constexpr ColumnInfo columns_of_ways[] = {
     {"scale", "{unit}", "what 100 % is"},
     {"status", "1", "ok, or why there is no result"}};
 
-double finite_or_null(const ordered_json& value) { return value.is_null() ? HUGE_VAL : value.get<double>(); }
+/// JSON has no infinity and no NaN: null is infinite here.
+double number_of(const ordered_json& value) { return value.is_null() ? HUGE_VAL : value.get<double>(); }
 
 ordered_json found_json(const Found& f) {
     return {{"quantity", f.name},
@@ -49,11 +50,11 @@ ordered_json found_json(const Found& f) {
 Found found_of(const ordered_json& json) {
     return {json.at("quantity"),
             json.at("unit"),
-            finite_or_null(json.at("value")),
-            finite_or_null(json.at("error")),
-            finite_or_null(json.at("scatter")),
-            finite_or_null(json.at("bias")),
-            finite_or_null(json.at("bias_error")),
+            number_of(json.at("value")),
+            number_of(json.at("error")),
+            number_of(json.at("scatter")),
+            number_of(json.at("bias")),
+            number_of(json.at("bias_error")),
             json.at("scale")};
 }
 
@@ -69,7 +70,7 @@ ordered_json way_json(const Way& way) {
 }
 
 Way way_of(const ordered_json& json) {
-    Way way{json.at("keys"), finite_or_null(json.at("seconds")), json.at("runs"), {}, json.at("status")};
+    Way way{json.at("keys"), number_of(json.at("seconds")), json.at("runs"), {}, json.at("status")};
     for (const ordered_json& found : json.at("found"))
         way.found.push_back(found_of(found));
     return way;

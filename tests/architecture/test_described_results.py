@@ -23,24 +23,27 @@ int main() {{ return static_cast<int>(std::get<0>(R::fields()).name.size()); }}
 GENERAL = set("blocks contact contacts error escape failed failure message model outcome pair pressure pursuit reason rods run share sigma status "
               "steps theta time times turn undecided used value".split())
 # Names of described results that other C++ files quote, and why these may; to grow shorter.
-SCAN = {"app/scan/scan_columns.cpp", "app/scan/scan_key.cpp"}  # its columns are not described yet
+PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure
 QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
-    "capture_probability": {"app/scan/scan_columns.cpp", "include/rodwake/app/scan_problem.hpp"},
     "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/bed_ways.cpp"},  # of the scan; how long a run takes
-    "final_separation": {*SCAN, "app/tradeoff/subject.cpp"},
+    "delta_y": {PAIRS, "app/bed/series_columns.cpp", "app/scan/scan_bed_results.cpp", "app/scene/figure_kinds.cpp"},
+    "final_separation": {"app/tradeoff/subject.cpp"},
+    "last_change": {PAIRS},
+    "leader": {PAIRS},
     "mean_speed": {"app/bed/measures/displacement.cpp", "app/bed/measures/force.cpp", "app/run/glossary.cpp"},
-    "min_separation_time": SCAN,
+    "non_reciprocity": {PAIRS, "app/scan/scan_values.cpp", "app/scene/figure_kinds.cpp"},
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
     "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
-    "rhs_evaluations": {*SCAN, "app/tradeoff/subject.cpp", "app/tradeoff/tradeoff_files.cpp"},
+    "rhs_evaluations": {"app/tradeoff/subject.cpp", "app/tradeoff/tradeoff_files.cpp"},
+    "separation": {PAIRS},
     "separation_change": {"app/tradeoff/bed_ways.cpp"},
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "thrust": {"app/bed/granular_checkpoint.cpp", "app/bed/measures/force.cpp"},
-    "turn0": {"app/bed/measures/pairs.cpp", "app/scan/scanned_bed.cpp"},
+    "turn0": {PAIRS},
     "wall_seconds": {"app/scan/scan_results.cpp", "src/store/provenance.cpp"},  # of the scan; of the command
 }
 

@@ -88,13 +88,13 @@ PairResult pairs_of(const MeasuredCase& data) {
 }
 
 PairNumbers numbers_of(const measure::PairRun& p, double a) {
-    return {.separation = p.separation / a,
+    return {.outcome_time = p.ending_time,
             .half_box_change = p.half_box_change ? *p.half_box_change / a : std::nan(""),
             .last_change = p.last_change / a,
+            .separation = p.separation / a,
+            .min_separation = p.min_separation / a,
             .turn = {p.turn[0], p.turn[1]},
             .non_reciprocity = p.non_reciprocity,
-            .min_separation = p.min_separation / a,
-            .outcome_time = p.ending_time,
             .leader = p.leader,
             .outcome = p.ending};
 }

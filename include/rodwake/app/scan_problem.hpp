@@ -9,11 +9,6 @@
 
 namespace rodwake::app {
 
-/// The last columns of a scan of rods with [noise]: share of the runs in contact or pursuit, and the ends of
-/// its interval, and how many runs that took.
-inline constexpr const char* captures[] = {"capture_probability", "capture_probability_low",
-                                           "capture_probability_high", "capture_runs"};
-
 /// A thread has its own. The plan must outlive it.
 class PointProblem {
 public:

@@ -113,4 +113,18 @@ constexpr auto field_values(const Record& record) {
         Record::fields());
 }
 
+/// Calls use(field, suffix, number) for each number: of a list with the suffix 0, 1, ... up to `most`, else
+/// with none (-1).
+template<Described Record, class Use>
+void for_each_number(const Record& record, int most, const Use& use) {
+    for_each_field<Record>([&](const auto& field) {
+        const auto& value = record.*field.member;
+        if constexpr (requires { value.size(); })
+            for (int k = 0; k < std::min(static_cast<int>(value.size()), most); ++k)
+                use(field, k, static_cast<double>(value[static_cast<std::size_t>(k)]));
+        else
+            use(field, -1, static_cast<double>(value));
+    });
+}
+
 } // namespace rodwake
