@@ -143,7 +143,7 @@ std::string rods_csv(const Trajectory& path) {
 /// Datasets t [T] and x, y, theta [T][N].
 void store_trajectory(Session& session, const std::string& group, const Trajectory& path) {
     const auto put = [&](const auto& field, const std::vector<double>& values,
-                         std::vector<std::size_t> shape) {
+                         const std::vector<std::size_t>& shape) {
         const std::string unit(field.info.unit);
         session.results.dataset(group + "/" + std::string(field.name), values, shape,
                                 unit == "{time}"     ? session.units.time_name
