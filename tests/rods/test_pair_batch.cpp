@@ -95,6 +95,19 @@ TEST_CASE("pairs of a batch end as rods::simulate ends them") {
     }
 }
 
+TEST_CASE("every coupling alone turns a pair of a batch as rods::simulate does") {
+    for (const Coupling& coupling : coupling_list) {
+        INFO(std::string(coupling.name));
+        PairProblem pair{{1.0, 1.0}, {}, {Pose{0.0, 1.0, 0.3}, Pose{-0.5, -1.0, -0.2}}, 10.0};
+        pair.couplings.*coupling.number = 0.5;
+        const RodResult exact = reference(pair, 1e-10);
+        CHECK(std::abs(exact.outcome.turn[0]) > 1e-3);
+        const PairResult result = results_of({pair}, {.rtol = 1e-8, .atol = 1e-10}).front();
+        REQUIRE_FALSE(result.handed_over());
+        CHECK(difference(result, exact) < 1e-6); // 100 rtol
+    }
+}
+
 TEST_CASE("the error of a batch scales with rtol") {
     const auto pairs = random_pairs(150, 32, false);
     CHECK(compare(pairs, 1e-6, 1e-12).quantile(0.5) < 3e-6);
