@@ -9,8 +9,8 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "run/progress.hpp"
-#include "run/run_tables.hpp"
 #include "run/stage_list.hpp"
+#include "run_tables.hpp"
 
 #include <fmt/format.h>
 

@@ -24,7 +24,6 @@ public:
         });
     }
 
-    const std::vector<std::string>& names() const { return names_; }
     std::string csv() const { return store::to_csv(names_, columns_); }
 
 private:
@@ -49,7 +48,7 @@ void add_columns(std::vector<ColumnInfo>& columns, const std::string& behind = "
     });
 }
 
-/// "turn1" for_each_number's field and suffix.
+/// "turn1": the name and suffix that for_each_number gives.
 inline std::string numbered(std::string_view name, int suffix) {
     return suffix < 0 ? std::string(name) : std::string(name) + std::to_string(suffix);
 }

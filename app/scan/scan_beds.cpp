@@ -1,7 +1,7 @@
 #include "scan_beds.hpp"
 
+#include "bed/run_tables.hpp"
 #include "rodwake/core/error.hpp"
-#include "run/run_tables.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #include "scan_columns.hpp"
 
 #include "bed/granular_summary.hpp"
+#include "bed/pair_run.hpp"
 #include "run/record_table.hpp"
 #include "scan_values.hpp"
-#include "theory/pair_run.hpp"
 
 #include <algorithm>
 #include <iterator>

@@ -62,7 +62,7 @@ scene::Scene scan_base(const scene::Scene& scene) {
 
 scan::Columns columns_of_rods(const scene::Scene& scene) {
     scan::Columns columns;
-    for (const Ending ending : {Ending::contact, Ending::pursuit, Ending::escape, Ending::undecided})
+    for (const Ending ending : all_endings)
         columns.outcomes.emplace_back(rodwake::to_string(ending));
     EncounterEnd some;
     some.turn.resize(scene.rods.size());

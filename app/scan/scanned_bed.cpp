@@ -1,10 +1,10 @@
 #include "rodwake/app/scanned_bed.hpp"
 
 #include "bed/granular_summary.hpp"
+#include "bed/pair_run.hpp"
 #include "rodwake/core/error.hpp"
 #include "run/record_table.hpp"
 #include "scan_parts.hpp"
-#include "theory/pair_run.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ std::vector<SummaryNumber> told_numbers(const scene::Scene& scene) {
 scan::Columns columns_of_beds(const scene::Scene& scene) {
     scan::Columns columns;
     if (has_pair(scene))
-        for (const Ending ending : {Ending::contact, Ending::pursuit, Ending::escape, Ending::undecided})
+        for (const Ending ending : all_endings)
             columns.outcomes.emplace_back(rodwake::to_string(ending));
     else
         columns.outcomes = {"finished"};

@@ -1,6 +1,6 @@
 #pragma once
-// The rods of a case in fields drawn from a measured one and its errors: what these errors make of the
-// result.
+// How the rods of a case end: outcome.json, and what the errors of a measured field make of it, by the same
+// rods in fields drawn from it.
 
 #include "rodwake/elastic/measured_field.hpp"
 #include "rodwake/rods/simulate.hpp"

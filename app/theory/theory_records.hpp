@@ -106,10 +106,20 @@ struct EndingCounts {
     std::int64_t contact = 0, pursuit = 0, escape = 0, undecided = 0, failed = 0;
 
     void add(Ending ending) {
-        ++(ending == Ending::contact   ? contact
-           : ending == Ending::pursuit ? pursuit
-           : ending == Ending::escape  ? escape
-                                       : undecided);
+        switch (ending) {
+        case Ending::contact:
+            ++contact;
+            break;
+        case Ending::pursuit:
+            ++pursuit;
+            break;
+        case Ending::escape:
+            ++escape;
+            break;
+        case Ending::undecided:
+            ++undecided;
+            break;
+        }
     }
 
     static constexpr auto fields() {
@@ -167,12 +177,7 @@ struct OutcomeReport {
 };
 
 /// How an ending is written into a table.
-constexpr double ending_code(Ending ending) {
-    return ending == Ending::contact   ? 0.0
-           : ending == Ending::pursuit ? 1.0
-           : ending == Ending::escape  ? 2.0
-                                       : 3.0;
-}
+constexpr double ending_code(Ending ending) { return static_cast<double>(static_cast<int>(ending)); }
 
 inline constexpr std::string_view outcome_codes =
     "0 contact, 1 pursuit, 2 escape, 3 undecided; empty: the solver failed";

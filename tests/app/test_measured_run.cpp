@@ -2,12 +2,12 @@
 
 #include "bed/measure_files.hpp"
 #include "bed/measure_results.hpp"
+#include "bed/run_tables.hpp"
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
 #include "run/catalogue.hpp"
-#include "run/run_tables.hpp"
 #include "run/values_json.hpp"
 #include "run_files.hpp"
 

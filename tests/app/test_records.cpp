@@ -3,6 +3,7 @@
 #include "run/catalogue.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
+#include "theory/theory_records.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -61,7 +62,7 @@ Whole example() {
 /// Of nothing but what read_record takes.
 struct Numbers {
     std::string name;
-    double length = 0.0, depth = 0.0;
+    double length = 0.0, depth = unknown_error;
     std::vector<Part> parts;
     Part part{7.0};
     std::optional<Part> more;
@@ -112,6 +113,10 @@ TEST_CASE("A described result is read back, and what is missing is told", "[reco
     read_record(earlier, kept);
     CHECK(kept.part.width == 7.0);
     CHECK_FALSE(kept.more);
+    nlohmann::json unknown = json;
+    unknown["length"] = nullptr; // which has to be known
+    Numbers nothing;
+    CHECK_THROWS_AS(read_record(unknown, nothing), nlohmann::json::exception);
     for (const char* name : {"name", "length", "depth", "parts"}) {
         nlohmann::json wrong = json;
         wrong.erase(name);
@@ -159,4 +164,16 @@ TEST_CASE("Every column and value of every file has a known unit and a meaning",
     CHECK(told > 300);
     CHECK_FALSE(is_unit("{lenght}"));
     CHECK_FALSE(is_unit(""));
+}
+
+TEST_CASE("Endings have the numbers that the description of a table gives them", "[record]") {
+    std::string told;
+    EndingCounts counts;
+    for (const Ending ending : all_endings) {
+        told += (told.empty() ? "" : ", ") + std::to_string(static_cast<int>(ending_code(ending))) + " " +
+                to_string(ending);
+        counts.add(ending);
+    }
+    CHECK(outcome_codes.starts_with(told));
+    CHECK(record_json(counts).dump() == R"({"contact":1,"pursuit":1,"escape":1,"undecided":1,"failed":0})");
 }

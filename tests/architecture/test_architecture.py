@@ -55,6 +55,11 @@ ONLY_IN = {
 }
 KINDS = "app/bed/measures"  # a file a measure; they open no files
 NO_FILES = re.compile(r"^(fstream|iostream|ostream|cstdio)$")
+# What turns a scene into a plan, and tells of it.
+PLANS = {f"app/{name}.cpp" for name in (
+    "run/cases", "run/describe", "run/plan", "run/schema", "theory/rods", "theory/field_choice", "bed/granular", "bed/measure", "bed/measure_parts",
+    "bed/describe_granular", "bed/describe_measure", "fit/fit", "fit/fit_map", "fit/fit_track", "fit/describe_fit", "scan/scan", "scan/scan_key",
+    "scan/scan_problem", "scan/scanned_bed")}
 # A measure is known to its own part and to the file of its kind: a header named as a file of that folder is one's.
 MEASURES = {path.stem for path in (SOURCE / KINDS).glob("*.cpp")}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
@@ -99,8 +104,8 @@ def wrong_includes(path, text):
         for owner, library in ONLY_IN.items():
             if library.match(name) and part not in owner.split("|"):
                 wrong.append(f"{path}: only {owner} may include {name}")
-        if path.is_relative_to(KINDS) and NO_FILES.match(name):
-            wrong.append(f"{path}: measures open no files, and so must not include {name}")
+        if (path.is_relative_to(KINDS) or str(path) in PLANS) and (NO_FILES.match(name) or name.startswith(("spdlog/", "rodwake/store/"))):
+            wrong.append(f"{path}: plans and measures open no files, and so must not include {name}")
         if name.startswith("rodwake/measure/") and Path(name).stem in MEASURES and part != "measure" and path != Path(KINDS, f"{Path(name).stem}.cpp"):
             wrong.append(f"{path}: only the measure's own file may include {name}")
     return wrong
@@ -191,6 +196,9 @@ class OrderTest(unittest.TestCase):
                            ("app/cli/a.cpp", "#include <xxhash.h>"),
                            ("src/core/a.cpp", "#include <hwy/highway.h>"),
                            ("app/bed/measures/a.cpp", "#include <fstream>"),
+                           ("app/run/plan.cpp", "#include <fstream>"),
+                           ("app/run/plan.cpp", "#include <spdlog/logger.h>"),
+                           ("app/run/plan.cpp", '#include "rodwake/store/csv.hpp"'),
                            ("app/bed/a.cpp", '#include "rodwake/measure/flow.hpp"'),
                            ("app/bed/measures/order.cpp", '#include "rodwake/measure/flow.hpp"'),
                            ("src/new/a.cpp", "")]:
@@ -215,6 +223,9 @@ class OrderTest(unittest.TestCase):
     def test_wrong_links_are_seen(self):
         self.assertEqual(wrong_links("elastic", "PUBLIC rodwake::core PRIVATE rodwake::rods"), ["rods"])
         self.assertEqual(wrong_links("fitting", "PUBLIC rodwake::elastic rodwake::scene PRIVATE rodwake::store"), ["scene", "store"])
+
+    def test_plans_are_there(self):
+        self.assertEqual([name for name in PLANS if not (SOURCE / name).is_file()], [])
 
     def test_the_order_has_no_cycle(self):
         for part, allowed in ALLOWED.items():

@@ -3,7 +3,7 @@
 #include "rodwake/measure/pairs.hpp"
 
 #include "bed/measure_parts.hpp"
-#include "theory/pair_run.hpp"
+#include "bed/pair_run.hpp"
 
 #include "rodwake/app/granular.hpp"
 

@@ -27,12 +27,16 @@
 
 #include "rodwake/core/periodic.hpp"
 
+#include <array>
 #include <cmath>
 #include <string>
 
 namespace rodwake {
 
 enum class Ending { contact, pursuit, escape, undecided };
+/// In the order of the numbers by which tables tell them.
+inline constexpr std::array all_endings = {Ending::contact, Ending::pursuit, Ending::escape,
+                                           Ending::undecided};
 
 std::string to_string(Ending ending);
 

@@ -5,9 +5,7 @@
 //     struct RodSummary {
 //         double mean_speed = 0.0;
 //         static constexpr auto fields() {
-//             using R = RodSummary;
-//             return std::tuple{field("mean_speed", &R::mean_speed, {"m/s", "of the rod along its
-//             heading"})};
+//             return std::tuple{field("mean_speed", &RodSummary::mean_speed, {"m/s", "along its heading"})};
 //         }
 //     };
 //

@@ -2,7 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/csv.hpp"
-#include "values_json.hpp"
+#include "run/values_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
