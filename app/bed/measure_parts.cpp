@@ -4,8 +4,6 @@
 
 namespace rodwake::app {
 
-Value count_value(std::size_t count) { return static_cast<std::int64_t>(count); }
-
 std::string text(const Estimate& e) {
     if (e.count == 0)
         return "not measured";
@@ -31,14 +29,6 @@ Column vectors(const Column& x, const Column& y, double scale) {
     Column out;
     for (std::size_t i = 0; i < x.size(); ++i)
         out.insert(out.end(), {x[i] * scale, y[i] * scale, 0.0});
-    return out;
-}
-
-std::vector<Column> transposed(const std::vector<std::vector<double>>& rows, std::size_t columns) {
-    std::vector<Column> out(columns);
-    for (const std::vector<double>& row : rows)
-        for (std::size_t k = 0; k < columns; ++k)
-            out[k].push_back(row[k]);
     return out;
 }
 

@@ -3,7 +3,13 @@
 
 #include "rodwake/app/measure_kind.hpp"
 
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <iterator>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace rodwake::app {
@@ -15,7 +21,72 @@ void include_sums(MeasurePlan& plan, const char* name, const Options& options, s
     plan.sums.include(name, measure::Accumulator(Sums(plan.sums.layout(), options)), every * plan.stride);
 }
 
-Value count_value(std::size_t count);
+/// What is told of results, with how it is got from them: listed once.
+template<class Info, class Out, class From>
+struct Told {
+    Info info;
+    Out (*get)(const From&);
+
+    template<class Get> // a lambda without captures
+    consteval Told(const Info& told, Get)
+        : info(told), get([](const From& from) { return Out(to_told(Get{}(from))); }) {
+        constexpr bool number_of_table = std::same_as<Info, ColumnInfo>;
+        if (told.meaning.empty() || (!is_unit(told.unit) && (number_of_table || !told.unit.empty())))
+            throw "what is told has a meaning and a unit of the list `units`";
+    }
+
+private:
+    /// Counts are whole numbers, what is absent is nothing.
+    template<class T>
+    static auto to_told(T&& got) {
+        using Got = std::remove_cvref_t<T>;
+        if constexpr (std::same_as<Out, Value> && std::integral<Got> && !std::same_as<Got, bool>)
+            return static_cast<std::int64_t>(got);
+        else if constexpr (std::same_as<Out, Value> && requires { got.has_value(); })
+            return got ? Value(*got) : Value();
+        else if constexpr (std::same_as<Out, double>)
+            return static_cast<double>(got);
+        else
+            return Out(std::forward<T>(got));
+    }
+};
+template<class Found>
+using ToldValue = Told<ValueInfo, Value, Found>; ///< of measure.json
+template<class Found>
+using ToldColumn = Told<ColumnInfo, Column, Found>; ///< of a table
+template<class Row>
+using RowColumn = Told<ColumnInfo, double, Row>; ///< of a table with a row for each of something
+
+template<class Info, class Out, class From, std::size_t N>
+constexpr std::array<Info, N> infos_of(const Told<Info, Out, From> (&list)[N]) {
+    std::array<Info, N> infos{};
+    std::ranges::transform(list, infos.begin(), &Told<Info, Out, From>::info);
+    return infos;
+}
+
+template<class Found, std::size_t N>
+Values values_of(const ToldValue<Found> (&list)[N], const Found& found) {
+    Values values;
+    for (const ToldValue<Found>& one : list)
+        values.push_back({std::string(one.info.key), one.get(found)});
+    return values;
+}
+
+template<class Found, std::size_t N>
+std::vector<Column> columns_of(const ToldColumn<Found> (&list)[N], const Found& found) {
+    std::vector<Column> columns;
+    for (const ToldColumn<Found>& one : list)
+        columns.push_back(one.get(found));
+    return columns;
+}
+
+template<class Row, std::size_t N>
+std::vector<Column> columns_of(const RowColumn<Row> (&list)[N], const std::vector<Row>& rows) {
+    std::vector<Column> columns;
+    for (const RowColumn<Row>& one : list)
+        std::ranges::transform(rows, std::back_inserter(columns.emplace_back()), one.get);
+    return columns;
+}
 
 /// "value +- error"
 std::string text(const Estimate& e);
@@ -34,7 +105,5 @@ std::vector<double> of_summaries(const MeasuredCase& data, const std::string& na
 Column scaled(const Column& values, double scale);
 /// Two components as VTK wants vectors.
 Column vectors(const Column& x, const Column& y, double scale);
-/// Columns of these rows.
-std::vector<Column> transposed(const std::vector<std::vector<double>>& rows, std::size_t columns);
 
 } // namespace rodwake::app

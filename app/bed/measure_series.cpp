@@ -14,10 +14,20 @@ namespace rodwake::app {
 
 namespace {
 
+Estimate estimate_of(const MeasureReport& report, const SeriesInfo& info) {
+    const auto found = std::ranges::find(report.values, info.value, &NamedValue::name);
+    if (found == report.values.end())
+        return {};
+    return info.number ? info.number(found->value) : std::get<Estimate>(found->value);
+}
+
 SeriesRow row_of(const CaseResults& r) {
     SeriesRow row{r.imposed_speed, {}};
     for (const auto& [name, report] : r.reports)
-        row.values.insert(row.values.end(), report.series.begin(), report.series.end());
+        if (const auto kind = std::ranges::find(measure_kinds(), name, &MeasureKind::name);
+            kind != measure_kinds().end())
+            for (const SeriesInfo& info : kind->series)
+                row.values.push_back({info.column.name, estimate_of(report, info)});
     return row;
 }
 

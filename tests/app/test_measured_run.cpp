@@ -119,7 +119,7 @@ TEST_CASE("series.csv has the columns of all measures where none was made", "[me
     app::CaseResults forced = case_of("forced");
     forced.imposed_speed = 1.0;
     app::MeasureReport report;
-    report.series = {{"force", {2.0, unknown_error, 1}}, {"class", {}}};
+    report.values = {{"force", Estimate{2.0, unknown_error, 1}}}; // no speed, no thrust
     forced.reports.emplace_back("force", report);
     app::write_series(scratch.path(), {case_of("bare"), forced});
     CHECK(known(header_of(scratch / "series.csv")) == series_header);

@@ -13,32 +13,6 @@ namespace {
 using measure::DisplacementAccumulator, measure::DisplacementField;
 using scene::Measure, scene::Scene;
 
-constexpr ValueInfo values[] = {
-    {.key = "method", .title = "Estimator", .meaning = "of the displacement", .is_text = true},
-    {"mean_speed", "Speed of the rod", "a/s", "along its heading, while the displacement was measured"},
-    {"lattice_spacing", "Lattice spacing", "a", "of the beads, from the Bragg peaks"},
-    {"spacing", "Grid spacing", "a", "of the grid on which the displacement is given"},
-    {"row_angle", "Angle of the rows", "rad", "of the close-packed rows from $x$"},
-    {"contrast", "Bragg contrast", "", "largest peak"},
-    {"block_correlation", "Correlation of blocks", "",
-     "of one block of time with the next; the errors allow for it"},
-    {"blocks", "Blocks", "", "of time, for the errors"},
-    {"frames", "Frames", "", "measured for the displacement"},
-    {.key = "reference",
-     .meaning = "what the displacement is relative to: its mean over the box, or the far field",
-     .is_text = true},
-    {"offset", "", "a", "x and y of what was taken off to make the reference zero"},
-};
-
-constexpr ColumnInfo profile_columns[] = {
-    {"x", "a", "place along the line"},
-    {"value", "a", "displacement"},
-    {"sigma", "a", "standard error; empty: unknown, as with one block of time"},
-    {"count", "1", "samples behind the value"}};
-constexpr FileInfo files[] = {
-    {"profile_<k>_<k>.csv", "displacement along a line of the rod's frame", profile_columns},
-    {"displacement.vti", "displacement field for ParaView"}};
-
 measure::DisplacementOptions options_of(const Measure& m, double a) {
     measure::DisplacementOptions options;
     options.method = *m.displacement;
@@ -72,20 +46,20 @@ const char* reference_name(const DisplacementField& u) {
     return u.reference == measure::Reference::box ? "box" : "far";
 }
 
-Values values_of(const DisplacementField& u, double a) {
-    const double spacing = u.peaks.lattice_spacing(); // 0 without peaks
-    return {{"method", measure::to_string(u.method)},
-            {"reference", reference_name(u)},
-            {"spacing", u.grid.width / a},
-            {"blocks", count_value(u.blocks)},
-            {"frames", count_value(u.frames)},
-            {"block_correlation", u.block_correlation},
-            {"mean_speed", u.mean_speed / a},
-            {"offset", Column{u.offset.x / a, u.offset.y / a}},
-            {"row_angle", u.peaks.row_angle()},
-            {"lattice_spacing", spacing > 0.0 ? Value(spacing / a) : Value()},
-            {"contrast", u.peaks.contrast()}};
-}
+struct ProfileFound {
+    const measure::Profile& p;
+    double a; ///< m
+};
+constexpr ToldColumn<ProfileFound> profile_columns[] = {
+    {{"x", "a", "place along the line"}, [](const ProfileFound& f) { return scaled(f.p.place, 1.0 / f.a); }},
+    {{"value", "a", "displacement"}, [](const ProfileFound& f) { return scaled(f.p.value, 1.0 / f.a); }},
+    {{"sigma", "a", "standard error; empty: unknown, as with one block of time"},
+     [](const ProfileFound& f) { return scaled(f.p.sigma, 1.0 / f.a); }},
+    {{"count", "1", "samples behind the value"}, [](const ProfileFound& f) { return f.p.count; }}};
+constexpr auto profile_infos = infos_of(profile_columns);
+constexpr FileInfo files[] = {
+    {"profile_<k>_<k>.csv", "displacement along a line of the rod's frame", profile_infos},
+    {"displacement.vti", "displacement field for ParaView"}};
 
 MeasureTable profile_table(const DisplacementField& u, const char* component, const char* along, double at,
                            double a) {
@@ -94,8 +68,7 @@ MeasureTable profile_table(const DisplacementField& u, const char* component, co
             fmt::format("displacement {} along {} of the rod's frame at {} = {:g} a; lengths in bead radii, "
                         "a = {:g} m; x is the place along the line",
                         component, along, *along == 'x' ? "y" : "x", p.at / a, a),
-            profile_columns,
-            {scaled(p.place, 1.0 / a), scaled(p.value, 1.0 / a), scaled(p.sigma, 1.0 / a), p.count}};
+            profile_infos, columns_of(profile_columns, ProfileFound{p, a})};
 }
 
 MeasureGrid grid_of(const DisplacementField& u, double to_a) {
@@ -112,7 +85,7 @@ MeasureGrid grid_of(const DisplacementField& u, double to_a) {
              {"mean_speed_a_per_s", u.mean_speed * to_a},
              {"offset_x", u.offset.x * to_a},
              {"offset_y", u.offset.y * to_a},
-             {"blocks", count_value(u.blocks)}}};
+             {"blocks", static_cast<std::int64_t>(u.blocks)}}};
 }
 
 MeasureImage image_of(const DisplacementField& u, double to_a) {
@@ -124,12 +97,52 @@ MeasureImage image_of(const DisplacementField& u, double to_a) {
              {"coherence", 1, u.coherence}}};
 }
 
+/// Nothing without Bragg peaks.
+Value lattice_spacing(const DisplacementField& u, double a) {
+    const double spacing = u.peaks.lattice_spacing();
+    return spacing > 0.0 ? Value(spacing / a) : Value();
+}
+
+struct Found {
+    const DisplacementField& r;
+    double a; ///< m
+};
+using F = const Found&;
+
+constexpr ToldValue<Found> values[] = {
+    {{.key = "method", .title = "Estimator", .meaning = "of the displacement", .is_text = true},
+     [](F f) { return measure::to_string(f.r.method); }},
+    {{.key = "reference",
+      .meaning = "what the displacement is relative to: its mean over the box, or the far field",
+      .is_text = true},
+     [](F f) { return reference_name(f.r); }},
+    {{"spacing", "Grid spacing", "a", "of the grid on which the displacement is given"},
+     [](F f) { return f.r.grid.width / f.a; }},
+    {{"blocks", "Blocks", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
+    {{"frames", "Frames", "", "measured for the displacement"}, [](F f) { return f.r.frames; }},
+    {{"block_correlation", "Correlation of blocks", "",
+      "of one block of time with the next; the errors allow for it"},
+     [](F f) { return f.r.block_correlation; }},
+    {{"mean_speed", "Speed of the rod", "a/s", "along its heading, while the displacement was measured"},
+     [](F f) { return f.r.mean_speed / f.a; }},
+    {{"offset", "", "a", "x and y of what was taken off to make the reference zero"},
+     [](F f) {
+         return Column{f.r.offset.x / f.a, f.r.offset.y / f.a};
+     }},
+    {{"row_angle", "Angle of the rows", "rad", "of the close-packed rows from $x$"},
+     [](F f) { return f.r.peaks.row_angle(); }},
+    {{"lattice_spacing", "Lattice spacing", "a", "of the beads, from the Bragg peaks"},
+     [](F f) { return lattice_spacing(f.r, f.a); }},
+    {{"contrast", "Bragg contrast", "", "largest peak"}, [](F f) { return f.r.peaks.contrast(); }},
+};
+constexpr auto value_infos = infos_of(values);
+
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const double offset = data.scene.measure->profile_offset.value_or(4.0 * a);
     const DisplacementField u =
         measure::reduce(measure::take<DisplacementAccumulator>(data.sums, "displacement"));
-    return {.values = values_of(u, a),
+    return {.values = values_of(values, Found{u, a}),
             .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
             .grids = {grid_of(u, to_a)},
@@ -148,7 +161,7 @@ MeasureKind displacement() {
             .include = include,
             .reset_late_keys = reset_late_keys,
             .report = report,
-            .values = values,
+            .values = value_infos,
             .files = files};
 }
 

@@ -13,23 +13,6 @@ namespace {
 using measure::FlowAccumulator, measure::FlowField;
 using scene::Measure, scene::Scene;
 
-constexpr ValueInfo values[] = {
-    {"drag", "Beads dragged", "a", "way of the marked beads along the rod's first heading"},
-    {"drag_share", "Share dragged", "", "the same over the rod's own way"},
-    {"near_speed", "Speed near the rod", "a/s", "mean of the beads' flow within 6 $a$"},
-    {"spacing", "", "a", "of the flow's grid"},
-    {"blocks", "", "", "of time, for the errors"},
-    {"frames", "", "", "measured"},
-};
-
-constexpr ColumnInfo marked_columns[] = {{"bead", "1", "number of the bead"},
-                                         {"x0", "a", "place in the first frame, unwrapped"},
-                                         {"y0", "a", "place in the first frame, unwrapped"},
-                                         {"x1", "a", "place in the last frame, drift removed"},
-                                         {"y1", "a", "place in the last frame, drift removed"}};
-constexpr FileInfo files[] = {{"marked.csv", "beads near the rod, before and after", marked_columns},
-                              {"flow.vti", "flow field for ParaView"}};
-
 measure::FlowOptions options_of(const Measure& m, double a) {
     measure::FlowOptions options;
     options.rod = static_cast<std::size_t>(m.rod);
@@ -50,21 +33,29 @@ std::string describe(const Scene& scene) {
                        scene.measure->rod);
 }
 
-Values values_of(const FlowField& f, double a) {
-    return {{"drag", f.drag.scaled(1.0 / a)},  {"drag_share", f.drag_share},
-            {"near_speed", f.near_speed / a},  {"spacing", f.grid.width / a},
-            {"blocks", count_value(f.blocks)}, {"frames", count_value(f.frames)}};
-}
+struct Marked {
+    const measure::MarkedBead& m;
+    double a; ///< m
+};
+using Row = const Marked&;
+constexpr RowColumn<Marked> marked_columns[] = {
+    {{"bead", "1", "number of the bead"}, [](Row row) { return row.m.bead; }},
+    {{"x0", "a", "place in the first frame, unwrapped"}, [](Row row) { return row.m.x0 / row.a; }},
+    {{"y0", "a", "place in the first frame, unwrapped"}, [](Row row) { return row.m.y0 / row.a; }},
+    {{"x1", "a", "place in the last frame, drift removed"}, [](Row row) { return row.m.x1 / row.a; }},
+    {{"y1", "a", "place in the last frame, drift removed"}, [](Row row) { return row.m.y1 / row.a; }}};
+constexpr auto marked_infos = infos_of(marked_columns);
+constexpr FileInfo files[] = {{"marked.csv", "beads near the rod, before and after", marked_infos},
+                              {"flow.vti", "flow field for ParaView"}};
 
 MeasureTable marked_table(const std::vector<measure::MarkedBead>& marked, double a) {
-    std::vector<std::vector<double>> rows;
-    rows.reserve(marked.size());
+    std::vector<Marked> rows;
     for (const measure::MarkedBead& m : marked)
-        rows.push_back({static_cast<double>(m.bead), m.x0 / a, m.y0 / a, m.x1 / a, m.y1 / a});
+        rows.push_back({m, a});
     return {"marked.csv",
             "of run 1: beads near the rod in the first frame, there and in the last frame, unwrapped, "
             "drift removed; a",
-            marked_columns, transposed(rows, std::size(marked_columns))};
+            marked_infos, columns_of(marked_columns, rows)};
 }
 
 MeasureGrid grid_of(const FlowField& f, double to_a) {
@@ -87,10 +78,29 @@ MeasureImage image_of(const FlowField& f, double to_a) {
              {"count", 1, f.count}}};
 }
 
+struct Found {
+    const FlowField& r;
+    double a; ///< m
+};
+using F = const Found&;
+
+constexpr ToldValue<Found> values[] = {
+    {{"drag", "Beads dragged", "a", "way of the marked beads along the rod's first heading"},
+     [](F f) { return f.r.drag.scaled(1.0 / f.a); }},
+    {{"drag_share", "Share dragged", "", "the same over the rod's own way"},
+     [](F f) { return f.r.drag_share; }},
+    {{"near_speed", "Speed near the rod", "a/s", "mean of the beads' flow within 6 $a$"},
+     [](F f) { return f.r.near_speed / f.a; }},
+    {{"spacing", "", "a", "of the flow's grid"}, [](F f) { return f.r.grid.width / f.a; }},
+    {{"blocks", "", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
+    {{"frames", "", "", "measured"}, [](F f) { return f.r.frames; }},
+};
+constexpr auto value_infos = infos_of(values);
+
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const FlowField f = measure::reduce(measure::take<FlowAccumulator>(data.sums, "flow"));
-    return {.values = values_of(f, a),
+    return {.values = values_of(values, Found{f, a}),
             .tables = {marked_table(f.marked, a)},
             .grids = {grid_of(f, to_a)},
             .images = {image_of(f, to_a)},
@@ -107,7 +117,7 @@ MeasureKind flow() {
             .describe = describe,
             .include = include,
             .report = report,
-            .values = values,
+            .values = value_infos,
             .files = files};
 }
 

@@ -15,12 +15,6 @@ namespace {
 
 using scene::Measure, scene::Scene;
 
-constexpr ValueInfo values[] = {
-    {"force", "Force", "\u00b5N", "of the rod on the beads, along its heading", 1e6},
-    {"thrust", "Thrust", "\u00b5N", "of the plates on the rod, along its heading", 1e6},
-    {"speed", "Speed", "a/s", "of the rod along its heading"},
-};
-
 constexpr SeriesInfo series[] = {{{"force", "N", "of the rod on the beads along its heading"}},
                                  {{"speed", "a/s", "of the rod along its heading"}},
                                  {{"thrust", "N", "of the plates on the rod along its heading"}}};
@@ -30,13 +24,26 @@ Estimate of_rod(const MeasuredCase& data, const char* name) {
         of_summaries(data, fmt::format("rods.{}.{}", data.scene.measure->rod, name), "rod with its force"));
 }
 
+struct Found {
+    Estimate force, thrust, speed;
+};
+using F = const Found&;
+
+constexpr ToldValue<Found> values[] = {
+    {{"force", "Force", "\u00b5N", "of the rod on the beads, along its heading", 1e6},
+     [](F f) { return f.force; }},
+    {{"thrust", "Thrust", "\u00b5N", "of the plates on the rod, along its heading", 1e6},
+     [](F f) { return f.thrust; }},
+    {{"speed", "Speed", "a/s", "of the rod along its heading"}, [](F f) { return f.speed; }},
+};
+constexpr auto value_infos = infos_of(values);
+
 MeasureReport report(const MeasuredCase& data) {
-    const Estimate force = of_rod(data, "force"), thrust = of_rod(data, "thrust"),
-                   speed = of_rod(data, "mean_speed").scaled(1.0 / data.bead_radius());
-    return {.values = {{"force", force}, {"thrust", thrust}, {"speed", speed}},
-            .series = {{"force", force}, {"speed", speed}, {"thrust", thrust}},
-            .line = fmt::format("force on the beads {} uN, thrust {} uN, at {} a/s", text(force.scaled(1e6)),
-                                text(thrust.scaled(1e6)), text(speed))};
+    const Found f = {of_rod(data, "force"), of_rod(data, "thrust"),
+                     of_rod(data, "mean_speed").scaled(1.0 / data.bead_radius())};
+    return {.values = values_of(values, f),
+            .line = fmt::format("force on the beads {} uN, thrust {} uN, at {} a/s",
+                                text(f.force.scaled(1e6)), text(f.thrust.scaled(1e6)), text(f.speed))};
 }
 
 // Force against the imposed speeds of several cases.
@@ -84,7 +91,7 @@ MeasureKind force() {
             .reset_late_keys = [](Measure& m) { m.force = false; },
             .report = report,
             .compare = force_lines,
-            .values = values,
+            .values = value_infos,
             .series = series};
 }
 

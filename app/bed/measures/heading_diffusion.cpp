@@ -18,37 +18,6 @@ using scene::Measure, scene::Scene;
 
 constexpr double papers_f_over_mu = 2.2; // a; arXiv 2007.04860, its fit of the wake
 
-constexpr ValueInfo values[] = {
-    {"D_r", "Heading diffusion $D_r$", "rad^2/s", "half the slope of the mean-square heading change"},
-    {"D_r_low", "", "rad^2/s", "lower end of the 95 % interval of D_r"},
-    {"D_r_high", "", "rad^2/s", "upper end of it"},
-    {"D_r_cosine", "$D_r$ from $\\langle\\cos\\Delta\\theta\\rangle$", "rad^2/s",
-     "decay rate of the mean cosine"},
-    {"D_r_early", "$D_r$, short lags", "rad^2/s", "from the lower half of the window alone"},
-    {"D_r_late", "$D_r$, long lags", "rad^2/s", "from the upper half; diffusion if both agree"},
-    {"jitter", "Rattling of the heading", "rad", "rms, forgotten within the shortest lag of the window"},
-    {"turn_rate", "Turning rate", "rad/s", "mean; a steady one adds to the mean-square heading change"},
-    {"speed", "Speed of the rod", "a/s", "along its heading"},
-    {"diffusion_per_length", "$D_r/v_0$", "rad^2/a", "heading diffusion on the way of one bead radius"},
-    {"f_over_mu", "Unit of length $f/\\mu$", "a",
-     "of the next value: that of [scales], else the paper's 2.2 a"},
-    {"rotational_diffusion", "$D_r f/(\\mu v_0)$", "", "the same in the units of the theory"},
-    {"noise", "The theory's [noise]", "", "with the same heading diffusion", 1.0, true},
-    {"lag_low", "", "s", "shortest lag of the fits"},
-    {"lag_high", "", "s", "longest lag of the fits"},
-    {"cosine_amplitude", "", "", "of the fitted exponential at lag 0"},
-    {"blocks", "", "", "of time, within which changes are taken"},
-    {"parts", "", "", "runs or blocks whose scatter gives the errors"},
-};
-
-constexpr ColumnInfo columns[] = {{"lag", "s", "time between two headings"},
-                                  {"square", "rad^2", "mean-square heading change"},
-                                  {"square_error", "rad^2", "standard error; empty: unknown"},
-                                  {"cosine", "1", "mean cosine of the heading change"},
-                                  {"cosine_error", "1", "standard error; empty: unknown"},
-                                  {"origins", "1", "starting times behind them"}};
-constexpr FileInfo files[] = {{"heading.csv", "heading change of the rod against the lag", columns}};
-
 constexpr SeriesInfo series[] = {{{"D_r", "rad^2/s", "heading diffusion of the rod"}},
                                  {{"diffusion_per_length", "rad^2/a", "heading diffusion over the speed"}}};
 
@@ -107,28 +76,6 @@ std::string noise_of(const HeadingDiffusion& r, double a, double unit) {
     return fmt::format("rotational_diffusion = {:.4g}{}, with f/mu = {:.4g} a", reduced.value, error, unit);
 }
 
-Values values_of(const HeadingDiffusion& r, double a, double unit) {
-    const Estimate per_length = r.diffusion_per_length.scaled(a), reduced = per_length.scaled(unit);
-    return {{"D_r", r.diffusion},
-            {"D_r_low", r.low},
-            {"D_r_high", r.high},
-            {"D_r_cosine", r.diffusion_cosine},
-            {"D_r_early", r.early},
-            {"D_r_late", r.late},
-            {"jitter", r.jitter},
-            {"turn_rate", r.turn_rate},
-            {"speed", r.speed.scaled(1.0 / a)},
-            {"diffusion_per_length", per_length},
-            {"f_over_mu", unit},
-            {"rotational_diffusion", reduced},
-            {"noise", noise_of(r, a, unit)},
-            {"lag_low", r.lag_low},
-            {"lag_high", r.lag_high},
-            {"cosine_amplitude", r.cosine_amplitude},
-            {"blocks", count_value(r.blocks)},
-            {"parts", count_value(r.parts)}};
-}
-
 std::string line_of(const HeadingDiffusion& r, double a, double unit) {
     constexpr double rounding = 1e-24; // rad^2; of headings near 1 it is 1e-32
     if (!r.square.empty() && std::ranges::all_of(r.square, [](double square) { return square < rounding; }))
@@ -140,18 +87,71 @@ std::string line_of(const HeadingDiffusion& r, double a, double unit) {
                        noise.empty() ? "" : "; [noise] " + noise);
 }
 
+struct Found {
+    const HeadingDiffusion& r;
+    double a;                                               ///< m
+    double unit;                                            ///< f/mu, a
+    Estimate per_length = r.diffusion_per_length.scaled(a); ///< rad^2/a
+};
+using F = const Found&;
+
+constexpr ToldValue<Found> values[] = {
+    {{"D_r", "Heading diffusion $D_r$", "rad^2/s", "half the slope of the mean-square heading change"},
+     [](F f) { return f.r.diffusion; }},
+    {{"D_r_low", "", "rad^2/s", "lower end of the 95 % interval of D_r"}, [](F f) { return f.r.low; }},
+    {{"D_r_high", "", "rad^2/s", "upper end of it"}, [](F f) { return f.r.high; }},
+    {{"D_r_cosine", "$D_r$ from $\\langle\\cos\\Delta\\theta\\rangle$", "rad^2/s",
+      "decay rate of the mean cosine"},
+     [](F f) { return f.r.diffusion_cosine; }},
+    {{"D_r_early", "$D_r$, short lags", "rad^2/s", "from the lower half of the window alone"},
+     [](F f) { return f.r.early; }},
+    {{"D_r_late", "$D_r$, long lags", "rad^2/s", "from the upper half; diffusion if both agree"},
+     [](F f) { return f.r.late; }},
+    {{"jitter", "Rattling of the heading", "rad", "rms, forgotten within the shortest lag of the window"},
+     [](F f) { return f.r.jitter; }},
+    {{"turn_rate", "Turning rate", "rad/s", "mean; a steady one adds to the mean-square heading change"},
+     [](F f) { return f.r.turn_rate; }},
+    {{"speed", "Speed of the rod", "a/s", "along its heading"},
+     [](F f) { return f.r.speed.scaled(1.0 / f.a); }},
+    {{"diffusion_per_length", "$D_r/v_0$", "rad^2/a", "heading diffusion on the way of one bead radius"},
+     [](F f) { return f.per_length; }},
+    {{"f_over_mu", "Unit of length $f/\\mu$", "a",
+      "of the next value: that of [scales], else the paper's 2.2 a"},
+     [](F f) { return f.unit; }},
+    {{"rotational_diffusion", "$D_r f/(\\mu v_0)$", "", "the same in the units of the theory"},
+     [](F f) { return f.per_length.scaled(f.unit); }},
+    {{"noise", "The theory's [noise]", "", "with the same heading diffusion", 1.0, true},
+     [](F f) { return noise_of(f.r, f.a, f.unit); }},
+    {{"lag_low", "", "s", "shortest lag of the fits"}, [](F f) { return f.r.lag_low; }},
+    {{"lag_high", "", "s", "longest lag of the fits"}, [](F f) { return f.r.lag_high; }},
+    {{"cosine_amplitude", "", "", "of the fitted exponential at lag 0"},
+     [](F f) { return f.r.cosine_amplitude; }},
+    {{"blocks", "", "", "of time, within which changes are taken"}, [](F f) { return f.r.blocks; }},
+    {{"parts", "", "", "runs or blocks whose scatter gives the errors"}, [](F f) { return f.r.parts; }},
+};
+constexpr auto value_infos = infos_of(values);
+
+constexpr ToldColumn<Found> columns[] = {
+    {{"lag", "s", "time between two headings"}, [](F f) { return f.r.lag; }},
+    {{"square", "rad^2", "mean-square heading change"}, [](F f) { return f.r.square; }},
+    {{"square_error", "rad^2", "standard error; empty: unknown"}, [](F f) { return f.r.square_error; }},
+    {{"cosine", "1", "mean cosine of the heading change"}, [](F f) { return f.r.cosine; }},
+    {{"cosine_error", "1", "standard error; empty: unknown"}, [](F f) { return f.r.cosine_error; }},
+    {{"origins", "1", "starting times behind them"}, [](F f) { return f.r.origins; }}};
+constexpr auto column_infos = infos_of(columns);
+constexpr FileInfo files[] = {{"heading.csv", "heading change of the rod against the lag", column_infos}};
+
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), unit = f_over_mu(data.scene, a);
     std::vector<HeadingTrack> tracks;
     for (const RunTables& run : data.tables)
         tracks.push_back(track_of(*data.scene.measure, run));
     const HeadingDiffusion r = measure::heading_diffusion(tracks, options_of(data.scene));
-    return {.values = values_of(r, a, unit),
+    const Found f = {r, a, unit};
+    return {.values = values_of(values, f),
             .tables = {{"heading.csv",
                         "mean-square heading change in rad^2 and mean cosine of it against the lag in s",
-                        columns,
-                        {r.lag, r.square, r.square_error, r.cosine, r.cosine_error, r.origins}}},
-            .series = {{"D_r", r.diffusion}, {"diffusion_per_length", r.diffusion_per_length.scaled(a)}},
+                        column_infos, columns_of(columns, f)}},
             .line = line_of(r, a, unit)};
 }
 
@@ -170,7 +170,7 @@ MeasureKind heading_diffusion() {
             .describe = describe,
             .reset_late_keys = reset_late_keys,
             .report = report,
-            .values = values,
+            .values = value_infos,
             .files = files,
             .series = series};
 }

@@ -17,33 +17,6 @@ namespace {
 using measure::MechanicsAccumulator, measure::MechanicsResult, measure::RodPushes;
 using scene::Measure, scene::Scene;
 
-constexpr ValueInfo values[] = {
-    {"force", "Force on the bed", "\u00b5N", "momentum handed over by all rods or the body force, a second",
-     1e6},
-    {"drift", "Drift of the bed", "a/s", "of the beads' centre of mass along that force"},
-    {"drag_rate", "Drag rate $\\zeta/nm$", "1/s", "force over mass of the beads and drift"},
-    {"speed", "Speed through the bed", "a/s", "of the rod along its heading, the drift taken off"},
-    {"shear_speed", "Transverse sound $c_T$", "a/s", "used for the screening length"},
-    {"decay_rate", "Decay rate of the drift", "1/s", "of its own fluctuations; $\\zeta/(m^* nm)$"},
-    {"decay_absence", "", "", "why there is no decay rate", 1.0, true},
-    {"decay_lag_low", "", "s", "first lag of the balance that the decay rate is from"},
-    {"decay_lag_high", "", "s", "last lag of it"},
-    {"force_coupling", "", "", "part of the drag in that balance that the rods' force makes up"},
-    {"inertia", "Inertia over mass $m^*$", "", "drag rate by the push over decay rate of the drift"},
-    {"used_inertia", "$m^*$ that is used", "", "in the screening length; null: none, the mass of the beads"},
-    {"inertia_source", "", "", "where that comes from", 1.0, true},
-    {"screening_length", "Screening length $\\xi$", "a", "$m^* c_T^2/(\\gamma v)$"},
-    {"box", "Shorter side of the box", "a", "the screening length is to be seen beside it"},
-    {"peclet", "Peclet number", "", "shorter side of the box over $\\xi$"},
-    {"verdict", "Wake in this box", "", "what the box can hold of it", 1.0, true},
-    {"travelled_before", "Way before measuring", "a", "of the rod; the least of the runs"},
-    {"travelled", "Way while measured", "a", "of the rod; the least of the runs"},
-    {"wanted_travel", "Way to a steady wake", "a",
-     "the lesser of $\\xi$ and half the box; asked before and while measuring"},
-    {"steady", "", "", "whether both ways are long enough"},
-    {"blocks", "", "", "of time, for the errors"},
-};
-
 constexpr SeriesInfo series[] = {{{"drag_rate", "1/s", "drag rate of the bed on the plates"}},
                                  {{"screening_length", "a", "m* c_T^2/(drag rate v)"}},
                                  {{"decay_rate", "1/s", "decay rate of the bed's drift"}},
@@ -183,41 +156,65 @@ std::string verdict_of(const MechanicsResult& r, double box, double a) {
                        box / a);
 }
 
+struct Found {
+    const MechanicsResult& r;
+    const Estimate& shear_speed;
+    const Inertia& used;
+    double box, a; ///< m
+    double to_a = 1.0 / a;
+    const measure::DriftDecay& decay = r.decay;
+};
+using F = const Found&;
+
+Value only_if(bool known, double value) { return known ? Value(value) : Value(); }
+
 /// Null without a rod.
-Value of_rod(const MechanicsResult& r, double value) { return r.speed.count > 0 ? Value(value) : Value(); }
+Value of_rod(F f, double value) { return only_if(f.r.speed.count > 0, value); }
 
-void add_decay(Values& out, const measure::DriftDecay& decay, const Inertia& used) {
-    out.push_back({"decay_rate", decay.rate});
-    out.push_back({"decay_absence", decay.absence});
-    const bool known = decay.rate.count > 0;
-    out.push_back({"decay_lag_low", known ? Value(decay.lag_low) : Value()});
-    out.push_back({"decay_lag_high", known ? Value(decay.lag_high) : Value()});
-    out.push_back({"force_coupling", decay.inertia.count > 0 ? Value(decay.coupling) : Value()});
-    out.push_back({"inertia", decay.inertia});
-    out.push_back({"used_inertia", used.factor});
-    out.push_back({"inertia_source", used.source});
-}
-
-Values values_of(const MechanicsResult& r, const Estimate& shear_speed, const Inertia& used, double box,
-                 double a) {
-    const double to_a = 1.0 / a;
-    Values out = {{"force", r.force},
-                  {"drift", r.drift.scaled(to_a)},
-                  {"drag_rate", r.drag_rate},
-                  {"speed", r.speed.scaled(to_a)},
-                  {"shear_speed", shear_speed.scaled(to_a)},
-                  {"screening_length", r.screening.scaled(to_a)},
-                  {"box", box * to_a},
-                  {"peclet", r.peclet},
-                  {"verdict", verdict_of(r, box, a) + shortness(r, a)},
-                  {"travelled_before", of_rod(r, r.before * to_a)},
-                  {"travelled", of_rod(r, r.along * to_a)},
-                  {"wanted_travel", of_rod(r, r.wanted * to_a)},
-                  {"steady", r.steady},
-                  {"blocks", count_value(r.blocks)}};
-    add_decay(out, r.decay, used);
-    return out;
-}
+constexpr ToldValue<Found> values[] = {
+    {{"force", "Force on the bed", "\u00b5N", "momentum handed over by all rods or the body force, a second",
+      1e6},
+     [](F f) { return f.r.force; }},
+    {{"drift", "Drift of the bed", "a/s", "of the beads' centre of mass along that force"},
+     [](F f) { return f.r.drift.scaled(f.to_a); }},
+    {{"drag_rate", "Drag rate $\\zeta/nm$", "1/s", "force over mass of the beads and drift"},
+     [](F f) { return f.r.drag_rate; }},
+    {{"speed", "Speed through the bed", "a/s", "of the rod along its heading, the drift taken off"},
+     [](F f) { return f.r.speed.scaled(f.to_a); }},
+    {{"shear_speed", "Transverse sound $c_T$", "a/s", "used for the screening length"},
+     [](F f) { return f.shear_speed.scaled(f.to_a); }},
+    {{"screening_length", "Screening length $\\xi$", "a", "$m^* c_T^2/(\\gamma v)$"},
+     [](F f) { return f.r.screening.scaled(f.to_a); }},
+    {{"box", "Shorter side of the box", "a", "the screening length is to be seen beside it"},
+     [](F f) { return f.box * f.to_a; }},
+    {{"peclet", "Peclet number", "", "shorter side of the box over $\\xi$"}, [](F f) { return f.r.peclet; }},
+    {{"verdict", "Wake in this box", "", "what the box can hold of it", 1.0, true},
+     [](F f) { return verdict_of(f.r, f.box, f.a) + shortness(f.r, f.a); }},
+    {{"travelled_before", "Way before measuring", "a", "of the rod; the least of the runs"},
+     [](F f) { return of_rod(f, f.r.before * f.to_a); }},
+    {{"travelled", "Way while measured", "a", "of the rod; the least of the runs"},
+     [](F f) { return of_rod(f, f.r.along * f.to_a); }},
+    {{"wanted_travel", "Way to a steady wake", "a",
+      "the lesser of $\\xi$ and half the box; asked before and while measuring"},
+     [](F f) { return of_rod(f, f.r.wanted * f.to_a); }},
+    {{"steady", "", "", "whether both ways are long enough"}, [](F f) { return f.r.steady; }},
+    {{"blocks", "", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
+    {{"decay_rate", "Decay rate of the drift", "1/s", "of its own fluctuations; $\\zeta/(m^* nm)$"},
+     [](F f) { return f.decay.rate; }},
+    {{"decay_absence", "", "", "why there is no decay rate", 1.0, true}, [](F f) { return f.decay.absence; }},
+    {{"decay_lag_low", "", "s", "first lag of the balance that the decay rate is from"},
+     [](F f) { return only_if(f.decay.rate.count > 0, f.decay.lag_low); }},
+    {{"decay_lag_high", "", "s", "last lag of it"},
+     [](F f) { return only_if(f.decay.rate.count > 0, f.decay.lag_high); }},
+    {{"force_coupling", "", "", "part of the drag in that balance that the rods' force makes up"},
+     [](F f) { return only_if(f.decay.inertia.count > 0, f.decay.coupling); }},
+    {{"inertia", "Inertia over mass $m^*$", "", "drag rate by the push over decay rate of the drift"},
+     [](F f) { return f.decay.inertia; }},
+    {{"used_inertia", "$m^*$ that is used", "", "in the screening length; null: none, the mass of the beads"},
+     [](F f) { return f.used.factor; }},
+    {{"inertia_source", "", "", "where that comes from", 1.0, true}, [](F f) { return f.used.source; }},
+};
+constexpr auto value_infos = infos_of(values);
 
 std::string line_of(const MechanicsResult& r, double box, double a) {
     const std::string inertia = r.decay.inertia.count > 0 ? ", m* " + text(r.decay.inertia) : "";
@@ -233,12 +230,7 @@ MeasureReport report(const MeasuredCase& data) {
     const Estimate shear_speed = shear_speed_of(data);
     const MechanicsResult r = measure::reduce(runs, pushes_of(data, runs.front().layout()), shear_speed,
                                               given_inertia(*data.scene.measure));
-    return {.values = values_of(r, shear_speed, used, box, a),
-            .series = {{"drag_rate", r.drag_rate},
-                       {"screening_length", r.screening.scaled(1.0 / a)},
-                       {"decay_rate", r.decay.rate},
-                       {"inertia", r.decay.inertia}},
-            .line = line_of(r, box, a)};
+    return {.values = values_of(values, Found{r, shear_speed, used, box, a}), .line = line_of(r, box, a)};
 }
 
 } // namespace
@@ -254,7 +246,7 @@ MeasureKind mechanics() {
             .reset_late_keys =
                 [](Measure& m) { m.shear_speed = m.inertia_factor = m.inertia_error = std::nullopt; },
             .report = report,
-            .values = values,
+            .values = value_infos,
             .series = series};
 }
 

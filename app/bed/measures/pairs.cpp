@@ -19,35 +19,9 @@ namespace {
 using measure::PairResult;
 using scene::Measure, scene::Scene;
 
-constexpr ValueInfo values[] = {
-    {"half_box_change", R"($\Delta y$)", "a", "change of the separation while the pair goes half the box"},
-    {"not_there", "Runs short of half the box", "", R"(left out of $\Delta y$)"},
-    {"non_reciprocity", "Non-reciprocity", "", "1: the rear rod alone turns, $-1$: the front rod alone"},
-    {"turn_rear", "Turn of the rear rod", "rad", "towards the other's first place"},
-    {"turn_front", "Turn of the front rod", "rad", "towards the other's first place"},
-    {"contact", "Contact", "runs", "how runs ended"},
-    {"pursuit", "Pursuit", "runs", "how runs ended"},
-    {"escape", "Escape", "runs", "how runs ended"},
-    {"undecided", "", "runs", "how runs ended"},
-};
-
-constexpr ColumnInfo pairs_columns[] = {
-    {"run", "1", "number of the run, from 1"},
-    {"separation", "a", "at the start, across the mean first heading"},
-    {"half_box_change", "a", "of the separation when the rods had come half a box; empty: they have not"},
-    {"last_change", "a", "of the separation at the end, outwards positive"},
-    {"turn0", "rad", "net turn of rod 0 towards the other's first place"},
-    {"turn1", "rad", "net turn of rod 1 towards the other's first place"},
-    {"leader", "1", "rod that was ahead when the pair had turned most"},
-    {"non_reciprocity", "1", "(|turn of the rear| - |turn of the front|)/(their sum)"},
-    {"min_separation", "a", "smallest distance of nearest images"},
-    {"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided"},
-    {"outcome_time", "s", "of the contact, of the lock of headings, or the end of the track"},
-    {"perpendicular", "1", "1: first headings 60 to 120 degrees apart"}};
-constexpr FileInfo files[] = {{"pairs.csv", "how the rods of each run ended", pairs_columns}};
-
-constexpr SeriesInfo series[] = {{{"delta_y", "a", "change of the separation over half a box"}},
-                                 {{"non_reciprocity", "1", "mean over the runs"}}};
+constexpr SeriesInfo series[] = {
+    {{"delta_y", "a", "change of the separation over half a box"}, true, "half_box_change"},
+    {{"non_reciprocity", "1", "mean over the runs"}}};
 
 void reset_late_keys(Measure& m) {
     m.pairs = false;
@@ -99,52 +73,75 @@ PairNumbers numbers_of(const measure::PairRun& p, double a) {
             .outcome = p.ending};
 }
 
-Values values_of(const PairResult& p, double to_a) {
-    return {{"half_box_change", p.half_box_change.scaled(to_a)},
-            {"not_there", count_value(p.not_there)},
-            {"non_reciprocity", p.non_reciprocity},
-            {"turn_rear", p.turn_rear},
-            {"turn_front", p.turn_front},
-            {"contact", count_value(p.contact)},
-            {"pursuit", count_value(p.pursuit)},
-            {"escape", count_value(p.escape)},
-            {"undecided", count_value(p.undecided)}};
-}
-
-std::vector<double> row_of(const measure::PairRun& run, std::size_t number, double a) {
-    const PairNumbers p = numbers_of(run, a);
-    return {static_cast<double>(number),
-            p.separation,
-            p.half_box_change,
-            p.last_change,
-            p.turn[0],
-            p.turn[1],
-            static_cast<double>(p.leader),
-            p.non_reciprocity,
-            p.min_separation,
-            static_cast<double>(p.outcome),
-            p.outcome_time,
-            run.perpendicular ? 1.0 : 0.0};
-}
+/// Of pairs.csv.
+struct Row {
+    PairNumbers p;
+    std::size_t number = 0; ///< of the run, from 1
+    bool perpendicular = false;
+};
+using R = const Row&;
+constexpr RowColumn<Row> pairs_columns[] = {
+    {{"run", "1", "number of the run, from 1"}, [](R r) { return r.number; }},
+    {{"separation", "a", "at the start, across the mean first heading"}, [](R r) { return r.p.separation; }},
+    {{"half_box_change", "a", "of the separation when the rods had come half a box; empty: they have not"},
+     [](R r) { return r.p.half_box_change; }},
+    {{"last_change", "a", "of the separation at the end, outwards positive"},
+     [](R r) { return r.p.last_change; }},
+    {{"turn0", "rad", "net turn of rod 0 towards the other's first place"}, [](R r) { return r.p.turn[0]; }},
+    {{"turn1", "rad", "net turn of rod 1 towards the other's first place"}, [](R r) { return r.p.turn[1]; }},
+    {{"leader", "1", "rod that was ahead when the pair had turned most"}, [](R r) { return r.p.leader; }},
+    {{"non_reciprocity", "1", "(|turn of the rear| - |turn of the front|)/(their sum)"},
+     [](R r) { return r.p.non_reciprocity; }},
+    {{"min_separation", "a", "smallest distance of nearest images"}, [](R r) { return r.p.min_separation; }},
+    {{"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided"}, [](R r) { return r.p.outcome; }},
+    {{"outcome_time", "s", "of the contact, of the lock of headings, or the end of the track"},
+     [](R r) { return r.p.outcome_time; }},
+    {{"perpendicular", "1", "1: first headings 60 to 120 degrees apart"},
+     [](R r) { return r.perpendicular; }}};
+constexpr auto pairs_infos = infos_of(pairs_columns);
+constexpr FileInfo files[] = {{"pairs.csv", "how the rods of each run ended", pairs_infos}};
 
 MeasureTable table_of(const PairResult& pairs, double a) {
-    std::vector<std::vector<double>> rows;
-    rows.reserve(pairs.runs.size());
-    for (const measure::PairRun& p : pairs.runs)
-        rows.push_back(row_of(p, rows.size() + 1, a));
+    std::vector<Row> rows;
+    for (const measure::PairRun& run : pairs.runs)
+        rows.push_back({numbers_of(run, a), rows.size() + 1, run.perpendicular});
     return {"pairs.csv",
             "lengths in a, angles in rad, times in s; outcome 0 contact, 1 pursuit, 2 escape, 3 undecided; "
             "half_box_change empty: the rods did not come half a box",
-            pairs_columns, transposed(rows, std::size(pairs_columns))};
+            pairs_infos, columns_of(pairs_columns, rows)};
 }
+
+struct Found {
+    const PairResult& r;
+    double a; ///< m
+    double to_a = 1.0 / a;
+};
+using F = const Found&;
+
+constexpr ToldValue<Found> values[] = {
+    {{"half_box_change", R"($\Delta y$)", "a", "change of the separation while the pair goes half the box"},
+     [](F f) { return f.r.half_box_change.scaled(f.to_a); }},
+    {{"not_there", "Runs short of half the box", "", R"(left out of $\Delta y$)"},
+     [](F f) { return f.r.not_there; }},
+    {{"non_reciprocity", "Non-reciprocity", "", "1: the rear rod alone turns, $-1$: the front rod alone"},
+     [](F f) { return f.r.non_reciprocity; }},
+    {{"turn_rear", "Turn of the rear rod", "rad", "towards the other's first place"},
+     [](F f) { return f.r.turn_rear; }},
+    {{"turn_front", "Turn of the front rod", "rad", "towards the other's first place"},
+     [](F f) { return f.r.turn_front; }},
+    {{"contact", "Contact", "runs", "how runs ended"}, [](F f) { return f.r.contact; }},
+    {{"pursuit", "Pursuit", "runs", "how runs ended"}, [](F f) { return f.r.pursuit; }},
+    {{"escape", "Escape", "runs", "how runs ended"}, [](F f) { return f.r.escape; }},
+    {{"undecided", "", "runs", "how runs ended"}, [](F f) { return f.r.undecided; }},
+};
+constexpr auto value_infos = infos_of(values);
 
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const PairResult p = pairs_of(data);
     const Estimate change = p.half_box_change.scaled(to_a);
-    return {.values = values_of(p, to_a),
+    return {.values = values_of(values, Found{p, a}),
             .tables = {table_of(p, a)},
-            .series = {{"delta_y", change}, {"non_reciprocity", p.non_reciprocity}},
             .line = fmt::format(
                 "change of separation over half the box, in a: {} ({} of {} runs); contact {}, pursuit {}, "
                 "escape {}, undecided {}; non-reciprocity {}",
@@ -163,7 +160,7 @@ MeasureKind pairs() {
             },
             .reset_late_keys = reset_late_keys,
             .report = report,
-            .values = values,
+            .values = value_infos,
             .files = files,
             .series = series};
 }

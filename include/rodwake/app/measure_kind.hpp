@@ -35,6 +35,12 @@ struct MeasuredCase {
     double bead_radius() const { return scene.granular->bead_radius; } ///< m
 };
 
+/// What a case has in the columns of this name of series.csv.
+struct SeriesValue {
+    std::string_view name;
+    Estimate value; ///< count 0: not measured
+};
+
 /// A row of series.csv.
 struct SeriesRow {
     std::optional<double> imposed_speed; ///< of the rod, m/s
@@ -52,6 +58,8 @@ struct FileInfo {
 struct SeriesInfo {
     ColumnInfo column;
     bool with_error = true;
+    std::string_view value = column.name;       ///< of the measure, an Estimate, which it is
+    Estimate (*number)(const Value&) = nullptr; ///< of that value, if it is none
 };
 
 /// A value of measure.json. Title and meaning are text with formulas as TeX between dollars.
@@ -81,7 +89,7 @@ struct MeasureKind {
     Values (*compare)(std::span<const SeriesRow>) = nullptr;
     std::span<const ValueInfo> values;
     std::span<const FileInfo> files = {};
-    std::span<const SeriesInfo> series = {};
+    std::span<const SeriesInfo> series = {}; ///< in series.csv
 };
 
 /// By `order`: that of states, measure.json and series.csv.

@@ -64,18 +64,11 @@ struct MeasureImage {
     std::vector<ImageArray> arrays;
 };
 
-/// What a case has in the columns of this name of series.csv.
-struct SeriesValue {
-    std::string name;
-    Estimate value; ///< count 0: not measured
-};
-
 struct MeasureReport {
     Values values; ///< its part of measure.json
     std::vector<MeasureTable> tables = {};
     std::vector<MeasureGrid> grids = {};
     std::vector<MeasureImage> images = {};
-    std::vector<SeriesValue> series = {};
     std::string line = {}; ///< for the terminal
 };
 
