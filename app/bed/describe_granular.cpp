@@ -19,7 +19,7 @@ using granular::Surface;
 constexpr double h5md_bytes = 60.0;
 /// While a run goes on: position and velocity in double.
 constexpr double log_bytes = 48.0;
-constexpr double period_frames = 50.0, most_period_frames = 75.0;
+constexpr double most_period_frames = 75.0;
 constexpr double large_output = 1e9; // B
 
 std::string beads_text(const scene::Granular& bed, const GranularProblem& problem) {
@@ -145,7 +145,7 @@ std::string output_advice(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
     const double count = stored_spheres(bed, plan.problem),
                  stored = plan.schedule.h5md || plan.schedule.xyz ? frame_count(bed) : 0.0,
-                 of_period = bed.output.last_period ? period_frames : 0.0,
+                 of_period = bed.output.last_period ? static_cast<double>(period_frames) : 0.0,
                  bytes = frames_bytes(plan) + of_period * count * h5md_bytes;
     if (bytes <= large_output)
         return {};
@@ -173,7 +173,8 @@ std::string describe_output(const BedPlan& plan) {
                            : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frames, count,
                                          fmt::join(formats, ", "), size_text(frames_bytes(plan)));
     if (output.last_period)
-        text += fmt::format("; about {:.0f} frames of the last period, at most {}", period_frames,
+        text += fmt::format("; about {:.0f} frames of the last period, at most {}",
+                            static_cast<double>(period_frames),
                             size_text(most_period_frames * count * h5md_bytes));
     return text +
            fmt::format("; a table of {:.0f} rows", std::floor(bed.duration / table_interval(bed)) + 1.0);

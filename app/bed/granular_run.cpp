@@ -2,7 +2,6 @@
 
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
-#include "measure_records.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/granular/start.hpp"
@@ -21,8 +20,6 @@ namespace rodwake::app {
 namespace {
 
 using granular::Simulation;
-
-constexpr std::int64_t period_frames = 50; // 38 to 75: a whole number of steps lies between two
 
 double cpu_now(bool own_thread_only) {
     timespec t{};

@@ -1,18 +1,50 @@
 #pragma once
-// The files of what was measured, whatever it is. An error that is not known is null in JSON, an empty field
-// in CSV and NaN on a grid.
+// What was measured of one case (the scene as written, or a variant), all its runs together, and its files.
 
+#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/measure_report.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
 
 #include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace rodwake::app {
 
-// `a`: the bead radius, m. All throw RunError.
+struct CaseResults {
+    std::string name, label, folder;       ///< Case
+    double bead_radius = 0.0, phi_b = 0.0; ///< m, 1
+    std::optional<double> separation;      ///< two rods: of their centres at the start, m
+    std::optional<double> imposed_speed;   ///< of the rod, m/s
+    std::size_t runs = 0;
+    std::vector<std::pair<std::string, MeasureReport>> reports;    ///< of each measure that could be had
+    std::vector<std::pair<std::string, std::string>> not_measured; ///< what was wanted and why it is missing
+};
 
-void write_table(const std::filesystem::path& folder, const MeasureTable& table);
-void write_image(const std::filesystem::path& folder, const MeasureImage& image, double a);
+/// Who measured, how.
+struct MeasureOrigin {
+    std::string command;
+    std::uint64_t seed = 0;
+};
+
+/// measure.json, measure.h5, *.csv, *.vti of a case. Lengths in bead radii. Throws RunError.
+void write_measures(const std::filesystem::path& folder, const CaseResults& results,
+                    const MeasureOrigin& origin);
+
+/// series.csv: a row for each case; series.json: what measures tell of all cases together, if any does.
+/// Throws RunError.
+void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases);
+
+/// A few lines for the terminal.
+std::vector<std::string> describe(const CaseResults& results);
+
+/// A group of measure.h5; `a`: the bead radius, m. Throws RunError.
 void put_grid(store::Hdf5Writer& out, const MeasureGrid& grid, double a);
+
+/// Of series.csv, in its order: those of the case, and of every measure, whether it was made or not.
+std::span<const SeriesInfo> series_columns();
 
 } // namespace rodwake::app

@@ -34,4 +34,11 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
                                                     const MeasurePlan& plan,
                                                     const std::function<bool(double)>& on_progress);
 
+/// Throws RunError.
+void write_records(const std::filesystem::path& file, const MeasurePlan& plan,
+                   const measure::Measures& measures);
+
+/// Nothing if there is no such file, or one of other [measure] keys. Throws InputError for a damaged one.
+std::optional<measure::Measures> read_records(const std::filesystem::path& file, const MeasurePlan& plan);
+
 } // namespace rodwake::app

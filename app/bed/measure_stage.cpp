@@ -1,9 +1,8 @@
 #include "measure_stage.hpp"
 
+#include "granular_jobs.hpp"
 #include "granular_summary.hpp"
-#include "granular_task.hpp"
 #include "measure_frames.hpp"
-#include "measure_records.hpp"
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"

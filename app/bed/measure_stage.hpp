@@ -1,7 +1,7 @@
 #pragma once
 // The measure stage: what the runs of a folder recorded on their way, or their trajectories, put together.
 
-#include "measure_results.hpp"
+#include "measure_files.hpp"
 #include "run/session.hpp"
 
 namespace rodwake::app {

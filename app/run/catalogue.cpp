@@ -1,7 +1,7 @@
 #include "catalogue.hpp"
 
 #include "bed/granular_summary.hpp"
-#include "bed/series_columns.hpp"
+#include "bed/measure_files.hpp"
 #include "fit/fit_records.hpp"
 #include "record_table.hpp"
 #include "scan/scan_columns.hpp"

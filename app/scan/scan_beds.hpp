@@ -2,7 +2,7 @@
 // Points of a scan of beds: each is one granular run in a folder of its own, from which a run that was
 // stopped goes on.
 
-#include "bed/granular_task.hpp"
+#include "bed/granular_jobs.hpp"
 #include "rodwake/app/scanned_bed.hpp"
 
 namespace rodwake::app {

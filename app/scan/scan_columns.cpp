@@ -1,7 +1,7 @@
 #include "scan_columns.hpp"
 
 #include "bed/granular_summary.hpp"
-#include "bed/pair_run.hpp"
+#include "bed/run_tables.hpp"
 #include "run/record_table.hpp"
 #include "scan_values.hpp"
 

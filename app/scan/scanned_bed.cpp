@@ -1,7 +1,7 @@
 #include "rodwake/app/scanned_bed.hpp"
 
 #include "bed/granular_summary.hpp"
-#include "bed/pair_run.hpp"
+#include "bed/run_tables.hpp"
 #include "rodwake/core/error.hpp"
 #include "run/record_table.hpp"
 #include "scan_parts.hpp"

@@ -3,7 +3,7 @@
 #include "rodwake/measure/pairs.hpp"
 
 #include "bed/measure_parts.hpp"
-#include "bed/pair_run.hpp"
+#include "bed/run_tables.hpp"
 
 #include "rodwake/app/granular.hpp"
 

@@ -24,6 +24,9 @@ struct BedSize {
 };
 BedSize bed_size(const scene::Granular& bed);
 
+/// Of last_period.h5md; 38 to 75 where a whole number of steps lies between two.
+inline constexpr std::int64_t period_frames = 50;
+
 /// When what is stored of a run, and when it ends: what follows from [granular] beside the problem. SI.
 struct GranularSchedule {
     double order_cutoff = 0.0;                   ///< of psi6, m; 0 without beads
