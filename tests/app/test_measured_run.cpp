@@ -1,7 +1,6 @@
 // The files of a measured run: written of plain data, and told of by the kinds of measures.
 
 #include "bed/measure_files.hpp"
-#include "bed/measure_files.hpp"
 #include "bed/run_tables.hpp"
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/run.hpp"
