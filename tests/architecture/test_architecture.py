@@ -58,7 +58,7 @@ NO_FILES = re.compile(r"^(fstream|iostream|ostream|cstdio)$")
 # What turns a scene into a plan, and tells of it.
 PLANS = {f"app/{name}.cpp" for name in (
     "run/cases", "run/describe", "run/plan", "run/schema", "theory/rods", "theory/field_choice", "bed/granular", "bed/measure", "bed/measure_parts",
-    "bed/describe_granular", "bed/describe_measure", "fit/fit", "fit/fit_map", "fit/fit_track", "fit/describe_fit", "scan/scan", "scan/scan_key",
+    "bed/describe_granular", "fit/fit", "fit/fit_map", "fit/fit_track", "fit/describe_fit", "scan/scan", "scan/scan_key",
     "scan/scan_problem", "scan/scanned_bed")}
 # A measure is known to its own part and to the file of its kind: a header named as a file of that folder is one's.
 MEASURES = {path.stem for path in (SOURCE / KINDS).glob("*.cpp")}
@@ -265,11 +265,11 @@ class TreeTest(unittest.TestCase):
             self.assertNotRegex(text, MACHINE_PATH)
 
     def test_long_files_and_tabs(self):
-        """Over 400 lines a file is due for a split; generated tables and data are not read by people."""
+        """Over 500 lines a file is due for a split; generated tables and data are not read by people."""
         for path in tracked():
             if path.suffix in (".hpp", ".cpp", ".py"):
                 text = text_of(path)
-                self.assertLessEqual(text.count("\n"), 400, path)
+                self.assertLessEqual(text.count("\n"), 500, path)
                 self.assertNotIn("\t", text, path)
 
 
