@@ -3,7 +3,7 @@
 #include "rodwake/app/describe.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
-#include "run/progress.hpp"
+#include "run/log.hpp"
 #include "run/stage_list.hpp"
 
 #include <fmt/format.h>

@@ -7,7 +7,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/periodic.hpp"
-#include "run/progress.hpp"
+#include "run/log.hpp"
 #include "run/stage_list.hpp"
 #include "run_tables.hpp"
 

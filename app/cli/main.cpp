@@ -1,6 +1,5 @@
 #include "options.hpp"
 #include "rodwake/core/error.hpp"
-#include "signals.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 

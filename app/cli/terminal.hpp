@@ -21,4 +21,15 @@ void open_standard_streams();
 /// checkpoint. Throws RunError if the JSON log cannot be opened.
 app::RunContext context_of(const Options& options);
 
+void install_signal_handlers();
+
+/// 0, or the number of the signal that asked to stop.
+int stop_signal();
+
+/// How often SIGUSR1 asked for a checkpoint; every run compares it with what it has seen.
+int checkpoint_requests();
+
+/// 128 + signal: 130 for SIGINT, 143 for SIGTERM.
+int signal_exit_code(int signal);
+
 } // namespace rodwake::cli

@@ -4,10 +4,11 @@
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/app/ways.hpp"
 #include "rodwake/core/error.hpp"
-#include "signals.hpp"
+#include "terminal.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
+#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,7 +18,6 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <spawn.h>
 #include <thread>
 #include <vector>
 

@@ -5,7 +5,6 @@
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/mpi.hpp"
-#include "signals.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 

@@ -1,6 +1,5 @@
 #include "fit_data.hpp"
 
-#include "fit_map_data.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"

@@ -1,4 +1,4 @@
-#include "fit_map_data.hpp"
+#include "fit_data.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/csv.hpp"

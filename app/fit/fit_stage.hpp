@@ -4,6 +4,8 @@
 #include "rodwake/app/fit_results.hpp"
 #include "run/session.hpp"
 
+#include <utility>
+
 namespace rodwake::app {
 
 struct FitStageResult {
@@ -20,5 +22,12 @@ std::string fit_key(const scene::Scene& scene, const FitPlan& plan);
 
 /// Whether a fit was stopped in this folder and can go on.
 bool fit_was_stopped(const std::filesystem::path& folder);
+
+/// Writes medium.json and makes the medium that of the later stages. Throws RunError if the fit does not fix
+/// it.
+void take_fitted_medium(Session& session, const FitResults& results, const FitPlan& plan);
+
+/// eta and xi (f/mu) of a medium.json that an earlier fit wrote. Throws InputError.
+std::pair<double, double> stored_medium(const std::filesystem::path& file);
 
 } // namespace rodwake::app

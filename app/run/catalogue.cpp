@@ -4,7 +4,7 @@
 #include "bed/measure_files.hpp"
 #include "fit/fit_records.hpp"
 #include "record_table.hpp"
-#include "scan/scan_columns.hpp"
+#include "scan/scan_values.hpp"
 #include "theory/theory_records.hpp"
 #include "tradeoff/tradeoff_files.hpp"
 #include "tradeoff/ways_files.hpp"

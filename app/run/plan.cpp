@@ -1,6 +1,8 @@
 #include "rodwake/app/plan.hpp"
 
+#include "rodwake/app/cases.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
 
 #include <fmt/format.h>
 
@@ -121,6 +123,22 @@ void apply_seed(scene::Scene& scene, std::uint64_t seed) {
         scene.scan->seed = static_cast<long>(seed);
     if (measured)
         scene.medium->measured->seed = static_cast<long>(seed);
+}
+
+std::vector<Case> cases_of(const scene::Scene& scene) {
+    std::vector<Case> cases = {{"scene", "", "", scene}};
+    for (const scene::Variant& variant : scene.variants)
+        cases.push_back({variant.name, variant.label.empty() ? variant.name : variant.label,
+                         "variants/" + variant.name + "/", scene::apply_variant(scene, variant)});
+    return cases;
+}
+
+std::vector<Case> bed_cases(const scene::Scene& scene) {
+    std::vector<Case> cases = cases_of(scene);
+    std::erase_if(cases, [&](const Case& one) {
+        return !one.folder.empty() && (!one.scene.granular || one.scene.granular == scene.granular);
+    });
+    return cases;
 }
 
 } // namespace rodwake::app

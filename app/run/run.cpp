@@ -4,10 +4,10 @@
 #include "bed/measure_stage.hpp"
 #include "bed/measured_file.hpp"
 #include "fit/fit_stage.hpp"
+#include "rodwake/app/run_context.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
-#include "scan/scan_list.hpp"
 #include "scan/scan_request.hpp"
 #include "stage_list.hpp"
 
@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <thread>
 
 namespace rodwake::app {
 
@@ -161,6 +162,10 @@ StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context
         session.log->info("results in {}{}", folder.string(),
                           drawn_later ? "; rodwake plot " + folder.string() + " draws them" : "");
     return end;
+}
+
+std::size_t RunContext::thread_count() const {
+    return threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
 }
 
 } // namespace rodwake::app

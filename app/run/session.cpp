@@ -1,6 +1,6 @@
 #include "session.hpp"
 
-#include "fit/fit_medium.hpp"
+#include "fit/fit_stage.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/build_info.hpp"

@@ -19,4 +19,8 @@ std::vector<std::filesystem::path> shares_in(const std::filesystem::path& folder
 /// folder or of its shares that are of another scan, of a newer version, or damaged.
 void require_scan(const ScanPlan& plan, const std::filesystem::path& folder, const RunContext& context);
 
+/// The rows of scan.file, beside the scene or where the program runs; nothing for other designs. Throws
+/// InputError with file:line for what is missing or wrong.
+std::optional<ScanList> read_scan_list(const scene::Scene& scene);
+
 } // namespace rodwake::app

@@ -4,6 +4,7 @@
 
 #include "rodwake/app/rods.hpp"
 #include "rodwake/app/scan.hpp"
+#include "rodwake/scan/ledger.hpp"
 #include "rodwake/scan/run.hpp"
 
 #include <filesystem>
@@ -17,5 +18,8 @@ inline bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSu
 void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
                 const scan::Ledger& ledger, const scan::Counts& counts, const scan::Summary& summary,
                 double wall_seconds, std::size_t threads);
+
+/// scan.csv, scan_runs.csv and scan.h5 with the same columns. Throws RunError.
+void write_bed_results(const std::filesystem::path& folder, const ScanPlan& plan, const scan::Ledger& ledger);
 
 } // namespace rodwake::app

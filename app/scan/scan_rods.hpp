@@ -11,7 +11,7 @@ namespace rodwake::app {
 /// Evaluates points of a plan, which must outlive it. A point whose rods start within the contact distance
 /// is a contact at time 0. One that fails is tried again: with ten times the steps, with a
 /// tenth of the tolerance, with the other kind of method; what was tried is in its cause. Times and lengths
-/// in output units. With noise a point is an ensemble (scan_noise.hpp).
+/// in output units. With noise a point is an ensemble.
 scan::Evaluate evaluate_rods(const ScanPlan& plan, std::function<bool()> stop);
 
 /// The encounter of a point with `times` output times spread over [0, end], as run for its result; with

@@ -3,7 +3,7 @@
 #include "rodwake/app/evaluate.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
-#include "run/progress.hpp"
+#include "run/log.hpp"
 #include "run/stage_list.hpp"
 #include "scan_beds.hpp"
 #include "scan_request.hpp"

@@ -1,11 +1,13 @@
 #pragma once
 // What a point of rods yields: how the encounter ended, and the numbers of its row.
 
+#include "rodwake/app/measure_report.hpp"
 #include "rodwake/app/rods.hpp"
 #include "rodwake/app/scan.hpp"
 #include "rodwake/core/record.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 
+#include <span>
 #include <vector>
 
 namespace rodwake::app {
@@ -82,5 +84,9 @@ EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run);
 
 /// Into the columns of the plan, in output units; a number that is not finite makes the point fail.
 void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& units, scan::Result& result);
+
+/// Columns of scan.csv and scan_runs.csv beside the axes, which have the names of their keys. "{scan length}"
+/// and "{scan time}" stand for a and s of beds, else for the units of the run's theory.
+std::span<const ColumnInfo> scan_columns();
 
 } // namespace rodwake::app

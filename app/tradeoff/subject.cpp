@@ -1,6 +1,6 @@
 #include "subject.hpp"
 
-#include "scan/scan_list.hpp"
+#include "scan/scan_request.hpp"
 #include "scan/scan_rods.hpp"
 #include "theory/wake_fields.hpp"
 

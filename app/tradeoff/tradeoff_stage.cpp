@@ -3,7 +3,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/stopwatch.hpp"
-#include "run/progress.hpp"
+#include "run/log.hpp"
 #include "run/stage_list.hpp"
 #include "subject.hpp"
 #include "tradeoff_files.hpp"

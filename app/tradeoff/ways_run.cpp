@@ -5,7 +5,6 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "run/log.hpp"
-#include "run/progress.hpp"
 #include "way_subject.hpp"
 #include "ways_files.hpp"
 

@@ -28,7 +28,7 @@ QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
     "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/bed_ways.cpp"},  # of the scan; how long a run takes
-    "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_bed_results.cpp", "app/scene/figure_kinds.cpp"},
+    "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_results.cpp", "app/scene/figure_kinds.cpp"},
     "final_separation": {"app/tradeoff/subject.cpp"},
     "last_change": {PAIRS},
     "leader": {PAIRS},
