@@ -5,8 +5,8 @@
 //   build/release/bench/bench_dem --benchmark_min_time=0.5
 
 #include "granular/bodies.hpp"
-#include "granular/cell_grid.hpp"
 #include "granular/kernels.hpp"
+#include "granular/pair_finder.hpp"
 #include "rodwake/granular/simulation.hpp"
 #include "rodwake/granular/start.hpp"
 

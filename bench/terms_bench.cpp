@@ -6,8 +6,8 @@
 // that knows nothing but the terms the scene has, on the plane and for beads alone. Those say so if their
 // bits differ. The script counts what happens inside the functions it names: do not inline them.
 
-#include "granular/bead_bounces.hpp"
 #include "granular/bodies.hpp"
+#include "granular/bounces.hpp"
 #include "granular/pair_contacts.hpp"
 #include "granular/pair_finder.hpp"
 #include "rodwake/app/granular.hpp"

@@ -1,6 +1,6 @@
 #include "rodwake/granular/impact.hpp"
 
-#include "slip_path.hpp"
+#include "slip.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,5 @@
-#include "first_places.hpp"
-
 #include "checks.hpp"
+#include "packing.hpp"
 
 #include <Eigen/LU>
 

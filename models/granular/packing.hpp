@@ -3,9 +3,13 @@
 // and y.
 
 #include "plan_view.hpp"
-
 #include "rodwake/core/rng.hpp"
+#include "rodwake/granular/start.hpp"
 
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace rodwake::granular {
@@ -30,5 +34,31 @@ inline constexpr double separation = 1e-6;
 /// Moves overlapping beads, in turn and always in the same order, and shakes them if that does not end.
 /// Returns the largest remaining overlap, m: 0 if nothing overlaps, more if no packing was found.
 double push_apart(Places& places, const Room& room, RandomStream random);
+
+// First places of the beads, before they are pushed apart.
+
+/// What the random numbers of a start are for; each purpose has streams of its own.
+enum class Purpose : std::uint64_t { place = 1, vacancy, velocity, shake, rod };
+
+/// Stream of one bead or site: independent of all others and of how many there are.
+RandomStream stream_for(Purpose purpose, std::uint64_t seed, std::uint32_t run, std::size_t index = 0);
+
+/// Indices, in order, of `beads` of these sites. Sites under rods are dropped, the most covered first, then
+/// sites at random; where the beads are dense, some that rods cover a little stay and have to give way.
+std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites, const GranularProblem& problem,
+                                    const Room& room, std::uint32_t run);
+
+/// Beads at these of the sites, at mid gap but for a little.
+Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
+                  const GranularProblem& problem, const Room& room, std::uint32_t run);
+
+/// On the lattice that fits best.
+Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run);
+
+/// Uniform in the room outside the rods.
+Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t run);
+
+/// fit.sites points in the box, exact to rounding, always in the same order; the first is (0, 0).
+std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, const PeriodicBox& box);
 
 } // namespace rodwake::granular

@@ -60,4 +60,10 @@ private:
     std::vector<Pair> overlapping_;
 };
 
+// Neighbours in the periodic plane by cells.
+
+/// All pairs of spheres nearer in the plane than the sum of their radii plus `skin`, nearest images, ordered
+/// (first, second); pairs of the same rod are left out.
+void near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team, PairList& list);
+
 } // namespace rodwake::granular

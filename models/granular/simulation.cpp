@@ -1,10 +1,9 @@
 #include "rodwake/granular/simulation.hpp"
 
-#include "bead_bounces.hpp"
 #include "body_kicks.hpp"
+#include "bounces.hpp"
 #include "pair_contacts.hpp"
 #include "pair_finder.hpp"
-#include "rod_bounces.hpp"
 #include "rodwake/core/bond_order.hpp"
 #include "rodwake/core/error.hpp"
 

@@ -1,7 +1,7 @@
 #include "blocks.hpp"
-#include "cell_window.hpp"
 #include "displacement_impl.hpp"
 #include "estimators.hpp"
+#include "phase_cell.hpp"
 
 #include <array>
 #include <numeric>
@@ -102,7 +102,7 @@ void LagrangianAccumulator::load(StateReader& in) {
 namespace {
 
 using Lagrangian = LagrangianAccumulator;
-using Sums = std::array<double, Lagrangian::channels>;
+using ChannelSums = std::array<double, Lagrangian::channels>;
 
 struct Sources {
     std::vector<const BlockSums*> blocks;
@@ -121,9 +121,9 @@ Sources sources_of(std::span<const DisplacementAccumulator> runs) {
     return sources;
 }
 
-/// Sums of a block over some bins, the displacements of each bin taken back by what U differs there.
-Sums sums_of(const BlockSums& block, const std::vector<CellPart>& parts) {
-    Sums total{};
+/// ChannelSums of a block over some bins, the displacements of each bin taken back by what U differs there.
+ChannelSums sums_of(const BlockSums& block, const std::vector<CellPart>& parts) {
+    ChannelSums total{};
     for (const CellPart& part : parts) {
         const double* from = &block.sums[part.bin * Lagrangian::channels];
         for (std::size_t c = 0; c < Lagrangian::channels; ++c)
@@ -137,8 +137,8 @@ Sums sums_of(const BlockSums& block, const std::vector<CellPart>& parts) {
 /// Value and place (from the bin's middle) of the mean; adds to the scatter.
 void put(const Sources& sources, std::size_t bin, const std::vector<CellPart>& parts, BinSamples& samples,
          BlockScatter& scatter) {
-    std::vector<Sums> blocks;
-    Sums total{};
+    std::vector<ChannelSums> blocks;
+    ChannelSums total{};
     for (const BlockSums* block : sources.blocks) {
         blocks.push_back(sums_of(*block, parts));
         for (std::size_t c = 0; c < Lagrangian::channels; ++c)
@@ -148,7 +148,7 @@ void put(const Sources& sources, std::size_t bin, const std::vector<CellPart>& p
     const Vector2 mean{total[Lagrangian::along] / beads, total[Lagrangian::across] / beads};
     std::vector<Vector2> pulls;
     std::vector<bool> present;
-    for (const Sums& block : blocks) {
+    for (const ChannelSums& block : blocks) {
         pulls.push_back({(block[Lagrangian::along] - block[Lagrangian::beads] * mean.x) / beads,
                          (block[Lagrangian::across] - block[Lagrangian::beads] * mean.y) / beads});
         present.push_back(block[Lagrangian::beads] > 0.0);

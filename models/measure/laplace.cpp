@@ -2,6 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 
+#include <boost/math/quadrature/gauss.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -71,6 +72,98 @@ double laplace(const Sampled& function, double s) {
         f = function.f[i];
     }
     return sum + std::exp(-s * t) * (f + function.tail_slope / s) / s;
+}
+
+namespace {
+
+using Row = std::vector<double>;
+using Gauss = boost::math::quadrature::gauss<double, 10>;
+
+Row logarithms(std::span<const double> values) {
+    Row logs;
+    for (const double v : values) {
+        if (!(v > 0.0))
+            throw InputError(
+                fmt::format("measure: a smooth Laplace transform of the value {:g}: must be positive", v));
+        logs.push_back(std::log(v));
+    }
+    return logs;
+}
+
+/// Slopes at the points, of the parabola through each and its neighbours.
+Row slopes(const Row& x, const Row& y) {
+    const std::size_t n = x.size();
+    Row h(n - 1), chord(n - 1), slope(n);
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+        h[i] = x[i + 1] - x[i];
+        chord[i] = (y[i + 1] - y[i]) / h[i];
+    }
+    slope.front() = chord.front();
+    slope.back() = chord.back();
+    for (std::size_t i = 1; i + 1 < n; ++i)
+        slope[i] = (h[i] * chord[i - 1] + h[i - 1] * chord[i]) / (h[i - 1] + h[i]);
+    if (n > 2) {
+        slope.front() += (chord[0] - chord[1]) * h[0] / (h[0] + h[1]);
+        slope.back() += (chord[n - 2] - chord[n - 3]) * h[n - 2] / (h[n - 3] + h[n - 2]);
+    }
+    return slope;
+}
+
+/// One piece, [x0, x0 + h]; slopes at its ends.
+struct Piece {
+    double x0, h, y0, y1, slope0, slope1;
+
+    double at(double u) const { // u in [0, 1]
+        const double v = 1.0 - u;
+        return v * v * (1.0 + 2.0 * u) * y0 + u * u * (1.0 + 2.0 * v) * y1 +
+               h * u * v * (v * slope0 - u * slope1);
+    }
+    void add_nodes(Row& node, Row& weight) const {
+        for (std::size_t k = 0; k < Gauss::abscissa().size(); ++k)
+            for (const double side : {-1.0, 1.0}) {
+                const double u = 0.5 * (1.0 + side * Gauss::abscissa()[k]), t = std::exp(x0 + h * u);
+                node.push_back(t);
+                weight.push_back(0.5 * h * Gauss::weights()[k] * t * std::exp(at(u))); // dt = t dx
+            }
+    }
+};
+
+/// int_0^1 u^p exp(-q u) du = exp(-q) sum_n q^n / ((p + 1) ... (p + 1 + n)); all terms are positive.
+double power_start(double p, double q) {
+    double term = 1.0 / (p + 1.0), sum = term;
+    for (int n = 1; term > 1e-17 * sum; ++n)
+        sum += term *= q / (p + 1.0 + n);
+    return std::exp(-q) * sum;
+}
+
+} // namespace
+
+SmoothSampled smooth_sampled(std::span<const double> t, std::span<const double> f, Between between) {
+    SmoothSampled smooth;
+    smooth.tail_slope = sampled(t, f).tail_slope;
+    const Row x = logarithms(t), y = logarithms(f), slope = slopes(x, y);
+    for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+        const double h = x[i + 1] - x[i], chord = (y[i + 1] - y[i]) / h;
+        const bool cubic = between == Between::cubics;
+        const Piece piece{x[i], h, y[i], y[i + 1], cubic ? slope[i] : chord, cubic ? slope[i + 1] : chord};
+        piece.add_nodes(smooth.node, smooth.weight);
+    }
+    smooth.first_time = t.front();
+    smooth.first = f.front();
+    smooth.start_exponent = std::clamp(slope.front(), 0.0, 2.0);
+    smooth.last_time = t.back();
+    smooth.last = f.back();
+    return smooth;
+}
+
+double laplace(const SmoothSampled& f, double s) {
+    if (!(std::isfinite(s) && s > 0.0))
+        throw InputError(
+            fmt::format("measure: a Laplace transform at s = {:g}: must be finite and positive", s));
+    double sum = f.first * f.first_time * power_start(f.start_exponent, s * f.first_time);
+    for (std::size_t k = 0; k < f.node.size(); ++k)
+        sum += f.weight[k] * std::exp(-s * f.node[k]);
+    return sum + std::exp(-s * f.last_time) * (f.last + f.tail_slope / s) / s;
 }
 
 } // namespace rodwake::measure

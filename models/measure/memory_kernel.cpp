@@ -1,6 +1,6 @@
 #include "rodwake/measure/memory_kernel.hpp"
 
-#include "smooth_laplace.hpp"
+#include "laplace.hpp"
 #include "stiffness_spectrum.hpp"
 
 #include <cmath>

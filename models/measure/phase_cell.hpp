@@ -1,15 +1,76 @@
 #pragma once
 // The likelihood of a displacement in one cell (phase_samples.hpp has the equation).
 
-#include "cell_window.hpp"
-#include "phase_blocks.hpp"
+#include "blocks.hpp"
+#include "displacement_impl.hpp"
+#include "regrid.hpp"
 
 #include <array>
 #include <complex>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace rodwake::measure {
+
+// The blocks of all runs of an estimator with phases, ready to be put together.
+
+struct PhaseBlock {
+    std::span<const double> sums; ///< [bin][PhaseAccumulator::channels]
+    std::array<Vector2, 3> g;     ///< along the rod's axes
+    std::array<int, 3> m{}, n{};  ///< of the lattice
+    double heading = 0.0, frames = 0.0;
+    Follows follows = Follows::nothing;
+};
+
+/// `smoothed` holds the sums of those that are made new: for `density` the far field's phases of each block
+/// are taken off and the sums are averaged over a window wider than the lattice spacing.
+std::vector<PhaseBlock> phase_blocks(std::span<const DisplacementAccumulator> runs,
+                                     std::vector<std::vector<double>>& smoothed);
+
+// Means over one cell of the crystal's lattice, around the middle of each bin.
+//
+// Where the rod keeps its place relative to the lattice, beads come to some places more than to others, and
+// those that come to the others do so because they are displaced by more or less than the mean. What belongs
+// to a place is therefore an average over all places of a cell. The window 1 - (r/R)^2 with R = 0.71 lattice
+// spacings has no Fourier content at the first reciprocal vectors.
+//
+// It is gone through twice: plain means first, which belong to the centre of their data; then means from
+// which the differences of the first ones across the window are taken out, which belong to the middle of the
+// bin. Differences between single bins would not do: within a cell they are those of the beads that come
+// there, not of U.
+
+struct CellPart {
+    std::size_t bin;
+    double weight;
+    Vector2 difference; ///< U of this bin's mean place minus U of the middle
+};
+
+struct CellMean {
+    std::vector<CellPart> parts;
+    Vector2 guess;      ///< U at the middle
+    Vector2 place;      ///< of the beads, from the middle, m
+    double count = 0.0; ///< mean of the bins in the window: beads of a bin
+};
+
+/// Of a perfect triangular lattice with the bed's number of beads, m.
+double lattice_spacing(const Layout& layout);
+
+class CellWindow {
+public:
+    /// Parts are the bins; differences of U come from `smooth`, are 0 without. Keeps the references.
+    CellWindow(const BinSamples& bins, const BinSamples* smooth, const RodGrid& grid, double lattice_spacing);
+    /// No parts where the window is empty or, for differences, its data are all to one side.
+    CellMean around(std::size_t bin) const;
+
+private:
+    const BinSamples& bins_;
+    const BinSamples* smooth_;
+    const RodGrid& grid_;
+    Scattered scattered_;
+    std::optional<Scattered> to_fit_;
+    double radius_; ///< in spacings
+};
 
 /// Sums of all blocks over some bins, the phases of each bin taken back by what U differs there.
 class PhaseCell {

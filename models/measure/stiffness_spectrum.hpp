@@ -2,7 +2,7 @@
 // The inverse Laplace transform of the mean-square displacement, with errors and with what the sampling
 // leaves open. Definitions: rodwake/measure/memory_kernel.hpp.
 
-#include "lag_blocks.hpp"
+#include "blocks.hpp"
 #include "rodwake/measure/memory_kernel.hpp"
 
 namespace rodwake::measure {

@@ -1,5 +1,5 @@
-#include "fft.hpp"
 #include "mode_displacement.hpp"
+#include "nonuniform_fft.hpp"
 #include "rodwake/medium/film.hpp"
 
 #include <vector>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace rodwake::medium {
 
@@ -107,6 +108,114 @@ void ModeMesh::turning(integrate::State poses, std::span<const double> field,
             const rods::Direction n = rods::direction(poses, a);
             rates[a] += n.cosine * values_[a].im - n.sine * values_[a].re;
         }
+    }
+}
+
+// The start of many rods: ModeMesh::add_steady.
+
+namespace {
+
+constexpr int most_harmonics = 48;
+constexpr double least_term = 1e-13; // of a series
+
+/// |r| of the header.
+double ratio(double a) { return 1.0 / (std::sqrt(1.0 + a * a) + a); }
+
+/// i^k
+Complex turns(int k) {
+    constexpr Complex four[] = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
+    return four[k & 3];
+}
+
+/// r^|k| over 2 sqrt(1 + a^2)
+Complex term(double a, int k) { return 0.5 * std::pow(ratio(a), k) / std::sqrt(1.0 + a * a) * turns(k); }
+
+/// Of harmonic k >= 0.
+Complex along(double a, int k) { return term(a, std::abs(k - 1)) + term(a, k + 1); }
+Complex across(double a, int k) {
+    const Complex twice_i = term(a, std::abs(k - 1)) - term(a, k + 1);
+    return {twice_i.im, -twice_i.re};
+}
+
+} // namespace
+
+/// |r| of the part that decays more slowly, where the larger component of q is that of a mode.
+double ModeMesh::largest_ratio(std::size_t row, std::size_t column) const {
+    const double q = std::max(modes_.qx()[row], std::abs(modes_.qy()[column])), least = modes_.qx()[1];
+    const std::size_t first = modes_.columns() / 2 + 1; // of q = least
+    const double decay = std::min(modes_.decay_longitudinal()[first], modes_.decay_transverse()[first]);
+    return ratio(q * decay / (least * least));
+}
+
+/// Whether a mode is in the square of those with too long a series.
+bool ModeMesh::summed(std::size_t row, std::size_t column) const {
+    return std::pow(largest_ratio(row, column), most_harmonics) > least_term;
+}
+
+/// The first of the columns that are summed.
+std::size_t ModeMesh::first_summed() const {
+    std::size_t first = modes_.columns() / 2;
+    while (first > 0 && summed(0, first - 1))
+        --first;
+    return first;
+}
+
+void ModeMesh::sum_steady(integrate::State poses, std::span<double> field) {
+    constexpr std::size_t block = 128; // whose phases fit into memory
+    const std::size_t columns = modes_.columns(), first = first_summed(), rods = poses.size() / 3;
+    std::vector<Phases> px(block), py(block);
+    for (std::size_t start = 0; start < rods; start += block) {
+        const std::size_t count = std::min(block, rods - start);
+        team_.run(count, [&](std::size_t k) {
+            px[k] = phases(modes_.qx(), -poses[3 * (start + k)]);
+            py[k] = phases(modes_.qy(), -poses[3 * (start + k) + 1]);
+        });
+        team_.run(modes_.rows(), [&](std::size_t row) {
+            for (std::size_t k = 0; k < count && summed(row, columns / 2); ++k)
+                modes_.add_steady_row(row, first, columns - first, rods::pose(poses, start + k), px[k], py[k],
+                                      field);
+        });
+    }
+}
+
+void ModeMesh::add_harmonic_row(std::size_t row, int k, std::span<double> field) const {
+    const std::size_t columns = modes_.columns(), half = modes_.rows() - 1, size = modes_.size();
+    const std::span<const Complex> sums = transform_.modes();
+    for (std::size_t column = 0, i = row * columns; column < columns; ++column, ++i) {
+        if (modes_.force()[i] == 0.0 || summed(row, column))
+            continue;
+        const double q = std::hypot(modes_.qx()[row], modes_.qy()[column]);
+        const double a_l = modes_.decay_longitudinal()[i] / q, a_t = modes_.decay_transverse()[i] / q;
+        if (k > 1 && std::pow(ratio(std::min(a_l, a_t)), k - 1) < least_term)
+            continue;
+        const double angle = k * std::atan2(modes_.unit_y()[i], modes_.unit_x()[i]);
+        const Complex back{std::cos(angle), -std::sin(angle)}, forth{back.re, -back.im};
+        const Complex plus = back * sums[(half + row) * columns + column];
+        const Complex partner = sums[(half - row) * columns + columns - 1 - column];
+        const Complex minus = forth * Complex{partner.re, -partner.im}; // of harmonic -k
+        const double f = modes_.force()[i] / q;
+        const Complex l = f * (along(a_l, k) * (k == 0 ? plus : plus + minus));
+        const Complex t = k == 0 ? Complex{} : f * (across(a_t, k) * (plus - minus));
+        field[i] += l.re;
+        field[size + i] += l.im;
+        field[2 * size + i] += t.re;
+        field[3 * size + i] += t.im;
+    }
+}
+
+void ModeMesh::add_steady(integrate::State poses, std::span<double> field) {
+    sum_steady(poses, field);
+    const std::size_t first = first_summed();
+    if (first == 0)
+        return;
+    place(poses);
+    values_.resize(poses.size() / 3);
+    const double slowest = largest_ratio(0, first - 1); // of the series
+    for (int k = 0; k < 2 || std::pow(slowest, k - 1) > least_term; ++k) {
+        for (std::size_t a = 0; a < values_.size(); ++a)
+            values_[a] = {std::cos(k * poses[3 * a + 2]), std::sin(k * poses[3 * a + 2])};
+        transform_.to_modes(values_);
+        team_.run(modes_.rows(), [&](std::size_t row) { add_harmonic_row(row, k, field); });
     }
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using State6 = std::array<double, 6>;
 
-constexpr double first_step = 0.01; // f/(mu v0), as rods::simulate takes
+constexpr double lane_first_step = 0.01; // f/(mu v0), as rods::simulate takes
 constexpr double ulp = std::numeric_limits<double>::epsilon();
 
 State6 numbers(const LaneNumbers (&of)[6], std::size_t lane) {
@@ -32,7 +32,7 @@ double separation_rate(const State6& y, const State6& rate) {
 }
 
 /// How well contact is met: what coordinates of this size resolve.
-double resolution(const State6& y) {
+double lane_resolution(const State6& y) {
     double largest = 0.0;
     for (const double one : y)
         largest = std::max(largest, std::abs(one));
@@ -81,7 +81,7 @@ void PairQueue::load(std::size_t lane, const PairProblem& pair) {
     l.gamma1[lane] = unit * medium.c_shear * gamma1;
     l.gamma2[lane] = unit * medium.c_shear * gamma2;
     l.time[lane] = 0.0;
-    l.step[lane] = first_step;
+    l.step[lane] = lane_first_step;
     l.t_end[lane] = pair.t_end;
     l.forced[lane] = 0.0;
     const double contact = pair.contact_distance;
@@ -142,7 +142,7 @@ bool PairQueue::approach_contact(std::size_t lane, double gap, double rate) {
     LaneSearch& search = search_[lane];
     const double length = lanes.tried[lane];
     (gap > 0.0 ? search.outside : search.inside) = length;
-    if (std::abs(gap) <= resolution(numbers(lanes.end_state, lane)) || ++search.tries > most_tries) {
+    if (std::abs(gap) <= lane_resolution(numbers(lanes.end_state, lane)) || ++search.tries > most_tries) {
         contact_[lane] = true;
         lanes.forced[lane] = 0.0;
         return true;

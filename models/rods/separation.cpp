@@ -1,7 +1,12 @@
 #include "rodwake/rods/separation.hpp"
 
+#include "bridge_contact.hpp"
 #include "rodwake/core/periodic.hpp"
+#include "rodwake/core/rng.hpp"
+#include "rodwake/integrate/additive_noise.hpp"
+#include "rodwake/rods/separation_record.hpp"
 #include "sweep.hpp"
+#include "within_step.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -207,6 +212,131 @@ double fall_time(const integrate::Step& step, std::size_t a, std::size_t b, doub
         (curve.at(middle) > distance * distance ? outside : inside) = middle;
     }
     return step.time_before + inside * h;
+}
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void keep_smaller(SeparationRecord& record, const Separation& pair, double time) {
+    if (pair.distance < record.smallest.distance) {
+        record.smallest = pair;
+        record.smallest_time = time;
+    }
+}
+
+void add_late(SeparationRecord& record, integrate::State y, integrate::State ydot, Box box) {
+    const std::size_t rods = y.size() / 3;
+    for (std::size_t a = 0; a < rods; ++a)
+        for (std::size_t b = a + 1; b < rods; ++b) {
+            const Offset d = offset(y, a, b, box);
+            const double r = std::hypot(d.x, d.y);
+            LatePart& range = record.late[a * rods + b];
+            range = {std::min(range.min_separation, r), std::max(range.max_separation, r),
+                     std::max({range.max_turning, std::abs(ydot[3 * a + 2]), std::abs(ydot[3 * b + 2])})};
+        }
+}
+
+void add_late_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {
+    std::vector<double> rate(step.state.size()), other(step.state.size());
+    rates(step.state, rate);
+    if (step.time_before < record.late_from && record.late_from < step.time) {
+        rates(step.state_before, other);
+        const auto y = state_at(record.late_from, step, other, rate);
+        rates(y, other);
+        add_late(record, y, other, box);
+    }
+    add_late(record, step.state, rate, box);
+}
+
+} // namespace
+
+SeparationRecord start_record(integrate::State y, double late_from, Box box) {
+    const std::size_t rods = y.size() / 3;
+    if (rods < 2)
+        return {{0, 0, infinity}, 0.0, late_from, {}};
+    const std::size_t followed = rods <= most_followed_rods ? rods * rods : 0;
+    return {closest_pair(y, box), 0.0, late_from, std::vector<LatePart>(followed, {infinity, 0.0, 0.0})};
+}
+
+void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {
+    if (step.state.size() < 6)
+        return;
+    keep_smaller(record, closest_pair(step.state, box), step.time);
+    if (const auto approach = closest_approach(step, box, record.smallest.distance))
+        keep_smaller(record, approach->pair, approach->time);
+    if (step.time >= record.late_from && !record.late.empty())
+        add_late_step(record, step, rates, box);
+}
+
+namespace {
+
+using Words = std::array<std::uint32_t, 4>;
+
+/// A pair's own bits, from those of its first rod.
+Words bits_of_pair(const Words& first, std::size_t second, std::uint32_t draw) {
+    return philox_block({static_cast<std::uint32_t>(second), draw, first[2], first[3]}, {first[0], first[1]});
+}
+
+/// Inverse Gaussian, by Michael, Schucany and Haas, Am. Stat. 30, 88 (1976); the smaller root without
+/// cancellation.
+double inverse_gaussian(double mean, double shape, double normal, double uniform) {
+    const double a = 0.5 * mean * normal * normal / shape;
+    const double root = mean / (1.0 + a + std::sqrt(a * (2.0 + a)));
+    return uniform * (mean + root) <= mean ? root : mean * (mean / root);
+}
+
+/// When a pair that is d0 > 0 and d1 short of contact at the ends of a step of variance `spread` met first,
+/// as a share of the step; given that it did.
+double meeting_share(double d0, double d1, double spread, const Words& bits, double uniform) {
+    const double end = std::max(std::abs(d1), 1e-9 * d0);
+    const double odds = inverse_gaussian(d0 / end, d0 * d0 / spread, integrate::normals_of(bits)[0], uniform);
+    return odds / (1.0 + odds);
+}
+
+double separation(integrate::State y, std::size_t a, std::size_t b, Box box) {
+    const Offset d = offset(y, a, b, box);
+    return std::hypot(d.x, d.y);
+}
+
+/// How far two rods may come nearer at most.
+double closing(const integrate::Step& step) {
+    double longest = 0.0;
+    for (std::size_t k = 0; k < step.state.size(); k += 3)
+        longest = std::max(longest, std::hypot(step.state[k] - step.state_before[k],
+                                               step.state[k + 1] - step.state_before[k + 1]));
+    return 2.0 * longest;
+}
+
+} // namespace
+
+Words NoisePlace::bits(Use use, std::size_t rod) const {
+    return philox_block(
+        {node, (span << 8) | static_cast<std::uint32_t>(use), run, static_cast<std::uint32_t>(rod)},
+        {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
+}
+
+std::optional<Meeting> bridge_contact(const integrate::Step& step, double distance, double rate, Box box,
+                                      const NoisePlace& place) {
+    const double spread = rate * (step.time - step.time_before);
+    // Farther apart than this, a pair has met with a probability below exp(-36).
+    const double reach = distance + closing(step) + std::sqrt(18.0 * spread);
+    std::optional<Meeting> first;
+    const auto see = [&](std::size_t a, std::size_t b) {
+        const double d0 = separation(step.state_before, a, b, box) - distance;
+        if (d0 > reach - distance)
+            return;
+        const double d1 = separation(step.state, a, b, box) - distance;
+        const Words of_rod = place.bits(NoisePlace::Use::meeting, a), bits = bits_of_pair(of_rod, b, 0);
+        if (d1 > 0.0 && integrate::uniform_of(bits[0], bits[1]) >= std::exp(-2.0 * d0 * d1 / spread))
+            return;
+        const double share = meeting_share(d0, d1, spread, bits_of_pair(of_rod, b, 1),
+                                           integrate::uniform_of(bits[2], bits[3]));
+        if (!first || share < first->share || (share == first->share && a < first->first))
+            first = {share, a, b};
+    };
+    Sweep(step.state_before, box).pairs([&](double gap) { return gap > reach; }, see);
+    return first;
 }
 
 } // namespace rodwake::rods

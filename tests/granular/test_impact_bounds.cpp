@@ -1,7 +1,7 @@
 // What holds for every impact: no NaN, energy, friction cone, separation, bounded work, no dependence on
 // scale.
 
-#include "granular/slip_path.hpp"
+#include "granular/slip.hpp"
 #include "impact_cases.hpp"
 
 #include "rodwake/core/error.hpp"

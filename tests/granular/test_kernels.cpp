@@ -2,7 +2,7 @@
 
 #include "beds.hpp"
 
-#include "granular/cell_grid.hpp"
+#include "granular/pair_finder.hpp"
 #include "granular/kernels.hpp"
 
 #include <catch2/catch.hpp>

@@ -2,7 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 
-#include "granular/first_places.hpp"
+#include "granular/packing.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -2,7 +2,7 @@
 
 #include "beds.hpp"
 
-#include "granular/bead_bounces.hpp"
+#include "granular/bounces.hpp"
 
 #include <catch2/catch.hpp>
 

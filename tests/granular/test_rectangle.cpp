@@ -1,7 +1,7 @@
 // Boxes whose sides differ: lattices that close in them, starts, energy, threads, and the bed mirrored.
 
 #include "beds.hpp"
-#include "granular/first_places.hpp"
+#include "granular/packing.hpp"
 #include "rodwake/core/error.hpp"
 #include "starts.hpp"
 

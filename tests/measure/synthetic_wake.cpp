@@ -2,7 +2,7 @@
 
 #include "rodwake/core/rng.hpp"
 
-#include "granular/first_places.hpp"
+#include "granular/packing.hpp"
 
 #include <cmath>
 

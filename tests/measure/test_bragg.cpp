@@ -6,7 +6,7 @@
 #include "rodwake/core/rng.hpp"
 #include "rodwake/measure/bragg.hpp"
 
-#include "granular/first_places.hpp"
+#include "granular/packing.hpp"
 
 #include <cmath>
 

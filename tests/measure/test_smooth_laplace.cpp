@@ -3,7 +3,6 @@
 #include "catch2/catch.hpp"
 #include "known_motion.hpp"
 #include "measure/laplace.hpp"
-#include "measure/smooth_laplace.hpp"
 #include "measure/stiffness_spectrum.hpp"
 #include "rodwake/core/error.hpp"
 

@@ -1,10 +1,201 @@
-#include "slip_series.hpp"
+#include "slip.hpp"
+
+#include "rodwake/core/error.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace rodwake::granular {
+
+namespace {
+
+constexpr double endless = std::numeric_limits<double>::infinity();
+
+double impulse_to_turn(const NormalMotion& motion, double rate) {
+    if (motion.velocity >= 0.0)
+        return 0.0;
+    return rate > 0.0 ? -motion.velocity / rate : endless;
+}
+
+/// Smallest p >= 0 with velocity p + rate p^2/2 = wanted, without cancellation for either sign of rate.
+double impulse_to_regain(const NormalMotion& motion, double rate, double wanted) {
+    const double square = motion.velocity * motion.velocity + 2.0 * rate * wanted;
+    return square < 0.0 ? endless : 2.0 * wanted / (motion.velocity + std::sqrt(square));
+}
+
+void advance(NormalMotion& motion, double rate, double impulse) {
+    motion.regained += impulse * (motion.velocity + 0.5 * rate * impulse);
+    motion.velocity += rate * impulse;
+}
+
+} // namespace
+
+void NormalMotion::turn() {
+    velocity = 0.0;
+    compression -= std::min(regained, 0.0);
+    regained = std::max(regained, 0.0);
+}
+
+Piece follow_straight(NormalMotion& motion, double rate, double length, double restitution) {
+    const double compressing = impulse_to_turn(motion, rate);
+    if (compressing > length) {
+        advance(motion, rate, length);
+        return {length, false};
+    }
+    if (motion.velocity < 0.0) {
+        motion.regained += 0.5 * motion.velocity * compressing;
+        motion.turn();
+    }
+    const double wanted = motion.wanted(restitution);
+    const double restoring = wanted > 0.0 ? impulse_to_regain(motion, rate, wanted) : 0.0;
+    if (compressing + restoring <= length)
+        return {compressing + restoring, true};
+    advance(motion, rate, length - compressing);
+    return {length, false};
+}
+
+namespace {
+
+// Linear algebra of zero slip: 2x2 systems solved to rounding, and the direction in which slip goes on.
+
+/// a b - c d by Kahan's method: error of 1.5 units in the last place at most (Jeannerod, Louvet, Muller
+/// 2013).
+double difference_of_products(double a, double b, double c, double d) {
+    const double cd = c * d;
+    return std::fma(a, b, -cd) + std::fma(-c, d, cd);
+}
+
+/// xx yy - xy^2, relative error of a few units in the last place.
+double determinant(double xx, double xy, double yy) { return difference_of_products(xx, yy, xy, xy); }
+
+/// A^-1 b, each component to a few units in the last place however near A is to singular.
+Eigen::Vector2d solve(const Eigen::Matrix2d& a, const Eigen::Vector2d& b) {
+    const Eigen::Vector2d adjugate(difference_of_products(a(1, 1), b.x(), a(0, 1), b.y()),
+                                   difference_of_products(a(0, 0), b.y(), a(0, 1), b.x()));
+    return adjugate / determinant(a(0, 0), a(0, 1), a(1, 1));
+}
+
+/// Newton on 1/|s(lambda)| - 1, concave and rising: from below it converges without overshoot, in three or
+/// four steps. lambda >= |q| - mu tr A because |q| <= lambda + mu |A|.
+/// The s with (lambda + mu A) s = q, |s| = 1, lambda > 0: slip along it grows, dr/dp = lambda, and keeps its
+/// direction. There is exactly one if |A^-1 q| > mu.
+Eigen::Vector2d resumed_direction(const ContactTerms& contact) {
+    const Eigen::Matrix2d drag = contact.friction * contact.tangential;
+    double lambda = std::max(0.0, contact.coupling.norm() - drag.trace());
+    Eigen::Vector2d s;
+    for (int k = 0; k < 100; ++k) { // every step at least halves the distance; ends at rounding long before
+        const Eigen::Matrix2d shifted = drag + lambda * Eigen::Matrix2d::Identity();
+        s = solve(shifted, contact.coupling);
+        const double length = s.norm();
+        const double step = (length - 1.0) * length * length / s.dot(solve(shifted, s));
+        if (!(std::abs(length - 1.0) > 2.0 * std::numeric_limits<double>::epsilon() &&
+              lambda + step > lambda))
+            break;
+        lambda += step;
+    }
+    return s.normalized();
+}
+
+/// Of scale: h below this is rounding of q, A and s.
+constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
+
+/// g, h and dh/dphi of a direction (slip_path.hpp).
+struct Turning {
+    double growth, turn, slope;
+};
+
+Turning turning(const ContactTerms& contact, const Eigen::Vector2d& s) {
+    const Eigen::Vector2d rate = contact.slip_rate(s), t(-s.y(), s.x());
+    const double growth = s.dot(rate);
+    return {growth, t.dot(rate), -growth - contact.friction * t.dot(contact.tangential * t)};
+}
+
+/// Onto the root of h next to the direction.
+void settle(const ContactTerms& contact, Eigen::Vector2d& s) {
+    for (int k = 0; k < 3; ++k) { // Newton, from a distance of 1e-3 at most
+        const Turning at = turning(contact, s);
+        s = (s - at.turn / at.slope * Eigen::Vector2d(-s.y(), s.x())).normalized();
+    }
+}
+
+/// Whether the direction has settled: h is rounding; or in what is left of a dying slip, p = r/(-g), it turns
+/// v_t by no more than counts; or the root that attracts it is so near that v_t may be moved there. Without
+/// the last, a path that has settled but neither grows nor dies would be followed in steps of its fast time
+/// scale.
+bool is_straight(const ContactTerms& contact, ImpactProgress& at) {
+    const Turning now = turning(contact, at.direction);
+    const double turn = std::abs(now.turn);
+    if (turn <= rounding * contact.scale || turn * at.speed <= -now.growth * contact.tolerance)
+        return true;
+    if (!(turn * std::max(at.speed, 1e3 * contact.tolerance) <= -now.slope * contact.tolerance))
+        return false;
+    settle(contact, at.direction);
+    return true;
+}
+
+[[noreturn]] void refuse_singular() {
+    throw RunError("impact: friction holds the bodies together without end; the inverse mass is not positive "
+                   "definite to rounding (see Impact in rodwake/granular/impact.hpp)");
+}
+
+void add_piece(const ContactTerms& contact, ImpactProgress& at, const Eigen::Vector2d& pull, double rate,
+               double length) {
+    if (!(length < endless || rate > 0.0))
+        refuse_singular();
+    const Piece piece = follow_straight(at.normal, rate, length, contact.restitution);
+    at.tangential_impulse += piece.impulse * pull;
+    at.normal_impulse += piece.impulse;
+    at.ended = piece.ended;
+}
+
+} // namespace
+
+ContactTerms::ContactTerms(const Eigen::Matrix2d& a, const Eigen::Vector2d& q, const Surface& surface)
+    : tangential(a), coupling(q), friction(surface.friction), restitution(surface.restitution),
+      scale(q.lpNorm<1>() + friction * a.trace()),
+      tolerance(1e-14 * determinant(a(0, 0), a(0, 1), a(1, 1)) / a.trace()) {}
+
+void slide_curved(const ContactTerms& contact, ImpactProgress& at) {
+    while (!at.ended && at.speed > contact.tolerance) {
+        if (is_straight(contact, at))
+            return;
+        if (++at.steps > most_slip_steps)
+            throw RunError("impact: the slip was not followed to its end in " +
+                           std::to_string(most_slip_steps) +
+                           " steps; the inverse mass is not positive definite or not finite");
+        const SlipSeries series(contact, at);
+        series.advance(at, series.stop());
+    }
+    if (!(at.speed > contact.tolerance))
+        at.speed = 0.0;
+}
+
+void slide_straight(const ContactTerms& contact, ImpactProgress& at) {
+    const double growth = at.direction.dot(contact.slip_rate(at.direction));
+    const double to_stop = growth < 0.0 ? -at.speed / growth : endless;
+    add_piece(contact, at, -contact.friction * at.direction, contact.normal_rate(at.direction), to_stop);
+    at.speed = 0.0;
+}
+
+void go_on_from_rest(const ContactTerms& contact, ImpactProgress& at) {
+    const Eigen::Vector2d hold = solve(contact.tangential, contact.coupling);
+    if (hold.norm() <= contact.friction) {
+        add_piece(contact, at, -hold, 1.0 - contact.coupling.dot(hold), endless);
+        return;
+    }
+    const Eigen::Vector2d s = resumed_direction(contact);
+    add_piece(contact, at, -contact.friction * s, contact.normal_rate(s), endless);
+}
+
+void follow_impact(const ContactTerms& contact, ImpactProgress& at) {
+    slide_curved(contact, at);
+    if (!at.ended && at.speed > 0.0)
+        slide_straight(contact, at);
+    if (!at.ended)
+        go_on_from_rest(contact, at);
+}
 
 namespace {
 

@@ -1,7 +1,9 @@
 #include "pair_counts.hpp"
-
+#include "psi6.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/order.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -231,6 +233,182 @@ OrderResult reduce(std::span<const OrderAccumulator> runs) {
     result.g_minimum = first_minimum(result.r, result.g, run.layout().bead_radius);
     result.decay = classify(decay_points(blocks, run.layout(), run.options().bin), 0.0);
     return result;
+}
+
+namespace {
+
+constexpr double most_bins = 1e6;
+
+void want(bool legal, const std::string& what) {
+    if (!legal)
+        throw InputError("measure: " + what);
+}
+
+bool positive(double value) { return std::isfinite(value) && value > 0.0; }
+
+void want_bins(const Layout& layout, const OrderOptions& options) {
+    const double half = 0.5 * layout.box.shorter(), ratio = options.order_bin / options.bin;
+    want(positive(options.bin) && options.bin <= half && half / options.bin <= most_bins,
+         fmt::format("bin {:g} m of g(r): must be above 0, at most half the box, {:g} m, and at least a "
+                     "millionth of that",
+                     options.bin, half));
+    want(positive(options.order_bin) && options.order_bin <= half,
+         fmt::format("bin {:g} m of g_B(r): must be above 0 and at most half the box, {:g} m",
+                     options.order_bin, half));
+    want(ratio > 0.5 && std::abs(ratio - std::round(ratio)) <= 1e-9 * ratio,
+         fmt::format("bin {:g} m of g_B(r): must be a whole multiple of the bin of g(r), {:g} m",
+                     options.order_bin, options.bin));
+}
+
+/// Throws InputError for options outside their domain, a layout that is none, or fewer than 2 beads.
+void validate(const Layout& layout, const OrderOptions& options) {
+    validate(layout);
+    want(layout.beads >= 2, fmt::format("{} bead: order needs at least 2", layout.beads));
+    want_bins(layout, options);
+    want(positive(options.block), fmt::format("blocks of {:g} s: must be above 0", options.block));
+    want(options.cutoff_frames >= 1, "cut-off from 0 frames: must be at least 1");
+    want(!options.cutoff || (positive(*options.cutoff) && *options.cutoff <= 0.5 * layout.box.shorter()),
+         fmt::format("cut-off {:g} m for neighbours: must be above 0 and at most half the box, {:g} m",
+                     options.cutoff.value_or(0.0), 0.5 * layout.box.shorter()));
+}
+
+/// Bins of g(r) in one of g_B(r).
+std::size_t bins_of_order_bin(const OrderOptions& options) {
+    return static_cast<std::size_t>(std::round(options.order_bin / options.bin));
+}
+
+/// 1.4 spacings of the perfect triangular lattice of this density: between its first two shells, 1 and 1.73.
+double cutoff_by_spacing(const Layout& layout) {
+    const double area = layout.box.area() / static_cast<double>(layout.beads);
+    return std::min(1.4 * std::sqrt(2.0 / std::sqrt(3.0) * area), 0.5 * layout.box.shorter());
+}
+
+void add_to(std::vector<double>& sums, const std::vector<double>& values, std::size_t together) {
+    for (std::size_t k = 0; k < sums.size() * together; ++k)
+        sums[k / together] += values[k];
+}
+
+} // namespace
+
+OrderAccumulator::OrderAccumulator(const Layout& layout, const OrderOptions& options)
+    : layout_(layout), options_(options) {
+    validate(layout, options);
+    if (options.neighbours == Neighbours::cutoff && options.cutoff)
+        cutoff_.value = *options.cutoff;
+}
+
+bool OrderAccumulator::waits() const {
+    return options_.neighbours == Neighbours::cutoff && cutoff_.value == 0.0;
+}
+
+void OrderAccumulator::add(const Frame& frame) {
+    check_frame(layout_, frame);
+    if (!waits())
+        return count(frame.time, frame.x, frame.y);
+    waiting_.push_back({frame.time, frame.x, frame.y});
+    if (waiting_.size() >= options_.cutoff_frames)
+        count_waiting();
+}
+
+Cutoff OrderAccumulator::settled_cutoff() const {
+    if (!waits() || waiting_.empty())
+        return cutoff_;
+    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin);
+    std::vector<double> pairs(bins, 0.0);
+    for (const Waiting& frame : waiting_)
+        add_to(pairs, count_pairs(frame.x, frame.y, {}, layout_.box, options_.bin, bins).pairs, 1);
+    const std::vector<double> g = pair_correlation(pairs, static_cast<double>(waiting_.size()), layout_.beads,
+                                                   layout_.box, options_.bin);
+    const auto minimum = first_minimum(middles(bins, options_.bin), g, layout_.bead_radius);
+    if (minimum && *minimum <= 0.5 * layout_.box.shorter())
+        return {*minimum, false};
+    return {cutoff_by_spacing(layout_), true};
+}
+
+void OrderAccumulator::count_waiting() {
+    cutoff_ = settled_cutoff();
+    for (const Waiting& frame : waiting_)
+        count(frame.time, frame.x, frame.y);
+    waiting_.clear();
+}
+
+OrderAccumulator::Block& OrderAccumulator::block_at(double time) {
+    const double number = std::floor(time / options_.block);
+    if (blocks_.empty() || block_number_.back() != number) {
+        const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
+                          together = bins_of_order_bin(options_);
+        blocks_.push_back({std::vector<double>(bins, 0.0), std::vector<double>(bins / together, 0.0),
+                           std::vector<double>(bins / together, 0.0), std::vector<double>(bins, 0.0)});
+        block_number_.push_back(number);
+    }
+    return blocks_.back();
+}
+
+void OrderAccumulator::count(double time, const std::vector<double>& x, const std::vector<double>& y) {
+    const LocalOrder order = options_.neighbours == Neighbours::delaunay
+                                 ? order_by_delaunay(x, y, layout_.box)
+                                 : order_by_cutoff(x, y, layout_.box, cutoff_.value);
+    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
+                      together = bins_of_order_bin(options_);
+    const PairSums sums = count_pairs(x, y, order.psi, layout_.box, options_.bin, bins);
+    Block& block = block_at(time);
+    add_to(block.pairs, sums.pairs, 1);
+    add_to(block.order_pairs, sums.pairs, together);
+    add_to(block.order, sums.order, together);
+    add_to(block.fine_order, sums.order, 1);
+    block.psi6 += order.global();
+    block.local += order.mean_size();
+    block.neighbours += order.mean_neighbours();
+    block.frames += 1.0;
+}
+
+std::vector<OrderAccumulator::Block> OrderAccumulator::blocks() const {
+    if (waiting_.empty())
+        return blocks_;
+    OrderAccumulator all = *this;
+    all.count_waiting();
+    return all.blocks_;
+}
+
+void OrderAccumulator::save(StateWriter& out) const {
+    out.put(cutoff_.value);
+    out.put(std::size_t{cutoff_.by_spacing});
+    out.put(waiting_.size());
+    for (const Waiting& frame : waiting_) {
+        out.put(frame.time);
+        out.put(frame.x);
+        out.put(frame.y);
+    }
+    out.put(blocks_.size());
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+        const Block& block = blocks_[b];
+        for (const auto* sums : {&block.pairs, &block.order_pairs, &block.order, &block.fine_order})
+            out.put(*sums);
+        for (const double value : {block.psi6, block.local, block.neighbours, block.frames, block_number_[b]})
+            out.put(value);
+    }
+}
+
+void OrderAccumulator::load(StateReader& in) {
+    cutoff_.value = in.get();
+    cutoff_.by_spacing = in.count() != 0;
+    waiting_.clear();
+    blocks_.clear();
+    block_number_.clear();
+    for (std::size_t left = in.count(); left > 0; --left) {
+        const double time = in.get();
+        std::vector<double> x = in.array(layout_.beads);
+        waiting_.push_back({time, std::move(x), in.array(layout_.beads)});
+    }
+    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
+                      order_bins = bins / bins_of_order_bin(options_);
+    for (std::size_t left = in.count(); left > 0; --left) {
+        Block block{in.array(bins), in.array(order_bins), in.array(order_bins), in.array(bins)};
+        for (double* value : {&block.psi6, &block.local, &block.neighbours, &block.frames})
+            *value = in.get();
+        blocks_.push_back(std::move(block));
+        block_number_.push_back(in.get());
+    }
 }
 
 } // namespace rodwake::measure
