@@ -1,6 +1,5 @@
+#include "diagnostics.hpp"
 #include "search.hpp"
-
-#include "curvature.hpp"
 
 #include <Eigen/QR>
 #include <fmt/format.h>

@@ -1,9 +1,7 @@
-#include "rodwake/fitting/report.hpp"
-
-#include "curvature.hpp"
-#include "search.hpp"
-
+#include "diagnostics.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/fitting/report.hpp"
+#include "search.hpp"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,15 @@
 #include "rodwake/fitting/problem.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/fitting/trajectory.hpp"
+#include "rodwake/fitting/wake.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numeric>
 
 namespace rodwake::fitting {
 
@@ -121,6 +125,162 @@ std::vector<double> all_values(const Problem& problem, std::span<const double> f
         if (const Parameter& p = problem.parameters[i]; !p.tied_to.empty())
             values[i] = p.tie_factor * values[find(problem, p.tied_to) - problem.parameters.data()];
     return values;
+}
+
+// How many independent values there are in data of which neighbours share noise.
+
+namespace {
+
+using Range = std::pair<std::size_t, std::size_t>;
+
+/// Rows between turns of the direction in which the places go.
+std::vector<Range> stretches(std::span<const double> places) {
+    std::vector<Range> all;
+    std::size_t first = 0;
+    int direction = 0;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+        const int step = (places[i] > places[i - 1]) - (places[i] < places[i - 1]);
+        if (step != 0 && step == -direction) {
+            all.emplace_back(first, i);
+            first = i;
+            direction = 0;
+        } else if (step != 0) {
+            direction = step;
+        }
+    }
+    all.emplace_back(first, places.size());
+    return all;
+}
+
+/// Runs one after the other; rows in no order, of which stretches are short, are one.
+std::vector<Range> runs_in(std::span<const double> places) {
+    constexpr std::size_t shortest = 4; // in random order a stretch has 2 to 3 rows
+    std::vector<Range> all = stretches(places);
+    return shortest * all.size() > places.size() ? std::vector<Range>{{0, places.size()}} : all;
+}
+
+/// Of `order`, the rows of one run by place.
+void set_worth(std::span<const double> places, std::span<const std::size_t> order, double spacing,
+               std::vector<double>& worth) {
+    std::size_t low = 0, high = 0; // the rows closer than `spacing` are [low, high)
+    for (const std::size_t row : order) {
+        while (places[row] - places[order[low]] >= spacing)
+            ++low;
+        while (high < order.size() && places[order[high]] - places[row] < spacing)
+            ++high;
+        const auto count = static_cast<double>(high - low);
+        const double span = places[order[high - 1]] - places[order[low]];
+        worth[row] =
+            count < 2.0 ? 1.0 : std::min(1.0, std::max(span / (spacing * (count - 1.0)), 1.0 / count));
+    }
+}
+
+} // namespace
+
+std::vector<double> independent_worth(std::span<const double> places, double spacing) {
+    std::vector<double> worth(places.size(), 1.0);
+    if (places.empty())
+        return worth;
+    for (const auto& [first, last] : runs_in(places)) {
+        std::vector<std::size_t> order(last - first);
+        std::iota(order.begin(), order.end(), first);
+        std::ranges::sort(order, {}, [&](std::size_t row) { return places[row]; });
+        set_worth(places, order, spacing, worth);
+    }
+    return worth;
+}
+
+double mean_worth(std::span<const double> worth) {
+    return std::accumulate(worth.begin(), worth.end(), 0.0) / static_cast<double>(worth.size());
+}
+
+// Several kinds of data as one problem.
+
+namespace {
+
+/// One of the problems, and which parameter of the whole each of its parameters is.
+struct Part {
+    Problem problem;
+    std::vector<std::size_t> index;
+    std::size_t first_residual = 0;
+};
+
+bool agree(const Parameter& a, const Parameter& b) {
+    return a.start == b.start && a.lower == b.lower && a.upper == b.upper && a.transform == b.transform &&
+           a.scale == b.scale && a.fixed == b.fixed && a.tied_to == b.tied_to && a.tie_factor == b.tie_factor;
+}
+
+std::size_t slot_of(const Parameter& parameter, std::vector<Parameter>& all) {
+    const auto found = std::ranges::find(all, parameter.name, &Parameter::name);
+    if (found == all.end()) {
+        all.push_back(parameter);
+        return all.size() - 1;
+    }
+    if (!agree(*found, parameter))
+        throw InputError(
+            fmt::format("fit: parameter {} has another start, bounds, scale or tie in one kind of "
+                        "data than in the other; it must be the same",
+                        parameter.name));
+    return static_cast<std::size_t>(found - all.begin());
+}
+
+void evaluate(const Part& part, std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+              Eigen::MatrixXd* jacobian) {
+    const auto rows = static_cast<Eigen::Index>(part.problem.residuals),
+               first = static_cast<Eigen::Index>(part.first_residual);
+    std::vector<double> own;
+    for (const std::size_t j : part.index)
+        own.push_back(p[j]);
+    Eigen::MatrixXd slopes;
+    if (jacobian)
+        slopes.setZero(rows, static_cast<Eigen::Index>(own.size()));
+    part.problem.evaluate(own, r.segment(first, rows), jacobian ? &slopes : nullptr);
+    for (std::size_t j = 0; jacobian && j < own.size(); ++j)
+        jacobian->col(static_cast<Eigen::Index>(part.index[j])).segment(first, rows) =
+            slopes.col(static_cast<Eigen::Index>(j));
+}
+
+std::string name_of(const std::vector<Part>& parts, std::size_t i) {
+    const Part* of = &parts.front();
+    for (const Part& part : parts)
+        if (part.first_residual <= i)
+            of = &part;
+    const std::size_t own = i - of->first_residual;
+    return of->problem.residual_name ? of->problem.residual_name(own) : fmt::format("{}", own);
+}
+
+} // namespace
+
+Problem joined(const std::vector<Problem>& problems) {
+    if (problems.empty())
+        throw InputError("fit: there are no data");
+    Problem whole;
+    whole.sigma_known = problems.front().sigma_known;
+    double values = 0.0;
+    const auto parts = std::make_shared<std::vector<Part>>();
+    for (const Problem& problem : problems) {
+        if (problem.sigma_known != whole.sigma_known)
+            throw InputError(
+                "fit: standard errors are known for one kind of data and not for the other: their "
+                "weights cannot be compared; give all of them, or none");
+        Part part{problem, {}, whole.residuals};
+        for (const Parameter& parameter : problem.parameters)
+            part.index.push_back(slot_of(parameter, whole.parameters));
+        whole.residuals += problem.residuals;
+        whole.remarks.insert(whole.remarks.end(), problem.remarks.begin(), problem.remarks.end());
+        values += problem.independent * static_cast<double>(problem.residuals);
+        parts->push_back(std::move(part));
+    }
+    whole.independent = whole.residuals > 0 ? values / static_cast<double>(whole.residuals) : 1.0;
+    whole.evaluate = [parts](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                             Eigen::MatrixXd* jacobian) {
+        if (jacobian)
+            jacobian->setZero();
+        for (const Part& part : *parts)
+            evaluate(part, p, r, jacobian);
+    };
+    whole.residual_name = [parts](std::size_t i) { return name_of(*parts, i); };
+    return whole;
 }
 
 } // namespace rodwake::fitting

@@ -1,5 +1,6 @@
 #include "bessel.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -7,6 +8,189 @@
 #include <numbers>
 
 namespace rodwake::elastic {
+
+namespace {
+
+// Long double throughout: what is rounded to a row of doubles is then good to their last bit.
+using Wide = long double;
+
+constexpr int order = 13; // of the Taylor series at a piece's middle: (1/32)^14 is far below the last bit
+using Taylor = std::array<Wide, order + 1>;
+
+/// e^z K0(z) at z0 (1 + u), by powers of u: the trapezoidal rule on e^z K0 = int_0^inf exp(-z (cosh t - 1))
+/// dt and its derivatives, all of one sign (DLMF 10.32.9). The step makes the rule exact to 1e-20 for z0
+/// >= 1.
+Taylor scaled_k0(Wide z0) {
+    const Wide step = 0.3L / std::sqrt(std::max(z0, 2.25L)); // cosh turns negative at i pi/2: 0.2 at most
+    constexpr Wide vanishing = 110.0L;                       // W^13 exp(-W)/13! = 1e-31
+    Taylor sum{};
+    for (int node = 0;; ++node) {
+        const Wide half = std::sinh(0.5L * step * static_cast<Wide>(node)), w = 2.0L * z0 * half * half;
+        if (w > vanishing)
+            return sum;
+        Wide term = std::exp(-w) * (node == 0 ? 0.5L * step : step);
+        for (int j = 0; j <= order; ++j) {
+            sum[j] += term;
+            term *= -w / static_cast<Wide>(j + 1);
+        }
+    }
+}
+
+/// Series of F(z) = e^z K0(z) + ln z at 0 (DLMF 10.31.2 times e^z):
+///   F = -ln z sum_{k >= 1} p_k z^k + sum_k r_k z^k,   with e^z I0 = sum p_k z^k.
+class Ascending {
+public:
+    Ascending() {
+        fill_series();
+        for (int k = 0; k < terms; ++k)
+            for (int j = 0; j <= order; ++j) {
+                power_[k][j] = binomial(k, j);
+                for (int m = 1; m <= j; ++m)
+                    log_power_[k][j] +=
+                        (m % 2 == 1 ? 1.0L : -1.0L) / static_cast<Wide>(m) * binomial(k, j - m);
+            }
+    }
+
+    /// F at z0 (1 + u), by powers of u, for z0 <= 1.
+    Taylor at(Wide z0) const {
+        const Wide log = std::log(z0);
+        Taylor sum{};
+        Wide z = 1.0L; // z0^k
+        for (int k = 0; k < terms && z > 1e-40L; ++k, z *= z0)
+            for (int j = 0; j <= order; ++j) {
+                const Wide with_log = k == 0 ? 0.0L : p_[k] * (log * power_[k][j] + log_power_[k][j]);
+                sum[j] += z * (r_[k] * power_[k][j] - with_log);
+            }
+        return sum;
+    }
+
+private:
+    static constexpr int terms = 28; // p_28 = 1e-21
+
+    static Wide binomial(int n, int k) {
+        Wide product = 1.0L;
+        for (int i = 0; i < k; ++i)
+            product *= static_cast<Wide>(n - i) / static_cast<Wide>(i + 1);
+        return product;
+    }
+
+    void fill_series() {
+        std::array<Wide, terms> exponential{}, even{}; // e^z; K0 + (ln(z/2) + gamma) I0 by powers of z
+        Wide factor = 1.0L, harmonic = 0.0L;
+        exponential[0] = p_[0] = 1.0L;
+        for (int k = 1; k < terms; ++k) {
+            const Wide n = k;
+            exponential[k] = exponential[k - 1] / n;
+            p_[k] = p_[k - 1] * (2.0L * n - 1.0L) / (n * n);
+            if (k % 2 == 0) {
+                harmonic += 2.0L / n;
+                factor /= n * n;
+                even[k] = harmonic * factor;
+            }
+        }
+        for (int k = 0; k < terms; ++k) {
+            r_[k] = (std::numbers::ln2_v<Wide> - std::numbers::egamma_v<Wide>)*p_[k];
+            for (int m = 0; m <= k; ++m)
+                r_[k] += even[m] * exponential[k - m];
+        }
+    }
+
+    std::array<Wide, terms> p_{}, r_{};
+    std::array<Taylor, terms> power_{}, log_power_{}; ///< of (1 + u)^k and of (1 + u)^k ln(1 + u)
+};
+
+/// Chebyshev polynomials T_0, T_1, ... by powers.
+constexpr std::array<Taylor, order> chebyshev = [] {
+    std::array<Taylor, order> t{};
+    t[0][0] = t[1][1] = 1.0L;
+    for (int n = 2; n < order; ++n)
+        for (int j = 0; j <= order; ++j)
+            t[n][j] = (j > 0 ? 2.0L * t[n - 1][j - 1] : 0.0L) - t[n - 2][j];
+    return t;
+}();
+
+/// The series, by powers of x in [-1, 1], with `terms` terms: its derivative is economised (the highest
+/// powers are traded for Chebyshev polynomials), since errors of the derivative are the larger ones.
+void economise(Taylor& series, int terms) {
+    for (int n = order - 1; n >= terms - 1; --n) {
+        const Taylor& t = chebyshev[n];
+        const Wide surplus = static_cast<Wide>(n + 1) * series[n + 1] / t[n];
+        for (int j = 0; j <= n; ++j)
+            series[j + 1] -= surplus * t[j] / static_cast<Wide>(j + 1);
+    }
+}
+
+/// A series in u = t/(1 - t) by powers of t: u^j = sum_k C(k - 1, j - 1) t^k.
+Taylor by_powers_of_t(const Taylor& in_u) {
+    Taylor in_t{};
+    in_t[0] = in_u[0];
+    for (int j = 1; j <= order; ++j) {
+        Wide binomial = 1.0L;
+        for (int k = j; k <= order; ++k) {
+            in_t[k] += binomial * in_u[j];
+            binomial *= static_cast<Wide>(k) / static_cast<Wide>(k - j + 1);
+        }
+    }
+    return in_t;
+}
+
+/// Coefficients in t of the piece whose middle is m_i 2^binade.
+Taylor piece(const Ascending& ascending, int binade, Wide middle, Wide half_width, int terms) {
+    const Wide z = std::ldexp(middle, binade), farthest = half_width / (middle - half_width); // |t|
+    Taylor series = by_powers_of_t(binade < 0 ? ascending.at(z) : scaled_k0(z));
+    if (binade < 0)
+        series[0] -= std::log(z);
+    Wide scale = 1.0L;
+    for (Wide& term : series) {
+        term *= scale;
+        scale *= farthest;
+    }
+    economise(series, terms);
+    scale = 1.0L;
+    for (Wide& term : series) {
+        term *= scale;
+        scale /= farthest;
+    }
+    return series;
+}
+
+} // namespace
+
+template<class Real>
+BesselTable<Real> make_bessel_table(TableShape shape) {
+    static const Ascending ascending;
+    const int pieces = 1 << shape.piece_bits;
+    const Wide half_width = 0.5L / static_cast<Wide>(pieces);
+    BesselTable<Real> table;
+    const auto rows = static_cast<std::size_t>(end_binade - lowest_binade) * static_cast<std::size_t>(pieces);
+    table.coefficients.reserve(rows * static_cast<std::size_t>(shape.stride()));
+    for (int binade = lowest_binade; binade < end_binade; ++binade)
+        for (int i = 0; i < pieces; ++i) {
+            const Wide middle = 1.0L + half_width * static_cast<Wide>(2 * i + 1);
+            const Taylor row = piece(ascending, binade, middle, half_width, shape.terms);
+            for (int k = 0; k < shape.stride(); ++k)
+                table.coefficients.push_back(k < shape.terms ? static_cast<Real>(row[k]) : Real{0});
+        }
+    return table;
+}
+
+template BesselTable<double> make_bessel_table<double>(TableShape);
+template BesselTable<float> make_bessel_table<float>(TableShape);
+
+const BesselTable<double>& bessel_table() {
+    static const BesselTable<double> table = make_bessel_table<double>(full_shape);
+    return table;
+}
+
+const BesselTable<double>& fine_bessel_table() {
+    static const BesselTable<double> table = make_bessel_table<double>(fine_shape);
+    return table;
+}
+
+const BesselTable<float>& single_bessel_table() {
+    static const BesselTable<float> table = make_bessel_table<float>(single_shape);
+    return table;
+}
 
 namespace {
 

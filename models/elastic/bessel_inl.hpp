@@ -8,7 +8,7 @@
 #define RODWAKE_ELASTIC_BESSEL_INL
 #endif
 
-#include "bessel_table.hpp"
+#include "bessel.hpp"
 #include "vector_math_inl.hpp"
 
 #include <cstdint>

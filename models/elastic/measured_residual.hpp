@@ -1,8 +1,8 @@
 #pragma once
 // What a measured field has beyond theory, w S[delta] of elastic/measured_field.hpp, in the rod's frame.
 
-#include "quintic_spline.hpp"
 #include "rodwake/elastic/measured_field.hpp"
+#include "smoothing_spline.hpp"
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 // What a periodic field is made of: two potentials, in the rod's axes, and the infinite plane's own field.
 
 #include "field_algebra.hpp"
-#include "periodic_potential.hpp"
+#include "periodic_local.hpp"
 #include "rodwake/elastic/periodic.hpp"
 
 #include <array>

@@ -1,9 +1,9 @@
+#include "rodwake/measure/displacement.hpp"
 #include "displacement_impl.hpp"
 #include "estimators.hpp"
 #include "regrid.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/estimate.hpp"
-#include "rodwake/measure/displacement.hpp"
 
 #include <fmt/format.h>
 

@@ -184,7 +184,6 @@ DriftDecay drift_decay(std::span<const DriftPath> runs, double mass, const Estim
 
 namespace {
 
-
 /// Rate of change over each interval, less its mean.
 Row fluctuations(const Row& values, double interval) {
     Row rates;

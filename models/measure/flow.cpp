@@ -1,6 +1,6 @@
+#include "rodwake/measure/flow.hpp"
 #include "rod_view.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/measure/flow.hpp"
 
 #include <fmt/format.h>
 
@@ -121,7 +121,6 @@ FlowField reduce(Runs runs) {
 }
 
 namespace {
-
 
 void want(bool legal, const char* what, double value, const char* range) {
     if (!legal)

@@ -1,7 +1,7 @@
+#include "rodwake/measure/microrheology.hpp"
 #include "blocks.hpp"
 #include "laplace.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/measure/microrheology.hpp"
 #include "stiffness_spectrum.hpp"
 
 #include <fmt/format.h>

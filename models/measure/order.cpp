@@ -1,7 +1,7 @@
+#include "rodwake/measure/order.hpp"
 #include "pair_counts.hpp"
 #include "psi6.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/measure/order.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,5 @@
 #include "regrid.hpp"
 
-
 #include <Eigen/Cholesky>
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>

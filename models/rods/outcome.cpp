@@ -65,7 +65,6 @@ void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& st
 
 namespace {
 
-
 /// A state with its time and rates.
 struct Row {
     double time;

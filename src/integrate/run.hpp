@@ -2,7 +2,7 @@
 // The loop over internal steps: events, outputs, segments, and how it ends. With sensitivities if there are
 // any.
 
-#include "event_finder.hpp"
+#include "event_sampler.hpp"
 #include "rodwake/integrate/ode.hpp"
 #include "rodwake/integrate/sensitivity.hpp"
 #include "stepper.hpp"

@@ -1,8 +1,7 @@
 #include "rodwake/scan/ledger.hpp"
 
-#include "cause_table.hpp"
-#include "chunk_table.hpp"
 #include "id_set.hpp"
+#include "ledger_tables.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/first_difference.hpp"

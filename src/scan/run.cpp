@@ -1,6 +1,8 @@
 #include "rodwake/scan/run.hpp"
 
+#include "dispenser.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -221,6 +223,29 @@ Summary run(const Design& design, Ledger& ledger, const Execute& execute, const 
         run_adaptive(design, ledger, execute, evaluate, summary);
     summary.evaluated = ledger.points();
     return summary;
+}
+
+void work(Dispenser& dispenser, const Evaluate& evaluate) {
+    std::vector<Result> results;
+    for (auto points = dispenser.next(); !points.empty(); points = dispenser.next()) {
+        results.assign(points.size(), {});
+        try {
+            evaluate(points, results);
+        } catch (...) {
+            dispenser.stop(); // nobody need go on
+            throw;
+        }
+        dispenser.take(results);
+    }
+}
+
+Execute on_threads(Evaluate evaluate, std::size_t threads, std::function<bool()> stop) {
+    return [evaluate = std::move(evaluate), threads, stop = std::move(stop)](std::span<const Point> points,
+                                                                             const Take& take) {
+        Dispenser dispenser(points, take, threads, stop);
+        parallel_for(threads, threads, [&](std::size_t) { work(dispenser, evaluate); });
+        return !dispenser.stopped();
+    };
 }
 
 } // namespace rodwake::scan

@@ -5,6 +5,11 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <cerrno>
+#include <cstring>
 
 namespace rodwake::store {
 
@@ -46,6 +51,68 @@ void write_atomically(const std::filesystem::path& target, std::string_view cont
     PendingFile pending(target);
     pending.write(content);
     pending.commit();
+}
+
+namespace {
+
+void sync(const std::filesystem::path& path, int flags) {
+    const Descriptor file(path, flags | O_RDONLY | O_CLOEXEC);
+    if (file.get() < 0 || ::fsync(file.get()) != 0)
+        system_failure(path, "sync");
+}
+
+[[noreturn]] void unreadable(const std::filesystem::path& path) {
+    throw InputError(path.string() + ": cannot read the file: " + std::strerror(errno));
+}
+
+} // namespace
+
+void system_failure(const std::filesystem::path& path, const char* doing) {
+    throw RunError(path.string() + ": cannot " + doing + ": " + std::strerror(errno));
+}
+
+Descriptor::Descriptor(const std::filesystem::path& path, int flags)
+    : fd_(::open(path.c_str(), flags, 0644)) {}
+
+Descriptor::~Descriptor() {
+    if (fd_ >= 0)
+        ::close(fd_);
+}
+
+void write_all(int file, std::string_view content, const std::filesystem::path& path) {
+    while (!content.empty()) {
+        const ssize_t written = ::write(file, content.data(), content.size());
+        if (written < 0 && errno != EINTR)
+            system_failure(path, "write");
+        content.remove_prefix(written < 0 ? 0 : static_cast<std::size_t>(written));
+    }
+}
+
+void sync_file(const std::filesystem::path& path) { sync(path, 0); }
+
+void sync_folder_of(const std::filesystem::path& path) {
+    sync(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."), O_DIRECTORY);
+}
+
+std::string read_file(const std::filesystem::path& path) {
+    const Descriptor file(path, O_RDONLY | O_CLOEXEC);
+    if (file.get() < 0)
+        unreadable(path);
+    std::string text;
+    for (std::size_t used = 0;;) {
+        text.resize(used + (1U << 20));
+        const ssize_t got = ::read(file.get(), text.data() + used, text.size() - used);
+        if (got < 0 && errno != EINTR)
+            unreadable(path);
+        used += got < 0 ? 0 : static_cast<std::size_t>(got);
+        text.resize(got == 0 ? used : text.size());
+        if (got == 0)
+            return text;
+    }
+}
+
+std::uint64_t xxh3(std::string_view bytes, std::uint64_t seed) {
+    return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
 }
 
 } // namespace rodwake::store

@@ -1,8 +1,8 @@
 #include "rodwake/store/block_file.hpp"
 
-#include "rodwake/core/error.hpp"
-
 #include "descriptor.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/bytes.hpp"
 
 #include <fmt/format.h>
 
@@ -165,6 +165,46 @@ const Block& find_block(std::span<const Block> blocks, std::string_view name, co
         throw InputError(fmt::format("{}: block \"{}\" has layout {}; this program reads layout {}",
                                      file_name, name, found->layout, layout));
     return *found;
+}
+
+void ByteWriter::append(const void* data, std::size_t size) {
+    const auto* begin = static_cast<const std::byte*>(data);
+    bytes_.insert(bytes_.end(), begin, begin + size);
+}
+
+void ByteReader::fail(const std::string& what) const { throw InputError(where_ + ": " + what); }
+
+void ByteReader::copy(void* to, std::size_t size) {
+    if (size > rest_.size())
+        fail(fmt::format("ends early: {} bytes are left, {} expected", rest_.size(), size));
+    if (size > 0)
+        std::memcpy(to, rest_.data(), size);
+    rest_ = rest_.subspan(size);
+}
+
+std::size_t ByteReader::array_size(std::size_t element) {
+    if (const auto found = get<std::uint64_t>(); found != element)
+        fail(fmt::format("values of {} bytes, expected {}", found, element));
+    const auto count = get<std::uint64_t>();
+    if (count > rest_.size() / element)
+        fail(fmt::format("ends early: {} bytes are left, {} values of {} bytes expected", rest_.size(), count,
+                         element));
+    return count;
+}
+
+void ByteReader::want_size(std::size_t found, std::size_t wanted) const {
+    if (found != wanted)
+        fail(fmt::format("{} values, expected {}", found, wanted));
+}
+
+std::string ByteReader::get_text() {
+    const std::vector<char> text = get_array<char>();
+    return std::string(text.begin(), text.end());
+}
+
+void ByteReader::finish() const {
+    if (!rest_.empty())
+        fail(fmt::format("{} bytes are left over", rest_.size()));
 }
 
 } // namespace rodwake::store

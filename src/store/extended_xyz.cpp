@@ -10,11 +10,6 @@ namespace rodwake::store {
 
 namespace {
 
-FrameLayout checked(FrameLayout layout) {
-    check_layout(layout);
-    return layout;
-}
-
 using Text = fmt::memory_buffer;
 
 template<class... Values>

@@ -12,11 +12,6 @@ namespace {
 
 constexpr hsize_t rows_of_numbers = 1024; ///< in a chunk
 
-FrameLayout checked(FrameLayout layout) {
-    check_layout(layout);
-    return layout;
-}
-
 void write_metadata(hid_t file, const H5mdInfo& info) {
     const std::vector<std::int32_t> version = {1, 1};
     write_attribute(open_group(file, "h5md").get(), "version", version);

@@ -1,7 +1,13 @@
 #include "hdf5_file.hpp"
 
-#include <algorithm>
+#include "hdf5_input.hpp"
+#include "rodwake/store/hdf5_reader.hpp"
+#include "rodwake/store/hdf5_writer.hpp"
+
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 
@@ -327,6 +333,122 @@ std::vector<WrittenRows> Hdf5Series::close() {
         rows.push_back({path_, type_, row, 1, checksums_[row]});
     }
     return rows;
+}
+
+namespace {
+
+const std::string result_advice =
+    "give a result file as rodwake writes it, or repeat the run if this should be one";
+
+std::string one_text(const Hdf5Input& file, const std::string& owner, const std::string& name) {
+    const auto texts = text_attribute(file, owner, name);
+    if (texts.size() != 1)
+        file.refuse(fmt::format("attribute {} of {} is a list of texts, expected one", name, owner));
+    return texts[0];
+}
+
+} // namespace
+
+Hdf5Reader::Hdf5Reader(const std::filesystem::path& path)
+    : file_((Hdf5Guard(), std::make_unique<Hdf5Input>(path, result_advice))) {}
+
+Hdf5Reader::~Hdf5Reader() {
+    const Hdf5Guard guard;
+    file_.reset();
+}
+Hdf5Reader::Hdf5Reader(Hdf5Reader&&) noexcept = default;
+Hdf5Reader& Hdf5Reader::operator=(Hdf5Reader&&) noexcept = default;
+
+bool Hdf5Reader::has(const std::string& path) const {
+    const Hdf5Guard guard;
+    return file_->has(path);
+}
+
+Hdf5Dataset Hdf5Reader::dataset(const std::string& path, bool or_unknown) const {
+    const Hdf5Guard guard;
+    const Hdf5Table table(*file_, path, H5T_IEEE_F64LE);
+    const auto& shape = table.shape();
+    Hdf5Dataset out{read_numbers(*file_, path, table, or_unknown),
+                    {shape.begin(), shape.end()},
+                    one_text(*file_, path, "unit")};
+    if (H5Aexists(table.get(), checksum_name) > 0 && // files of earlier versions have none
+        one_text(*file_, path, checksum_name) !=
+            checksum_text(xxh3(as_text(std::as_bytes(std::span(out.values))))))
+        file_->refuse(
+            fmt::format("{} is damaged: its values are not those that were written (if they were changed on "
+                        "purpose, remove its attribute {})",
+                        path, checksum_name));
+    return out;
+}
+
+double Hdf5Reader::real(const std::string& group, const std::string& name) const {
+    const Hdf5Guard guard;
+    const double value = real_attribute(*file_, group, name);
+    if (!std::isfinite(value))
+        file_->refuse(fmt::format("attribute {} of {} is not finite", name, group));
+    return value;
+}
+
+std::int64_t Hdf5Reader::integer(const std::string& group, const std::string& name) const {
+    const Hdf5Guard guard;
+    return integer_attribute(*file_, group, name);
+}
+
+std::string Hdf5Reader::text(const std::string& group, const std::string& name) const {
+    const Hdf5Guard guard;
+    return one_text(*file_, group, name);
+}
+
+Hdf5Writer::Hdf5Writer(const std::filesystem::path& target)
+    : file_((Hdf5Guard(), std::make_unique<Hdf5File>(target))) {}
+
+Hdf5Writer::~Hdf5Writer() {
+    const Hdf5Guard guard;
+    file_.reset();
+}
+
+void Hdf5Writer::dataset(const std::string& path, std::span<const double> values,
+                         const std::vector<std::size_t>& shape, const std::string& unit) {
+    const Hdf5Guard guard;
+    const std::vector<hsize_t> extent(shape.begin(), shape.end());
+    file_->dataset(path, H5T_IEEE_F64LE, extent, values.data(), unit);
+}
+
+void Hdf5Writer::part(const std::string& path, std::span<const double> values, std::size_t first,
+                      const std::vector<std::size_t>& shape, const std::string& unit) {
+    const Hdf5Guard guard;
+    const std::vector<hsize_t> extent(shape.begin(), shape.end());
+    file_->part(path, values, first, extent, unit);
+}
+
+void Hdf5Writer::attribute(const std::string& group, const std::string& name, double value) {
+    const Hdf5Guard guard;
+    write_attribute(open_group(file_->get(), group).get(), name, value);
+}
+
+void Hdf5Writer::attribute(const std::string& group, const std::string& name, std::int64_t value) {
+    const Hdf5Guard guard;
+    write_attribute(open_group(file_->get(), group).get(), name, H5T_NATIVE_INT64, &value);
+}
+
+void Hdf5Writer::attribute(const std::string& group, const std::string& name, const std::string& value) {
+    const Hdf5Guard guard;
+    write_attribute(open_group(file_->get(), group).get(), name, value);
+}
+
+void Hdf5Writer::copy_group(const std::filesystem::path& from, const std::string& group) {
+    const Hdf5Guard guard;
+    const Hdf5Handle source(H5Fopen(from.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+                            "open " + from.string());
+    if (H5Lexists(source.get(), group.c_str(), H5P_DEFAULT) <= 0)
+        return;
+    if (H5Ocopy(source.get(), group.c_str(), file_->get(), group.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0)
+        throw RunError(from.string() + ": HDF5 cannot copy " + group + hdf5_reason());
+}
+
+void Hdf5Writer::commit() {
+    const Hdf5Guard guard;
+    file_->commit();
 }
 
 } // namespace rodwake::store

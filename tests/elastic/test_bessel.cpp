@@ -3,7 +3,6 @@
 #include "multiprecision.hpp"
 
 #include "elastic/bessel.hpp"
-#include "elastic/bessel_table.hpp"
 #include "rodwake/core/rng.hpp"
 
 #include <algorithm>

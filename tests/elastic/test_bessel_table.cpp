@@ -1,7 +1,6 @@
 // K0 and K1 from the rows of the kernels' tables, beside the accurate ones.
 
 #include "elastic/bessel.hpp"
-#include "elastic/bessel_table.hpp"
 #include "rodwake/core/rng.hpp"
 
 #include <algorithm>

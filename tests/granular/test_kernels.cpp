@@ -2,8 +2,8 @@
 
 #include "beds.hpp"
 
-#include "granular/pair_finder.hpp"
 #include "granular/kernels.hpp"
+#include "granular/pair_finder.hpp"
 
 #include <catch2/catch.hpp>
 #include <hwy/highway.h>

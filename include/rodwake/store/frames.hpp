@@ -48,6 +48,11 @@ struct Frame {
 /// Throws InputError for a layout that is none: counts that differ, no particles, numbers not finite or out
 /// of range, names that the formats cannot hold.
 void check_layout(const FrameLayout& layout);
+/// The same layout, checked.
+inline FrameLayout checked(FrameLayout layout) {
+    check_layout(layout);
+    return layout;
+}
 
 /// Throws RunError for a frame that does not fit the layout, is not finite, or not later than `after_step`.
 void check_frame(const FrameLayout& layout, const Frame& frame, std::int64_t after_step);
