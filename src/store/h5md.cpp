@@ -13,8 +13,8 @@ namespace {
 constexpr hsize_t rows_of_numbers = 1024; ///< in a chunk
 
 void write_metadata(hid_t file, const H5mdInfo& info) {
-    const std::vector<std::int32_t> version = {1, 1};
-    write_attribute(open_group(file, "h5md").get(), "version", version);
+    const std::vector<std::int32_t> format_version = {1, 1};
+    write_attribute(open_group(file, "h5md").get(), "version", format_version);
     write_attribute(open_group(file, "h5md/author").get(), "name", info.author);
     const Hdf5Handle creator = open_group(file, "h5md/creator"), own = open_group(file, "rodwake");
     write_attribute(creator.get(), "name", std::string("rodwake"));
