@@ -172,6 +172,8 @@ CellMean CellWindow::around(std::size_t bin) const {
 
 namespace {
 
+constexpr std::size_t phase_channels = PhaseAccumulator::channels;
+
 constexpr double window_width = 0.75,
                  cut = 4.0; // standard deviation in lattice spacings; its reach in itself
 
@@ -179,7 +181,7 @@ using BinSums = std::vector<double>;
 
 /// Adds w times the sums of a bin `apart` away along one axis.
 void add_bin(double* to, const double* from, double w, double apart, std::size_t place) {
-    for (std::size_t c = 0; c < channels; ++c)
+    for (std::size_t c = 0; c < phase_channels; ++c)
         to[c] += w * from[c];
     to[place] += w * apart * from[PhaseAccumulator::beads]; // places count from the bin's own middle
 }
@@ -199,8 +201,8 @@ BinSums blurred(const BinSums& sums, const RodGrid& grid, double width, bool alo
         for (long k = -reach; k <= reach; ++k) {
             const long from = along_x ? j / n * n + (j % n + k + n) % n : (j / n + k + m) % m * n + j % n;
             const double apart = static_cast<double>(k) * spacing;
-            add_bin(&result[static_cast<std::size_t>(j) * channels],
-                    &sums[static_cast<std::size_t>(from) * channels],
+            add_bin(&result[static_cast<std::size_t>(j) * phase_channels],
+                    &sums[static_cast<std::size_t>(from) * phase_channels],
                     weight[static_cast<std::size_t>(k + reach)] / total, apart, place);
         }
     return result;
@@ -210,20 +212,21 @@ std::complex<double> far_sum(const BinSums& sums, std::size_t k, const RodGrid& 
     std::complex<double> total = 0.0;
     for (std::size_t j = 0; j < grid.bins(); ++j)
         if (std::hypot(grid.x_of(j), grid.y_of(j)) > far_from)
-            total += std::complex<double>(sums[j * channels + 2 * k], sums[j * channels + 2 * k + 1]);
+            total +=
+                std::complex<double>(sums[j * phase_channels + 2 * k], sums[j * phase_channels + 2 * k + 1]);
     return total;
 }
 
 void take_off(BinSums& sums, std::size_t k, const std::complex<double>& phase) {
-    for (std::size_t at = 2 * k; at < sums.size(); at += channels) {
+    for (std::size_t at = 2 * k; at < sums.size(); at += phase_channels) {
         const auto z = times({sums[at], sums[at + 1]}, phase);
         sums[at] = z.real();
         sums[at + 1] = z.imag();
     }
 }
 
-/// The block's sums (PhaseAccumulator's channels) in the window around each bin's middle, the far field's
-/// phases taken off.
+/// The block's sums (PhaseAccumulator's phase_channels) in the window around each bin's middle, the far
+/// field's phases taken off.
 std::vector<double> windowed_density(const BlockSums& block, const RodGrid& grid, double lattice_spacing,
                                      double far_from) {
     const double width = window_width * lattice_spacing;

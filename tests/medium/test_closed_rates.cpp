@@ -16,13 +16,13 @@ using namespace rodwake::medium;
 
 namespace {
 
-const elastic::Medium elastic{1.0, 2.0};
+const elastic::Medium solid{1.0, 2.0};
 constexpr rods::Couplings couplings{2.0, 1.0, -0.5};
 /// Along sides of the box, so that images of a rod do not turn it.
 const std::vector<double> poses{0.0, 2.0, 0.0, 0.5, -2.0, 0.5 * std::numbers::pi};
 
 std::vector<double> rates(const DynamicMedium& medium, std::size_t threads = 1) {
-    ClosedRates closed(elastic, medium, couplings, 2, threads);
+    ClosedRates closed(solid, medium, couplings, 2, threads);
     std::vector<double> ydot(poses.size());
     closed.rates(poses, ydot);
     return ydot;
@@ -58,7 +58,7 @@ rods::RodResult run(const MediumProblem& problem) {
 
 TEST_CASE("steady closure: rates are those of point forces but for w^2") {
     std::vector<double> exact(poses.size());
-    rods::RodModel(elastic::exact_field(elastic, 12.0), couplings, 2).rhs(poses, exact);
+    rods::RodModel(elastic::exact_field(solid, 12.0), couplings, 2).rhs(poses, exact);
     const double wide = tests::distance(rates(closed(0.4, Closure::steady)), exact),
                  narrow = tests::distance(rates(closed(0.2, Closure::steady)), exact);
     CHECK(std::log2(wide / narrow) == Approx(2.0).margin(0.15)); // of the next order, w^4

@@ -15,7 +15,7 @@ using namespace rodwake::medium;
 
 namespace {
 
-const elastic::Medium elastic{0.7, 2.0}; // alpha = 1/2
+const elastic::Medium solid{0.7, 2.0}; // alpha = 1/2
 const rods::Couplings couplings{4.0, 1.0, -0.5};
 
 Coupled run(CoupledStep& method, Coupled state, double time, int steps) {
@@ -35,7 +35,7 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
     const DynamicMedium medium{.box = 12.0, .force_width = 0.5, .modes = 47, .self_field = true};
     for (const rods::Couplings& c :
          {couplings, rods::Couplings{4.0, 0.0, 0.0}, rods::Couplings{0.0, 0.0, 2.0}}) {
-        const ModalField modes(elastic, medium);
+        const ModalField modes(solid, medium);
         Team team(1);
         ModeMesh mesh(modes, medium.box, team);
         const std::vector<double> poses = tests::crowd(30, 12.0);
@@ -79,7 +79,7 @@ TEST_CASE(
                                        .self_field = inertia > 0.0,
                                        .evaluation = way,
                                        .inertia = inertia};
-            ModeStep method(elastic, medium, couplings, 2, 1);
+            ModeStep method(solid, medium, couplings, 2, 1);
             const Coupled start = method.start({0.0, 1.5, -0.1, 0.3, -1.5, 0.2});
             const Coupled exact = run(method, start, 2.0, 1280);
             const auto error = [&](int steps) {
@@ -97,8 +97,8 @@ TEST_CASE(
 
 TEST_CASE("both frames of the force lead to the same rods and fields") {
     const DynamicMedium medium{.box = 8.0, .force_width = 0.6, .modes = 16};
-    ModeStep fixed(elastic, medium, couplings, 3, 1);
-    ExponentialStep moving(elastic, medium, couplings, 3, 1);
+    ModeStep fixed(solid, medium, couplings, 3, 1);
+    ExponentialStep moving(solid, medium, couplings, 3, 1);
     const std::vector<double> poses{0.0, 1.5, -0.1, 0.3, -1.5, 0.2, 3.0, 0.0, 2.0};
     const Coupled one = run(fixed, fixed.start(poses), 1.0, 400),
                   two = run(moving, moving.start(poses), 1.0, 400);
@@ -110,7 +110,7 @@ TEST_CASE("both frames of the force lead to the same rods and fields") {
 TEST_CASE("with inertia the field of a rod that walks straight stays its steady one") {
     for (const double inertia : {0.01, 0.5, 4.0}) { // slower and faster than sound
         const DynamicMedium medium{.box = 12.0, .force_width = 0.5, .modes = 48, .inertia = inertia};
-        ModeStep method(elastic, medium, {}, 1, 1);
+        ModeStep method(solid, medium, {}, 1, 1);
         const double heading = 0.4, time = 1.0;
         const Coupled exact =
             method.start({1.0 + time * std::cos(heading), 2.0 + time * std::sin(heading), heading});
@@ -128,8 +128,8 @@ TEST_CASE("with inertia the field of a rod that walks straight stays its steady 
 TEST_CASE("free modes with inertia go on as damped waves, and lose energy") {
     const DynamicMedium medium{
         .box = 12.0, .force_width = 0.5, .modes = 24, .start = Start::rest, .inertia = 0.3};
-    const ModalField modes(elastic, medium);
-    ModeStep method(elastic, medium, {}, 1, 1);
+    const ModalField modes(solid, medium);
+    ModeStep method(solid, medium, {}, 1, 1);
     const Coupled rest = method.start({0.0, 0.0, 0.0});
     Coupled disturbed = rest;
     modes.add_steady({3.0, 4.0, 1.0}, disturbed.fields);
@@ -166,7 +166,7 @@ TEST_CASE("threads change no bit of such a step", "[threads]") {
                                        .inertia = inertia};
             std::vector<Coupled> ends;
             for (const std::size_t threads : {1, 2, 3}) {
-                ModeStep method(elastic, medium, couplings, 20, threads);
+                ModeStep method(solid, medium, couplings, 20, threads);
                 ends.push_back(run(method, method.start(tests::crowd(20, 12.0)), 0.1, 2));
             }
             for (const Coupled& end : ends) {
