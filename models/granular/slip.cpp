@@ -101,7 +101,7 @@ Eigen::Vector2d resumed_direction(const ContactTerms& contact) {
 /// Of scale: h below this is rounding of q, A and s.
 constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
 
-/// g, h and dh/dphi of a direction (slip_path.hpp).
+/// g, h and dh/dphi of a direction.
 struct Turning {
     double growth, turn, slope;
 };

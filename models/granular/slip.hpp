@@ -91,7 +91,7 @@ void go_on_from_rest(const ContactTerms& contact, ImpactProgress& at);
 void follow_impact(const ContactTerms& contact, ImpactProgress& at);
 
 // One step of a curved slip path as a Taylor series. With dp = r dtau the path is free of the singularity at
-// r = 0 and, in v_t = r s, almost linear (contact terms of slip_path.hpp):
+// r = 0 and, in v_t = r s, almost linear (contact terms of above):
 //
 //   dv_t/dtau = r q - mu A v_t,   r^2 = v_t.v_t,   dp/dtau = r,   dP_t/dtau = -mu v_t,
 //   dv_z/dtau = r - mu q.v_t,     dW/dtau = r v_z

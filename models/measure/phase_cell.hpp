@@ -1,5 +1,5 @@
 #pragma once
-// The likelihood of a displacement in one cell (phase_samples.hpp has the equation).
+// The likelihood of a displacement in one cell (phase.cpp has the equation).
 
 #include "blocks.hpp"
 #include "displacement_impl.hpp"
