@@ -7,7 +7,6 @@
 #include "scan/scan_values.hpp"
 #include "theory/theory_records.hpp"
 #include "tradeoff/tradeoff_files.hpp"
-#include "tradeoff/ways_files.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace rodwake::scene {
 
@@ -25,5 +26,11 @@ std::optional<Override> parse_override(const std::string& text, Problems& proble
 /// Puts the value into the document, or takes the key out. Missing tables are made; list entries, and what is
 /// to be taken out, must exist.
 void apply_override(Node& root, const Override& item, Problems& problems);
+
+/// The entries of a variant's `set` table as overrides. Tables inside it stand for dotted keys.
+std::vector<Override> variant_overrides(const Node& set);
+
+/// `set` as a TOML inline table; what variant_overrides would give back as `settings`.
+std::string settings_text(const std::vector<std::string>& settings);
 
 } // namespace rodwake::scene

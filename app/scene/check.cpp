@@ -1,16 +1,9 @@
 #include "check.hpp"
 
-#include "check_figures.hpp"
-#include "check_fit.hpp"
-#include "check_granular.hpp"
-#include "check_measure.hpp"
-#include "check_medium.hpp"
-#include "check_rods.hpp"
-#include "check_scan.hpp"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <map>
 
 namespace rodwake::scene {

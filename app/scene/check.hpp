@@ -2,7 +2,11 @@
 
 #include "node.hpp"
 #include "problems.hpp"
+#include "rodwake/scene/fit.hpp"
 #include "rodwake/scene/scene.hpp"
+
+#include <functional>
+#include <string>
 
 namespace rodwake::scene {
 
@@ -13,5 +17,21 @@ void check(const Scene& scene, const Node& root, Problems& problems);
 /// The same for a scene whose values hold and that no document is known of: problems are in scene.path as a
 /// whole.
 void check(const Scene& scene, Problems& problems);
+
+/// Told the path of a key and a message for each contradiction.
+using Report = std::function<void(const std::string& path, const std::string& message)>;
+
+void check_fit(const Scene& scene, const Report& report);  ///< [fit], and between it and the medium
+void check_fit_data(const Fit& fit, const Report& report); ///< what the data must be for the parameters
+void check_fit_maps(const Fit& fit, const Report& report);
+/// Figures whose scene lacks what they show, and keys that mean nothing for their kind.
+void check_figures(const Scene& scene, const Report& report);
+/// What needs the geometry of rods (does it fit?) is left to granular::validate.
+void check_granular(const Scene& scene, const Report& report);
+void check_measure(const Scene& scene, const Report& report); ///< between [measure] and the bed
+void check_rods(const Scene& scene, const Report& report); ///< [rods_random], [rods_run], and with the medium
+void check_medium(const Scene& scene, const Report& report); ///< measured or dynamic
+/// Whether axes name keys of the scene is seen when they are looked up (compile_setter).
+void check_scan(const Scene& scene, const Report& report);
 
 } // namespace rodwake::scene

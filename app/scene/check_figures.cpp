@@ -1,15 +1,13 @@
-#include "check_figures.hpp"
+#include "check.hpp"
 
 #include "figure_kinds.hpp"
-#include "suggest.hpp"
+#include "problems.hpp"
 
 #include <fmt/format.h>
 
 namespace rodwake::scene {
 
 namespace {
-
-using Report = std::function<void(const std::string&, const std::string&)>;
 
 /// What the figure needs and the scene lacks; empty: nothing.
 std::string_view missing(const Figure& figure, const FigureKind& kind, const Scene& scene) {

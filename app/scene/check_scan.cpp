@@ -1,4 +1,4 @@
-#include "check_scan.hpp"
+#include "check.hpp"
 
 #include "rodwake/rods/separation_record.hpp"
 #include "rodwake/scene/scan_subject.hpp"
@@ -10,8 +10,6 @@
 namespace rodwake::scene {
 
 namespace {
-
-using Report = std::function<void(const std::string&, const std::string&)>;
 
 std::vector<std::string> keys_of(const ScanAxis& axis) {
     return axis.key.empty() ? axis.keys : std::vector{axis.key};

@@ -1,6 +1,6 @@
 #include "figure_kinds.hpp"
 
-#include "suggest.hpp"
+#include "problems.hpp"
 
 #include <algorithm>
 

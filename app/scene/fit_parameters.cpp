@@ -1,9 +1,9 @@
 // What [fit] says of a parameter, with its defaults.
 
-#include "rodwake/scene/fit.hpp"
-
 #include "fit_parameters.hpp"
-#include "suggest.hpp"
+
+#include "problems.hpp"
+#include "rodwake/scene/fit.hpp"
 
 #include <algorithm>
 #include <map>

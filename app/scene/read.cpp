@@ -7,10 +7,10 @@
 #include "rodwake/scene/set.hpp"
 #include "rodwake/scene/write.hpp"
 #include "toml.hpp"
-#include "variants.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <fmt/format.h>
 #include <fstream>
 
 namespace rodwake::scene {

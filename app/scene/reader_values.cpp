@@ -1,13 +1,14 @@
 // Reader: the value of one key, its type and its range.
 
+#include "apply_overrides.hpp"
+#include "problems.hpp"
 #include "reader.hpp"
-#include "suggest.hpp"
-#include "variants.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fmt/format.h>
 #include <iterator>
 #include <set>
 

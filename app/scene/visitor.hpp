@@ -2,7 +2,6 @@
 // A field list is a function that shows every key of a struct to a visitor. Visitors read, write, set and
 // document.
 
-#include "forms.hpp"
 #include "key.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/scene/scene.hpp"

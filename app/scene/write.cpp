@@ -1,10 +1,11 @@
 #include "rodwake/scene/write.hpp"
 
+#include "apply_overrides.hpp"
 #include "fields.hpp"
 #include "node.hpp"
-#include "variants.hpp"
 
 #include <fmt/format.h>
+
 #include <sstream>
 
 namespace rodwake::scene {

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr long least_runs = 4, most_runs = 200;
+constexpr long least_runs = 4, most_bed_runs = 200;
 constexpr double of_reference = 4.0; ///< limits, as its error is in every bias
 constexpr double behind = -8.0;      ///< a; where "wake" is taken, behind the ends of the rod
 /// Of the scene's time step; the first is the reference. Twice the default trips the guard of a bed.
@@ -257,7 +257,7 @@ private:
         if (runs.rows() == 0)
             return least_runs;
         const double each = mean_of(*runs.find("cpu_seconds")).value;
-        return std::lround(std::clamp(limit / each, double{least_runs}, double{most_runs}));
+        return std::lround(std::clamp(limit / each, double{least_runs}, double{most_bed_runs}));
     }
 
     void fill(std::vector<Way>& all, std::size_t k, const store::Table& runs, const fs::path& folder,

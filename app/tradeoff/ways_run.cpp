@@ -5,8 +5,8 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "run/log.hpp"
+#include "tradeoff_files.hpp"
 #include "way_subject.hpp"
-#include "ways_files.hpp"
 
 #include <fmt/format.h>
 

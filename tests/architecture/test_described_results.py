@@ -29,7 +29,7 @@ QUOTED = {
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
     "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/bed_ways.cpp"},  # of the scan; how long a run takes
     "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_results.cpp", "app/scene/figure_kinds.cpp"},
-    "final_separation": {"app/tradeoff/subject.cpp"},
+    "final_separation": {"app/tradeoff/tradeoff_stage.cpp"},
     "last_change": {PAIRS},
     "leader": {PAIRS},
     "mean_speed": {"app/bed/measures/displacement.cpp", "app/bed/measures/force.cpp", "app/run/glossary.cpp"},
@@ -37,7 +37,7 @@ QUOTED = {
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
     "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
-    "rhs_evaluations": {"app/tradeoff/subject.cpp", "app/tradeoff/tradeoff_files.cpp"},
+    "rhs_evaluations": {"app/tradeoff/tradeoff_stage.cpp", "app/tradeoff/tradeoff_files.cpp"},
     "separation": {PAIRS},
     "separation_change": {"app/tradeoff/bed_ways.cpp"},
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
