@@ -50,12 +50,12 @@ void check_variant(Node root, const Node& variant, const std::string& path, Prob
 void check_variants(const Node& root, const Scene& scene, Problems& problems) {
     if (scene.variants.empty()) // none, or too many: reported
         return;
-    const auto& variants = *root.find("variants")->value.as<Node::List>();
+    const auto& listed = *root.find("variants")->value.as<Node::List>();
     Node base = root;
     remove_key(base, "variants");
     remove_key(base, "figures");
-    for (std::size_t i = 0; i < variants.size(); ++i)
-        check_variant(base, variants[i], fmt::format("variants[{}]", i), problems);
+    for (std::size_t i = 0; i < listed.size(); ++i)
+        check_variant(base, listed[i], fmt::format("variants[{}]", i), problems);
 }
 
 void check_size(std::size_t bytes, const std::string& name) {
