@@ -329,25 +329,25 @@ struct EndColumns {
     }
 };
 
-Encounter encounter_of(const scan::Result& point, const EndColumns& columns, const OutputUnits& units) {
+Encounter encounter_of(const scan::Result& point, const EndColumns& end_columns, const OutputUnits& units) {
     Encounter end{
-        point.ok(), static_cast<Ending>(point.outcome), point.values[columns.time] / units.time, {}, {}};
-    end.final_state.push_back(point.values[columns.separation] / units.length);
-    for (const std::size_t k : columns.turns)
+        point.ok(), static_cast<Ending>(point.outcome), point.values[end_columns.time] / units.time, {}, {}};
+    end.final_state.push_back(point.values[end_columns.separation] / units.length);
+    for (const std::size_t k : end_columns.turns)
         end.final_state.push_back(point.values[k]);
     return end;
 }
 
 Answer answer_of(std::span<const scan::Result> points, const ScanPlan& plan) {
-    const EndColumns columns(plan.columns.observables);
+    const EndColumns end_columns(plan.columns.observables);
     const OutputUnits units = output_units(plan.base);
     Answer answer;
     for (const scan::Result& point : points) {
-        answer.encounters.push_back(encounter_of(point, columns, units));
+        answer.encounters.push_back(encounter_of(point, end_columns, units));
         if (point.status == scan::Status::stopped)
             answer.failure = took_too_long;
         else if (point.ok())
-            answer.rhs_evaluations += static_cast<long>(point.values[columns.rhs_evaluations]);
+            answer.rhs_evaluations += static_cast<long>(point.values[end_columns.rhs_evaluations]);
     }
     return answer;
 }
