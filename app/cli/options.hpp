@@ -2,7 +2,6 @@
 // The command line, parsed.
 
 #include "rodwake/app/tradeoff.hpp"
-#include "rodwake/app/ways.hpp"
 #include "rodwake/scan/run.hpp"
 
 #include <CLI/CLI.hpp>

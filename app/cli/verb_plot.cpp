@@ -2,7 +2,7 @@
 
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
-#include "rodwake/app/ways.hpp"
+#include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"

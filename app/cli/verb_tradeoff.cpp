@@ -61,13 +61,11 @@ std::string time_text(double seconds) {
 
 using app::Choice;
 using app::Found;
+using app::Tradeoff;
 using app::Way;
-using app::Ways;
-
-app::WaysRequest request_of(const Options& options, app::Part part) { return {part, options.limit}; }
 
 /// Of what the answer is about.
-std::string quantity_of(const Options& options, const Ways& ways) {
+std::string quantity_of(const Options& options, const Tradeoff& ways) {
     const auto wanted = wanted_error(options);
     if (wanted && !wanted->quantity.empty())
         return wanted->quantity;
@@ -87,7 +85,7 @@ std::string percent(double error, const Found& found) {
 
 std::string unit_text(const Found& found) { return found.unit == "1" ? "" : " (" + found.unit + ")"; }
 
-void print_table(const Ways& ways, const std::string& quantity) {
+void print_table(const Tradeoff& ways, const std::string& quantity) {
     const Found first = reference_of(ways, quantity);
     fmt::print("{}{}, against {}\n", quantity, unit_text(first), ways.reference);
     if (scatters(first))
@@ -132,12 +130,12 @@ std::string lines_of(const Choice& choice) {
 }
 
 /// How near any way comes, where none is near enough.
-std::string nearest(const Ways& ways, const std::string& quantity) {
+std::string nearest(const Tradeoff& ways, const std::string& quantity) {
     const auto best = most_accurate(ways, quantity, HUGE_VAL);
     return best ? fmt::format("; the least biased one is off by {}", percent(best->bias, *best->found)) : "";
 }
 
-int answer(const Options& options, const Ways& ways) {
+int answer(const Options& options, const Tradeoff& ways) {
     const std::string quantity = quantity_of(options, ways);
     const Found reference = reference_of(ways, quantity);
     const auto wanted = wanted_error(options);
@@ -166,52 +164,51 @@ int answer(const Options& options, const Ways& ways) {
     return 0;
 }
 
-int describe_work(const Options& options, const scene::Scene& scene, app::Part part) {
-    const auto results = output_folder(options);
-    const Ways ways = plan_ways(scene, request_of(options, part), results, context_of(options));
+int describe_work(const scene::Scene& scene, const std::filesystem::path& results,
+                  const app::RunContext& context) {
+    const Tradeoff ways = plan_ways(scene, results, context);
     fmt::print("{} ways would be measured, results in {}; the reference is {}:\n", ways.ways.size(),
-               ways_folder(results, part).string(), ways.reference);
+               ways_folder(results, ways.part).string(), ways.reference);
     for (const Way& way : ways.ways)
         fmt::print("  {}\n", fmt::join(way.keys, " "));
     return 0;
 }
 
+void tell_measured(const Options& options, const std::filesystem::path& folder, double limit) {
+    if (!options.quiet)
+        tell(fmt::format("measured already in {}, with --limit {:g}s; --force measures anew\n",
+                         folder.string(), limit));
+}
+
 int tradeoff_of_ways(const Options& options, const scene::Scene& scene, app::Part part) {
     wanted_error(options); // refused before anything is measured
-    if (options.dry_run)
-        return describe_work(options, scene, part);
     const std::filesystem::path results = output_folder(options), folder = ways_folder(results, part);
-    const app::RunContext context = context_of(options);
+    app::RunContext context = context_of(options);
+    context.tradeoff = {.part = part, .limit = options.limit};
+    if (options.dry_run)
+        return describe_work(scene, results, context);
     const auto earlier = options.force ? std::nullopt : app::read_ways(folder);
-    if (measure_ways(scene, request_of(options, part), results, context) == app::StageEnd::interrupted)
+    if (measure_ways(scene, results, context) == app::StageEnd::interrupted)
         return signal_exit_code(stop_signal());
-    const Ways ways = *app::read_ways(folder);
-    if (earlier && earlier->finished && earlier->limit == ways.limit) {
-        if (!options.quiet)
-            tell(fmt::format("measured already in {}, with --limit {:g}s; --force measures anew\n",
-                             folder.string(), ways.limit));
-    } else {
+    const Tradeoff ways = *app::read_ways(folder);
+    if (earlier && earlier->finished && earlier->limit == ways.limit)
+        tell_measured(options, folder, ways.limit);
+    else
         make_figures(folder, false, true);
-    }
     return stop_signal() ? signal_exit_code(stop_signal()) : answer(options, ways);
 }
 
 // Rods and scans.
 
-using app::ErrorKind;
-using app::Trial;
-
 /// --error, or the first kind. Throws InputError.
-ErrorKind kind_of(const Options& options) {
-    using enum ErrorKind;
+std::string kind_of(const Options& options) {
+    constexpr auto names = field_names<app::RodErrors>();
     if (options.error_kind.empty())
-        return final_state;
-    std::vector<std::string> names;
-    for (const ErrorKind kind : {final_state, contact_time, outcome, path})
-        if (options.error_kind == names.emplace_back(to_string(kind)))
-            return kind;
+        return std::string(names.front());
     std::string word = options.error_kind;
-    throw InputError("--error: " + one_of(names)(word));
+    if (const std::string wrong = one_of({names.begin(), names.end()})(word); !wrong.empty())
+        throw InputError("--error: " + wrong);
+    return word;
 }
 
 /// Absent without --for. An error of rods has no value that it could be a part of.
@@ -223,61 +220,58 @@ std::optional<double> error_wanted(const Options& options) {
     return wanted ? std::optional(wanted->error) : std::nullopt;
 }
 
-double error_of(const Trial& trial, ErrorKind kind) { return trial.error[static_cast<std::size_t>(kind)]; }
+/// Of a way that has it.
+double error_of(const Way& way, const std::string& kind) { return way.find(kind)->bias; }
 
 std::string way_text(const app::Setting& s) {
-    std::string text =
-        fmt::format("{}, {}, {}", method_name(s), rods::to_string(s.form), app::name_of(s.field));
+    std::string text = fmt::format("{}, {}, {}", s.method, s.form, s.field);
     if (s.table_tolerance > 0.0)
         text += fmt::format(" {:g}", s.table_tolerance);
-    if (s.precision != elastic::Accuracy::full)
-        text += ", " + app::name_of(s.precision);
+    if (s.precision != app::Setting{}.precision)
+        text += ", " + s.precision;
     return text;
 }
 
 /// The settings that no other one beats.
-void print_front(const app::Tradeoff& table, ErrorKind kind) {
+void print_front(const Tradeoff& table, const std::string& kind) {
     const auto front = pareto_front(table, kind);
     if (front.empty())
-        throw RunError(
-            fmt::format("no setting has a {}: the reference ends otherwise; --error names another kind",
-                        to_string(kind)));
+        throw RunError(fmt::format(
+            "no setting has a {}: the reference ends otherwise; --error names another kind", kind));
     fmt::print("{:>10}  {:>12}  {:>8}  {:>10}  {}\n", "error", "time", "rhs", "rtol", "method, form, field");
-    for (const Trial* trial : front)
-        fmt::print("{:>10.2g}  {:>12}  {:>8}  {:>10g}  {}\n", error_of(*trial, kind),
-                   time_text(trial->seconds), trial->rhs_evaluations, trial->setting.tolerance,
-                   way_text(trial->setting));
+    for (const Way* way : front)
+        fmt::print("{:>10.2g}  {:>12}  {:>8}  {:>10g}  {}\n", error_of(*way, kind), time_text(way->seconds),
+                   way->rhs_evaluations, way->setting.tolerance, way_text(way->setting));
 }
 
 /// What to do where no setting is good enough.
-std::string advice(const app::Tradeoff& table, ErrorKind kind, bool by_error) {
+std::string advice(const Tradeoff& table, const std::string& kind, bool by_error) {
     const auto front = pareto_front(table, kind);
     if (front.empty())
-        return fmt::format("no setting has a {}; --error names another kind", to_string(kind));
-    const Trial& nearest = by_error ? *front.back() : *front.front();
+        return fmt::format("no setting has a {}; --error names another kind", kind);
+    const Way& nearest = by_error ? *front.back() : *front.front();
     return fmt::format("the {} one has an error of {:.2g} and takes {}",
                        by_error ? "most accurate" : "fastest", error_of(nearest, kind),
                        time_text(nearest.seconds));
 }
 
-int answer(const Options& options, const scene::Scene& scene, const app::Tradeoff& table) {
-    const ErrorKind kind = kind_of(options);
+int answer(const Options& options, const scene::Scene& scene, const Tradeoff& table) {
+    const std::string kind = kind_of(options);
     const std::optional<double> error = error_wanted(options);
     if (!error && !options.want_time) {
         print_front(table, kind);
         return 0;
     }
-    const Trial* best =
-        error ? cheapest(table, kind, *error) : most_accurate(table, kind, *options.want_time);
+    const auto best = error ? cheapest(table, kind, *error) : most_accurate(table, kind, *options.want_time);
     if (!best)
         throw RunError(fmt::format("no setting that was tried {}: {}",
                                    error ? fmt::format("has an error of {:g} or less", *error)
                                          : fmt::format("takes {} or less", time_text(*options.want_time)),
                                    advice(table, kind, error.has_value())));
     if (!options.quiet)
-        tell(fmt::format("{} {:.2g}; {} for {}, {} right-hand sides\n", to_string(kind),
-                         error_of(*best, kind), time_text(best->seconds), table.unit, best->rhs_evaluations));
-    fmt::print("{}", scene_keys(scene, best->setting));
+        tell(fmt::format("{} {:.2g}; {} for {}, {} right-hand sides\n", kind, best->error(),
+                         time_text(best->seconds()), table.unit, best->way->rhs_evaluations));
+    fmt::print("{}", scene_keys(scene, best->way->setting));
     return 0;
 }
 
@@ -286,7 +280,7 @@ constexpr app::Stage only[] = {app::Stage::tradeoff};
 /// 0, or the exit code of a measurement that did not come to its end.
 int measure(const Options& options, const scene::Scene& scene, const std::filesystem::path& folder) {
     app::RunContext context = context_of(options);
-    context.tradeoff = {kind_of(options), options.limit};
+    context.tradeoff = {.kind = kind_of(options), .limit = options.limit};
     const app::StageEnd end = app::run(app::plan_run(scene, only, folder, context), folder, context);
     if (end == app::StageEnd::interrupted)
         return signal_exit_code(stop_signal());
@@ -299,14 +293,12 @@ int measure(const Options& options, const scene::Scene& scene, const std::filesy
 bool is_done(const Options& options, const scene::Scene& scene, const std::filesystem::path& folder) {
     if (options.force || !app::holds_finished(folder, scene, app::Stage::tradeoff))
         return false;
-    const app::Tradeoff table = app::read_tradeoff(folder);
+    const Tradeoff table = app::read_tradeoff(folder);
     if (app::work_of(app::plan_run(scene, only, folder, {})) != table.work)
         throw InputError(folder.string() +
                          ": holds a measurement of other points of the scan; choose another folder "
                          "with -o, or --force to replace it");
-    if (!options.quiet)
-        tell(fmt::format("measured already in {}, with --limit {:g}s; --force measures anew\n",
-                         folder.string(), table.limit));
+    tell_measured(options, folder, table.limit);
     return true;
 }
 

@@ -6,7 +6,7 @@
 #include "record_table.hpp"
 #include "scan/scan_values.hpp"
 #include "theory/theory_records.hpp"
-#include "tradeoff/tradeoff_files.hpp"
+#include "tradeoff/target.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -76,7 +76,7 @@ void read_member(const nlohmann::json& json, T& value) {
     if constexpr (Described<T>)
         read_record(json, value);
     else if constexpr (std::is_floating_point_v<T>)
-        value = json.is_null() && std::isnan(value) ? value : json.get<T>();
+        value = json.is_null() && !std::isfinite(value) ? value : json.get<T>();
     else
         json.get_to(value);
 }
@@ -92,9 +92,9 @@ void read_member(const nlohmann::json& json, std::optional<T>& value) {
     read_record(json, value.emplace());
 }
 
-/// From record_json. null is a number only where NaN, unknown, is what the member begins with. Members that
-/// are records themselves, or optional, keep their value where the document has none: it is of an earlier
-/// version. Throws nlohmann::json::exception where anything else is missing or no such value.
+/// From record_json. null is a number only where the member begins with NaN, unknown, or infinite. Members
+/// that are records themselves, or optional, keep their value where the document has none: it is of an
+/// earlier version. Throws nlohmann::json::exception where anything else is missing or no such value.
 template<Described Record>
 void read_record(const nlohmann::json& json, Record& record) {
     for_each_field<Record>([&](const auto& field) {

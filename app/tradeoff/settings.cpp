@@ -1,13 +1,13 @@
-// The ways to solve the rods of a scene, and their names.
+// The ways to solve the rods of a scene: which settings it allows, and the keys that stand for each.
 
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/integrate/ode.hpp"
 #include "rodwake/rods/separation_record.hpp"
 #include "rodwake/scene/scan_subject.hpp"
+#include "rodwake/scene/scene.hpp"
 
 #include <fmt/format.h>
-
-#include <algorithm>
 
 namespace rodwake::app {
 
@@ -18,8 +18,6 @@ using integrate::Method;
 using rods::Form;
 using scene::FieldBackend;
 
-constexpr std::array<const char*, error_kinds> error_names{"final_state", "contact_time", "outcome", "path"};
-
 /// Newton's dense matrix: beyond this an implicit step costs more than any number of explicit ones.
 constexpr std::size_t most_implicit = 320;
 constexpr std::size_t least_for_precision = 8; ///< rods whose wakes are added up in tiles
@@ -27,15 +25,34 @@ constexpr std::size_t least_for_precision = 8; ///< rods whose wakes are added u
 /// rods_run.rtol, each decade.
 constexpr double tolerances[] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11};
 
+std::string name_of(Method method) { return integrate::to_string(method); }
+std::string name_of(Form form) { return rods::to_string(form); }
+std::string name_of(FieldBackend field) {
+    return field == FieldBackend::exact ? "exact" : field == FieldBackend::table ? "table" : "measured";
+}
+std::string name_of(Accuracy precision) {
+    return precision == Accuracy::full ? "full" : precision == Accuracy::fine ? "fine" : "single";
+}
+
+/// The value whose name this is.
+template<class Value>
+Value named(const std::string& name, std::initializer_list<Value> values) {
+    for (const Value value : values)
+        if (name_of(value) == name)
+            return value;
+    throw InputError("\"" + name + "\" is unknown");
+}
+
 /// How the field is worked out, and the tolerances of the solver that go with its error.
 struct FieldWay {
     FieldBackend field = FieldBackend::exact;
     double table_tolerance = 0.0;
     Accuracy precision = Accuracy::full;
     double loosest = 1.0, tightest = 0.0;
-};
 
-bool is_in_box(const scene::Scene& scene) { return scene.medium && scene.medium->periodic; }
+    /// Decades that differ from a bound by rounding count.
+    bool suits(double tolerance) const { return tolerance <= loosest * 1.5 && tolerance >= tightest / 1.5; }
+};
 
 std::vector<FieldWay> field_ways(const scene::Scene& scene) {
     if (scene.medium && scene.medium->field == FieldBackend::measured)
@@ -43,7 +60,7 @@ std::vector<FieldWay> field_ways(const scene::Scene& scene) {
     std::vector<FieldWay> ways{{}};
     if (!scene.medium)
         return ways;
-    if (!is_in_box(scene) && scene.rods.size() >= least_for_precision) {
+    if (!scene.medium->periodic && scene.rods.size() >= least_for_precision) {
         ways.push_back({.precision = Accuracy::fine, .loosest = 1e-5, .tightest = 1e-9});
         ways.push_back({.precision = Accuracy::single, .loosest = 1e-2, .tightest = 1e-6});
     }
@@ -55,25 +72,23 @@ std::vector<FieldWay> field_ways(const scene::Scene& scene) {
 }
 
 struct Solver {
-    std::optional<Method> method;
+    std::string method;
     Form form;
 };
 
 std::vector<Solver> solvers(const scene::Scene& scene) {
-    std::vector<Solver> all{
-        {Method::erk, Form::angle}, {Method::adams, Form::angle}, {Method::erk, Form::director}};
+    std::vector<Solver> all;
     if (scene.scan) // pairs many at a time
-        all.insert(all.begin(), {std::nullopt, Form::angle});
-    for (const Solver& one :
-         {Solver{Method::bdf, Form::angle}, {Method::bdf, Form::director}, {Method::bdf, Form::dae}})
-        if (rods::state_size(one.form, scene.rods.size()) <= most_implicit)
-            all.push_back(one);
+        all.push_back({"auto", Form::angle});
+    for (const auto& [method, form] : {std::pair{Method::erk, Form::angle},
+                                       {Method::adams, Form::angle},
+                                       {Method::erk, Form::director},
+                                       {Method::bdf, Form::angle},
+                                       {Method::bdf, Form::director},
+                                       {Method::bdf, Form::dae}})
+        if (method != Method::bdf || rods::state_size(form, scene.rods.size()) <= most_implicit)
+            all.push_back({name_of(method), form});
     return all;
-}
-
-/// Decades that differ from a bound by rounding count.
-bool suits(const FieldWay& way, double tolerance) {
-    return tolerance <= way.loosest * 1.5 && tolerance >= way.tightest / 1.5;
 }
 
 void refuse_axes(const scene::Scene& scene) {
@@ -108,30 +123,20 @@ void require_rods(const scene::Scene& scene) {
 
 } // namespace
 
-std::string to_string(ErrorKind kind) { return error_names[static_cast<std::size_t>(kind)]; }
-
-std::string method_name(const Setting& s) { return s.method ? integrate::to_string(*s.method) : "auto"; }
-
-std::string name_of(FieldBackend field) {
-    return field == FieldBackend::exact ? "exact" : field == FieldBackend::table ? "table" : "measured";
-}
-
-std::string name_of(Accuracy precision) {
-    return precision == Accuracy::full ? "full" : precision == Accuracy::fine ? "fine" : "single";
-}
-
 scene::Scene with(scene::Scene scene, const Setting& s) {
     scene::RodsRun& run = *scene.rods_run;
-    run.method = s.method;
-    run.form = s.form;
+    run.method.reset();
+    if (s.method != "auto")
+        run.method = named(s.method, {Method::bdf, Method::adams, Method::erk});
+    run.form = named(s.form, {Form::angle, Form::director, Form::dae});
     run.rtol = s.tolerance;
     run.atol = s.tolerance / 100.0;
-    run.precision = s.precision;
+    run.precision = named(s.precision, {Accuracy::full, Accuracy::fine, Accuracy::single});
     run.turning_tolerance = 0.0;
     if (!scene.medium)
         return scene;
-    scene.medium->field = s.field;
-    if (s.field == FieldBackend::table)
+    scene.medium->field = named(s.field, {FieldBackend::exact, FieldBackend::table, FieldBackend::measured});
+    if (s.table_tolerance > 0.0)
         scene.medium->table = scene::FieldTable{s.table_tolerance};
     return scene;
 }
@@ -139,14 +144,14 @@ scene::Scene with(scene::Scene scene, const Setting& s) {
 std::string scene_keys(const scene::Scene& scene, const Setting& s) {
     std::string text = fmt::format("rods_run.method = \"{}\"\nrods_run.form = \"{}\"\nrods_run.rtol = {:g}\n"
                                    "rods_run.atol = {:g}\n",
-                                   method_name(s), rods::to_string(s.form), s.tolerance, s.tolerance / 100.0);
-    if (scene.rods.size() >= least_for_precision || scene.rods_run->precision != s.precision)
-        text += fmt::format("rods_run.precision = \"{}\"\n", name_of(s.precision));
+                                   s.method, s.form, s.tolerance, s.tolerance / 100.0);
+    if (scene.rods.size() >= least_for_precision || name_of(scene.rods_run->precision) != s.precision)
+        text += fmt::format("rods_run.precision = \"{}\"\n", s.precision);
     if (scene.rods_run->turning_tolerance > 0.0)
         text += "rods_run.turning_tolerance = 0\n";
     if (scene.medium)
-        text += fmt::format("medium.field = \"{}\"\n", name_of(s.field));
-    if (s.field == FieldBackend::table)
+        text += fmt::format("medium.field = \"{}\"\n", s.field);
+    if (s.table_tolerance > 0.0)
         text += fmt::format("medium.table.tolerance = {:g}\n", s.table_tolerance);
     return text;
 }
@@ -159,9 +164,9 @@ std::vector<Setting> settings_of(const scene::Scene& scene) {
     for (const double tolerance : tolerances)
         for (const FieldWay& way : field_ways(scene))
             for (const Solver& solver : solvers(scene))
-                if (suits(way, tolerance))
-                    all.push_back({solver.method, solver.form, way.field, way.table_tolerance, way.precision,
-                                   tolerance});
+                if (way.suits(tolerance))
+                    all.push_back({solver.method, name_of(solver.form), name_of(way.field),
+                                   way.table_tolerance, name_of(way.precision), tolerance});
     return all;
 }
 

@@ -6,8 +6,7 @@
 #include "rodwake/core/error.hpp"
 #include "run_files.hpp"
 #include "scenes.hpp"
-#include "tradeoff/answer.hpp"
-#include "tradeoff/tradeoff_files.hpp"
+#include "tradeoff/target.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -20,26 +19,24 @@ using app_test::pair;
 
 namespace {
 
-constexpr auto in_state = static_cast<std::size_t>(ErrorKind::final_state),
-               in_time = static_cast<std::size_t>(ErrorKind::contact_time),
-               in_outcome = static_cast<std::size_t>(ErrorKind::outcome),
-               in_path = static_cast<std::size_t>(ErrorKind::path);
-
 Encounter ended(Ending ending, double time, double x, std::vector<std::vector<double>> path = {}) {
-    return {true, ending, time, {x, 0.0}, std::move(path)};
+    return {true, ending, ending == Ending::contact ? time : NAN, {x, 0.0}, std::move(path)};
 }
 
-Trial trial(double seconds, double error, double tolerance = 1e-6) {
-    Trial one{{.method = integrate::Method::erk}, {error, NAN, 0.0, 2.0 * error}, seconds, 3, 100, "ok"};
-    one.setting.tolerance = tolerance;
-    return one;
+Way trial(double seconds, double error) {
+    return {.seconds = seconds,
+            .runs = 3,
+            .found = found_of(RodErrors{{error}, {NAN}, {0.0}, {2.0 * error}}),
+            .setting = {.method = "erk", .tolerance = 1e-6},
+            .rhs_evaluations = 100};
 }
 
-Tradeoff table_of(std::vector<Trial> trials) {
+Tradeoff table_of(std::vector<Way> trials) {
     Tradeoff table;
     table.unit = "a run";
-    table.methods = {"erk", "adams"};
-    table.trials = std::move(trials);
+    table.rods.methods = {"erk", "adams"};
+    table.kind = "final_state";
+    table.ways = std::move(trials);
     return table;
 }
 
@@ -66,70 +63,66 @@ Tradeoff measured(const scene::Scene& scene, const std::filesystem::path& folder
 } // namespace
 
 TEST_CASE("an error is the largest difference of the states, and infinite for another outcome") {
-    const Answer reference{{ended(Ending::contact, 4.0, 1.0, {{0.0, 0.0}, {0.5, 0.0}})}, 0, {}};
-    const Answer near{{ended(Ending::contact, 4.25, 1.125, {{0.0, 0.0}, {0.25, 0.0}})}, 0, {}};
-    const Errors close = errors_between(near, reference);
-    CHECK(close[in_state] == 0.125);
-    CHECK(close[in_time] == 0.25);
-    CHECK(close[in_outcome] == 0.0);
-    CHECK(close[in_path] == 0.25);
-    const Answer other{{ended(Ending::escape, 4.0, 1.0, {{0.0, 0.0}})}, 0, {}};
-    const Errors far = errors_between(other, reference);
-    CHECK(std::isinf(far[in_state]));
-    CHECK(std::isinf(far[in_path]));
-    CHECK(far[in_outcome] == 1.0);
-    CHECK(std::isnan(errors_between(other, other)[in_time])); // nobody touches
-    Answer unsolved = reference;
-    unsolved.encounters.front().solved = false;
-    CHECK(errors_between(unsolved, reference)[in_outcome] == 1.0);
+    const std::vector reference{ended(Ending::contact, 4.0, 1.0, {{0.0, 0.0}, {0.5, 0.0}})};
+    const std::vector near{ended(Ending::contact, 4.25, 1.125, {{0.0, 0.0}, {0.25, 0.0}})};
+    const RodErrors close = errors_between(near, reference);
+    CHECK(close.final_state == 0.125);
+    CHECK(close.contact_time == 0.25);
+    CHECK(close.outcome == 0.0);
+    CHECK(close.path == 0.25);
+    const std::vector other{ended(Ending::escape, 4.0, 1.0, {{0.0, 0.0}})};
+    const RodErrors far = errors_between(other, reference);
+    CHECK(std::isinf(far.final_state));
+    CHECK(std::isinf(far.path));
+    CHECK(far.outcome == 1.0);
+    CHECK(std::isnan(errors_between(other, other).contact_time)); // nobody touches
+    auto unsolved = reference;
+    unsolved.front().solved = false;
+    CHECK(errors_between(unsolved, reference).outcome == 1.0);
 }
 
 TEST_CASE("of many points an error is what 95 % keep to, and the share of outcomes that differ") {
-    Answer reference, one;
+    std::vector<Encounter> reference, one;
     for (int k = 0; k < 101; ++k) {
-        reference.encounters.push_back(ended(Ending::escape, 8.0, 0.0));
-        one.encounters.push_back(ended(k < 3 ? Ending::contact : Ending::escape, 8.0, 1e-3 * k));
+        reference.push_back(ended(Ending::escape, 8.0, 0.0));
+        one.push_back(ended(k < 3 ? Ending::contact : Ending::escape, 8.0, 1e-3 * k));
     }
-    const Errors errors = errors_between(one, reference);
-    CHECK(errors[in_outcome] == Approx(3.0 / 101.0).epsilon(1e-14));
-    CHECK(errors[in_state] == Approx(98e-3).epsilon(1e-14)); // the 96th of 98 finite and 3 infinite ones
-    CHECK(std::isnan(errors[in_path]));
+    const RodErrors errors = errors_between(one, reference);
+    CHECK(errors.outcome == Approx(3.0 / 101.0).epsilon(1e-14));
+    CHECK(errors.final_state == Approx(98e-3).epsilon(1e-14)); // the 96th of 98 finite and 3 infinite ones
+    CHECK(std::isnan(errors.path));
 }
 
 TEST_CASE("the cheapest setting that is good enough, and the best one that is quick enough") {
     Tradeoff table = table_of({trial(4.0, 1e-8), trial(1.0, 1e-3), trial(2.0, 1e-5), trial(3.0, 1e-4),
                                trial(0.5, HUGE_VAL), trial(2.5, 1e-5), trial(0.1, 1e-9)});
-    table.trials.back().status = "took too long"; // whatever its numbers are
-    CHECK(cheapest(table, ErrorKind::final_state, 1e-4)->seconds == 2.0);
-    CHECK(cheapest(table, ErrorKind::final_state, 1e-9) == nullptr);
-    CHECK(cheapest(table, ErrorKind::path, 1e-3)->seconds == 2.0); // where errors are twice as large
-    CHECK(cheapest(table, ErrorKind::contact_time, 1.0) == nullptr);
-    CHECK(most_accurate(table, ErrorKind::final_state, 3.0)->seconds == 2.0);
-    CHECK(most_accurate(table, ErrorKind::final_state, 0.7) == nullptr);
-    const auto front = pareto_front(table, ErrorKind::final_state);
+    table.ways.back().status = "took too long"; // whatever its numbers are
+    CHECK(cheapest(table, "final_state", 1e-4)->seconds() == 2.0);
+    CHECK_FALSE(cheapest(table, "final_state", 1e-9));
+    CHECK(cheapest(table, "path", 1e-3)->seconds() == 2.0); // where errors are twice as large
+    CHECK_FALSE(cheapest(table, "contact_time", 1.0));
+    CHECK(most_accurate(table, "final_state", 3.0)->seconds() == 2.0);
+    CHECK_FALSE(most_accurate(table, "final_state", 0.7));
+    const auto front = pareto_front(table, "final_state");
     std::vector<double> seconds;
-    for (const Trial* one : front)
+    for (const Way* one : front)
         seconds.push_back(one->seconds);
     CHECK(seconds == std::vector{1.0, 2.0, 4.0});
 }
 
 TEST_CASE("settings are those that the scene allows") {
     const auto of_pair = settings_of(pair());
-    CHECK(count(of_pair, [](const Setting& s) { return s.field == scene::FieldBackend::table; }) > 0);
-    CHECK(count(of_pair, [](const Setting& s) { return !s.method; }) == 0);
-    CHECK(count(of_pair, [](const Setting& s) {
-              return s.form == rods::Form::dae && s.method != integrate::Method::bdf;
-          }) == 0);
-    CHECK(count(of_pair, [](const Setting& s) {
-              return s.form == rods::Form::director && s.method == integrate::Method::adams;
-          }) == 0);
-    CHECK(count(of_pair, [](const Setting& s) { return s.precision != elastic::Accuracy::full; }) == 0);
+    CHECK(count(of_pair, [](const Setting& s) { return s.field == "table"; }) > 0);
+    CHECK(count(of_pair, [](const Setting& s) { return s.method == "auto"; }) == 0);
+    CHECK(count(of_pair, [](const Setting& s) { return s.form == "dae" && s.method != "bdf"; }) == 0);
+    CHECK(count(of_pair, [](const Setting& s) { return s.form == "director" && s.method == "adams"; }) == 0);
+    CHECK(count(of_pair, [](const Setting& s) { return s.precision != "full"; }) == 0);
     scene::Scene many = pair();
     for (int k = 0; k < 300; ++k)
         many.rods.push_back({{10.0 + k, 0.0}, 0.0});
     const auto of_many = settings_of(many);
-    CHECK(count(of_many, [](const Setting& s) { return s.method == integrate::Method::bdf; }) == 0);
-    CHECK(count(of_many, [](const Setting& s) { return s.precision == elastic::Accuracy::single; }) > 0);
+    CHECK(count(of_many, [](const Setting& s) { return s.method == "bdf"; }) == 0);
+    CHECK(count(of_many, [](const Setting& s) { return s.precision == "single"; }) > 0);
     CHECK_THROWS_AS(settings_of(app_test::bed()), InputError);
 }
 
@@ -170,15 +163,14 @@ TEST_CASE("a setting's keys make the scene that it stands for") {
 TEST_CASE("tradeoff.json is read as it was written") {
     const store_test::Scratch folder;
     Tradeoff table = table_of({trial(4.0, 1e-8), trial(1.0, HUGE_VAL)});
-    table.trials[1].setting = {std::nullopt, rods::Form::director,    scene::FieldBackend::table,
-                               1e-6,         elastic::Accuracy::fine, 1e-5};
-    table.trials[1].status = "took too long";
-    table.least = {1e-12, NAN, 0.0, 1e-12};
+    table.ways[1].setting = {"auto", "director", "table", 1e-6, "fine", 1e-5};
+    table.ways[1].status = "took too long";
+    table.rods.least = {{1e-12}, {NAN}, {0.0}, {1e-12}};
     std::ofstream(folder.path() / "tradeoff.json") << tradeoff_json(table);
     const Tradeoff read = read_tradeoff(folder.path());
     CHECK(tradeoff_json(read) == tradeoff_json(table));
-    CHECK(read.trials[1].setting == table.trials[1].setting);
-    CHECK(std::isinf(read.trials[1].error[in_state]));
+    CHECK(read.ways[1].setting == table.ways[1].setting);
+    CHECK(std::isinf(read.ways[1].found.front().bias));
     std::ofstream(folder.path() / "tradeoff.json") << "{\"unit\": 3}";
     CHECK_THROWS_AS(read_tradeoff(folder.path()), InputError);
 }
@@ -195,24 +187,23 @@ TEST_CASE("a scan's settings are measured against a reference, and taken up wher
     constexpr app::Stage stage[] = {app::Stage::tradeoff};
     CHECK(app::run(plan_run(scene, stage, out, context), out, context) == StageEnd::interrupted);
     const Tradeoff begun = read_tradeoff(out);
-    CHECK(begun.trials.size() == 5);
+    CHECK(begun.ways.size() == 5);
     CHECK_FALSE(holds_finished(out, scene, app::Stage::tradeoff));
     context.stop = nullptr;
     const Tradeoff table = measured(scene, out, context);
     CHECK(holds_finished(out, scene, app::Stage::tradeoff));
     CHECK(app_test::untold(out).empty());
     CHECK(table.unit == "2 points of the scan");
-    CHECK(table.trials.size() == settings_of(scene).size());
-    CHECK(table.trials.front().seconds <= begun.trials.front().seconds); // kept, and timed once more
-    for (const Trial& one : table.trials) {
-        INFO(method_name(one.setting)
-             << " " << rods::to_string(one.setting.form) << " " << one.setting.tolerance);
+    CHECK(table.ways.size() == settings_of(scene).size());
+    CHECK(table.ways.front().seconds <= begun.ways.front().seconds); // kept, and timed once more
+    for (const Way& one : table.ways) {
+        INFO(one.setting.method << " " << one.setting.form << " " << one.setting.tolerance);
+        const double error = one.find("final_state")->bias, least = table.rods.least.final_state;
         CHECK(one.status == "ok");
-        CHECK(one.error[in_outcome] == 0.0);
-        CHECK(one.error[in_state] >= table.least[in_state]);
-        CHECK(one.error[in_state] <
-              std::max(table.least[in_state], 100.0 * one.setting.tolerance)); // ode.hpp
+        CHECK(one.find("outcome")->bias == 0.0);
+        CHECK(error >= least);
+        CHECK(error < std::max(least, 100.0 * one.setting.tolerance)); // ode.hpp
         CHECK(one.rhs_evaluations > 0);
     }
-    CHECK(table.agreement[in_state] < 1e-9);
+    CHECK(table.rods.agreement.final_state < 1e-9);
 }

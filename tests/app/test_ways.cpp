@@ -1,6 +1,6 @@
 // Which way to compute a bed, a fit or a field map is worth having: bias told apart from scatter.
 
-#include "rodwake/app/ways.hpp"
+#include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <catch2/catch.hpp>
@@ -19,8 +19,8 @@ Way way(std::string key, double seconds, double bias, double bias_error, double 
     return one;
 }
 
-Ways two_ways() {
-    Ways ways;
+Tradeoff two_ways() {
+    Tradeoff ways;
     ways.ways = {way("slow=1", 8.0, 0.0, 0.01, 0.2), way("fast=1", 1.0, 0.05, 0.03, 0.2)};
     return ways;
 }
@@ -28,7 +28,7 @@ Ways two_ways() {
 } // namespace
 
 TEST_CASE("a bias counts as far as it exceeds its error, and runs make up for the scatter") {
-    const Ways ways = two_ways();
+    const Tradeoff ways = two_ways();
     // b^2 = 0.05^2 - 0.03^2 = 0.04^2; 0.2^2/(0.05^2 - 0.04^2) = 44.4 runs of 1 s, against 16 of 8 s
     const auto rough = cheapest(ways, "speed", 0.05);
     REQUIRE(rough);
@@ -40,7 +40,7 @@ TEST_CASE("a bias counts as far as it exceeds its error, and runs make up for th
 }
 
 TEST_CASE("an error below the bias of the fast way takes the slow one") {
-    const Ways ways = two_ways();
+    const Tradeoff ways = two_ways();
     const auto fine = cheapest(ways, "speed", 0.021);
     REQUIRE(fine);
     CHECK(fine->way == &ways.ways[0]);
@@ -49,7 +49,7 @@ TEST_CASE("an error below the bias of the fast way takes the slow one") {
 }
 
 TEST_CASE("within a time the best mixture of bias and scatter is taken") {
-    const Ways ways = two_ways();
+    const Tradeoff ways = two_ways();
     CHECK(most_accurate(ways, "speed", 8.5)->way == &ways.ways[1]); // 1 slow run: 0.2; 8 fast: 0.081
     CHECK(most_accurate(ways, "speed", 1000.0)->way == &ways.ways[0]);
     CHECK(most_accurate(ways, "speed", 1000.0)->runs == 125);
@@ -57,7 +57,7 @@ TEST_CASE("within a time the best mixture of bias and scatter is taken") {
 }
 
 TEST_CASE("without scatter one run is enough, and an error of zero may be met") {
-    Ways ways;
+    Tradeoff ways;
     ways.ways = {way("exact=1", 3.0, 0.0, 0.0, 0.0), way("table=1", 1.0, 1e-6, 0.0, 0.0)};
     CHECK(cheapest(ways, "speed", 0.0)->way == &ways.ways[0]);
     CHECK(cheapest(ways, "speed", 1e-6)->way == &ways.ways[1]);
@@ -66,7 +66,7 @@ TEST_CASE("without scatter one run is enough, and an error of zero may be met") 
 }
 
 TEST_CASE("ways without a result are never chosen, and unknown quantities are named") {
-    Ways ways = two_ways();
+    Tradeoff ways = two_ways();
     ways.ways[1].status = "the step is too long";
     CHECK(cheapest(ways, "speed", 0.05)->way == &ways.ways[0]);
     CHECK_FALSE(cheapest(ways, "heat", 1.0));

@@ -20,16 +20,16 @@ struct R {{
 int main() {{ return static_cast<int>(std::get<0>(R::fields()).name.size()); }}
 """
 # Words that files of several kinds have in common.
-GENERAL = set("blocks contact contacts error escape failed failure message model outcome pair pressure pursuit reason rods run share sigma status "
-              "steps theta time times turn undecided used value".split())
+GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model outcome pair path pressure pursuit reason rods run "
+              "scale scatter seconds share sigma status steps theta time times turn undecided unit used value".split())
 # Names of described results that other C++ files quote, and why these may; to grow shorter.
 PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure
 QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
-    "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/bed_ways.cpp"},  # of the scan; how long a run takes
+    "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/beds.cpp"},  # of the scan; how long a run takes
     "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_results.cpp", "app/scene/figure_kinds.cpp"},
-    "final_separation": {"app/tradeoff/tradeoff_stage.cpp"},
+    "final_separation": {"app/tradeoff/rods.cpp"},
     "last_change": {PAIRS},
     "leader": {PAIRS},
     "mean_speed": {"app/bed/measures/displacement.cpp", "app/bed/measures/force.cpp", "app/run/glossary.cpp"},
@@ -37,9 +37,9 @@ QUOTED = {
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
     "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
-    "rhs_evaluations": {"app/tradeoff/tradeoff_stage.cpp", "app/tradeoff/tradeoff_files.cpp"},
+    "rhs_evaluations": {"app/tradeoff/rods.cpp"},
     "separation": {PAIRS},
-    "separation_change": {"app/tradeoff/bed_ways.cpp"},
+    "separation_change": {"app/tradeoff/beds.cpp"},
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "thrust": {"app/bed/granular_checkpoint.cpp", "app/bed/measures/force.cpp"},

@@ -7,7 +7,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/store/csv.hpp"
-#include "way_subject.hpp"
+#include "target.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -193,17 +193,22 @@ void compare(std::vector<Found>& found, const std::vector<Found>& reference) {
     });
 }
 
-class BedTrials {
+class BedTarget : public Target {
 public:
-    BedTrials(std::vector<BedWay> ways, double limit, fs::path folder, const RunContext& context)
-        : ways_(std::move(ways)), limit_(limit), folder_(std::move(folder)), context_(context) {}
+    BedTarget(const scene::Scene& bed, fs::path folder, const RunContext& context)
+        : ways_(all_ways(bed)), folder_(std::move(folder)), context_(context) {
+        table.work = stage_key(bed, Stage::measure);
+        table.reference = fmt::format("a time step of {:.3g} s", *ways_.front().scene.granular->time_step);
+        for (const BedWay& way : ways_)
+            table.ways.push_back({.keys = way.keys, .seconds = 0.0});
+    }
 
     /// A few runs first, to know what one costs; then as many as the limit pays for. Those that an earlier
     /// command made count.
-    bool attempt(std::vector<Way>& all, std::size_t k) const {
-        const fs::path folder = folder_ / "ways" / fmt::format("{}", k);
+    bool attempt(std::size_t k) override {
+        const fs::path folder = folder_ / fmt::format("{}", k);
         const scene::Granular& bed = *ways_[k].scene.granular;
-        const double limit = k == 0 ? of_reference * limit_ : limit_;
+        const double limit = (k == 0 ? of_reference : 1.0) * context_.tradeoff.limit;
         store::Table runs = run_status(folder) == "finished" ? table_of(folder, bed) : store::Table{};
         std::string failure;
         for (int round = 0; round < 2 && failure.empty(); ++round) {
@@ -214,7 +219,7 @@ public:
                 return false;
             runs = table_of(folder, bed);
         }
-        fill(all, k, runs, folder, failure);
+        fill(k, runs, folder, failure);
         return true;
     }
 
@@ -260,9 +265,8 @@ private:
         return std::lround(std::clamp(limit / each, double{least_runs}, double{most_bed_runs}));
     }
 
-    void fill(std::vector<Way>& all, std::size_t k, const store::Table& runs, const fs::path& folder,
-              const std::string& failure) const {
-        Way& way = all[k];
+    void fill(std::size_t k, const store::Table& runs, const fs::path& folder, const std::string& failure) {
+        Way& way = table.ways[k];
         way.runs = static_cast<long>(runs.rows());
         way.seconds = runs.rows() ? mean_of(*runs.find("cpu_seconds")).value : HUGE_VAL;
         if (runs.rows() < static_cast<std::size_t>(least_runs)) {
@@ -270,34 +274,23 @@ private:
             return;
         }
         way.found = found_in(folder, runs, *ways_[k].scene.granular);
-        compare(way.found, all.front().found);
+        compare(way.found, table.ways.front().found);
     }
 
     std::vector<BedWay> ways_;
-    double limit_;
     fs::path folder_;
     const RunContext& context_;
 };
 
 } // namespace
 
-WaySubject bed_ways(const scene::Scene& scene, double limit, const fs::path& folder,
-                    const RunContext& context) {
+std::unique_ptr<Target> bed_target(const scene::Scene& scene, const fs::path& results,
+                                   const RunContext& context) {
     if (!scene.granular || (scene.measure && !scene.measure->trajectory.empty()))
         throw InputError(scene.path +
                          ": no [granular] table, so there is no bed whose cost and error could be "
                          "measured");
-    const scene::Scene bed = bare(scene);
-    std::vector<BedWay> ways = all_ways(bed);
-    WaySubject subject{stage_key(bed, Stage::measure),
-                       fmt::format("a time step of {:.3g} s", *ways.front().scene.granular->time_step),
-                       {},
-                       {}};
-    for (const BedWay& way : ways)
-        subject.ways.push_back({.keys = way.keys});
-    const auto trials = std::make_shared<const BedTrials>(std::move(ways), limit, folder, context);
-    subject.attempt = [trials](std::vector<Way>& all, std::size_t k) { return trials->attempt(all, k); };
-    return subject;
+    return std::make_unique<BedTarget>(bare(scene), ways_folder(results, Part::bed) / "ways", context);
 }
 
 } // namespace rodwake::app

@@ -4,14 +4,13 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/stopwatch.hpp"
-#include "way_subject.hpp"
+#include "target.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace rodwake::app {
@@ -42,7 +41,6 @@ struct FitAnswer {
     std::vector<Bounds> intervals;
     double objective = HUGE_VAL;
     double seconds = 0.0;
-    bool stopped = false;
     std::string failure;
 };
 
@@ -80,26 +78,32 @@ Bounds likelihood_interval(const fitting::Problem& problem, const fitting::Metho
     return {profile.low.value_or(-HUGE_VAL), profile.high.value_or(HUGE_VAL)};
 }
 
-class FitTrials {
+class FitTarget : public Target {
 public:
-    FitTrials(FitPlan plan, std::vector<FitWay> ways, double limit, const RunContext& context)
-        : plan_(std::move(plan)), ways_(std::move(ways)), limit_(limit), context_(context) {}
+    FitTarget(const scene::Scene& scene, FitPlan plan, const RunContext& context)
+        : plan_(std::move(plan)), ways_(all_ways(plan_.problem)), limit_(context.tradeoff.limit),
+          context_(context) {
+        table.work = fit_key(scene, plan_);
+        table.reference =
+            "the better one of slsqp and nelder-mead, 50 starts each, polished, intervals by likelihood";
+        for (const FitWay& way : ways_)
+            table.ways.push_back({.keys = keys_of(way, plan_.problem), .seconds = 0.0});
+    }
 
-    bool attempt(std::vector<Way>& all, std::size_t k) {
+    bool attempt(std::size_t k) override {
         if (!reference_ && !make_reference())
             return false;
         FitAnswer answer = solve(ways_[k], method_of(ways_[k]), limit_);
         for (int turn = 1; turn < repeats && answer.seconds < long_fit && answer.failure.empty(); ++turn)
             answer.seconds = std::min(answer.seconds, solve(ways_[k], method_of(ways_[k]), limit_).seconds);
-        if (context_.stopped())
-            return false;
-        all[k].seconds = answer.seconds;
-        all[k].runs = 1;
-        if (!answer.failure.empty())
-            all[k].status = answer.failure;
+        Way& way = table.ways[k];
+        way.seconds = answer.seconds;
+        way.runs = 1;
+        if (answer.failure.empty())
+            way.found = errors_of(answer);
         else
-            all[k].found = errors_of(answer);
-        return true;
+            way.status = answer.failure;
+        return !context_.stopped();
     }
 
 private:
@@ -122,7 +126,6 @@ private:
         else if (fit.termination != fitting::Termination::interrupted)
             read(fit, way, method, answer);
         answer.seconds = watch.seconds();
-        answer.stopped = context_.stopped();
         if (answer.failure.empty() && answer.seconds > limit)
             answer.failure = fmt::format("took more than {:g} s", limit);
         return answer;
@@ -153,7 +156,7 @@ private:
             method.threads = context_.thread_count();
             method.tolerance = 1e-13;
             pair[k] = solve(way, method, HUGE_VAL);
-            if (pair[k].stopped)
+            if (context_.stopped())
                 return false;
             if (!pair[k].failure.empty())
                 throw RunError(no_reference_ = "no reference: " + pair[k].failure);
@@ -178,7 +181,7 @@ private:
 
     /// Largest shift of an end of an interval, in half its width; NaN if the reference has no interval.
     double interval_error(const FitAnswer& answer) const {
-        double largest = std::numeric_limits<double>::quiet_NaN();
+        double largest = NAN;
         for (std::size_t i = 0; i < answer.intervals.size(); ++i) {
             const auto [low, high] = reference_->intervals[i];
             if (!std::isfinite(high - low))
@@ -191,14 +194,11 @@ private:
     }
 
     std::vector<Found> errors_of(const FitAnswer& answer) const {
-        std::vector<Found> all;
-        const auto add = [&](const char* name, const char* unit, double error) {
-            if (!std::isnan(error))
-                all.push_back({.name = name, .unit = unit, .value = error, .bias = error});
-        };
-        add("optimum", "standard errors", distance(answer));
-        add("interval", "half widths", interval_error(answer));
-        add("objective", "of chi2", std::max(0.0, answer.objective - reference_->objective));
+        std::vector<Found> all{
+            error_found("optimum", "standard errors", distance(answer)),
+            error_found("interval", "half widths", interval_error(answer)),
+            error_found("objective", "of chi2", std::max(0.0, answer.objective - reference_->objective))};
+        std::erase_if(all, [](const Found& f) { return std::isnan(f.value); });
         return all;
     }
 
@@ -212,23 +212,13 @@ private:
 
 } // namespace
 
-WaySubject fit_ways(const scene::Scene& scene, double limit, const std::filesystem::path& results,
-                    const RunContext& context) {
+std::unique_ptr<Target> fit_target(const scene::Scene& scene, const std::filesystem::path& results,
+                                   const RunContext& context) {
     if (!scene.fit)
         throw InputError(scene.path + ": no [fit] table, so there is no fit whose cost and error could be "
                                       "measured");
-    FitPlan plan = fit_plan(*scene.fit, read_fit_inputs(scene, results, OwnFiles::required));
-    std::vector<FitWay> ways = all_ways(plan.problem);
-    WaySubject subject{
-        fit_key(scene, plan),
-        "the better one of slsqp and nelder-mead, 50 starts each, polished, intervals by likelihood",
-        {},
-        {}};
-    for (const FitWay& way : ways)
-        subject.ways.push_back({.keys = keys_of(way, plan.problem)});
-    const auto trials = std::make_shared<FitTrials>(std::move(plan), std::move(ways), limit, context);
-    subject.attempt = [trials](std::vector<Way>& all, std::size_t k) { return trials->attempt(all, k); };
-    return subject;
+    return std::make_unique<FitTarget>(
+        scene, fit_plan(*scene.fit, read_fit_inputs(scene, results, OwnFiles::required)), context);
 }
 
 } // namespace rodwake::app
