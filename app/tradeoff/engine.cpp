@@ -107,7 +107,8 @@ bool try_all(Target& target, const std::vector<Way>& earlier, const RunContext& 
     for (std::size_t k = 0; k < table.ways.size() && all && !context.stopped(); ++k)
         target.again(table.ways[k]);
     table.finished = all;
-    writer.now(table);
+    if (std::ranges::any_of(table.ways, &Way::tried))
+        writer.now(table);
     return all;
 }
 

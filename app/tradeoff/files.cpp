@@ -241,13 +241,7 @@ std::string tradeoff_csv(const Tradeoff& table) {
     for (Trial& trial : trials_of(table)) {
         if (!(trial.table_tolerance > 0.0))
             trial.table_tolerance = NAN;
-        const RodErrors errors = trial.errors;
-        TrialRow row{trial, errors, NAN};
-        for_each_field<RodErrors>([&](const auto& field) {
-            if (field.name == table.kind)
-                row.error = errors.*field.member;
-        });
-        rows.push_back(std::move(row));
+        rows.push_back({trial, trial.errors, error_of(trial.errors, table.kind)});
     }
     return text_csv(rows);
 }

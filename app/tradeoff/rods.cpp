@@ -242,14 +242,7 @@ public:
 private:
     bool stopped() const { return session_.context.stopped(); }
 
-    double asked(const RodErrors& errors) const {
-        double error = NAN;
-        for_each_field<RodErrors>([&](const auto& field) {
-            if (field.name == table.kind)
-                error = errors.*field.member;
-        });
-        return error;
-    }
+    double asked(const RodErrors& errors) const { return error_of(errors, table.kind); }
 
     /// How far apart the methods are: in the kind that is asked for, if there is any, then in the last state.
     std::pair<double, double> distance(const RodErrors& apart) const {

@@ -57,6 +57,16 @@ struct Encounter {
 /// Of each run against the other with its number; of many what 95 % keep to.
 RodErrors errors_between(const std::vector<Encounter>& runs, const std::vector<Encounter>& others);
 
+/// The one of this name; NaN for a name that is none of them.
+inline double error_of(const RodErrors& errors, const std::string& kind) {
+    double error = NAN;
+    for_each_field<RodErrors>([&](const auto& field) {
+        if (field.name == kind)
+            error = errors.*field.member;
+    });
+    return error;
+}
+
 /// A quantity that is an error itself.
 inline Found error_found(std::string_view name, std::string_view unit, double error) {
     return {.name = std::string(name), .unit = std::string(unit), .value = error, .bias = error};
