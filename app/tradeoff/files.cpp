@@ -257,6 +257,11 @@ Tradeoff read_tradeoff(const std::filesystem::path& folder) {
                        .kind = read.error,
                        .rods = read.reference};
         std::ranges::transform(read.trials, std::back_inserter(table.ways), way_of);
+        scene::Scene any;
+        any.rods_run.emplace();
+        any.medium.emplace();
+        for (const Way& way : table.ways)
+            with(any, way.setting); // throws for a value that no key has
         return table;
     });
 }

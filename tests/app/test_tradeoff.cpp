@@ -171,6 +171,9 @@ TEST_CASE("tradeoff.json is read as it was written") {
     CHECK(tradeoff_json(read) == tradeoff_json(table));
     CHECK(read.ways[1].setting == table.ways[1].setting);
     CHECK(std::isinf(read.ways[1].found.front().bias));
+    table.ways[0].setting.method = "euler";
+    std::ofstream(folder.path() / "tradeoff.json") << tradeoff_json(table);
+    CHECK_THROWS_WITH(read_tradeoff(folder.path()), Catch::Contains("\"euler\" is unknown"));
     std::ofstream(folder.path() / "tradeoff.json") << "{\"unit\": 3}";
     CHECK_THROWS_AS(read_tradeoff(folder.path()), InputError);
 }
