@@ -1,4 +1,5 @@
 #include "rodwake/app/run.hpp"
+#include "rodwake/store/hdf5_writer.hpp"
 
 #include "bed/granular_jobs.hpp"
 #include "bed/measure_stage.hpp"
@@ -148,6 +149,7 @@ void serve(const Plan& plan, const fs::path& folder, const RunContext& context, 
 }
 
 StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context) {
+    store::prepare_hdf5();
     require_all(plan, folder, context);
     const auto held = std::make_unique<Session>(plan, folder, context); // large for a small stack
     Session& session = *held;

@@ -13,6 +13,8 @@
 
 namespace rodwake::store {
 
+void prepare_hdf5() { set_up_hdf5(); }
+
 std::vector<hsize_t> extent_of(hid_t dataset) {
     const Hdf5Handle space(H5Dget_space(dataset), H5Sclose, "read a shape");
     std::vector<hsize_t> extent(

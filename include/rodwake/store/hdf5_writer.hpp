@@ -12,6 +12,10 @@ namespace rodwake::store {
 
 class Hdf5File;
 
+/// Takes what the HDF5 library needs for itself, else taken at its first file. Without the memory for that,
+/// HDF5 1.10 ends the program: better before there is anything to lose.
+void prepare_hdf5();
+
 class Hdf5Writer {
 public:
     /// Throws RunError if the file cannot be made.
