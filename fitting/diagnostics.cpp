@@ -336,7 +336,7 @@ Stationarity stationarity(const Evaluator& evaluator, const Point& point) {
         return {};
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(w.a),
                                                 Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const Eigen::VectorXd s = svd.singularValues();
+    const Eigen::VectorXd& s = svd.singularValues();
     Eigen::VectorXd variance = Eigen::VectorXd::Zero(g.size()), step = variance;
     for (Eigen::Index i = 0; i < s.size() && s[i] > 1e-10 * s[0]; ++i) {
         variance += (svd.matrixV().col(i) / s[i]).cwiseAbs2();

@@ -272,7 +272,7 @@ Problem joined(const std::vector<Problem>& problems) {
         parts->push_back(std::move(part));
     }
     whole.independent = whole.residuals > 0 ? values / static_cast<double>(whole.residuals) : 1.0;
-    whole.evaluate = [parts](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+    whole.evaluate = [parts](std::span<const double> p, const Eigen::Ref<Eigen::VectorXd>& r,
                              Eigen::MatrixXd* jacobian) {
         if (jacobian)
             jacobian->setZero();

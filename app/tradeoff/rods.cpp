@@ -353,6 +353,7 @@ RodErrors errors_between(const std::vector<Encounter>& runs, const std::vector<E
     RodErrors errors;
     for_each_field<RodErrors>([&](const auto& field) {
         std::vector<double> each;
+        each.reserve(all.size());
         for (const RodErrors& one : all)
             each.push_back(one.*field.member);
         (errors.*field.member).value = quantile(std::move(each), kept_by);
