@@ -105,6 +105,7 @@ TEST_CASE("heading diffusion: a single block has no error; fast headings have no
     const HeadingDiffusion r = heading_diffusion(many(1, 5.0, 7), options);
     CHECK(r.blocks == 1);
     CHECK_FALSE(r.diffusion.known());
+    CHECK(heading_diffusion(many(1, 10.0, 7), options).diffusion.known()); // two blocks do
     CHECK(std::isnan(r.high));
     HeadingTrack fast = walked(8, 40.0);
     for (double& heading : fast.heading)
