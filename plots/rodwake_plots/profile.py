@@ -112,8 +112,8 @@ def caption(run, spec):
     known = any(np.isfinite(read(run, spec, part)[2]).any() for part in parts)
     other, at = ("y" if spec.along == "x" else "x"), line_of(run, spec)
     text = (f"Measured displacement {what} of the beads along <i>{spec.along}</i> at "
-            f"{words.equation(f'<i>{other}</i>', at, '<i>a</i>' if at else '')} in the frame of the rod, which heads along +<i>x</i>; "
-            f"{'bars: standard error' if known else 'the error is unknown'}; shaded: the rod's body. ")
+            f"{words.equation(f'<i>{other}</i>', at, '<i>a</i>' if at else '')} in the frame of the {rod_outline.who(run)}, which heads along +<i>x</i>; "
+            f"{'bars: standard error' if known else 'the error is unknown'}; shaded: {rod_outline.shaded(run)}. ")
     if view := fitted(run, spec):
         how_made = "predicted with what was fitted to other lines" if fit_words.predicted(view.profile) else "fitted to it"
         text += f"Line: theory {how_made}, thin within {words.number(run.fit.number(run.fit.told, 'core', 0.0))} <i>a</i> of the rod, where data are left out. "
