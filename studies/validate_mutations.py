@@ -5,7 +5,7 @@
 
 TREE: a clone of its own, configured with the preset dev; its sources are changed and put back. A change swaps an operator, a
 constant or a truth value in one place of a .cpp file. It is compiled, and the tests of its part, then those of the program that
-concern it, then all but drawing and documents run until one fails. Prints Markdown: by folder how many were caught by what, and
+concern it, then all but drawing and documents run until one fails, which then has to pass without the change. Prints Markdown: by folder how many were caught by what, and
 each survivor. --csv: a row a change, added to the file; changes that stand there are not tried again.
 """
 
@@ -75,6 +75,13 @@ def fate(tree, file):
     return ""
 
 
+def passes(tree, test):
+    """Whether a test that failed passes on the unchanged sources."""
+    build = tree / "build/dev"
+    subprocess.run(["cmake", "--build", build, "-j1"], capture_output=True, check=True)
+    return subprocess.run(["ctest", "--test-dir", build, "-R", f"^{re.escape(test)}$"], capture_output=True, check=False).returncode == 0
+
+
 def report(rows):
     counts = collections.defaultdict(collections.Counter)
     for row in rows:
@@ -98,6 +105,7 @@ def main():
     options = parser.parse_args()
     rows = list(csv.DictReader(options.csv.open())) if options.csv and options.csv.exists() else []
     tried = {(r["file"], r["line"], r["before"], r["after"]) for r in rows}
+    sound = set()  # tests that pass on the unchanged sources
     every = list(candidates(options.tree, options.under))
     random.Random(options.seed).shuffle(every)
     for file, line, column, before, after in every:
@@ -112,6 +120,10 @@ def main():
             (options.tree / file).write_text(original)
         if by == "compiler":  # no change of what the program does
             continue
+        if by and by not in sound:
+            if not passes(options.tree, by):
+                sys.exit(f"{by} fails without a change too: mend it first")
+            sound.add(by)
         rows.append(dict(zip(COLUMNS, [file, str(line), before, after, by])))
         print(f"{len(rows)}: {file}:{line} {before}->{after}: {by or 'SURVIVED'}", file=sys.stderr, flush=True)
         if options.csv:

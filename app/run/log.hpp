@@ -1,5 +1,5 @@
 #pragma once
-// Where the messages of a run go: to the caller, and to log.txt of the run directory.
+// Where the messages of a run go (to the caller, and to log.txt of the run folder), and how far it is.
 
 #include "rodwake/app/run_context.hpp"
 

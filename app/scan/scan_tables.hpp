@@ -1,4 +1,5 @@
 #pragma once
+// The tables of a scan: scan.csv, cells.csv and boundary.csv, and the datasets of scan.h5.
 
 #include "rodwake/app/scan.hpp"
 #include "rodwake/scan/run.hpp"

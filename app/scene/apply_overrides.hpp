@@ -1,4 +1,5 @@
 #pragma once
+// Keys set from outside the scene's own tables: by -s, and by `set` of a variant.
 
 #include "node.hpp"
 #include "problems.hpp"

@@ -1,4 +1,5 @@
 #pragma once
+// What must hold between the values of a scene.
 
 #include "node.hpp"
 #include "problems.hpp"

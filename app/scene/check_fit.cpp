@@ -14,6 +14,13 @@ namespace rodwake::scene {
 
 namespace {
 
+template<class Table>
+void for_each_table(const std::vector<Table>& tables, const char* path,
+                    void (*check)(const Table&, const std::string&, const Report&), const Report& report) {
+    for (std::size_t i = 0; i < tables.size(); ++i)
+        check(tables[i], fmt::format("{}.{}", path, i), report);
+}
+
 /// Each parameter is free, fixed or tied, and only one of them; ties are to free ones.
 void roles(const Fit& fit, const Report& report) {
     for (const auto& [name, value] : fit.fixed)
@@ -300,10 +307,8 @@ void check_fit_data(const Fit& fit, const Report& report) {
     wanted(fit, report);
     needed(fit, report);
     model(fit, report);
-    for (std::size_t i = 0; i < fit.profiles.size(); ++i)
-        profile(fit.profiles[i], fmt::format("fit.profiles.{}", i), report);
-    for (std::size_t i = 0; i < fit.trajectories.size(); ++i)
-        trajectory(fit.trajectories[i], fmt::format("fit.trajectories.{}", i), report);
+    for_each_table(fit.profiles, "fit.profiles", profile, report);
+    for_each_table(fit.trajectories, "fit.trajectories", trajectory, report);
 }
 
 namespace {
@@ -373,10 +378,8 @@ void check_fit_maps(const Fit& fit, const Report& report) {
     belongs_to_maps(fit, report);
     needed_by_maps(fit, report);
     fixed_errors(fit, report);
-    for (std::size_t i = 0; i < fit.masks.size(); ++i)
-        mask(fit.masks[i], fmt::format("fit.masks.{}", i), report);
-    for (std::size_t i = 0; i < fit.maps.size(); ++i)
-        map(fit.maps[i], fmt::format("fit.maps.{}", i), report);
+    for_each_table(fit.masks, "fit.masks", mask, report);
+    for_each_table(fit.maps, "fit.maps", map, report);
 }
 
 } // namespace rodwake::scene

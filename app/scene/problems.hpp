@@ -1,4 +1,5 @@
 #pragma once
+// What is wrong with a scene, collected while it is read, and the words for it.
 
 #include "node.hpp"
 #include "rodwake/core/spelling.hpp"

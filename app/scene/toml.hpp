@@ -1,4 +1,5 @@
 #pragma once
+// TOML as a tree of nodes that know their places.
 
 #include "node.hpp"
 #include "problems.hpp"

@@ -1,3 +1,5 @@
+// The order stage: [rods_order] from what an earlier stage left, rods.csv of the theory or the frames of a
+// bed; its files.
 
 #include "bed/measure_frames.hpp"
 #include "bed/measure_stage.hpp"
@@ -116,9 +118,6 @@ void write_rods_order(const Session& session, const Case& of, const OrderKeys& k
                       of.suffix(), mean.polar.value, mean.polar.error, mean.nematic.value, mean.nematic.error,
                       mean.weighted_size.value, mean.weighted_size.error);
 }
-
-// The order stage: [rods_order] from what an earlier stage left, rods.csv of the theory or the frames of a
-// bed.
 
 namespace fs = std::filesystem;
 

@@ -106,7 +106,7 @@ void require_rods(const scene::Scene& scene) {
     if (!scene.rods_run)
         throw InputError(scene.path +
                          ": no [rods_run] table, so there are no rods whose cost and error could be "
-                         "measured; rodwake tradeoff does not know beds and fits yet");
+                         "measured; --of bed, fit or field trades another part of the scene");
     if (scene.medium && scene.medium->fitted)
         throw InputError(scene.path +
                          ": medium.fitted = true takes eta and xi from [fit]: give eta and xi in "

@@ -1,5 +1,5 @@
 #pragma once
-// Beads against the plates.
+// Beads and rods against the plates.
 
 #include "bodies.hpp"
 #include "kernels.hpp"
@@ -15,8 +15,6 @@ namespace rodwake::granular {
 /// twentieth of a step comes to rest on the plate. Velocities it had on the way are added to `velocities`.
 void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
                  Range& velocities, PlateTally& tally);
-
-// Rods against the plates.
 
 /// Moves a rod through one step. Between impulses it flies freely (rod_motion.hpp); where one of its spheres
 /// touches a plate it gets an impulse at that instant, as often as it touches within the step. A contact

@@ -19,6 +19,13 @@ struct R {{
 }};
 int main() {{ return static_cast<int>(std::get<0>(R::fields()).name.size()); }}
 """
+TOLD = """#include "bed/measure_parts.hpp"
+struct Found {{
+    double speed = 0.0;
+}};
+constexpr rodwake::app::{} told[] = {{{{{{{}}}, [](const Found& f) {{ return f.speed; }}}}}};
+int main() {{ return static_cast<int>(std::size(told)); }}
+"""
 # Words that files of several kinds have in common.
 GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model outcome pair path pressure pursuit reason rods run "
               "scale scatter seconds share sigma status steps theta time times turn undecided unit used value".split())
@@ -48,9 +55,9 @@ QUOTED = {
 }
 
 
-def compiled(description):
-    done = subprocess.run([COMPILER, "-std=c++20", "-fsyntax-only", "-I", rodwake.SOURCE / "include", "-x", "c++", "-"],
-                          input=SOURCE.format(description), capture_output=True, text=True)
+def compiled(*description, source=SOURCE):
+    done = subprocess.run([COMPILER, "-std=c++20", "-fsyntax-only", "-I", rodwake.SOURCE / "include", "-I", rodwake.SOURCE / "app",
+                           "-isystem", "/usr/include/eigen3", "-x", "c++", "-"], input=source.format(*description), capture_output=True, text=True)
     return done.returncode == 0, done.stderr
 
 
@@ -76,6 +83,14 @@ class DescribedResultsTest(unittest.TestCase):
             good, said = compiled(wrong)
             self.assertFalse(good, wrong)
             self.assertIn(why, said)
+
+    def test_a_value_of_a_measure_without_meaning_or_unit_does_not_compile(self):
+        self.assertEqual(compiled("ToldValue<Found>", '"speed", "Speed", "a/s", "of the rod"', source=TOLD), (True, ""))
+        for kind, wrong in (("ToldValue<Found>", '"speed", "Speed", "a/s", ""'), ("ToldValue<Found>", '"speed", "Speed", "a/ss", "of the rod"'),
+                            ("RowColumn<Found>", '"speed", "", "of the rod"')):
+            good, said = compiled(kind, wrong, source=TOLD)
+            self.assertFalse(good, wrong)
+            self.assertIn("meaning and a unit", said)
 
     def test_names_are_quoted_where_they_are_described(self):
         """Left out are names that are a scene key too, that several kinds of files have, or of one or two letters."""

@@ -77,6 +77,19 @@ TEST_CASE("phase is unbiased for all media, strengths, lattices and headings", "
                     }
 }
 
+TEST_CASE("the field does not depend on the spacing of its grid", "[displacement]") {
+    WakeSetup setup;
+    setup.medium = {1.3, 20.0};
+    const SyntheticWake wake(setup);
+    DisplacementOptions options;
+    options.spacing = 2.0; // of the other tests 1, which hides what is not scaled
+    const auto field = measured(wake, options, 200);
+    const Comparison outer = compare(field, truth_of(wake), 3.5);
+    CHECK(outer.bins > 1400.0);
+    CHECK(outer.bias_x < 0.02); // as displacement.hpp says
+    CHECK(outer.bias_y < 0.02);
+}
+
 TEST_CASE("phase states its errors, and the comparison sees what is wrong", "[displacement]") {
     const SyntheticWake wake(noisy());
     const auto field = measured(wake, {}, 400);
