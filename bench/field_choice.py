@@ -3,7 +3,7 @@
 
     bench/field_choice.py [--program build/release/rodwake] [--quick]
 
-Prints the rows of docs/validation.md ("Tables of the field") for 2 and 8 rods in boxes of 2 to 50 xi at three tolerances, tables made
+Prints the rows of docs/validation_elastic.md ("Tables of the field") for 2 and 8 rods in boxes of 2 to 50 xi at three tolerances, tables made
 anew each time.
 """
 

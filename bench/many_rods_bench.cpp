@@ -1,5 +1,6 @@
 // One right-hand side of many rods against their number, with and without far wakes left out, and what that
-// changes; finding the closest pair and the step limit. Prints the rows of docs/validation.md ("Many rods").
+// changes; finding the closest pair and the step limit. Prints the rows of docs/validation_rods.md ("Many
+// rods").
 
 #include "rodwake/core/rng.hpp"
 #include "rodwake/rods/simulate.hpp"

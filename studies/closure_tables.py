@@ -1,4 +1,4 @@
-"""Tables of docs/validation.md on the quasi-static closure, of the rows that studies/validate_closure.py makes."""
+"""Tables of docs/validation_medium.md on the quasi-static closure, of the rows that studies/validate_closure.py makes."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Validation of the calibration: every number of docs/validation.md about fits.
+"""Validation of the calibration: every number of docs/validation_fitting.md about fits.
 
     studies/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [--only periodic,nist,synthetic,problems,variations,speed,quickstart]
                           [-j 2] [--keep DIR]

@@ -3,8 +3,10 @@
 #include "rodwake/app/describe.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
+#include "run/cost_parts.hpp"
 #include "run/log.hpp"
-#include "run/stage_list.hpp"
+#include "run/record_table.hpp"
+#include "run/stage_kind.hpp"
 
 #include <fmt/format.h>
 
@@ -195,6 +197,9 @@ void require_same_beds(const scene::Scene& scene, const std::filesystem::path& f
             require_same_run(task, granular_key(one.scene));
 }
 
+namespace {
+
+/// Beds that can be run, over nothing that is to be kept.
 void require_granular(const Plan& plan, const std::filesystem::path& folder, const RunContext& context) {
     if (!context.force)
         require_same_beds(plan.scene, folder);
@@ -211,7 +216,7 @@ void require_granular(const Plan& plan, const std::filesystem::path& folder, con
     }
 }
 
-StageEnd run_granular_stage(Session& session) {
+StageEnd run_granular(Session& session) {
     std::vector<BedWork> all = beds_of(session.plan, session.directory.path(), session.log);
     const std::vector<GranularJob> jobs = jobs_of(all);
     announce(session, all);
@@ -230,6 +235,52 @@ StageEnd run_granular_stage(Session& session) {
         end = worse(end, conclude(session, one));
     report_cost(session, all);
     return end;
+}
+
+std::vector<FileKind> granular_files() {
+    using enum Lifetime;
+    static const std::vector<ColumnInfo> runs = runs_columns(), summary = summary_values();
+    return {{"table.csv", kept, "energy, temperatures, order, contacts against time",
+             columns_of<granular::TableRow>()},
+            {"tracks.csv", kept, "rods of the bed against time",
+             columns_of<granular::RowTime, Each<granular::TrackPoint>>()},
+            {"trajectory.h5md", kept, "places and velocities of all spheres in every stored frame"},
+            {"trajectory.xyz", kept, "the same as extended XYZ"},
+            {"last_period.h5md", kept, "frames of the last period of the plates"},
+            {"final.rwc", kept, "last state, for granular.restart_from"},
+            {"measure.rwc", kept, "what was measured while the run went on"},
+            {"checkpoint.rwc", progress, "state to go on from"},
+            {"checkpoint.rwc.previous", progress, "the state before, in case that one is damaged"},
+            {"rows.log", progress, "rows of the tables so far"},
+            {"frames.log", progress, "frames so far"},
+            {"last_period.log", progress, "frames of the last period so far"},
+            {"runs.csv", kept, "a row a run of the ensemble", runs},
+            {"summary.json", kept,
+             "means of the run, of an ensemble with their errors; SI; cost by part in seconds of wall clock; "
+             "seconds of an ensemble are sums over its runs",
+             summary}};
+}
+
+} // namespace
+
+StageKind granular_stage() {
+    return {.name = "granular",
+            .has_table = [](const scene::Scene& s) { return s.granular.has_value(); },
+            .wanted =
+                [](const scene::Scene& s) { // frames from elsewhere need no run, a scan makes its own
+                    const bool foreign = s.measure && !s.measure->trajectory.empty();
+                    return s.granular && !foreign && scan_subject(s) != scene::ScanSubject::beds;
+                },
+            .key = [](const scene::Scene& s) { return key_of_beds(s); },
+            .files = granular_files,
+            .run = run_granular,
+            .require = require_granular,
+            .cost = [](const Plan& plan, const std::filesystem::path&,
+                       const RunContext&) { return bed_cost(plan); },
+            .grows =
+                [](const scene::Scene& old, const scene::Scene& s) {
+                    return old.granular && s.granular && s.granular->runs > old.granular->runs;
+                }};
 }
 
 } // namespace rodwake::app

@@ -4,11 +4,12 @@
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
 #include "rodwake/app/measure_kind.hpp"
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "run/log.hpp"
-#include "run/stage_list.hpp"
+#include "run/stage_kind.hpp"
 #include "run_tables.hpp"
 
 #include <fmt/format.h>
@@ -176,6 +177,9 @@ std::vector<RunFiles> finished_runs(const Case& one, const fs::path& folder, con
     return found;
 }
 
+namespace {
+
+/// measure.trajectory can be measured.
 void require_trajectory(const Plan& plan) {
     const auto& frames = plan.beds.front().measures;
     if (!frames)
@@ -185,12 +189,25 @@ void require_trajectory(const Plan& plan) {
     check_trajectory(plan.scene.measure->trajectory, *frames);
 }
 
+/// Finished runs of the folder hold what is to be measured: seen before an earlier measurement makes room.
 void require_recorded(const Plan& plan, const fs::path& folder) {
     for (const BedPlan& bed : plan.beds)
         if (bed.measures)
             for (const RunFiles& run : finished(granular_tasks(bed.of, folder)))
                 require_recorded(run, *bed.measures);
 }
+
+void require_measurable(const Plan& plan, const fs::path& folder, const RunContext& context) {
+    if (!plan.scene.measure->trajectory.empty())
+        return require_trajectory(plan);
+    if (!only_measures(plan))
+        return;
+    require_run(plan, folder);
+    if (context.force || stage_status(folder, Stage::measure) == "unfinished")
+        require_recorded(plan, folder);
+}
+
+} // namespace
 
 StageEnd measure_folder(const Plan& plan, const RunContext& context, const fs::path& folder,
                         const Logger& log) {
@@ -217,8 +234,80 @@ StageEnd measure_folder(const Plan& plan, const RunContext& context, const fs::p
     return end;
 }
 
-StageEnd run_measure_stage(Session& session) {
-    return measure_folder(session.plan, session.context, session.directory.path(), session.log);
+namespace {
+
+/// With a column of standard errors behind each that has one.
+std::vector<ColumnInfo> columns_of_series() {
+    std::vector<ColumnInfo> columns;
+    for (const SeriesInfo& info : series_columns()) {
+        columns.push_back(info.column);
+        if (info.with_error)
+            columns.push_back(
+                column_info(std::string(info.column.name) + "_error", info.column.unit, "standard error"));
+    }
+    return columns;
+}
+
+/// ValueInfo has the unit of the report, which may have a prefix.
+std::string_view unit_in_file(const ValueInfo& value) {
+    if (value.factor == 1.0)
+        return value.unit.empty() ? "1" : value.unit;
+    return value.unit.substr(value.unit.starts_with("\u00b5") ? 2 : 1); // micro has two bytes, milli one
+}
+
+std::vector<ColumnInfo> measured_values() {
+    std::vector<ColumnInfo> values = {
+        {"units.a", "m", "the bead radius"},
+        {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"}};
+    for (const MeasureKind& kind : measure_kinds())
+        for (const ValueInfo& value : kind.values)
+            if (!value.is_text)
+                values.push_back(column_info(std::string(kind.name) + "." + std::string(value.key),
+                                             unit_in_file(value), value.meaning));
+    return values;
+}
+
+std::vector<FileKind> measure_result_files() {
+    static const std::vector<ColumnInfo> series = columns_of_series(), measured = measured_values();
+    std::vector<FileKind> files = {
+        {"measure.h5", Lifetime::result, "fields on grids in the rod's frame"},
+        {"series.json", Lifetime::result, "fits over the rows of series.csv"},
+        {"measure.json", Lifetime::result, "what was measured, with errors; lengths in a, speeds in a/s",
+         measured},
+        {"series.csv", Lifetime::result, "a row for the scene and one for each variant", series}};
+    for (const MeasureKind& kind : measure_kinds())
+        for (const FileInfo& file : kind.files)
+            files.push_back({file.pattern, Lifetime::result, file.what, file.columns});
+    return files;
+}
+
+} // namespace
+
+StageKind measure_stage() {
+    return {
+        .name = "measure",
+        .has_table = [](const scene::Scene& s) { return s.measure.has_value(); },
+        .wanted =
+            [](const scene::Scene& s) { return s.measure && scan_subject(s) != scene::ScanSubject::beds; },
+        .key =
+            [](const scene::Scene& s) {
+                return key_of_beds(
+                    s, [](scene::Scene& key, const scene::Scene& of) { key.measure = of.measure; });
+            },
+        .files = measure_result_files,
+        .run =
+            [](Session& session) {
+                return measure_folder(session.plan, session.context, session.directory.path(), session.log);
+            },
+        .require = require_measurable,
+        .cost =
+            [](const Plan& plan, const fs::path&, const RunContext&) {
+                return std::string(plan.has(Stage::granular)
+                                       ? ""
+                                       : "  measures: about as long as reading the trajectory takes\n");
+            },
+        .outdated = [](const scene::Scene&, const Upheaval& all) { return all.redone(Stage::granular); },
+        .light = true};
 }
 
 } // namespace rodwake::app

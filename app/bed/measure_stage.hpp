@@ -6,13 +6,6 @@
 
 namespace rodwake::app {
 
-/// Throws InputError, before anything is written, if measure.trajectory cannot be measured.
-void require_trajectory(const Plan& plan);
-
-/// Throws InputError if a finished run of the folder holds nothing of what is to be measured: before an
-/// earlier measurement makes room for it.
-void require_recorded(const Plan& plan, const std::filesystem::path& folder);
-
 /// The files of one run of a bed; of a trajectory from elsewhere only that.
 struct RunFiles {
     std::filesystem::path folder, trajectory;

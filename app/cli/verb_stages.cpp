@@ -34,27 +34,6 @@ constexpr StageVerb stage_verbs[] = {
     {Verb::rods, Stage::rods, "no [rods_run] table, so there are no rods to integrate"},
 };
 
-bool has_table(const scene::Scene& scene, Stage stage) {
-    switch (stage) {
-    case Stage::granular:
-        return scene.granular.has_value();
-    case Stage::measure:
-        return scene.measure.has_value();
-    case Stage::fit:
-        return scene.fit.has_value();
-    case Stage::field:
-        return scene.field.has_value();
-    case Stage::order:
-        return scene.rods_order.has_value();
-    case Stage::scan:
-        return scene.scan.has_value();
-    case Stage::rods:
-    case Stage::tradeoff:
-        break;
-    }
-    return scene.rods_run.has_value();
-}
-
 /// Whether the verb looks at the order of rods: of those it integrates, and of those that are to be measured.
 /// Beside [measure] rods of the theory may be integrated later, in a field that is measured now.
 bool has_order(Verb verb, const scene::Scene& scene, const std::filesystem::path& folder) {
@@ -70,7 +49,7 @@ std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene, const std::fi
     if (of == std::end(stage_verbs))
         return app::stages_of(scene);
     const bool ordered = has_order(verb, scene, folder);
-    if (!has_table(scene, of->stage) && !(verb == Verb::measure && ordered))
+    if (!app::has_table(scene, of->stage) && !(verb == Verb::measure && ordered))
         throw InputError(scene.path + ": " + of->lacks);
     if (scene.medium && scene.medium->fitted && (verb == Verb::field || verb == Verb::rods))
         throw InputError(

@@ -3,13 +3,17 @@
 #include "fit_data.hpp"
 #include "fit_files.hpp"
 #include "fit_ledger.hpp"
+#include "fit_records.hpp"
 #include "fit_systematics.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/stopwatch.hpp"
 #include "rodwake/scene/write.hpp"
+#include "run/cost_parts.hpp"
 #include "run/log.hpp"
-#include "run/stage_list.hpp"
+#include "run/record_table.hpp"
+#include "run/stage_kind.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -201,7 +205,7 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, con
     return {stopped ? StageEnd::interrupted : StageEnd::finished, std::move(results)};
 }
 
-StageEnd run_fit_stage(Session& session) {
+StageEnd run_fit(Session& session) {
     const scene::Scene& scene = session.plan.scene;
     // what the run makes is there by now
     const FitPlan plan =
@@ -317,6 +321,100 @@ std::pair<double, double> stored_medium(const std::filesystem::path& file) try {
     return {json.at("eta").get<double>(), json.at("xi").get<double>()};
 } catch (const nlohmann::json::exception&) {
     throw InputError(file.string() + ": the medium of the earlier fit cannot be read; --force fits again");
+}
+
+namespace {
+
+/// Seconds of one evaluation at the start, with its derivatives or without.
+double evaluation_time(const fitting::Problem& problem, bool derivatives) {
+    std::vector<double> start;
+    for (const std::size_t i : fitting::free_parameters(problem))
+        start.push_back(problem.parameters[i].start);
+    const std::vector<double> values = fitting::all_values(problem, start);
+    const auto rows = static_cast<Eigen::Index>(problem.residuals);
+    Eigen::VectorXd residuals(rows);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(values.size()));
+    return seconds_of([&] { problem.evaluate(values, residuals, derivatives ? &jacobian : nullptr); },
+                      0.2 * cost_budget);
+}
+
+std::vector<CostRow> fit_rows(const Plan& plan, double whole) {
+    const auto each = [](double seconds) { return duration_text(seconds) + " an evaluation"; };
+    const double residuals = std::min(whole, evaluation_time(plan.fit_plan->problem, false));
+    std::vector<CostRow> rows = {
+        {"residuals", each(residuals), residuals / whole, {}},
+        {"derivatives by the parameters", each(whole - residuals), 1.0 - residuals / whole, {}}};
+    if (scene::Fit keys = *plan.scene.fit; keys.box && !keys.profiles.empty()) {
+        keys.box.reset();
+        const double plane = evaluation_time(fit_plan(keys, *plan.fit).problem, true);
+        rows.push_back(
+            {"images in the box (fit.box), of these", each(whole - plane), {}, 1.0 - plane / whole});
+    }
+    if (const long starts = plan.scene.fit->search.starts; starts > 1)
+        rows.push_back({"fit.starts = 1", "", {}, 1.0 - 1.0 / static_cast<double>(starts)});
+    return rows;
+}
+
+std::string fit_cost(const Plan& plan) {
+    constexpr double evaluations = 50.0; // of a start with gradients
+    const scene::Fit& keys = *plan.scene.fit;
+    const double all = evaluations * static_cast<double>(keys.search.starts);
+    std::string text = fmt::format("  fit: {} start{}, about {:.0f} evaluations of the model",
+                                   keys.search.starts, keys.search.starts == 1 ? "" : "s", all);
+    if (!plan.fit_plan)
+        return text + "; their time is known when the run has made the data\n";
+    const double each = evaluation_time(plan.fit_plan->problem, true);
+    return text +
+           fmt::format(", {} residuals, about {}\n", plan.fit_plan->problem.residuals,
+                       duration_text(all * each)) +
+           cost_table(fit_rows(plan, each));
+}
+
+std::vector<FileKind> fit_files() {
+    using enum Lifetime;
+    return {{"fit.json", result, "parameters with errors, and how good the fit is"},
+            {"fit.txt", result, "the same to read"},
+            {"medium.json", result, "the medium that the fit gives to field and rods"},
+            {"fit_profile_<k>.csv", result, "a profile with its fit", columns_of<FitProfileRow>()},
+            {"fit_curve_<k>.csv", result, "the model along a profile's line",
+             columns_of<FitCurveRow, Each<FitComparison>>()},
+            {"fit_map_<k>.csv", result, "a displacement map with its fit", columns_of<FitMapRow>()},
+            {"fit_trajectory_<k>.csv", result, "rods with their fit",
+             columns_of<FitTimeRow, Each<MeasuredPose>, Each<FittedPose>>()},
+            {ledger_file, progress, "starts that are done"}};
+}
+
+/// A fit beside the beds of its scene: of these.
+void require_same_beds_beside(const Plan& plan, const fs::path& folder, const RunContext&) {
+    if (plan.stages.size() == 1 && plan.scene.granular && !run_status(folder).empty())
+        require_same_beds(plan.scene, folder);
+}
+
+} // namespace
+
+StageKind fit_stage() {
+    return {.name = "fit",
+            .has_table = [](const scene::Scene& s) { return s.fit.has_value(); },
+            .wanted = [](const scene::Scene& s) { return s.fit.has_value(); },
+            .key =
+                [](const scene::Scene& s) {
+                    scene::Scene key;
+                    key.fit = s.fit;
+                    return scene::to_plain_toml(key);
+                },
+            .files = fit_files,
+            .run = run_fit,
+            .require = require_same_beds_beside,
+            .cost = [](const Plan& plan, const fs::path&, const RunContext&) { return fit_cost(plan); },
+            .outdated =
+                [](const scene::Scene& s, const Upheaval& all) {
+                    return s.granular && (all.redone(Stage::granular) || all.redone(Stage::measure));
+                },
+            .lacks =
+                [](const fs::path& folder, const scene::Scene& s) {
+                    return s.medium && s.medium->fitted && !fs::exists(folder / "medium.json");
+                },
+            .light = true};
 }
 
 } // namespace rodwake::app

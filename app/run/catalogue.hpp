@@ -1,7 +1,7 @@
 #pragma once
-// Every file a run leaves in its folder: who makes it, what it is, and its columns. One list, from which
-// manifest.json is written and by which a run knows what of an earlier one to remove. Files of the measures
-// are told by these (rodwake/app/measure_kind.hpp).
+// Every file a run leaves in its folder: who makes it, what it is, and its columns. manifest.json is written
+// from it, and a run knows by it what of an earlier one to remove. Each stage lists its files
+// (stage_kind.hpp).
 
 #include "rodwake/app/measure_report.hpp"
 #include "rodwake/app/plan.hpp"
@@ -23,11 +23,11 @@ enum class Lifetime {
 };
 
 struct FileKind {
-    std::string_view pattern;   ///< name in its folder; "<k>" stands for a number or a word
-    std::optional<Stage> stage; ///< absent: of the run as a whole
+    std::string_view pattern; ///< name in its folder; "<k>" stands for a number or a word
     Lifetime lifetime = Lifetime::result;
     std::string_view what;
     std::span<const ColumnInfo> columns = {}; ///< of a CSV file; of JSON its numbers, "rods.<k>.force"
+    std::optional<Stage> stage = {};          ///< which lists it (stage_kind.hpp); absent: the run as a whole
 };
 
 std::span<const FileKind> file_kinds();

@@ -1,4 +1,3 @@
-#include "catalogue.hpp"
 #include "rodwake/app/rods.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
@@ -7,6 +6,7 @@
 #include "rodwake/scene/read.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
+#include "stage_kind.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -215,8 +215,9 @@ LostFiles lost_files(const fs::path& folder) {
             continue;
         lost[is_drawn(name) ? "" : stage_in(entry)].push_back(name);
         if (name == "result.h5")
-            for (const Stage stage : {Stage::field, Stage::rods}) // its datasets
-                lost[to_string(stage)].push_back(name);
+            for (const Stage stage : all_stages())
+                if (kind_of(stage).datasets)
+                    lost[to_string(stage)].push_back(name);
     }
     return lost;
 }

@@ -27,49 +27,6 @@ std::vector<BedPlan> plan_beds(const scene::Scene& scene) {
 
 } // namespace
 
-const char* to_string(Stage stage) {
-    switch (stage) {
-    case Stage::granular:
-        return "granular";
-    case Stage::measure:
-        return "measure";
-    case Stage::fit:
-        return "fit";
-    case Stage::field:
-        return "field";
-    case Stage::order:
-        return "order";
-    case Stage::scan:
-        return "scan";
-    case Stage::tradeoff:
-        return "tradeoff";
-    case Stage::rods:
-        break;
-    }
-    return "rods";
-}
-
-std::vector<Stage> stages_of(const scene::Scene& scene) {
-    const bool foreign = scene.measure && !scene.measure->trajectory.empty();
-    const bool scanned = scan_subject(scene) == scene::ScanSubject::beds;
-    std::vector<Stage> stages;
-    if (scene.granular && !foreign && !scanned)
-        stages.push_back(Stage::granular);
-    if (scene.measure && !scanned)
-        stages.push_back(Stage::measure);
-    if (scene.fit)
-        stages.push_back(Stage::fit);
-    if (scene.field)
-        stages.push_back(Stage::field);
-    if (scene.rods_run)
-        stages.push_back(Stage::rods);
-    if (scene.rods_order && !(order_of_bed(scene) && scanned))
-        stages.push_back(Stage::order);
-    if (scene.scan)
-        stages.push_back(Stage::scan);
-    return stages;
-}
-
 bool Plan::has(Stage stage) const { return std::ranges::find(stages, stage) != stages.end(); }
 
 std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {

@@ -79,4 +79,39 @@ void add_values(std::vector<ColumnInfo>& values, const std::string& before = "")
     });
 }
 
+/// Rows of which a table has a block of columns a rod, a comparison.
+template<Described Row>
+struct Each {};
+
+template<class Row>
+struct AddColumns {
+    static void to(std::vector<ColumnInfo>& columns) { add_columns<Row>(columns); }
+};
+template<class Row>
+struct AddColumns<Each<Row>> {
+    static void to(std::vector<ColumnInfo>& columns) { add_columns<Row>(columns, "<k>"); }
+};
+
+/// Of a table of such blocks, side by side.
+template<class... Rows>
+std::span<const ColumnInfo> columns_of() {
+    static const std::vector<ColumnInfo> columns = [] {
+        std::vector<ColumnInfo> all;
+        (AddColumns<Rows>::to(all), ...);
+        return all;
+    }();
+    return columns;
+}
+
+/// The numbers of a JSON file.
+template<Described Record>
+std::span<const ColumnInfo> values_of() {
+    static const std::vector<ColumnInfo> values = [] {
+        std::vector<ColumnInfo> all;
+        add_values<Record>(all);
+        return all;
+    }();
+    return values;
+}
+
 } // namespace rodwake::app

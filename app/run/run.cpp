@@ -10,7 +10,7 @@
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
 #include "scan/scan_request.hpp"
-#include "stage_list.hpp"
+#include "stage_kind.hpp"
 
 #include <fmt/format.h>
 
@@ -24,33 +24,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-StageEnd run_stage(Session& session, Stage stage) {
-    switch (stage) {
-    case Stage::granular:
-        return run_granular_stage(session);
-    case Stage::measure:
-        return run_measure_stage(session);
-    case Stage::fit:
-        return run_fit_stage(session);
-    case Stage::field:
-        return run_field_stage(session);
-    case Stage::order:
-        return run_order_stage(session);
-    case Stage::scan:
-        return run_scan_stage(session);
-    case Stage::tradeoff:
-        return run_tradeoff_stage(session);
-    case Stage::rods:
-        break;
-    }
-    return run_rods_stage(session);
-}
-
 StageEnd run_all(Session& session) {
     StageEnd end = StageEnd::finished;
     const std::vector<Stage>& stages = session.directory.stages(); // those that are not done already
     for (auto stage = stages.begin(); stage != stages.end() && end == StageEnd::finished; ++stage) {
-        end = run_stage(session, *stage);
+        end = kind_of(*stage).run(session);
         if (end == StageEnd::finished || end == StageEnd::incomplete)
             session.finished(*stage);
     }
@@ -70,41 +48,11 @@ StageEnd run_recorded(Session& session) {
 
 bool only(const Plan& plan, Stage stage) { return plan.stages.size() == 1 && plan.stages.front() == stage; }
 
-/// What rodwake measure does.
-bool only_measures(const Plan& plan) {
-    return std::ranges::all_of(plan.stages,
-                               [](Stage stage) { return stage == Stage::measure || stage == Stage::order; });
-}
-
-/// Measures and fits add to a run that is there.
-void require_run(const Plan& plan, const fs::path& folder) {
-    if (run_status(folder).empty())
-        throw InputError(
-            fmt::format("{}: holds no rodwake run; rodwake {} SCENE makes one, rodwake run SCENE "
-                        "makes and measures it; -o names its folder",
-                        folder.string(), plan.beds.empty() ? "rods" : "dem"));
-    if (!plan.beds.empty())
-        require_same_beds(plan.scene, folder);
-}
-
 /// Before anything of the folder is touched.
 void require_all(const Plan& plan, const fs::path& folder, const RunContext& context) {
-    const bool foreign = plan.scene.measure && !plan.scene.measure->trajectory.empty();
-    if (plan.has(Stage::granular))
-        require_granular(plan, folder, context);
-    if (only_measures(plan) && !foreign)
-        require_run(plan, folder);
-    if (only_measures(plan) && plan.has(Stage::order))
-        require_rods(plan, folder);
-    if (only(plan, Stage::fit) && plan.scene.granular && !run_status(folder).empty())
-        require_same_beds(plan.scene, folder);
-    if (plan.has(Stage::measure) && foreign)
-        require_trajectory(plan);
-    else if (plan.has(Stage::measure) && only_measures(plan) &&
-             (context.force || stage_status(folder, Stage::measure) == "unfinished"))
-        require_recorded(plan, folder);
-    if (plan.has(Stage::scan))
-        require_scan(*plan.scan, folder, context);
+    for (const Stage stage : plan.stages)
+        if (const auto require = kind_of(stage).require)
+            require(plan, folder, context);
 }
 
 } // namespace

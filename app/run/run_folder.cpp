@@ -1,12 +1,11 @@
 #include "rodwake/app/run_folder.hpp"
 
-#include "bed/measured_file.hpp"
-#include "catalogue.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/first_difference.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/scene/write.hpp"
 #include "rodwake/store/atomic_file.hpp"
+#include "stage_kind.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,9 +19,6 @@ namespace rodwake::app {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr Stage all_stages[] = {Stage::granular, Stage::measure, Stage::fit,  Stage::field,
-                                Stage::rods,     Stage::order,   Stage::scan, Stage::tradeoff};
 
 /// What is no run's yet: of one that was killed before its first file was in place, shares of a scan, and
 /// what ways to compute a part of the scene cost.
@@ -69,21 +65,6 @@ std::optional<scene::Scene> scene_of(const fs::path& folder) {
 
 bool contains(std::span<const Stage> stages, Stage stage) {
     return std::ranges::find(stages, stage) != stages.end();
-}
-
-/// A bed, or a scan of beds, that was finished with fewer runs is not finished for more of them.
-bool grows(const scene::Scene& old, const scene::Scene& scene) {
-    return old.granular && scene.granular && scene.granular->runs > old.granular->runs;
-}
-
-bool scan_grows(const scene::Scene& old, const scene::Scene& scene) {
-    const bool beds = scan_subject(scene) == scene::ScanSubject::beds;
-    return old.scan != scene.scan || (beds && grows(old, scene));
-}
-
-/// A fit that was finished before the scene wanted its medium.
-bool lacks_medium(const fs::path& folder, const scene::Scene& scene, Stage stage) {
-    return stage == Stage::fit && scene.medium && scene.medium->fitted && !fs::exists(folder / "medium.json");
 }
 
 /// The scene and the files it names, wherever they may be.
@@ -195,7 +176,8 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
             throw InputError(fmt::format("{}: {}; choose another folder with -o, or --force to replace it",
                                          path_.string(), why));
     };
-    for (const Stage stage : all_stages) {
+    for (const Stage stage : all_stages()) {
+        const StageKind& kind = kind_of(stage);
         const auto record = old_.find(to_string(stage));
         const bool asked = contains(stages, stage);
         if (asked && (record == old_.end() || force))
@@ -204,12 +186,10 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
             continue;
         const bool lost = lost_.contains(record->first);
         const bool finished = record->second == "finished", alike = same(stage);
-        // an unfinished one has nothing to lose, and its own files know what they are of
-        const bool light =
-            (stage == Stage::measure || stage == Stage::fit || stage == Stage::order) && !finished && !lost;
-        const bool more = (stage == Stage::granular && alike && grows(*old, scene)) ||
-                          lacks_medium(path_, scene, stage) ||
-                          (stage == Stage::scan && alike && (reopen_scan || scan_grows(*old, scene)));
+        const bool light = kind.light && !finished && !lost;
+        const bool more = (alike && kind.grows && kind.grows(*old, scene)) ||
+                          (kind.lacks && kind.lacks(path_, scene)) ||
+                          (stage == Stage::scan && alike && reopen_scan);
         if (asked && (light || (alike && (!finished || more)))) {
             stages_.push_back(stage);
             if (lost && !more)
@@ -249,7 +229,6 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
 }
 
 void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> asked) {
-    const bool fitted = scene.medium && scene.medium->fitted, own_field = measures_own_field(scene);
     const auto redone = [&](Stage other) { // a fit may have other data by now
         return contains(stages_, other) && (other == Stage::fit || !contains(restored_, other));
     };
@@ -260,33 +239,9 @@ void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> 
                             "both again; --force makes the fit and removes {}",
                             path_.string(), to_string(stage), to_string(stage)));
     };
-    const auto new_field = [&] {
-        return (fitted && redone(Stage::fit)) ||
-               (own_field && (redone(Stage::measure) || redone(Stage::granular)));
-    };
-    const auto outdated = [&](Stage stage) {
-        switch (stage) {
-        case Stage::granular:
-            return false;
-        case Stage::measure:
-            return redone(Stage::granular);
-        case Stage::fit:
-            return scene.granular && (redone(Stage::granular) || redone(Stage::measure));
-        case Stage::order:
-            return order_of_bed(scene)
-                       ? redone(Stage::granular)
-                       : redone(Stage::rods) || contains(dropped_, Stage::rods) || new_field();
-        case Stage::scan:
-        case Stage::tradeoff:
-            return false;
-        case Stage::field:
-        case Stage::rods:
-            break;
-        }
-        return new_field();
-    };
+    const Upheaval all{redone, [&](Stage other) { return contains(dropped_, other); }};
     for (const Stage stage : std::vector(kept_)) // in the order in which they are done
-        if (outdated(stage)) {
+        if (const auto outdated = kind_of(stage).outdated; outdated && outdated(scene, all)) {
             refuse_to_drop(stage);
             (contains(asked, stage) ? stages_ : dropped_).push_back(stage);
             std::erase(kept_, stage);
@@ -307,7 +262,7 @@ StageRecords RunFolder::records(const std::string& status) const {
 }
 
 bool RunFolder::keeps_datasets() const {
-    return contains(kept_, Stage::field) || contains(kept_, Stage::rods);
+    return std::ranges::any_of(kept_, [](Stage stage) { return kind_of(stage).datasets; });
 }
 
 void RunFolder::begin(const Provenance& provenance, std::string_view scene) const {

@@ -7,6 +7,7 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/scene/write.hpp"
 #include "rodwake/store/provenance.hpp"
+#include "stage_kind.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/sinks/sink.h>
@@ -138,7 +139,7 @@ void Session::tell_threads() const {
 
 void Session::take_kept() {
     for (const Stage stage : directory.kept()) {
-        if (stage == Stage::field || stage == Stage::rods)
+        if (kind_of(stage).datasets)
             if (std::filesystem::exists(directory.file("result.h5")))
                 results.copy_group(directory.file("result.h5"), std::string("/") + to_string(stage));
         if (stage == Stage::fit && plan.scene.medium && plan.scene.medium->fitted) {
@@ -186,7 +187,7 @@ void Session::write_provenance(const std::string& status, bool results_kept) con
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     StageRecords records = directory.records(status);
     for (const Stage stage : finished_)
-        if (results_kept || (stage != Stage::field && stage != Stage::rods))
+        if (results_kept || !kind_of(stage).datasets)
             records[to_string(stage)] = "finished";
     directory.write("provenance.json", provenance(context, plan.scene, records, wall));
 }

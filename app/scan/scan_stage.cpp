@@ -3,12 +3,15 @@
 #include "rodwake/app/evaluate.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/stopwatch.hpp"
+#include "run/cost_parts.hpp"
 #include "run/log.hpp"
-#include "run/stage_list.hpp"
+#include "run/stage_kind.hpp"
 #include "scan_beds.hpp"
 #include "scan_request.hpp"
 #include "scan_results.hpp"
 #include "scan_rods.hpp"
+#include "scan_values.hpp"
 
 #include <fmt/format.h>
 
@@ -141,7 +144,9 @@ void serve_scan(const Plan& plan, const fs::path& folder, const RunContext& cont
     job.serve(point_evaluator(*plan.scan, folder, context));
 }
 
-StageEnd run_scan_stage(Session& session) {
+namespace {
+
+StageEnd run_scan(Session& session) {
     const auto start = std::chrono::steady_clock::now();
     const ScanPlan& plan = *session.plan.scan;
     scan::Ledger ledger(session.directory.file("ledger.sqlite"), ledger_head(plan));
@@ -159,6 +164,122 @@ StageEnd run_scan_stage(Session& session) {
     write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, counts, summary,
                took.count(), session.context.thread_count());
     return report(session, ledger, counts, summary);
+}
+
+/// A few points spread over the scan stand for all.
+double seconds_of_point(const ScanPlan& plan, double budget) {
+    scan::Design spread = plan.design;
+    if (spread.kind != scan::Kind::list)
+        spread.kind = scan::Kind::sobol;
+    spread.samples = 256;
+    const scan::PointList points(spread);
+    const scan::Evaluate evaluate = evaluate_rods(plan, nullptr);
+    const Stopwatch watch;
+    std::int64_t done = 0;
+    while (done < points.size() && watch.seconds() < budget) {
+        const scan::Point one[] = {points[done++]};
+        scan::Result result[1];
+        evaluate(one, result);
+    }
+    return watch.seconds() / static_cast<double>(done);
+}
+
+bool varies(const ScanPlan& plan, std::string_view key) {
+    return std::ranges::any_of(plan.keys, [&](const auto& one) { return one.key == key; });
+}
+
+std::vector<CostRow> scan_rows(const ScanPlan& plan, double whole) {
+    std::vector<CostRow> rows;
+    const auto add = [&](std::string setting, const ScanPlan& other) {
+        const double each = seconds_of_point(other, 0.3 * cost_budget);
+        rows.push_back({std::move(setting), duration_text(each) + " a point", {}, 1.0 - each / whole});
+    };
+    ScanPlan other = plan;
+    scene::RodsRun& run = *other.base.rods_run;
+    if (run.rtol < 1e-3 && !varies(plan, "rods_run.rtol")) {
+        run.rtol = std::min(100.0 * run.rtol, 1e-3);
+        run.atol *= run.rtol / plan.base.rods_run->rtol;
+        add(fmt::format("rods_run.rtol = {:g} instead of {:g}", run.rtol, plan.base.rods_run->rtol), other);
+    }
+    const bool varied = std::ranges::any_of(rods::coupling_list, [&](const rods::Coupling& c) {
+        return c.polar && varies(plan, "coupling." + std::string(c.name));
+    });
+    if (plan.base.coupling && couplings_of(plan.base).polar() && !varied) {
+        other = plan;
+        static_cast<rods::Couplings&>(*other.base.coupling) = rods::without(*other.base.coupling, true);
+        add(fmt::format("no polar turning ({})", rods::coupling_names(true)), other);
+    }
+    return rows;
+}
+
+/// Of an adaptive scan which one boundary crosses. For each of the finest cells on that, the shipped scans
+/// evaluate 10 to 25 points around it and bisect 1 to 4 edges.
+double expected_points(const scan::Design& design) {
+    if (design.kind != scan::Kind::adaptive)
+        return static_cast<double>(scan::size(design));
+    constexpr double around = 16.0, edges = 3.0;
+    double start = 1.0;
+    for (const scan::Axis& axis : design.axes)
+        start *= static_cast<double>(axis.count + 1);
+    const auto side = static_cast<double>(design.resolution);
+    const double crossed = std::pow(side, static_cast<double>(design.axes.size()) - 1.0),
+                 halvings = design.boundary_tolerance > 0.0
+                                ? std::max(0.0, -std::log2(side * design.boundary_tolerance))
+                                : 0.0,
+                 lattice = start + static_cast<double>(design.audit) + around * crossed;
+    return std::min(lattice, static_cast<double>(scan::places(design))) + edges * crossed * halvings;
+}
+
+std::string scan_cost(const ScanPlan& plan) {
+    const double each = seconds_of_point(plan, 0.4 * cost_budget), points = expected_points(plan.design);
+    return fmt::format("  scan: {:.2g} ms a point, {:.3g} points{}, about {:.2g} CPU seconds\n", 1e3 * each,
+                       points, plan.design.kind == scan::Kind::adaptive ? " if one boundary crosses it" : "",
+                       each * points) +
+           cost_table(scan_rows(plan, each));
+}
+
+constexpr ColumnInfo cells_columns[] = {{"outcome", "1", "of all corners of the cell; mixed: they differ"}};
+constexpr ColumnInfo boundary_columns[] = {
+    {"curve", "1", "number of the curve; its rows are in order along it"},
+    {"between", "1", "the two outcomes"},
+    {"error", "1", "half the bracket, as a fraction of the axis"}};
+
+std::vector<FileKind> scan_files() {
+    using enum Lifetime;
+    return {{"ledger.sqlite", kept,
+             "the points of the scan, of beds the runs, as it goes on: tables chunks and causes"},
+            {"ledger.sqlite-wal", progress, "the newest rows of the ledger while it is open"},
+            {"ledger.sqlite-shm", progress, "for who reads the ledger while it is open"},
+            {"scan.h5", result, "the points of the scan and a sample of trajectories as datasets"},
+            {"scan.json", result, "axes, counts, causes of failures, rate of what was missed"},
+            {"scan.html", result, "the scan to explore in a browser"},
+            {"cells.csv", result, "cells of the refinement that were not divided", cells_columns},
+            {"boundary.csv", result, "boundaries between outcomes as curves", boundary_columns},
+            {"scan.csv", result, "a row a point of the scan; of beds means over its runs", scan_columns()},
+            {"scan_runs.csv", result, "a row a run of a scan of beds", scan_columns()}};
+}
+
+} // namespace
+
+StageKind scan_stage() {
+    return {.name = "scan",
+            .has_table = [](const scene::Scene& s) { return s.scan.has_value(); },
+            .wanted = [](const scene::Scene& s) { return s.scan.has_value(); },
+            .key = scan_key,
+            .files = scan_files,
+            .run = run_scan,
+            .require = [](const Plan& plan, const fs::path& folder,
+                          const RunContext& context) { require_scan(*plan.scan, folder, context); },
+            .cost =
+                [](const Plan& plan, const fs::path&, const RunContext&) {
+                    return of_beds(*plan.scan) ? bed_scan_cost(plan) : scan_cost(*plan.scan);
+                },
+            .grows =
+                [](const scene::Scene& old, const scene::Scene& s) {
+                    const bool more_runs =
+                        old.granular && s.granular && s.granular->runs > old.granular->runs;
+                    return old.scan != s.scan || (scan_subject(s) == scene::ScanSubject::beds && more_runs);
+                }};
 }
 
 } // namespace rodwake::app

@@ -7,12 +7,13 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/measure/rod_order.hpp"
+#include "rodwake/scene/write.hpp"
 #include "rodwake/store/csv.hpp"
 #include "run/log.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
 #include "run/session.hpp"
-#include "run/stage_list.hpp"
+#include "run/stage_kind.hpp"
 #include "theory_records.hpp"
 
 #include <fmt/format.h>
@@ -194,9 +195,11 @@ StageEnd order_of_beds(const Session& session) {
     return StageEnd::finished;
 }
 
-} // namespace
-
-void require_rods(const Plan& plan, const fs::path& folder) {
+void require_rods(const Plan& plan, const fs::path& folder, const RunContext&) {
+    if (!only_measures(plan))
+        return;
+    if (!plan.scene.measure || plan.scene.measure->trajectory.empty())
+        require_run(plan, folder);
     if (order_of_bed(plan.scene))
         return;
     const std::string status = stage_status(folder, Stage::rods);
@@ -206,8 +209,53 @@ void require_rods(const Plan& plan, const fs::path& folder) {
             status.empty() ? "holds no run of the rods" : "holds a run of the rods that is " + status));
 }
 
-StageEnd run_order_stage(Session& session) {
-    return order_of_bed(session.plan.scene) ? order_of_beds(session) : order_of_theory(session);
+std::string order_key(const scene::Scene& scene) {
+    if (!order_of_bed(scene)) {
+        scene::Scene key = key_of_rods(scene);
+        key.rods_order = scene.rods_order;
+        return scene::to_plain_toml(key);
+    }
+    return key_of_beds(scene, [](scene::Scene& key, const scene::Scene& of) {
+        key.rods_order = of.rods_order;
+        if (of.measure)
+            key.measure.emplace().trajectory = of.measure->trajectory;
+    });
+}
+
+bool order_outdated(const scene::Scene& scene, const Upheaval& all) {
+    return order_of_bed(scene)
+               ? all.redone(Stage::granular)
+               : all.redone(Stage::rods) || all.dropped(Stage::rods) || has_new_field(scene, all);
+}
+
+std::vector<FileKind> order_files() {
+    return {{"rods_order.csv", Lifetime::result,
+             "order parameters of the rods against time, means over the runs", columns_of<OrderRow>()},
+            {"clusters.csv", Lifetime::result, "clusters of the rods by size", columns_of<ClusterRow>()},
+            {"rods_order.json", Lifetime::result,
+             "means of rods_order.csv from rods_order.from on, with standard errors",
+             values_of<OrderReport>()}};
+}
+
+} // namespace
+
+StageKind order_stage() {
+    return {.name = "order",
+            .has_table = [](const scene::Scene& s) { return s.rods_order.has_value(); },
+            .wanted =
+                [](const scene::Scene& s) {
+                    return s.rods_order && !(order_of_bed(s) && scan_subject(s) == scene::ScanSubject::beds);
+                },
+            .key = order_key,
+            .files = order_files,
+            .run =
+                [](Session& session) {
+                    return order_of_bed(session.plan.scene) ? order_of_beds(session)
+                                                            : order_of_theory(session);
+                },
+            .require = require_rods,
+            .outdated = order_outdated,
+            .light = true};
 }
 
 } // namespace rodwake::app

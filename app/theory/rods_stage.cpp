@@ -5,10 +5,12 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/simulate.hpp"
+#include "rodwake/scene/write.hpp"
+#include "run/cost_parts.hpp"
 #include "run/log.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
-#include "run/stage_list.hpp"
+#include "run/stage_kind.hpp"
 #include "wake_fields.hpp"
 
 #include <fmt/format.h>
@@ -305,7 +307,9 @@ bool solve_samples(const Session& session, std::vector<Work>& cases) {
 
 } // namespace
 
-StageEnd run_rods_stage(Session& session) {
+namespace {
+
+StageEnd run_rods(Session& session) {
     // a medium from [fit] is known only now
     const std::vector<RodsPlan> fitted =
         session.fitted() ? plan_rods(session.modelled()) : std::vector<RodsPlan>{};
@@ -331,8 +335,6 @@ StageEnd run_rods_stage(Session& session) {
     }
     return end;
 }
-
-namespace {
 
 std::string method_name(const RodsPlan& plan) {
     if (plan.field.backend != scene::FieldBackend::dynamic)
@@ -399,6 +401,43 @@ std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, co
     report.solver = solver_report(result, plan, units);
     report.ensemble = ensemble;
     return record_json(report).dump(2) + "\n";
+}
+
+namespace {
+
+std::vector<FileKind> rods_files() {
+    using enum Lifetime;
+    return {{"rods.csv", result, "rods against time", columns_of<TimeRow, Each<PoseRow>>()},
+            {"outcome.json", result, "how the encounter ended, and what the solver did",
+             values_of<OutcomeReport>()},
+            {"ensemble.csv", result,
+             "a row a run with noise, or a draw of the measured field's errors: how the rods end in it",
+             columns_of<DrawnRow, NoisyRow>()},
+            {"noise.json", result,
+             "ensemble of runs with noise: probability of capture (contact or pursuit) with the ends of its "
+             "interval of 95 %, endings, first contact; by time, of each rod: mean-square displacement and "
+             "heading correlation with standard errors",
+             values_of<NoiseReport>()},
+            {"medium_film.h5", result,
+             "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
+             "also where each rod feels those of the others alone; with the rods' places and headings"},
+            {"medium_film.log", progress, "frames so far"},
+            {"noise_progress.json", progress, "runs with noise that are done, to go on from"},
+            {"checkpoint.json", progress, "state to go on from"}};
+}
+
+} // namespace
+
+StageKind rods_stage() {
+    return {.name = "rods",
+            .has_table = [](const scene::Scene& s) { return s.rods_run.has_value(); },
+            .wanted = [](const scene::Scene& s) { return s.rods_run.has_value(); },
+            .key = [](const scene::Scene& s) { return scene::to_plain_toml(key_of_rods(s)); },
+            .files = rods_files,
+            .run = run_rods,
+            .cost = rods_cost,
+            .outdated = has_new_field,
+            .datasets = true};
 }
 
 } // namespace rodwake::app

@@ -4,10 +4,11 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/scene/write.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "run/log.hpp"
 #include "run/session.hpp"
-#include "run/stage_list.hpp"
+#include "run/stage_kind.hpp"
 #include "target.hpp"
 
 #include <fmt/format.h>
@@ -172,7 +173,9 @@ StageEnd measure_ways(const scene::Scene& scene, const fs::path& results, const 
                : StageEnd::interrupted;
 }
 
-StageEnd run_tradeoff_stage(Session& session) {
+namespace {
+
+StageEnd run_tradeoff(Session& session) {
     const auto target = rods_target(session);
     const Tradeoff& table = target->table;
     session.log->info("tradeoff: {} settings, each timed on one thread; the work is {}", table.ways.size(),
@@ -185,6 +188,44 @@ StageEnd run_tradeoff_stage(Session& session) {
         session.directory.write("tradeoff.csv", tradeoff_csv(now));
     });
     return all && !session.context.stopped() ? StageEnd::finished : StageEnd::interrupted;
+}
+
+/// What the settings choose counts for nothing.
+std::string tradeoff_key(scene::Scene scene) {
+    if (!scene.rods_run)
+        return scene::to_plain_toml(key_of_rods(scene));
+    scene.rods_run->method.reset();
+    scene.variants.clear();
+    if (scene.medium && scene.medium->field != scene::FieldBackend::measured) {
+        scene.medium->field = scene::FieldBackend::exact;
+        scene.medium->table.reset();
+    }
+    const scene::RodsRun any;
+    scene::RodsRun& run = *scene.rods_run;
+    run.form = any.form;
+    run.rtol = any.rtol;
+    run.atol = any.atol;
+    run.precision = any.precision;
+    run.turning_tolerance = any.turning_tolerance;
+    return scene.scan ? scan_key(scene) : scene::to_plain_toml(key_of_rods(scene));
+}
+
+std::vector<FileKind> tradeoff_files() {
+    using enum Lifetime;
+    return {{"ways.json", kept, "the ways to compute a part of a scene that were tried"},
+            {"tradeoff.json", kept, "the reference, and the settings that were tried"},
+            {"tradeoff.csv", result, "a row a setting: its error and its cost", tradeoff_columns()},
+            {"ways.csv", result, "a row a way and quantity: value, bias, scatter, cost", ways_columns()}};
+}
+
+} // namespace
+
+StageKind tradeoff_stage() {
+    return {.name = "tradeoff",
+            .has_table = [](const scene::Scene& s) { return s.rods_run.has_value(); },
+            .key = [](const scene::Scene& s) { return tradeoff_key(s); },
+            .files = tradeoff_files,
+            .run = run_tradeoff};
 }
 
 } // namespace rodwake::app

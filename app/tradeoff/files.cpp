@@ -70,13 +70,6 @@ std::string text_csv(const std::vector<Row>& rows) {
     return text;
 }
 
-template<Described Row>
-std::vector<ColumnInfo> columns_of() {
-    std::vector<ColumnInfo> columns;
-    add_columns<Row>(columns);
-    return columns;
-}
-
 // --- rods -------------------------------------------------------------------------------------------------
 
 /// A way of rods in tradeoff.json.
@@ -226,10 +219,7 @@ Tradeoff read_file(const std::filesystem::path& file, const Use& use) {
 
 } // namespace
 
-std::span<const ColumnInfo> tradeoff_columns() {
-    static const std::vector<ColumnInfo> columns = columns_of<TrialRow>();
-    return columns;
-}
+std::span<const ColumnInfo> tradeoff_columns() { return columns_of<TrialRow>(); }
 
 std::string tradeoff_json(const Tradeoff& t) {
     return record_json(Document{t.unit, t.work, t.limit, t.kind, t.rods, cpu_model(), trials_of(t)}).dump(1) +
@@ -266,10 +256,7 @@ Tradeoff read_tradeoff(const std::filesystem::path& folder) {
     });
 }
 
-std::span<const ColumnInfo> ways_columns() {
-    static const std::vector<ColumnInfo> columns = columns_of<WayRow>();
-    return columns;
-}
+std::span<const ColumnInfo> ways_columns() { return columns_of<WayRow>(); }
 
 std::string ways_json(const Tradeoff& table, const std::string& command) {
     const ordered_json document = {{"of", to_string(table.part)},

@@ -12,7 +12,7 @@ from .ranges import log_uniform, random_eta
 
 COLUMNS = ("Ux", "Uy", "exx", "exy", "eyy", "lapx", "lapy", "gradx_tr", "grady_tr", "dipUx", "dipUy")
 VECTORS = {"U": (0, 1), "strain": (2, 3, 3, 4), "lap u": (5, 6), "grad div u": (7, 8), "dipole": (9, 10)}
-BOUND = 1e-12       # relative to the norm; docs/validation.md, "Field of one rod"
+BOUND = 1e-12       # relative to the norm; docs/validation_elastic.md, "Field of one rod"
 SMALLEST = 1e-290   # below it numbers lose digits to underflow
 POINTS = 250        # a process
 

@@ -12,7 +12,7 @@ SETTINGS = {"auto": ("auto", "angle"), "bdf": ("bdf", "angle"), "adams": ("adams
 OUTCOMES = ("contact", "pursuit", "escape", "undecided")
 FEW = ("auto", "bdf", "dae")
 LIMIT = 180.0       # s a run, for 10^4 rods; what takes longer is bad
-BOUND = 1e3         # tolerances: local errors add up over a run; docs/validation.md has at most 83 for its trajectories
+BOUND = 1e3         # tolerances: local errors add up over a run; docs/validation_rods.md has at most 83 for its trajectories
 EPSILON = 2.0**-52
 
 
@@ -180,7 +180,7 @@ def many_turns(lab):
     """A heading of k whole turns is the heading without them, to the rounding of its argument."""
     for turns in (1, 1000, -1000, 10**4, 10**6, -10**9):
         def judge(outcome, rows, whole=2.0 * math.pi * turns):
-            want = -0.26565655766 if outcome["outcome"] == "contact" else None # of turns = 0, docs/validation.md
+            want = -0.26565655766 if outcome["outcome"] == "contact" else None # of turns = 0, docs/validation_rods.md
             if want is None:
                 return math.inf, "expected contact"
             scale = BOUND * 1e-8 + 64.0 * abs(whole) * EPSILON * 50.0

@@ -21,7 +21,7 @@ REFERENCES = (("erk", "angle"), ("bdf", "angle"))
 OUTCOMES = ("contact", "pursuit", "escape", "undecided")
 STATUSES = ("failed", "time_limit", "exception")
 # Tolerances within which times and separations of a good cell agree with the reference: local errors add up along a run.
-# docs/validation.md, "Trajectories": at most 83 on the reference trajectories.
+# docs/validation_rods.md, "Trajectories": at most 83 on the reference trajectories.
 BOUND = 100.0
 
 SCENE = """schema = 1

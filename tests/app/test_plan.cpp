@@ -5,9 +5,13 @@
 #include "rodwake/rods/simulate.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/scene/set.hpp"
+#include "run/stage_kind.hpp"
 #include "scene/fit_parameters.hpp"
 
 #include <catch2/catch.hpp>
+
+#include <set>
+#include <string>
 
 using namespace rodwake;
 using app::Stage;
@@ -183,4 +187,26 @@ TEST_CASE("Data that are not there yet leave the fit unplanned") {
     inputs.profiles.resize(1);
     CHECK_FALSE(inputs.complete());
     CHECK_FALSE(app::make_plan(fit, stages, {inputs, {}}).fit_plan.has_value());
+}
+
+TEST_CASE("every stage has a name of its own, a key, and files that are none of another stage's") {
+    const scene::Scene rods = read(rods_text), bed = read(bed_text);
+    std::set<std::string> names;
+    std::set<std::string_view> patterns;
+    for (const Stage stage : app::all_stages()) {
+        const app::StageKind& kind = app::kind_of(stage);
+        INFO(kind.name);
+        CHECK(names.insert(app::to_string(stage)).second);
+        CHECK(kind.run != nullptr);
+        CHECK_FALSE(app::stage_key(kind.has_table(bed) ? bed : rods, stage).empty());
+        for (const app::FileKind& file : kind.files()) {
+            INFO(file.pattern);
+            CHECK(patterns.insert(file.pattern).second);
+            const app::FileKind* known = app::kind_of(std::string(file.pattern));
+            CHECK((known == nullptr || known->stage == stage)); // "<k>" in a pattern is no name
+        }
+        CHECK_FALSE(kind.files().empty());
+    }
+    CHECK(names == std::set<std::string>{"granular", "measure", "fit", "field", "rods", "order", "scan",
+                                         "tradeoff"}); // folders of earlier runs have these
 }

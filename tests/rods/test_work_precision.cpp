@@ -1,4 +1,4 @@
-// Work and precision on the reference trajectories: the table of docs/validation.md.
+// Work and precision on the reference trajectories: the table of docs/validation_rods.md.
 
 #include "reference.hpp"
 

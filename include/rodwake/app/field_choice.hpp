@@ -1,6 +1,6 @@
 #pragma once
 // medium.field = "auto": exact field or table, whichever makes the run of the rods cheaper. The choice
-// follows from the scene alone: costs are constants measured once (docs/validation.md, "Tables of the
+// follows from the scene alone: costs are constants measured once (docs/validation_elastic.md, "Tables of the
 // field"), never times of this machine or what its cache holds, so that the same scene gives the same bits
 // everywhere.
 //

@@ -18,9 +18,12 @@
 namespace rodwake::app {
 
 /// What a run can consist of, in the order in which it is done.
-/// `tradeoff` only where a command asks for it.
-enum class Stage { granular, measure, fit, field, rods, order, scan, tradeoff };
+/// `tradeoff` only where a command asks for it. `end` is none.
+enum class Stage { granular, measure, fit, field, rods, order, scan, tradeoff, end };
 const char* to_string(Stage stage);
+
+/// Whether the scene has the table that the stage works on: [granular], [measure], ...
+bool has_table(const scene::Scene& scene, Stage stage);
 
 /// The stages a scene names: measures of a stored trajectory need no granular run, and a scan of beds takes
 /// the place of the bed as written and its measures.

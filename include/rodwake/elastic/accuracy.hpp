@@ -4,9 +4,9 @@
 namespace rodwake::elastic {
 
 /// Errors of one source at one point, relative to the norm; 200000 points, eta in [0.1, 100], r/xi in [0.005,
-/// 80] (docs/validation.md). The largest stand beside the rod at eta near 100, where parts cancel, for the
-/// strain, and near the curve ahead on which lap U vanishes. Tests hold 1.5e-13, 1e-7 and 1e-3 for the
-/// strain.
+/// 80] (docs/validation_elastic.md). The largest stand beside the rod at eta near 100, where parts cancel,
+/// for the strain, and near the curve ahead on which lap U vanishes. Tests hold 1.5e-13, 1e-7 and 1e-3 for
+/// the strain.
 ///
 ///                strain: median, 99 %, largest    polar vectors: 99 %, largest
 ///     full       4e-16, 5e-15, 8e-14              6e-15, 4e-12

@@ -18,11 +18,11 @@
 // Accuracy: relative error in the vector or tensor norm typically below 1e-15, of the kernels'
 // algorithm below 5e-15 in 99 of 100 places. Bounds held by tests: 2e-13 on the reference table (r/xi in
 // [1e-8, 200]); 1e-12 for r/xi in [1e-12, 1e8] and eta in [1e-6, 1e6] wherever the value exceeds 1e-290
-// (docs/validation.md: worst of 30000 points 1.3e-13). Smaller values underflow to 0, never to NaN. Close to
-// a point or curve on which a whole vector nearly vanishes the bound is relative to its largest part. The
-// gradients and -1 < eta < 0 keep the same bound. Domain: finite x, y with 1e-100 < r/xi < 1e300; any other
-// point, the rod itself and NaN among them, throws InputError. Within 1e-90 xi of the rod gradients may
-// overflow.
+// (docs/validation_elastic.md: worst of 30000 points 1.3e-13). Smaller values underflow to 0, never to NaN.
+// Close to a point or curve on which a whole vector nearly vanishes the bound is relative to its largest
+// part. The gradients and -1 < eta < 0 keep the same bound. Domain: finite x, y with 1e-100 < r/xi < 1e300;
+// any other point, the rod itself and NaN among them, throws InputError. Within 1e-90 xi of the rod gradients
+// may overflow.
 
 #include "rodwake/elastic/medium.hpp"
 #include "rodwake/elastic/tensor.hpp"

@@ -8,11 +8,11 @@
 // relative to its mean over the box, whatever the drift f/(zeta Lx Ly) of the medium as a whole.
 //
 // Error: below 1e-10 of the largest value of each quantity at the same distance from the rod, for L/xi in
-// [1e-3, 1e3] of both sides, Ly/Lx in [1/4, 4], every eta and every heading (docs/validation.md); near the
-// rod the field is the infinite plane's, exact to its last digits, and a smooth rest. Derivatives by eta and
-// xi agree with differences to 1e-6, which is as far as those reach. Gradients and derivatives by heading:
-// below 1e-9 of their own largest value at the same distance, the latter plus 1e-13 of the field, as they
-// vanish for L/xi -> 0. Smaller and larger boxes are still right (derivatives by xi lose (xi/L)^2 of 16
+// [1e-3, 1e3] of both sides, Ly/Lx in [1/4, 4], every eta and every heading (docs/validation_elastic.md);
+// near the rod the field is the infinite plane's, exact to its last digits, and a smooth rest. Derivatives by
+// eta and xi agree with differences to 1e-6, which is as far as those reach. Gradients and derivatives by
+// heading: below 1e-9 of their own largest value at the same distance, the latter plus 1e-13 of the field, as
+// they vanish for L/xi -> 0. Smaller and larger boxes are still right (derivatives by xi lose (xi/L)^2 of 16
 // digits); a side above 2e6 xi or 2e6 xi/nu, or above 1000 times the other, throws InputError. Domain: finite
 // x, y that are not a place of the rod or an image; InputError otherwise.
 //

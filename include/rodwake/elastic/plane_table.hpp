@@ -1,6 +1,7 @@
 #pragma once
 // The strain of a wake on the infinite plane as polynomials on cells, to a tolerance of one's own: faster
-// than the exact field where little accuracy is needed (docs/validation.md says from where on it is not).
+// than the exact field where little accuracy is needed (docs/validation_elastic.md says from where on it is
+// not).
 //
 // In units of xi the field depends on eta alone, so a table serves every xi. A square ring
 // 2^e <= max(|x|, |y|)/xi < 2^(e+1) is a level, its upper half cut into square cells (the lower half is its

@@ -8,9 +8,9 @@
 // Where rods/model.hpp turns each wake to its rod's heading at once, here it follows as the medium relaxes:
 // that is the closure this part tests.
 //
-// Error: each step's errors are held to rtol and atol (docs/validation.md has what comes of it at the end). A
-// Gaussian force leaves no singularity where rods meet, so that without a contact distance they pass through
-// each other.
+// Error: each step's errors are held to rtol and atol (docs/validation_medium.md has what comes of it at the
+// end). A Gaussian force leaves no singularity where rods meet, so that without a contact distance they pass
+// through each other.
 //
 // Cost: a step takes 12 evaluations, with sums of modes^2/2 modes for each rod, with the mesh of two Fourier
 // transforms (bench/medium_bench.cpp).

@@ -14,8 +14,9 @@
 //   -alpha d_x U1 - lap U1 - eta grad div U1 = alpha (d_phi - z x) U0,   d_phi = x d_y - y d_x
 //
 // Valid where theta' changes little, and theta' tau is small, over the time tau that a field takes to get to
-// the place, about alpha r^2/4 at a distance r, or r behind the rod if that is less (docs/validation.md).
-// Error: the next order of the expansion; the sum itself is exact but for rounding.
+// the place, about alpha r^2/4 at a distance r, or r behind the rod if that is less
+// (docs/validation_medium.md). Error: the next order of the expansion; the sum itself is exact but for
+// rounding.
 
 #include "rodwake/medium/modal_field.hpp"
 

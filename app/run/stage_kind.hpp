@@ -1,0 +1,85 @@
+#pragma once
+// The stages of a run. Each is told once, by a function that stands with what it does: who asks for it, what
+// its results depend on and which files they are, what it costs, how it is run. Plans, folders, catalogue,
+// manifest and costs go by the list.
+
+#include "catalogue.hpp"
+#include "rodwake/app/run_context.hpp"
+#include "rodwake/scan/mpi.hpp"
+#include "session.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rodwake::app {
+
+/// What becomes of the other stages of a folder when a command has begun.
+struct Upheaval {
+    std::function<bool(Stage)> redone;  ///< with other results, perhaps
+    std::function<bool(Stage)> dropped; ///< of another scene, and not asked for
+};
+
+struct StageKind {
+    const char* name; ///< in provenance.json, manifest.json and messages
+    bool (*has_table)(const scene::Scene&) = nullptr;
+    /// Whether `rodwake run` does it; null: only where a command asks for it.
+    bool (*wanted)(const scene::Scene&) = nullptr;
+    /// What its results depend on, as text.
+    std::string (*key)(const scene::Scene&) = nullptr;
+    std::vector<FileKind> (*files)() = nullptr;
+    StageEnd (*run)(Session&) = nullptr;
+    /// Throws InputError for what cannot be, before anything of the folder is touched; null: nothing.
+    void (*require)(const Plan&, const std::filesystem::path& folder, const RunContext&) = nullptr;
+    /// What `check` says of its cost; null: nothing to speak of.
+    std::string (*cost)(const Plan&, const std::filesystem::path& folder, const RunContext&) = nullptr;
+    /// Whether its results no longer follow from those of other stages; null: they follow from none.
+    bool (*outdated)(const scene::Scene&, const Upheaval&) = nullptr;
+    /// Whether one that is finished goes on for a scene of the same key; null: never.
+    bool (*grows)(const scene::Scene& old, const scene::Scene&) = nullptr;
+    /// Whether one that is finished left something out that the scene wants by now; null: never.
+    bool (*lacks)(const std::filesystem::path& folder, const scene::Scene&) = nullptr;
+    /// An unfinished one has nothing to lose by another key: its own files know what they are of.
+    bool light = false;
+    /// It has a group of its name in result.h5.
+    bool datasets = false;
+};
+
+const StageKind& kind_of(Stage stage);
+/// In the order in which they are done.
+const std::vector<Stage>& all_stages();
+
+// One for each value of Stage.
+StageKind granular_stage();
+StageKind measure_stage();
+StageKind fit_stage();
+StageKind field_stage();
+StageKind rods_stage();
+StageKind order_stage();
+StageKind scan_stage();
+StageKind tradeoff_stage();
+
+// What several stages depend on. `add` takes along what is the stage's own.
+
+/// Beds as they are, whatever they are called in legends and whatever else the variants change.
+std::string key_of_beds(const scene::Scene& scene,
+                        const std::function<void(scene::Scene& key, const scene::Scene& of)>& add = {});
+/// The medium, and of rods all that moves them.
+scene::Scene key_of_field(const scene::Scene& scene);
+scene::Scene key_of_rods(const scene::Scene& scene);
+/// Whether the theory's field comes from a fit or a map that is made anew.
+bool has_new_field(const scene::Scene& scene, const Upheaval& all);
+
+/// Whether a command adds to a run that is there: rodwake measure.
+bool only_measures(const Plan& plan);
+/// Throws InputError if the folder holds no run.
+void require_run(const Plan& plan, const std::filesystem::path& folder);
+/// Throws InputError if the folder holds granular runs of another scene.
+void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder);
+
+/// On a rank of an MPI job but the first: evaluates points of the plan's scan.
+void serve_scan(const Plan& plan, const std::filesystem::path& folder, const RunContext& context,
+                scan::MpiJob& job);
+
+} // namespace rodwake::app
