@@ -102,8 +102,10 @@ def note_line(axes, run, spec):
     if spec.along == "x":
         x, _ = rod_outline.outline(run)
         look = dict(textcoords="offset points", xycoords=axes.get_xaxis_transform(), color=style.GREY, fontsize=8.5, va="bottom")
-        axes.annotate("behind", (x[0], 0.02), (-3, 0), ha="right", **look)
-        axes.annotate("ahead", (x[-1], 0.02), (3, 0), ha="left", **look)
+        left, right = axes.get_xlim()
+        narrow = x[-1] - x[0] < 0.1 * (right - left)  # no room beside the word for what is in the middle
+        axes.annotate("behind", (left if narrow else x[0], 0.02), (3 if narrow else -3, 0), ha="left" if narrow else "right", **look)
+        axes.annotate("ahead", (right if narrow else x[-1], 0.02), (-3 if narrow else 3, 0), ha="right" if narrow else "left", **look)
 
 
 def caption(run, spec):

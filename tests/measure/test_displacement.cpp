@@ -147,14 +147,15 @@ TEST_CASE("what a rod sees, a force that moves alike sees too", "[displacement]"
         const DisplacementField rod = reduce(a), force = reduce(b);
         CHECK(force.mean_speed == Approx(rod.mean_speed));
         REQUIRE(force.grid.bins() == rod.grid.bins());
-        double apart = 0.0, largest = 0.0;
-        for (std::size_t j = 0; j < rod.grid.bins(); ++j) {
-            apart = std::max(apart, std::hypot(force.Ux[j] - rod.Ux[j], force.Uy[j] - rod.Uy[j]));
+        double largest = 0.0;
+        for (std::size_t j = 0; j < rod.grid.bins(); ++j)
             largest = std::max(largest, std::hypot(rod.Ux[j], rod.Uy[j]));
-        }
         CHECK(largest > 0.1);
-        // places differ by rounding, so a bead on the edge of a bin may change sides
-        CHECK(apart < 0.02 * largest);
+        // places differ by rounding, so a bead on the edge of a bin may change sides: of few bins that counts
+        std::size_t other = 0;
+        for (std::size_t j = 0; j < rod.grid.bins(); ++j)
+            other += std::hypot(force.Ux[j] - rod.Ux[j], force.Uy[j] - rod.Uy[j]) > 1e-6 * largest;
+        CHECK(other < rod.grid.bins() / 50);
         layout.force->x += 4.0; // seen from elsewhere
         DisplacementAccumulator elsewhere(layout, options);
         for (std::size_t k = 0; k < 60; ++k) {
@@ -163,7 +164,11 @@ TEST_CASE("what a rod sees, a force that moves alike sees too", "[displacement]"
             elsewhere.add(frame);
         }
         const DisplacementAccumulator c[] = {elsewhere};
-        CHECK(std::abs(reduce(c).Ux[rod.grid.bins() / 2] - rod.Ux[rod.grid.bins() / 2]) > 0.02 * largest);
+        const DisplacementField moved = reduce(c);
+        std::size_t apart = 0;
+        for (std::size_t j = 0; j < rod.grid.bins(); ++j)
+            apart += std::hypot(moved.Ux[j] - rod.Ux[j], moved.Uy[j] - rod.Uy[j]) > 1e-6 * largest;
+        CHECK(apart > rod.grid.bins() / 2);
         layout.force->x -= 4.0;
     }
     layout.force.reset();
