@@ -19,6 +19,14 @@ using scene::Granular;
 using scene::Measure;
 using scene::Scene;
 
+std::string force_text(const measure::Layout& layout) {
+    if (!layout.force)
+        return "";
+    const measure::MovingForce& f = *layout.force;
+    return fmt::format("force at {:.17g}, {:.17g}, goes at {:.17g}, {:.17g}, points to {:.17g}\n", f.x, f.y,
+                       f.vx, f.vy, f.heading);
+}
+
 /// The table without what is worked out from other files, or only when the runs are put together.
 std::string key_text(const Measure& m, const MeasurePlan& plan) {
     scene::Scene key;
@@ -32,8 +40,8 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
             kind.reset_late_keys(*key.measure);
     const measure::Layout& layout = plan.sums.layout();
     const std::string second = layout.box.square() ? "" : fmt::format(" x {:.17g}", layout.box.y);
-    return fmt::format("{}box {:.17g}{}, beads {}, rods {}\n", scene::to_plain_toml(key), layout.box.x,
-                       second, layout.beads, layout.rods);
+    return fmt::format("{}box {:.17g}{}, beads {}, rods {}\n{}", scene::to_plain_toml(key), layout.box.x,
+                       second, layout.beads, layout.rods, m.displacement ? force_text(layout) : "");
 }
 
 /// Steps between the frames of currents: the largest part of `steps` that takes at most 5 ms, or what the
@@ -63,12 +71,25 @@ measure::Measures no_sums(const Scene& scene, const granular::GranularProblem& p
     return {layout_of(problem), m.from, {static_cast<std::size_t>(m.rod), m.from_travel.value_or(0.0)}};
 }
 
+/// Of a bed without rods: what its displacement is seen from.
+std::optional<measure::MovingForce> force_of(const granular::GranularProblem& p) {
+    if (!p.rods.empty() || !p.body_force || p.body_force->kind != granular::BodyForceKind::gaussian)
+        return std::nullopt;
+    const granular::BodyForce& force = *p.body_force;
+    const double c = std::cos(force.direction), s = std::sin(force.direction);
+    const bool middle = force.place.empty();
+    return measure::MovingForce{middle ? 0.5 * p.box.x : force.place[0],
+                                middle ? 0.5 * p.box.y : force.place[1], force.speed * c, force.speed * s,
+                                force.direction};
+}
+
 } // namespace
 
 measure::Layout layout_of(const granular::GranularProblem& p) {
     measure::Layout layout{p.box, p.bead_radius, granular::bead_mass(p), p.beads, p.rods.size()};
     for (const granular::RodSpec& rod : p.rods)
         layout.headings.push_back(rod.heading);
+    layout.force = force_of(p);
     return layout;
 }
 

@@ -111,7 +111,10 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
     };
     want_rod(m.flow, "flow");
     want_rod(m.force, "force");
-    want_rod(m.displacement.has_value(), "displacement");
+    const bool moving = bed.body_force && bed.body_force->kind == granular::BodyForceKind::gaussian;
+    if (m.displacement && count == 0 && !moving)
+        report("measure.displacement", "displacement needs [[granular.rods]], or a [granular.body_force] of "
+                                       "kind \"gaussian\": it is seen from there");
     want_rod(m.heading_diffusion, "heading_diffusion");
     if (m.mechanics && bed.body_force && bed.body_force->kind != granular::BodyForceKind::uniform)
         report("measure.mechanics",

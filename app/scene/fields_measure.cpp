@@ -24,7 +24,8 @@ void what_fields(Visitor& v, Measure& m) {
           .example("true"),
       m.flow);
     v(key("displacement")
-          .doc("displacement field U in the rod's frame. phase: from the local phase of the Bragg peaks, the "
+          .doc("displacement field U in the rod's frame, or without rods in that of a gaussian body force. "
+               "phase: from the local phase of the Bragg peaks, the "
                "robust one; lagrangian: from each bead's place before the rod came; density: from the mean "
                "density in the rod's frame")
           .example("\"phase\""),

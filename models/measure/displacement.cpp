@@ -210,8 +210,8 @@ Profile profile(const DisplacementField& field, const std::string& component, co
     const bool along_x = along == "x";
     const std::size_t lines = along_x ? grid.rows : grid.columns, points = along_x ? grid.columns : grid.rows;
     const auto across = [&](std::size_t k) { return along_x ? grid.y(k) : grid.x(k); };
-    const double line =
-        std::round(at / (along_x ? grid.height : grid.width)) + static_cast<double>(lines / 2);
+    const std::size_t middle = lines / 2;
+    const double line = std::round(at / (along_x ? grid.height : grid.width)) + static_cast<double>(middle);
     if (!(line >= 0.0 && line < static_cast<double>(lines)))
         throw InputError(fmt::format("measure: profile at {:g} m: the grid reaches from {:g} to {:g} m", at,
                                      across(0), across(lines - 1)));
@@ -244,7 +244,7 @@ void want(bool good, const std::string& what) {
 const DisplacementOptions& checked(const Layout& layout, const DisplacementOptions& options) {
     validate(layout);
     want(layout.beads >= least_beads, fmt::format("{} beads: needs at least {}", layout.beads, least_beads));
-    want(options.rod < layout.rods,
+    want(layout.force ? options.rod == 0 : options.rod < layout.rods,
          fmt::format("rod = {}: there are {} rods, counted from 0", options.rod, layout.rods));
     want(options.far_from >= 0.0 && options.far_from <= largest_far * layout.box.shorter(),
          fmt::format("far_from = {:g} m: must be 0 (30 % of the box) or up to half of the box, {:g} m",
@@ -294,7 +294,7 @@ void DisplacementAccumulator::Impl::add(const Frame& frame) {
 }
 
 void DisplacementAccumulator::Impl::follow(const Frame& frame) {
-    const RodPlace& now = frame.rods[options.rod];
+    const RodPlace now = place_of(options.rod, layout, frame);
     if (frames > 0) {
         const double heading = last.heading + 0.5 * std::remainder(now.heading - last.heading, 2.0 * M_PI);
         path += std::cos(heading) * (now.x - last.x) + std::sin(heading) * (now.y - last.y);

@@ -35,9 +35,18 @@ void want_inside(const std::vector<double>& places, double box) {
 } // namespace
 
 PeriodicBox box_seen_by(std::size_t rod, const Layout& layout) {
-    const double heading = rod < layout.headings.size() ? layout.headings[rod] : 0.0;
+    const double heading = layout.force                   ? layout.force->heading
+                           : rod < layout.headings.size() ? layout.headings[rod]
+                                                          : 0.0;
     const bool along_y = std::abs(std::sin(heading)) > std::abs(std::cos(heading));
     return along_y ? PeriodicBox(layout.box.y, layout.box.x) : layout.box;
+}
+
+RodPlace place_of(std::size_t rod, const Layout& layout, const Frame& frame) {
+    if (!layout.force)
+        return frame.rods[rod];
+    const MovingForce& force = *layout.force;
+    return {force.x + force.vx * frame.time, force.y + force.vy * frame.time, force.heading};
 }
 
 void validate(const Layout& layout) {

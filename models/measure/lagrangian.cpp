@@ -23,7 +23,7 @@ LagrangianAccumulator::LagrangianAccumulator(const Layout& layout, const Displac
       blocks_(grid_.bins(), channels, options.block) {}
 
 void LagrangianAccumulator::add(const Frame& frame) {
-    const RodPlace& place = frame.rods[options_.rod];
+    const RodPlace place = place_of(options_.rod, layout_, frame);
     const RodView rod(place, layout_.box);
     if (samples_.empty())
         start(frame, rod);

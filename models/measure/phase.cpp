@@ -193,7 +193,7 @@ bool PhaseAccumulator::add(const Frame& frame) {
     const auto reference = far_phases(frame);
     if (!reference)
         return false;
-    const RodPlace& place = frame.rods[options_.rod];
+    const RodPlace place = place_of(options_.rod, layout_, frame);
     const RodView rod(place, layout_.box);
     BlockSums& block = blocks_.at(frame.time, place.heading);
     const auto turned = seen_along(peaks_->G, block.first_heading);
@@ -209,7 +209,7 @@ bool PhaseAccumulator::add(const Frame& frame) {
 
 /// Unit numbers to multiply by, so that the far field's mean phases become 0.
 std::optional<Phases> PhaseAccumulator::far_phases(const Frame& frame) const {
-    const FarField far(frame, layout_.box, options_.far_from);
+    const FarField far(frame, layout_, options_.far_from);
     Phases sum{};
     for (std::size_t i = 0; i < layout_.beads; ++i)
         if (far.has(frame.x[i], frame.y[i]))

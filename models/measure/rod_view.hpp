@@ -32,13 +32,15 @@ private:
     double x_, y_, cosine_, sine_;
 };
 
-// Which beads are far from every rod.
+// Which beads are far from every rod, and from the force.
 
 class FarField {
 public:
-    FarField(const Frame& frame, const PeriodicBox& box, double from) : from2_(from * from) {
+    FarField(const Frame& frame, const Layout& layout, double from) : from2_(from * from) {
         for (const RodPlace& rod : frame.rods)
-            rods_.emplace_back(rod, box);
+            rods_.emplace_back(rod, layout.box);
+        if (layout.force)
+            rods_.emplace_back(place_of(0, layout, frame), layout.box);
     }
     bool has(double x, double y) const {
         return std::ranges::all_of(rods_, [&](const RodView& rod) { return rod.distance2(x, y) > from2_; });

@@ -96,9 +96,11 @@ def arrow_key(axes, drawn, longest):
 
 def caption(run, spec):
     parts = measured.holders(run, FIELDS, "displacement")
-    return ("Measured displacement <b>U</b> of the beads in the frame of the rod, which heads along +<i>x</i>: colour, "
+    who = rod_outline.who(run)
+    drawn = "The rod is drawn to scale" if who == "rod" else "Circle: one width of the force around its centre"
+    return (f"Measured displacement <b>U</b> of the beads in the frame of the {who}, which {'heads' if who == 'rod' else 'points'} along +<i>x</i>: colour, "
             f"{WORDS[spec.component]}; arrows, <b>U</b>, the largest ones cut to the distance between arrows. Hatched: no bead was seen "
-            f"there. The rod is drawn to scale. {profile.how(parts[0])}{measured.not_measured(run, FIELDS, 'displacement')}")
+            f"there. {drawn}. {profile.how(parts[0])}{measured.not_measured(run, FIELDS, 'displacement')}")
 
 
 def defaults(run):

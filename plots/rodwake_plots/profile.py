@@ -102,8 +102,10 @@ def note_line(axes, run, spec):
     if spec.along == "x":
         x, _ = rod_outline.outline(run)
         look = dict(textcoords="offset points", xycoords=axes.get_xaxis_transform(), color=style.GREY, fontsize=8.5, va="bottom")
-        axes.annotate("behind", (x[0], 0.02), (-3, 0), ha="right", **look)
-        axes.annotate("ahead", (x[-1], 0.02), (3, 0), ha="left", **look)
+        left, right = axes.get_xlim()
+        narrow = x[-1] - x[0] < 0.1 * (right - left)  # no room beside the word for what is in the middle
+        axes.annotate("behind", (left if narrow else x[0], 0.02), (3 if narrow else -3, 0), ha="left" if narrow else "right", **look)
+        axes.annotate("ahead", (right if narrow else x[-1], 0.02), (-3 if narrow else 3, 0), ha="right" if narrow else "left", **look)
 
 
 def caption(run, spec):
@@ -112,8 +114,8 @@ def caption(run, spec):
     known = any(np.isfinite(read(run, spec, part)[2]).any() for part in parts)
     other, at = ("y" if spec.along == "x" else "x"), line_of(run, spec)
     text = (f"Measured displacement {what} of the beads along <i>{spec.along}</i> at "
-            f"{words.equation(f'<i>{other}</i>', at, '<i>a</i>' if at else '')} in the frame of the rod, which heads along +<i>x</i>; "
-            f"{'bars: standard error' if known else 'the error is unknown'}; shaded: the rod's body. ")
+            f"{words.equation(f'<i>{other}</i>', at, '<i>a</i>' if at else '')} in the frame of the {rod_outline.who(run)}, which heads along +<i>x</i>; "
+            f"{'bars: standard error' if known else 'the error is unknown'}; shaded: {rod_outline.shaded(run)}. ")
     if view := fitted(run, spec):
         how_made = "predicted with what was fitted to other lines" if fit_words.predicted(view.profile) else "fitted to it"
         text += f"Line: theory {how_made}, thin within {words.number(run.fit.number(run.fit.told, 'core', 0.0))} <i>a</i> of the rod, where data are left out. "

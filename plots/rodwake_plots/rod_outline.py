@@ -1,4 +1,5 @@
-"""The rod on paper to scale, as in the frame that moves with it: centre of mass at the origin, thin end towards +x."""
+"""The rod on paper to scale, as in the frame that moves with it: centre of mass at the origin, thin end towards +x. In a bed without
+rods the force from which was measured: a circle of its width."""
 
 import numpy as np
 
@@ -11,11 +12,25 @@ FINE = 1200
 def outline(run):
     """(x, half width) of the row of spheres in bead radii, thick end first; of the rod in whose frame was measured."""
     a = run.granular.a
+    if who(run) == "force":
+        width = number(run.scene["granular"]["body_force"], "width", a) / a
+        x = np.linspace(-width, width, FINE)
+        return x, np.sqrt(width**2 - x**2)
     centres, radii = row(rod_of(run.scene))
     x = np.linspace(centres[0] - radii[0], centres[-1] + radii[-1], FINE)
     square = (radii[:, None] ** 2 - (x - centres[:, None]) ** 2).max(axis=0).clip(0)
     middle = (x * square).sum() / square.sum()  # of the solid of revolution
     return (x - middle) / a, np.sqrt(square) / a
+
+
+def who(run):
+    """In whose frame was measured."""
+    bed = run.scene.get("granular", {})
+    return "force" if not bed.get("rods") and "body_force" in bed else "rod"
+
+
+def shaded(run):
+    return "the rod's body" if who(run) == "rod" else "one width of the force to each side"
 
 
 def rod_of(scene):
@@ -62,5 +77,5 @@ def shade(axes, run, along):
     x, half = outline(run)
     low, high = (x[0], x[-1]) if along == "x" else (-np.interp(0.0, x, half), np.interp(0.0, x, half))
     axes.axvspan(low, high, color="#e6e6e2", linewidth=0, zorder=0)
-    axes.annotate("rod", ((low + high) / 2, 0.02), xycoords=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.5,
+    axes.annotate(who(run), ((low + high) / 2, 0.02), xycoords=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8.5,
                   color=style.GREY)

@@ -38,8 +38,9 @@ void reset_late_keys(Measure& m) {
 }
 
 std::string describe(const Scene& scene) {
-    return fmt::format("field around rod {} by {}", scene.measure->rod,
-                       measure::to_string(*scene.measure->displacement));
+    const std::string centre =
+        scene.granular->rods.empty() ? "the force" : fmt::format("rod {}", scene.measure->rod);
+    return fmt::format("field around {} by {}", centre, measure::to_string(*scene.measure->displacement));
 }
 
 const char* reference_name(const DisplacementField& u) {
@@ -147,8 +148,9 @@ MeasureReport report(const MeasuredCase& data) {
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
             .grids = {grid_of(u, to_a)},
             .images = {image_of(u, to_a)},
-            .line = fmt::format("displacement field ({}) from {} frames in {} blocks; rod at {:.3g} a/s",
-                                measure::to_string(u.method), u.frames, u.blocks, u.mean_speed * to_a)};
+            .line = fmt::format("displacement field ({}) from {} frames in {} blocks; {} at {:.3g} a/s",
+                                measure::to_string(u.method), u.frames, u.blocks,
+                                data.scene.granular->rods.empty() ? "force" : "rod", u.mean_speed * to_a)};
 }
 
 } // namespace

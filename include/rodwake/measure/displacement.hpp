@@ -1,6 +1,7 @@
 #pragma once
 // The displacement field U of the beads around a moving rod, in the frame that moves and turns with it
-// (rod_grid.hpp), with a standard error in each bin.
+// (rod_grid.hpp), with a standard error in each bin. In a bed without rods a moving force stands for the rod
+// (Layout::force): the frame is its centre's, x along the force.
 //
 // Convention, the paper's rho_0(r) = rho(r + U(r)): U at r is the displacement of what would be at r if the
 // rod were not there. Both r and U are in the rod's frame. U is relative to its mean over the box (reference

@@ -8,10 +8,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace rodwake::measure {
+
+/// The centre of a force on the bed, which goes straight on from t = 0.
+struct MovingForce {
+    double x = 0.0, y = 0.0;   ///< at t = 0, m
+    double vx = 0.0, vy = 0.0; ///< m/s
+    double heading = 0.0;      ///< of the force from +x, rad
+
+    bool operator==(const MovingForce&) const = default;
+};
 
 /// What is the same in every frame. SI.
 struct Layout {
@@ -19,12 +29,13 @@ struct Layout {
     double bead_radius = 0.0; ///< a, m
     double bead_mass = 0.0;   ///< kg
     std::size_t beads = 0, rods = 0;
-    std::vector<double> headings = {}; ///< of the rods as they start, rad from +x; none: along x
+    std::vector<double> headings = {};     ///< of the rods as they start, rad from +x; none: along x
+    std::optional<MovingForce> force = {}; ///< of a bed without rods: stands for rod 0
 
     bool operator==(const Layout&) const = default;
 };
 
-/// The box as rod `rod` sees it: the side nearest to its first heading lies along the rod's x.
+/// The box as rod `rod` (or the force) sees it: the side nearest to its first heading lies along its x.
 PeriodicBox box_seen_by(std::size_t rod, const Layout& layout);
 
 /// Throws InputError unless the box, the radius and the mass are finite and positive, the box is at least 8 a
@@ -44,6 +55,9 @@ struct Frame {
     std::vector<double> vx, vy;                   ///< [beads], m/s
     std::vector<RodPlace> rods;                   ///< [rods]
 };
+
+/// Of rod `rod`, or of the force.
+RodPlace place_of(std::size_t rod, const Layout& layout, const Frame& frame);
 
 /// Throws RunError for a frame that does not belong to the layout: counts, values that are not finite, places
 /// outside the box.
