@@ -18,7 +18,8 @@ namespace {
 using scene::FieldBackend;
 
 constexpr double budget = 0.1; ///< s, of repeats of a map
-/// What the exact field keeps to (docs/validation.md, "The exact field"): no smaller error is quoted.
+/// What the exact field keeps to (docs/validation_elastic.md, "Field of one rod"): no smaller error is
+/// quoted.
 constexpr double least_error = 2e-13;
 constexpr double table_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10};
 

@@ -9,9 +9,11 @@ namespace rodwake::elastic {
 /// the strain.
 ///
 ///                strain: median, 99 %, largest    polar vectors: 99 %, largest
-///     full       4e-16, 5e-15, 8e-14              6e-15, 4e-12
-///     fine       3e-11, 1e-9, 3e-8                3e-10, 1e-6
-///     single     5e-7, 2e-5, 5e-4                 4e-6, 4e-3
+///     full       4e-16, 4e-15, 8e-14              6e-15, 2e-12
+///     fine       4e-11, 1e-9, 3e-8                3e-10, 4e-7
+///     single     4e-7, 1.2e-5, 5e-4               3e-6, 3e-3
+///
+/// (build/dev/tests/test_elastic "errors of the accuracies*")
 ///
 /// `single` works in single precision with twice the lanes (sums over more than 64 sources, or over tiles of
 /// all pairs, are in double). There a field is 0 where it has decayed by more than exp(-40) = 4e-18, and

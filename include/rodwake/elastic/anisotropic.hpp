@@ -29,7 +29,14 @@
 // time/length; p: force length; q_ijk: force length^2. Only ratios matter, so with c/rho = (sound speed)^2,
 // zeta/rho = drag rate and f/rho the density may be 1.
 //
-// Error: modes up to q w = 6.5, which leaves out less than 1e-8 of the largest displacement (tests). Within a
+// Degenerate input (tests/elastic/test_anisotropic.cpp): no places give an empty map, no source a map of 0,
+// the place of the rod the smoothed field. A strength that is NaN gives NaN. InputError for a side <= 0 or
+// infinite, a speed, place or constant that is not finite, a rod as long as the box, a width outside [longer
+// side/1000, shorter side/4], constants <= 0 and a rod as fast as the waves.
+//
+// Error: modes up to q w = 6.5, which leaves out less than 1e-8 of the largest displacement (tests). In the
+// isotropic limit 2.6e-7 f/mu off elastic/periodic.hpp, at L = 78 and w = 0.4 beyond 8 of the rod, the first
+// term of the smoothing added (build/dev/tests/test_elastic, "isotropic limit"). Within a
 // few w of the rod the field is the smoothed one; beyond, smoothing adds w^2/2 lap U. Domain: strongly
 // elliptic constants (waves of every direction have a real speed) and v below the slowest of these speeds
 // in the sense that the matrix at zeta = eta_s = 0 stays positive for every q; InputError otherwise.

@@ -20,9 +20,20 @@
 // [1e-8, 200]); 1e-12 for r/xi in [1e-12, 1e8] and eta in [1e-6, 1e6] wherever the value exceeds 1e-290
 // (docs/validation_elastic.md: worst of 30000 points 1.3e-13). Smaller values underflow to 0, never to NaN.
 // Close to a point or curve on which a whole vector nearly vanishes the bound is relative to its largest
-// part. The gradients and -1 < eta < 0 keep the same bound. Domain: finite x, y with 1e-100 < r/xi < 1e300;
-// any other point, the rod itself and NaN among them, throws InputError. Within 1e-90 xi of the rod gradients
-// may overflow.
+// part. The gradients and -1 < eta < 0 keep the same bound. Within 1e-90 xi of the rod gradients may
+// overflow.
+//
+//   worst of            U        strain   lap u    grad div u  dipole
+//   320 references      8.3e-16  1.1e-14  4.5e-14  4.9e-15     7.7e-15   studies/field_error.py
+//   30000 random points 9.0e-14  1.3e-13  1.1e-13  5.1e-14     5.5e-14   test_elastic "[long]"
+//
+// Degenerate input (tests/elastic/test_robustness.cpp):
+//   eta <= -1 or > 1e12, xi outside [1e-30, 1e30], NaN         InputError, by the constructor
+//   eta down to -1 + 1e-15, eta = 1e12, xi = 1e-30 or 1e30     finite values
+//   r <= 1e-100 xi, the rod itself                             InputError, whatever is asked for
+//   x or y NaN or infinite, r/xi beyond 1e300                  InputError
+//   so far off that the value underflows                       0
+//   nothing asked for                                          every number is NaN
 
 #include "rodwake/elastic/medium.hpp"
 #include "rodwake/elastic/tensor.hpp"

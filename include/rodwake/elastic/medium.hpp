@@ -6,6 +6,13 @@
 // Here lambda is the coefficient of grad div in the equation of motion. From the free energy
 // F = int [lambda_L (tr eps)^2 / 2 + mu tr(eps^2)] (paper Eq. free) it is lambda = lambda_L + mu, which in
 // two dimensions is the bulk modulus K. The paper writes lambda for both.
+//
+// Degenerate input (tests/elastic/test_medium.cpp):
+//   eta <= -1, eta > 1e12, xi outside [1e-30, 1e30], NaN   InputError, by validate
+//   mu <= 0 or NaN; moduli, a Poisson ratio out of range   InputError
+//   alpha <= 0, infinite or NaN                            InputError
+//   alpha -> 0                                             xi = (f/mu)/alpha, infinite below some 1e-308;
+//                                                          validate refuses it above 1e30
 
 namespace rodwake::elastic {
 

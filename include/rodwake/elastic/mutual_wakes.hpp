@@ -12,6 +12,12 @@
 // 1). What is left out of a sum is therefore below the tolerance, strictly. Cost: the pairs that stay, and
 // N^2/128 comparisons. Where more than half of the pairs stay, nothing is left out: pairs that share K0 and
 // K1 are then faster.
+//
+// Degenerate input:
+//   no rods; one rod                                     nothing is written; sums of 0 (both return 0)
+//   two rods at one place                                InputError
+//   a place or heading NaN or infinite                   InputError, which names the rod
+//   no threads, a tolerance negative or not finite       InputError, by the constructor
 
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/elastic/wake_kernel.hpp"

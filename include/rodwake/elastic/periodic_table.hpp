@@ -13,6 +13,14 @@
 // tolerance of 1e-8 gradients are within 1e-7 of the largest gradient there, derivatives by heading within
 // 1e-6 of theirs: those of the polynomials, which jump by as much where pieces meet.
 //
+//
+//   tolerance 1e-8, L/xi 0.01 to 50     all quantities 4e-9; gradients of strain 9e-8; strain by heading 3e-7
+//   (build/dev/tests/test_elastic "*table*")
+//
+// Degenerate input, InputError always (tests/elastic/test_periodic_table.cpp): an illegal medium; a box <= 0,
+// infinite or out of reach; a tolerance outside [1e-10, 1e-3] or NaN; the source or an image; a place, source
+// or heading that is not finite; gradients of derivatives by heading; data that are no table's.
+//
 // Domain: finite places off the rod and its images; L/xi max(1, nu) up to 50 at a tolerance of 1e-8, 100 at
 // 1e-6, 150 at 1e-5, where the table reaches memory_limit (beyond: InputError). nu = 1/(1 + eta).
 //

@@ -13,10 +13,21 @@
 // Outside the levels - near the singular core, and farther than they reach - and in cells whose polynomials
 // miss the tolerance, as far ahead of the rod, where e^(-x/xi) falls within a cell, the field is exact.
 //
-// Error: at most the tolerance, for strain relative to the norm of the tensor at the place, for its gradient
-// relative to the norm of the whole gradient (polar vectors: twice that). Gradients of the polar vectors are
-// the derivatives of the polynomials of the gradient, and one to two digits worse. At the edges of cells
-// values jump by as much as the error.
+// Error: at most the tolerance for eta from -0.99 to 100, for strain relative to the norm of the tensor at
+// the place, for its gradient relative to the norm of the whole gradient (polar vectors: twice that).
+// Gradients of the polar vectors are the derivatives of the polynomials of the gradient, and one to two
+// digits worse. At the edges of cells values jump by as much as the error.
+//
+//   strain, gradient  eta = 0.1         eta = 1           eta = 100   (build/release/bench/bench_table)
+//   1e-4              4.6e-5, 4.8e-5    4.6e-5, 4.9e-5    4.4e-5, 4.7e-5
+//   1e-8              4.8e-9, 4.6e-9    4.6e-9, 4.7e-9    3.7e-9, 3.9e-9
+//
+// Nearly incompressible media miss it beside the rod, where the whole strain nearly vanishes: read
+// strain_error.
+//
+// Degenerate input (tests/elastic/test_plane_table.cpp): InputError for a tolerance outside [1e-12, 0.1] or
+// NaN, an illegal eta, a medium of another eta, the rod itself, a place that is not finite. xi from 1e-30 to
+// 1e30.
 
 #include "rodwake/elastic/wake_field.hpp"
 

@@ -20,7 +20,9 @@ struct Source {
 /// turned and so NaN: ask for them in the rod's frame (Field::at).
 FieldValues lab_field(const Field& field, const Source& source, double x, double y, FieldRequest request);
 
-/// Sum of lab_field over the sources, in their order.
+/// Sum of lab_field over the sources, in their order. Without sources every number is 0, asked for or not;
+/// with sources what was not asked for is NaN. Gradients are 0 always: they are not summed. Throws InputError
+/// at a source and for places that are not finite.
 FieldValues superpose(const Field& field, std::span<const Source> sources, double x, double y,
                       FieldRequest request);
 

@@ -29,7 +29,7 @@
 namespace rodwake::elastic {
 
 /// Bounds for places at least `distance` from the rod at which r + x is at least `ahead`; lengths in the unit
-/// of medium.xi. distance > 0, ahead >= 0.
+/// of medium.xi. distance > 0, ahead >= 0; at distance 0 the bounds are infinite, for NaN they are NaN.
 class WakeBound {
 public:
     /// Throws InputError for an illegal medium (see validate).

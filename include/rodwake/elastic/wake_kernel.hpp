@@ -9,9 +9,19 @@
 // one source, measured against the closed form for r/xi in [0.005, 80] and eta in [0.1, 100]
 // (docs/validation_elastic.md); tests hold 1.5e-13. Two exceptions, in which the parts cancel: grad div U on
 // the wake axis loses r/xi, and lap U vanishes on a curve ahead of the rod. Range: any eta >= 0, distances of
-// 2^-43 (1
-// + eta) xi to 2^21 xi. Points beyond, and media of eta < 0, are passed to elastic::Field one by one: right
-// and slow. Far ahead values below 1e-300 are 0.
+// 2^-43 (1 + eta) xi to 2^21 xi. Points beyond, and media of eta < 0, are passed to elastic::Field one by
+// one: right and slow. Far ahead values below 1e-300 are 0.
+//
+//   full         median  99 %   largest  where (test_elastic "errors of the accuracies*")
+//   strain       4e-16   4e-15  8e-14    beside the rod at eta near 100
+//   lap u        4e-16   6e-15  2e-12    near the curve ahead on which it vanishes
+//   grad div u   4e-16   5e-15  3e-14    far behind on the axis
+//
+// Degenerate input:
+//   no sources; no targets                                 sums of 0; nothing is written
+//   a target at a source; places or headings not finite    InputError, at every accuracy
+//   spans of unlike lengths, an illegal medium             InputError
+//   xi = 1e-30 or 1e30, eta < 0                            by elastic::Field where the kernels do not reach
 
 #include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/elastic/superposition.hpp"

@@ -22,6 +22,17 @@
 // is drawn; the time of the first meeting has the law tau/(h - tau) ~ inverse Gaussian of mean d0/|d1| and
 // shape d0^2/(s^2 h). The bridge takes the circle of contact for its tangent and the drift along the step for
 // constant; steps are short enough for that near contact (docs/noise.md has the error measured).
+//
+// Errors (docs/noise.md, section 4): strong order 1.5, weak order 2.1 +- 0.2 (build/dev/tests/test_rods); the
+// bridge's probability of contact within 2 % of itself (studies/validate_noise.py --only passage).
+//
+// Degenerate input:
+//   D_r = D_t = 0                                     the equations of motion
+//   D < 0, infinite or NaN; time_step <= 0 or NaN     InputError
+//   time_step infinite                                steps as long as spans and relaxation allow
+//   coincident rods                                   InputError; contact at 0 with a contact distance
+//   2^24 output times or more                         InputError
+//   a field that fails on the way                     a failed run, with the reason
 
 #include "rodwake/rods/simulate.hpp"
 

@@ -1,5 +1,8 @@
 #pragma once
 // Many noisy runs of one problem: how they end, and how rods turn and spread in them.
+//
+// Degenerate input: no runs give no ends and means that are NaN; one run gives means with errors that are
+// NaN; of a single rod no captures are counted.
 
 #include "rodwake/rods/noise.hpp"
 

@@ -4,6 +4,10 @@
 //
 // In a periodic box (axes of the lab) a separation is that of the nearest images; positions stay
 // unwrapped. Of many rods only the pairs that can matter are looked at: N log N instead of N^2, same bits.
+//
+// Degenerate input: coincident rods have distance and encounter_step 0; rods so far apart (1e200) that the
+// square overflows an infinite distance; if rod 0 or 1 is not finite, closest_pair's distance is NaN. One rod
+// has an infinite encounter_step.
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/integrate/ode.hpp"

@@ -1,6 +1,20 @@
 #pragma once
 // One run of N rods: problem, options, result. The result of a failed solve is a value: see
 // RodResult::solution.status.
+//
+// Error of states and contact times, 12 reference cases (build/dev/tests/test_rods; "[long]"): at rtol 1e-11
+// BDF 8.3e-10, Adams 8.2e-10, ERK 6.5e-10; at rtol 1e-4 to 1e-11 at most 83 rtol.
+//
+// Degenerate input:
+//   no rods; t_end or contact_distance <= 0 or NaN              InputError
+//   a place or heading that is not finite, times out of order   InputError
+//   an illegal medium (eta <= -1, xi = 0)                       InputError
+//   coincident rods, without or with a contact distance         InputError; contact at 0
+//   rods that meet, without a contact distance                  failed, advised to set one
+//   a coupling that is NaN or infinite                          failed, undecided
+//   one rod; no medium; no coupling                             straight walks
+//   xi = 1e30 (alpha -> 0), eta -> -1, eta = 1e12               runs
+//   xi = 1e-30 (alpha -> infinity)                              straight walks
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/rods/form.hpp"
