@@ -62,7 +62,9 @@ def names_among(parts):
 def open_lab(options):
     """In the folder of --keep, or in one that is removed."""
     with tempfile.TemporaryDirectory() as scratch:
-        yield Lab(options.program, getattr(options, "keep", None) or scratch, getattr(options, "j", None), getattr(options, "quick", False))
+        lab = Lab(options.program, getattr(options, "keep", None) or scratch, getattr(options, "j", None), getattr(options, "quick", False))
+        lab.options = options
+        yield lab
 
 
 def run_parts(options, parts, before=lambda name: None):
