@@ -4,27 +4,23 @@
     studies/validate_closure.py [--quick] [--dry-run] [--only circle,map,rest,width] [-o results/closure]
 
 circle: the strain around a rod that has always walked a circle, exact against steady wakes and against wakes to first order in the
-turning rate (studies/circle_wake.py). map: encounters with the paper's starts over kappa, gamma and alpha, in steady wakes, to first order
+turning rate. map: encounters with the paper's starts over kappa, gamma and alpha, in steady wakes, to first order
 and with memory, in one box with one force. rest: the same in steady wakes and in a medium that is undeformed at t = 0. width: what the
 force's width, the modes and the box change. Writes closure_*.csv, closure.md (the tables of docs/validation_medium.md) and closure_*.png into
 -o. Encounters are made by build/release/bench/bench_closure (tools/bench builds it) and kept, so that
 the same command goes on where it was stopped. --dry-run says what is left and what it costs; --quick is a reduced variant of a minute.
 """
 
-import argparse
-import csv
 import json
 import subprocess
-import sys
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 
-import circle_wake
-from closure_tables import CLOSURES, circle_table, map_tables, rest_tables, same_ending
+from lab import SOURCE, drawing, keep_line, kept_lines, markdown, parser, write_csv
+from validate_field import Modes, bessel_orders, circle_errors
 
-SOURCE = Path(__file__).resolve().parent.parent
+CLOSURES = ("steady", "first_order")
 ETA, BOX, WIDTH, MODES, CONTACT = 1.0, 40.0, 0.5, 96, 1.0
 NEAR = 2.0  # f/mu: headings are not compared below; closer than 4 widths the force's shape matters
 COST = {"plane": 0.01, "box": 0.05, "steady": 0.1, "first_order": 1.0, "memory": 0.7, "rest": 0.7}  # CPU s at 96 modes to t = 16
@@ -41,28 +37,21 @@ class Runs:
     """Encounters by their specification; those that are not there are made by one process and appended as they come."""
 
     def __init__(self, program, folder):
-        self.program, self.file, self.known = program, folder / "runs.jsonl", {}
-        if self.file.is_file():
-            for line in self.file.read_text(encoding="utf-8").splitlines():
-                try:
-                    told = json.loads(line)
-                except json.JSONDecodeError:  # the last line, if it was cut off
-                    continue
-                self.known[told.pop("case")] = told
+        self.program, self.file = program, folder / "runs.jsonl"
+        self.known = {told.pop("case"): told for told in kept_lines(self.file)}
 
     def make(self, cases):
         left = [case for case in dict.fromkeys(cases) if case not in self.known]
         if not left:
             return
-        with subprocess.Popen([self.program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process, \
-                open(self.file, "a", encoding="utf-8") as file:
+        with subprocess.Popen([self.program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
             for number, case in enumerate(left, 1):
                 print(case, file=process.stdin, flush=True)
                 told = json.loads(process.stdout.readline() or "null")
                 if told is None:
                     raise SystemExit(f"{self.program} gave up at: {case}")
                 self.known[case] = told
-                print(json.dumps({"case": case, **told}), file=file, flush=True)
+                keep_line(self.file, {"case": case, **told})
                 print(f"{number} of {len(left)}: {case}: {told['ending']} at {told['time']:.4g}, {told['cpu_seconds']:.2f} s", flush=True)
             process.stdin.close()
 
@@ -157,108 +146,139 @@ def on_points(runs, row):
     return row
 
 
-def width_table(runs):
-    lines = ["", "| encounter | " + " | ".join(SETTINGS) + " | steady, box of 40, point forces |", "|---" * (len(SETTINGS) + 2) + "|"]
-    for start, couplings, alpha in WIDTH_CASES:
-        cells = []
-        for box, width, modes in SETTINGS.values():
-            memory, steady = (runs.known[case(how, start, couplings, alpha, box, width, modes)] for how in ("memory", "steady"))
-            cells.append(f"{told(memory)}; {told(steady)}; {heading_difference(steady, memory):.3g}")
-        point = runs.known[case("box", start, couplings, alpha)]
-        lines.append(f"| {start}, {couplings}, alpha = {alpha:g} | " + " | ".join(cells) + f" | {told(point)} |")
-    return lines
-
-
-def told(run):
-    return f"{run['time']:.4g}" if run["ending"] == "contact" else run["ending"]
-
-
 def circles(quick):
     """Rows of the circle: alpha, distance, turning rate, errors, time of memory."""
     alphas, rates = ((0.1, 1, 10), (0.1, 1.0)) if quick else (ALPHAS, (0.01, 0.03, 0.1, 0.3, 1.0))
-    modes, distances, rows = circle_wake.Modes(BOX, WIDTH, 64 if quick else MODES), (2.0, 4.0, 8.0), []
+    modes, distances, rows = Modes(BOX, WIDTH, 64 if quick else MODES), (2.0, 4.0, 8.0), []
     for rate in rates:
-        table = circle_wake.bessel(modes, rate)
+        table = bessel_orders(modes, rate)
         for alpha in alphas:
-            found = circle_wake.errors(modes, alpha, ETA, rate, 0.4, distances, table)
+            found = circle_errors(modes, alpha, ETA, rate, 0.4, distances, table)
             rows += [{"alpha": alpha, "distance": r, "turning_rate": rate, "steady": steady, "first_order": first, "memory_time": time}
                      for r, (steady, first, time) in zip(distances, found)]
     return rows
 
 
-def write_csv(path, rows):
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]), restval="")
-        writer.writeheader()
-        writer.writerows({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()} for row in rows)
+# Tables of docs/validation_medium.md.
 
 
-def read_options():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", type=Path, default=SOURCE / "build/release/bench/bench_closure")
-    parser.add_argument("--only", default="circle,map,rest,width")
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--dry-run", action="store_true")
-    parser.add_argument("-o", "--output", type=Path, default=SOURCE / "results/closure")
-    options = parser.parse_args()
-    options.only = options.only.split(",")
-    if set(options.only) - {"circle", "map", "rest", "width"}:
-        parser.error("--only takes circle, map, rest, width")
-    return options
+def same_ending(row, how):
+    """Escaped, and undecided at the end, are both: not captured."""
+    one, other = ("apart" if row[way] in ("escape", "undecided") else row[way] for way in (how, "memory"))
+    return one == other != "failed"
 
 
-def wanted(options):
-    cases = []
-    if "map" in options.only:
-        cases += [case(how, *one) for one in encounters(options.quick) for how in ("memory", *CLOSURES, "box", "plane")]
-    if "rest" in options.only:
-        cases += [case(how, *one) for one in rests(options.quick) for how in ("rest", "steady")]
-    if "width" in options.only and not options.quick:
-        cases += [case(how, *one, *setting) for one in WIDTH_CASES for setting in SETTINGS.values() for how in ("memory", "steady")]
-        cases += [case("box", *one) for one in WIDTH_CASES]
-    return cases
+def cell(row, how):
+    """Of a table: how far off contact and headings are, or the two endings."""
+    if not same_ending(row, how):
+        return f"**{row[how]}, not {row['memory']}**"
+    time = f"{100 * row[f'{how}_time_error']:+.1f} %, " if row["memory"] == "contact" else ""
+    return f"{time}{row[f'{how}_heading']:.2g}"
 
 
-def main():
-    options = read_options()
-    options.output.mkdir(parents=True, exist_ok=True)
-    runs = Runs(options.program, options.output)
-    cases = wanted(options)
-    left = [one for one in dict.fromkeys(cases) if one not in runs.known]
-    print(f"{len(left)} of {len(set(cases))} encounters to make, about {sum(map(cost, left)) / 60:.1f} CPU minutes", flush=True)
-    if options.dry_run:
-        return
-    runs.make(cases)
-    lines, maps = [], {}
-    if "circle" in options.only:
-        rows = circles(options.quick)
-        write_csv(options.output / "closure_circle.csv", rows)
-        lines += circle_table(rows)
-        draw_circle(rows, options.output / "closure_circle.png")
-    if "map" in options.only:
-        rows = [on_points(runs, compared(runs, *one)) for one in encounters(options.quick)]
-        write_csv(options.output / "closure_map.csv", rows)
-        lines += map_tables(rows)
-        maps |= panels_of(rows, "")
-    if "rest" in options.only:
-        rows = [compared(runs, *one, medium="rest", closures=("steady",)) for one in rests(options.quick)]
-        write_csv(options.output / "closure_rest.csv", rows)
-        lines += rest_tables(rows)
-        maps |= panels_of(rows, "from rest: ")
-    if maps:
-        draw_maps(maps, options.output / "closure_map.png")
-    if "width" in options.only and not options.quick:
-        lines += width_table(runs)
-    (options.output / "closure.md").write_text("\n".join(lines[1:]) + "\n", encoding="utf-8")
-    print("\n".join(lines))
-    print(f"CPU time of these encounters: {sum(runs.known[one]['cpu_seconds'] for one in set(cases)) / 60:.1f} minutes")
+def grid(rows, down, across):
+    """A table of the steady closure: alpha and what else `down` tells, over what `across` tells; both make headed cells of a row."""
+    columns = list(dict.fromkeys(across(row) for row in rows))
+    lines = {}
+    for row in rows:
+        lines.setdefault(down(row), {})[across(row)] = cell(row, "steady")
+    titles = [name for name, _ in next(iter(lines))] + columns
+    return of(titles, [[text for _, text in left] + [cells.get(column, "") for column in columns] for left, cells in lines.items()])
 
 
-def drawing():
-    sys.path.insert(0, str(SOURCE / "plots"))
-    from rodwake_plots import canvas, style  # pylint: disable=import-outside-toplevel
-    matplotlib.rcParams.update(style.SETTINGS)
-    return canvas, style
+def of(head, body):
+    """The lines of a table, after an empty one."""
+    return ["", *markdown(head, body).split("\n")]
+
+
+def by_alpha(row):
+    return (("alpha", f"{row['alpha']:g}"),)
+
+
+def by_start_and_alpha(row):
+    return (("start", row["start"]), *by_alpha(row))
+
+
+def by_spreading_time(row):
+    return (*by_alpha(row), ("alpha r^2/4", f"{row['spreading_time']:.2g}"))
+
+
+def by_kappa(row):
+    return f"kappa = {row['kappa']:g}"
+
+
+def by_gamma(row):
+    return f"gamma1 = {row['gamma1']:g}, gamma2 = {row['gamma2']:g}"
+
+
+def tables_by_start(rows, title, down):
+    lines = []
+    for start in dict.fromkeys(row["start"] for row in rows):
+        lines += ["", f"{title}{start}:"] + grid([row for row in rows if row["start"] == start], down, by_kappa)
+    return lines
+
+
+def map_tables(rows):
+    lines = tables_by_start([row for row in rows if row["kappa"] > 0], "Steady wakes, ", by_alpha)
+    away, polar = ([row for row in rows if row["kappa"] < 0], [row for row in rows if row["kappa"] == 0])
+    if away:
+        lines += ["", "Steady wakes, kappa = -100:"] + grid(away, by_alpha, lambda row: row["start"])
+    if polar:
+        lines += ["", "Steady wakes, polar couplings alone:"] + grid(polar, by_start_and_alpha, by_gamma)
+    return lines + summary(rows)
+
+
+def rest_tables(rows):
+    return tables_by_start(rows, "Steady wakes against a medium at rest at t = 0, ", by_spreading_time)
+
+
+BINS = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, np.inf)
+
+
+def summary(rows):
+    """How good closures are, by the largest |theta'| alpha r^2/4 of the steady run."""
+    body = []
+    for low, high in zip(BINS, BINS[1:]):
+        here = [row for row in rows if low <= row["memory_number"] < high]
+        times = np.array([100 * abs(row["steady_time_error"]) for row in here if np.isfinite(row["steady_time_error"])])
+        off = [np.array([row[f"{how}_heading"] for row in here]) for how in CLOSURES]
+        if here:
+            body.append([f"{low:g} to {high:g}", len(here), *(sum(same_ending(row, how) for row in here) for how in CLOSURES),
+                         f"{np.median(times):.3g} % ({times.max():.3g} %)" if len(times) else "no contacts", *map(heading_words, off),
+                         (off[1] < off[0]).sum()])
+    return of(["largest theta' alpha r^2/4", "encounters", "same ending: steady", "first order", "time of contact off, median (largest): steady",
+               "heading off: steady", "first order", "first order nearer"], body)
+
+
+def heading_words(off):
+    off = off[np.isfinite(off)]
+    return f"{np.median(off):.2g} ({off.max():.2g})" if len(off) else "none"
+
+
+def circle_table(rows):
+    rates, body = sorted({row["turning_rate"] for row in rows}), []
+    for alpha, r in sorted({(row["alpha"], row["distance"]) for row in rows}):
+        here = sorted((row for row in rows if (row["alpha"], row["distance"]) == (alpha, r)), key=lambda row: row["turning_rate"])
+        body.append([f"{alpha:g}", f"{r:g}", f"{here[0]['memory_time']:.2g}", *(f"{row['steady']:.2g}, {row['first_order']:.2g}" for row in here)])
+    return of(["alpha", "distance", "time of memory", *(f"theta' = {rate:g}" for rate in rates)], body)
+
+
+def width_table(runs):
+    body = []
+    for start, couplings, alpha in WIDTH_CASES:
+        cells = []
+        for setting in SETTINGS.values():
+            memory, steady = (runs.known[case(how, start, couplings, alpha, *setting)] for how in ("memory", "steady"))
+            cells.append(f"{ending(memory)}; {ending(steady)}; {heading_difference(steady, memory):.3g}")
+        body.append([f"{start}, {couplings}, alpha = {alpha:g}", *cells, ending(runs.known[case("box", start, couplings, alpha)])])
+    return of(["encounter", *SETTINGS, "steady, box of 40, point forces"], body)
+
+
+def ending(run):
+    return f"{run['time']:.4g}" if run["ending"] == "contact" else run["ending"]
+
+
+# Figures.
 
 
 def draw_circle(rows, path):
@@ -318,6 +338,70 @@ def draw_panel(axes, rows):
     axes.set_yticks(range(len(alphas)), [f"{alpha:g}" for alpha in alphas])
     axes.tick_params(length=0)
     return axes.imshow(np.log10(np.maximum(off, 1e-12)), origin="lower", aspect="auto", vmin=-3, vmax=0.5, cmap="YlOrRd")
+
+
+PARTS = ("circle", "map", "rest", "width")
+
+
+def read_options():
+    found = parser(__doc__, "quick", parts=PARTS, program=SOURCE / "build/release/bench/bench_closure")
+    found.add_argument("--dry-run", action="store_true", help="say what is left and what it costs")
+    found.add_argument("-o", "--output", type=Path, default=SOURCE / "results/closure")
+    return found.parse_args()
+
+
+def wanted(options):
+    cases = []
+    if "map" in options.only:
+        cases += [case(how, *one) for one in encounters(options.quick) for how in ("memory", *CLOSURES, "box", "plane")]
+    if "rest" in options.only:
+        cases += [case(how, *one) for one in rests(options.quick) for how in ("rest", "steady")]
+    if "width" in options.only and not options.quick:
+        cases += [case(how, *one, *setting) for one in WIDTH_CASES for setting in SETTINGS.values() for how in ("memory", "steady")]
+        cases += [case("box", *one) for one in WIDTH_CASES]
+    return cases
+
+
+def shown(value):
+    return f"{value:.6g}" if isinstance(value, float) else value
+
+
+def report(options, runs):
+    """Writes rows and figures; the lines of the tables."""
+    lines, maps = [], {}
+    if "circle" in options.only:
+        rows = circles(options.quick)
+        write_csv(options.output / "closure_circle.csv", rows, shown)
+        lines += circle_table(rows)
+        draw_circle(rows, options.output / "closure_circle.png")
+    if "map" in options.only:
+        rows = [on_points(runs, compared(runs, *one)) for one in encounters(options.quick)]
+        write_csv(options.output / "closure_map.csv", rows, shown)
+        lines += map_tables(rows)
+        maps |= panels_of(rows, "")
+    if "rest" in options.only:
+        rows = [compared(runs, *one, medium="rest", closures=("steady",)) for one in rests(options.quick)]
+        write_csv(options.output / "closure_rest.csv", rows, shown)
+        lines += rest_tables(rows)
+        maps |= panels_of(rows, "from rest: ")
+    if maps:
+        draw_maps(maps, options.output / "closure_map.png")
+    return lines + (width_table(runs) if "width" in options.only and not options.quick else [])
+
+
+def main():
+    options = read_options()
+    options.output.mkdir(parents=True, exist_ok=True)
+    runs, cases = Runs(options.program, options.output), wanted(options)
+    left = [one for one in dict.fromkeys(cases) if one not in runs.known]
+    print(f"{len(left)} of {len(set(cases))} encounters to make, about {sum(map(cost, left)) / 60:.1f} CPU minutes", flush=True)
+    if options.dry_run:
+        return
+    runs.make(cases)
+    lines = report(options, runs)
+    (options.output / "closure.md").write_text("\n".join(lines[1:]) + "\n", encoding="utf-8")
+    print("\n".join(lines))
+    print(f"CPU time of these encounters: {sum(runs.known[one]['cpu_seconds'] for one in set(cases)) / 60:.1f} minutes")
 
 
 if __name__ == "__main__":

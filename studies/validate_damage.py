@@ -9,10 +9,8 @@ or ended otherwise unseemly; the last three are to be 0. Of tables of the field 
 --csv: a row a kind, written over; what failed is kept in its folder.
 """
 
-import argparse
 import collections
 import concurrent.futures
-import csv
 import os
 import random
 import shutil
@@ -21,21 +19,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent
+from lab import SOURCE, markdown, parser, write_csv
 
-
-def arguments_of_command():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=SOURCE / "build/release/rodwake", type=Path)
-    parser.add_argument("--files", default=10000, type=int)
-    parser.add_argument("--only", default="")
-    parser.add_argument("--seed", default=1, type=int)
-    parser.add_argument("--csv", type=Path)
-    parser.add_argument("-j", "--jobs", default=os.cpu_count(), type=int)
-    return parser.parse_args()
-
-
-options = arguments_of_command()
+reader = parser(__doc__, "seed", "csv")
+reader.add_argument("--files", default=10000, type=int)
+reader.add_argument("-j", "--jobs", default=os.cpu_count(), type=int)
+options = reader.parse_args()
 os.environ["RODWAKE_PROGRAM"] = str(options.program.resolve())
 sys.path.insert(0, str(SOURCE / "tests/support"))
 import faults  # noqa: E402 (it reads the program's name)
@@ -90,7 +79,13 @@ def damaged(good, chance):
 
 def called(arguments, place):
     return subprocess.run([options.program.resolve(), *arguments], cwd=place, capture_output=True, text=True, errors="replace",
-                          timeout=60, env={**os.environ, "XDG_CACHE_HOME": str(place / "cache")})
+                          timeout=60, env={**os.environ, "XDG_CACHE_HOME": str(place / "cache")}, check=False)
+
+
+def must(kind, arguments, place):
+    done = called(arguments, place)
+    if done.returncode != 0:
+        raise RuntimeError(f"{kind}, undamaged: {' '.join(arguments)}: {done.stderr}")
 
 
 def ready(kind, folder):
@@ -99,18 +94,14 @@ def ready(kind, folder):
     for name, text in files.items():
         (folder / name).write_text(text)
     for arguments in makers:
-        done = called(arguments, folder)
-        if done.returncode != 0:
-            raise RuntimeError(f"{kind}: {done.stderr}")
+        must(kind, arguments, folder)
     record = folder / "out/provenance.json"
     if kind == "sqlite":  # a scan that is to go on
         record.write_text(record.read_text().replace("finished", "interrupted"))
     for arguments in readers:
-        shutil.copytree(folder, folder.parent / "sound")
-        done = called(arguments, folder.parent / "sound")
-        if done.returncode != 0:
-            raise RuntimeError(f"{kind}, undamaged: {done.stderr}")
-        shutil.rmtree(folder.parent / "sound")
+        sound = shutil.copytree(folder, folder.parent / "sound")
+        must(kind, arguments, sound)
+        shutil.rmtree(sound)
 
 
 def ending(arguments, place):
@@ -151,12 +142,7 @@ def round_of(kind):
     return {"kind": kind, "files": count, **{end: ends[end] for end in ("refused", "read", "signal", "hang", "unseemly")}}
 
 
-rows = [round_of(kind) for kind in (options.only.split(",") if options.only else KINDS)]
-print("| " + " | ".join(rows[0]) + " |\n|" + "---|" * len(rows[0]))
-for row in rows:
-    print("| " + " | ".join(str(value) for value in row.values()) + " |")
+rows = [round_of(kind) for kind in options.only or KINDS]
+print(markdown(rows[0], [row.values() for row in rows]))
 if options.csv:
-    with options.csv.open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+    write_csv(options.csv, rows)

@@ -8,51 +8,23 @@ and a message, how many made no difference (exit code 0 and the results of a sou
 nothing. --csv: a row a fault, added to the file; faults that stand there are not tried again.
 """
 
-import argparse
 import collections
-import csv
 import os
 import sys
 import tempfile
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent
+from lab import SOURCE, keep_row, kept_rows, markdown, parser
 
-
-def arguments_of_command():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("shim", type=Path)
-    parser.add_argument("--program", default=SOURCE / "build/release/rodwake", type=Path)
-    parser.add_argument("--faults", default=5000, type=int)
-    parser.add_argument("--only", default="")
-    parser.add_argument("--csv", type=Path)
-    return parser.parse_args()
-
-
-options = arguments_of_command()
+reader = parser(__doc__, "csv")
+reader.add_argument("shim", type=Path)
+reader.add_argument("--faults", default=5000, type=int)
+options = reader.parse_args()
 os.environ["RODWAKE_PROGRAM"] = str(options.program.resolve())
 sys.path.insert(0, str(SOURCE / "tests/support"))
 import faults  # noqa: E402 (it reads the program's name)
 
 COLUMNS = ["verb", "call", "number", "error", "exit", "wrong"]
-
-
-def done_before():
-    if not options.csv or not options.csv.exists():
-        return []
-    with options.csv.open() as file:
-        return list(csv.DictReader(file))
-
-
-def keep(row):
-    if not options.csv:
-        return
-    new = not options.csv.exists()
-    with options.csv.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        if new:
-            writer.writeheader()
-        writer.writerow(row)
 
 
 def wanted_of(bench, share):
@@ -82,28 +54,26 @@ def tried(verb, bench, wanted, known):
             continue
         wrong, done = bench.fault(call, number, error)
         row = dict(zip(COLUMNS, (*key, done.returncode, "; ".join(wrong))))
-        keep(row)
+        keep_row(options.csv, row)
         yield row
         if wrong:
             print(f"{verb}: {call} {number} with {error}: {row['wrong']}", file=sys.stderr)
 
 
 def table(rows):
-    print("| verb | call | faults | told, exit code 1 | no difference | silent or unseemly |\n|---|---|---|---|---|---|")
-    groups = collections.defaultdict(list)
+    groups, lines = collections.defaultdict(list), []
     for row in rows:
         groups[row["verb"], row["call"]].append(row)
     for (verb, call), some in [*sorted(groups.items()), (("all", ""), rows)]:
-        told = sum(str(row["exit"]) == "1" and not row["wrong"] for row in some)
-        none = sum(str(row["exit"]) == "0" and not row["wrong"] for row in some)
-        print(f"| {verb} | {call} | {len(some)} | {told} | {none} | {sum(bool(row['wrong']) for row in some)} |")
+        told, none = (sum(str(row["exit"]) == code and not row["wrong"] for row in some) for code in "10")
+        lines.append([verb, call, len(some), told, none, sum(bool(row["wrong"]) for row in some)])
+    print(markdown(["verb", "call", "faults", "told, exit code 1", "no difference", "silent or unseemly"], lines))
 
 
-rows = done_before()
+rows = kept_rows(options.csv)
 before = {tuple(row[key] for key in COLUMNS[:4]) for row in rows}
 with tempfile.TemporaryDirectory(prefix="rodwake-faults-") as folder:
-    benches = {verb: faults.Bench(verb, Path(folder) / verb, options.shim.resolve())
-               for verb in (options.only.split(",") if options.only else faults.VERBS)}
+    benches = {verb: faults.Bench(verb, Path(folder) / verb, options.shim.resolve()) for verb in options.only or faults.VERBS}
     for one, wanted in all_wanted(benches).items():
         rows.extend(tried(one, benches[one], wanted, before))
 table(rows)

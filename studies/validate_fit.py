@@ -1,32 +1,30 @@
 #!/usr/bin/python3
 """Validation of the calibration: every number of docs/validation_fitting.md about fits.
 
-    studies/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [--only periodic,nist,synthetic,problems,variations,speed,quickstart]
-                          [-j 2] [--keep DIR]
+    studies/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [-j 2] [--keep DIR]
+                            [--only periodic,nist,synthetic,problems,variations,speed,quickstart]
+    studies/validate_fit.py --mean-track RUN_DIRECTORY [--step 0.5] > pair.csv
 
 nist and synthetic need a tree with tests (--tests names test_fitting of it), speed the benchmarks beside --program. Prints Markdown.
+--mean-track makes data for trajectory fits ([[fit.trajectories]]) of the runs of a granular ensemble (RUN_DIRECTORY/runs/*/tracks.csv;
+of a variant: RUN_DIRECTORY/variants/NAME): t,x0,y0,theta0,x1,... from t = 0 to the end of the shortest run, means over the runs,
+lengths in bead radii a, times in s. The comment line gives the mean standard errors and the mean speed.
 """
 
-import argparse
-import csv
 import json
-import math
 import re
 import subprocess
 import sys
-import tempfile
 import time
 import tomllib
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent
+import numpy as np
 
+from lab import SOURCE, markdown, parser, run_parts, told, tracks
+from validate_field import periodic
 
-def call(*command, check=True):
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if check and done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
-    return done
+BEAD_RADIUS = 4e-4  # m
 
 
 def with_error(parameter):
@@ -38,48 +36,39 @@ def with_error(parameter):
     return f"{parameter['value']:.4g} " + ("(no error)" if error is None else f"+- {error:.2g}")
 
 
-def print_fit(name, fit):
+def print_fit(name, folder):
+    fit = told(folder, "fit")
     values = ", ".join(f"{key} = {with_error(one)}" for key, one in fit["parameters"].items())
     print(f"\n**{name}**: {values}; chi2 = {fit['chi2']:.1f} for {fit['dof']}, {fit['termination']}, "
-          f"{fit['same_optimum']} of {len(fit['starts'])} starts at this optimum")
-    print("\n| profile | role | points | chi2 | data over model |\n|---|---|---|---|---|")
-    for one in fit["profiles"]:
-        excess = one["excess"]
-        print(f"| {one['component']} along {one['along']} at {one['at']} | {one['role']} | {one['used']} | {one['chi2']:.1f} | "
-              f"{excess['scale']:.2f} +- {excess['stderr']:.2f} |")
+          f"{fit['same_optimum']} of {len(fit['starts'])} starts at this optimum\n")
+    print(markdown(["profile", "role", "points", "chi2", "data over model"],
+                   [[f"{one['component']} along {one['along']} at {one['at']}", one["role"], one["used"], f"{one['chi2']:.1f}", excess(one)]
+                    for one in fit["profiles"]]))
     for other in fit["compare"]:
-        print(f"\nwith {other['name']}'s values: chi2 = {other['chi2']:.0f}; data over model "
-              + ", ".join(f"{one['excess']['scale']:.2f} +- {one['excess']['stderr']:.2f}" for one in other["profiles"]))
+        print(f"\nwith {other['name']}'s values: chi2 = {other['chi2']:.0f}; data over model " + ", ".join(map(excess, other["profiles"])))
     for remark in fit["remarks"]:
         print(f"\n- {remark}")
 
 
-def problems(options, folder):
+def excess(profile):
+    return f"{profile['excess']['scale']:.2f} +- {profile['excess']['stderr']:.2f}"
+
+
+def fitted(lab, name, file):
+    """The folder of a fit; its problem stays where it is, since it names data beside it."""
+    out = lab.folder / name
+    lab.call("fit", file, "-o", out, "--force", "-j", lab.threads, "--quiet")
+    return out
+
+
+def problems(lab):
     for problem in sorted((SOURCE / "fitting/problems").glob("*.toml")):
-        out = folder / problem.stem
-        call(options.program, "fit", problem, "-o", out, "--force", "-j", options.j, "--quiet")
-        print_fit(problem.stem, json.loads((out / "fit.json").read_text()))
+        print_fit(problem.stem, fitted(lab, problem.stem, problem))
 
 
-def periodic(options, folder):
-    """The reference points through the program; errors relative to the value itself, which is stricter than to the largest."""
-    file = SOURCE / "tests/data/periodic_field.csv"
-    rows = list(csv.DictReader(line for line in file.read_text().splitlines() if not line.startswith("#")))
-    answer = list(csv.DictReader(call(options.program, "field", "--points", file).stdout.splitlines()))
-    for names in (("Ux", "Uy"), ("exx", "exy", "eyy")):
-        worst = 0.0
-        for row, got in zip(rows, answer, strict=True):
-            error = math.hypot(*(float(row[name]) - float(got[name]) for name in names))
-            worst = max(worst, error / math.hypot(*(float(row[name]) for name in names)))
-        print(f"{', '.join(names)}: worst error relative to the point's own value {worst:.1e}, {len(rows)} points")
-
-
-def nist(options, folder):
-    print(call(options.tests, "[.table]", check=False).stdout)
-
-
-def synthetic(options, folder):
-    print(call(options.tests, "[long]", check=False).stdout)
+def of_tests(words):
+    """Prints what test_fitting prints of the tests of this tag."""
+    return lambda lab: print(subprocess.run([lab.options.tests, words], capture_output=True, text=True, check=False).stdout)
 
 
 def held(problem, **values):
@@ -102,7 +91,7 @@ def varied(problem, **keys):
     return head + data
 
 
-def variations(options, folder):
+def variations(lab):
     """What docs/fitting.md says of other models and cores."""
     with_x0, with_offset = (json.dumps(["f_over_mu", "eta", "xi", name]) for name in ("x0", "offset"))
     cases = {"eta = 1.3 held": varied("monopole.toml", **held("monopole.toml", eta=1.3)),
@@ -112,46 +101,55 @@ def variations(options, folder):
              "dipole alone in the medium of the monopole": varied("dipole.toml", **held("dipole.toml", f_over_mu=4.081, eta=4.439, xi=52.16)),
              **{f"core {core} a": varied("monopole.toml", core=core) for core in (8, 12, 14)}}
     for number, (name, text) in enumerate(cases.items()):
-        (folder / f"variation_{number}.toml").write_text(text)
-        out = folder / f"variation_{number}"
-        call(options.program, "fit", folder / f"variation_{number}.toml", "-o", out, "--force", "-j", options.j, "--quiet")
-        print_fit(name, json.loads((out / "fit.json").read_text()))
+        print_fit(name, fitted(lab, f"variation_{number}", lab.write(f"variation_{number}.toml", text)))
 
 
-def speed(options, folder):
-    print(call(SOURCE / "bench/wake_fit.py", "--programs", Path(options.program).parent / "bench").stdout)
+def speed(lab):
+    command = [SOURCE / "bench/wake_fit.py", "--programs", Path(lab.program).parent / "bench"]
+    print(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
-def quickstart(options, folder):
-    start = time.perf_counter()
-    out = folder / "quickstart"
-    call(options.program, "run", SOURCE / "scenes/quickstart.toml", "-o", out, "--force", "-j", options.j, "--quiet")
-    print(f"\nrodwake run scenes/quickstart.toml -j {options.j}: {time.perf_counter() - start:.0f} s, report.html "
+def quickstart(lab):
+    start, out = time.perf_counter(), lab.folder / "quickstart"
+    lab.call("run", SOURCE / "scenes/quickstart.toml", "-o", out, "--force", "-j", lab.threads, "--quiet")
+    print(f"\nrodwake run scenes/quickstart.toml -j {lab.threads}: {time.perf_counter() - start:.0f} s, report.html "
           f"{(out / 'report.html').stat().st_size / 1e6:.1f} MB")
-    print_fit("quickstart", json.loads((out / "fit.json").read_text()))
-    print("\nmedium:", (out / "medium.json").read_text().strip(), "\noutcome:", json.loads((out / "outcome.json").read_text())["outcome"])
+    print_fit("quickstart", out)
+    print("\nmedium:", (out / "medium.json").read_text().strip(), "\noutcome:", told(out, "outcome")["outcome"])
 
 
-PARTS = {"periodic": periodic, "nist": nist, "synthetic": synthetic, "problems": problems, "variations": variations, "speed": speed, "quickstart": quickstart}
+def mean_track(folder, step):
+    runs = tracks(folder)
+    if len(runs) < 2:
+        sys.exit(f"{folder}: {len(runs)} runs with tracks.csv; a mean with an error needs two")
+    rods = sum(name.startswith("theta") for name in runs[0])
+    names = ["t"] + [f"{name}{rod}" for rod in range(rods) for name in ("x", "y", "theta")]
+    walked = [np.array([run[name][run["t"] >= -1e-9] for name in names]).T for run in runs]
+    every = max(round(step / (walked[0][1, 0] - walked[0][0, 0])), 1)
+    scale = np.array([1.0] + [BEAD_RADIUS, BEAD_RADIUS, 1.0] * rods)
+    all_runs = np.stack([one[:min(map(len, walked)):every] for one in walked]) / scale
+    mean, error = all_runs.mean(0), all_runs.std(0, ddof=1)[1:] / np.sqrt(len(runs))
+    by_kind = error[:, 1:].reshape(len(error), rods, 3)
+    speeds = [np.hypot(*(mean[-1, c:c + 2] - mean[0, c:c + 2])) / mean[-1, 0] for c in range(1, 3 * rods, 3)]
+    print(f"# mean of {len(runs)} runs; lengths in bead radii, s; standard errors {by_kind[..., :2].mean():.3g} a and {by_kind[..., 2].mean():.3g} rad; "
+          f"mean speed {np.mean(speeds):.4g} a/s")
+    print("\n".join([",".join(names), *(",".join(f"{value:.17g}" for value in row) for row in mean)]))
+
+
+PARTS = {"periodic": periodic, "nist": of_tests("[.table]"), "synthetic": of_tests("[long]"), "problems": problems, "variations": variations, "speed": speed,
+         "quickstart": quickstart}
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=SOURCE / "build/release/rodwake")
-    parser.add_argument("--tests", default=SOURCE / "build/dev/tests/test_fitting")
-    parser.add_argument("--only", default=",".join(PARTS))
-    parser.add_argument("-j", type=int, default=2)
-    parser.add_argument("--keep")
-    options = parser.parse_args()
-    chosen = options.only.split(",")
-    if unknown := [name for name in chosen if name not in PARTS]:
-        parser.error(f"no such part: {', '.join(unknown)}; there are {', '.join(PARTS)}")
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(options.keep or scratch)
-        folder.mkdir(parents=True, exist_ok=True)
-        for name in chosen:
-            print(f"\n## {name}", flush=True)
-            PARTS[name](options, folder)
+    found = parser(__doc__, "threads", "keep", parts=PARTS)
+    found.add_argument("--tests", type=Path, default=SOURCE / "build/dev/tests/test_fitting")
+    found.add_argument("--mean-track", type=Path, metavar="RUN_DIRECTORY", help="prints the mean paths of its rods, and nothing else")
+    found.add_argument("--step", type=float, default=0.5, help="s between the rows of --mean-track")
+    options = found.parse_args()
+    if options.mean_track:
+        mean_track(options.mean_track, options.step)
+    else:
+        run_parts(options, PARTS, lambda name: print(f"\n## {name}", flush=True))
 
 
 if __name__ == "__main__":

@@ -8,52 +8,47 @@ Runs the scenes of scenes/ and prints Markdown: each line a number with its stan
 takes up what is there; --runs N replaces the scenes' number of runs (fewer: larger errors).
 """
 
-import argparse
-import csv
-import json
-import subprocess
-import sys
-import tempfile
 import time
-from pathlib import Path
 
-import h5py
 import numpy as np
-import periodic_wake
 
-SOURCE = Path(__file__).resolve().parent.parent
-
-
-class Lab:
-    def __init__(self, options, folder):
-        self.program, self.threads, self.runs, self.folder = options.program, options.j, options.runs, Path(folder)
-
-    def run(self, scene, name, *settings):
-        """The run directory of a scene, simulated and measured; taken as it is if it is there."""
-        out = self.folder / name
-        extra = [f"-sgranular.runs={self.runs}"] if self.runs else []
-        done = json.loads((out / "provenance.json").read_text())["status"] if (out / "provenance.json").exists() else ""
-        if done == "finished":
-            return out
-        command = [self.program, "run", SOURCE / "scenes" / scene, "-o", out, "-j", self.threads, "--quiet",
-                   *[f"-s{s}" for s in settings], *extra]
-        finished = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-        if finished.returncode != 0:
-            sys.exit(f"{' '.join(map(str, command))}: exit code {finished.returncode}\n{finished.stderr}")
-        return out
-
-
-def read(file):
-    lines = [line for line in file.read_text().splitlines() if not line.startswith("#")]
-    return list(csv.DictReader(lines))
-
+from lab import cases, columns, datasets, estimate, line_fit, parser, ratio, rows, run_parts, table, text, told, weighted
 
 BINS_PER_VALUE = 4.2  # bins of 1 a closer than two lattice spacings share data: a fit has fewer values than bins
+TERMS = 4000          # of the Fourier series of a periodic wake: a thousandth is enough beside measured profiles
+CORE_ETAS = [(core, eta) for core in (8.0, 10.0) for eta in (0.5, 1.3, 5.0)]
+A = 0.4               # mm, radius of a bead
+
+
+def made(lab, scene, name, *settings):
+    """The run directory of a scene, simulated and measured."""
+    return lab.make(name, scene, *settings, *([f"granular.runs={lab.options.runs}"] if lab.options.runs else []))
+
+
+def measured(folder):
+    return told(folder, "measure")
+
+
+def shown(entry, scale=1.0, digits=3):
+    return text(estimate(entry), scale, digits)
+
+
+def order(lab):
+    found = []
+    for _, folder in cases(made(lab, "order.toml", "order")):
+        m = measured(folder)
+        o, r = m["order"], m["microrheology"]
+        found.append([f"{m['phi_b']:.2f}", shown(o["psi6"]), f"{o['g_minimum']:.2f}" if o["g_minimum"] else "-", o["class"], shown(o["exponent"]),
+                      f"{r['stiffness']['value']:.4f} +- {r['scatter']:.4f} +- {r['bend']:.4f}", shown(r["spring"], 1e3)])
+    table("Order and stiffness", ["phi_b", "psi6", "first minimum of g, a", "g_B", "exponent", "stiffness, 1/a^2, +- scatter +- bend",
+                                   "k, mN/m"], found)
+
+
+# The wake around a rod, and the steady field of a rod in a periodic box, zero mode removed (docs/physics.md), by its Fourier series.
 
 
 def profile(folder, name):
-    rows = read(folder / f"profile_{name}.csv")
-    return tuple(np.array([float(row[key]) for row in rows]) for key in ("x", "value", "sigma"))
+    return columns(folder / f"profile_{name}.csv", "x", "value", "sigma")
 
 
 def shared(sigma):
@@ -61,38 +56,36 @@ def shared(sigma):
     return sigma * np.sqrt(BINS_PER_VALUE)
 
 
-def measured(folder):
-    return json.loads((folder / "measure.json").read_text())
+def potential(x, y, c, box):
+    """G, dG/dx and dG/dy of lap G + 2 c dG/dx = -2 pi (delta - 1/L^2), for 0 < x < L."""
+    x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+    q = 2.0 * np.pi * np.arange(1, TERMS + 1) / box
+    s = np.sqrt(c * c + q * q)
+    down, up = -c - s, -c + s
+    xs, ys = x.reshape(-1, 1), y.reshape(-1, 1)
+    strength = 2.0 * np.pi / box / (2.0 * s)
+    behind = strength * np.exp(down * xs) / -np.expm1(down * box)
+    ahead = strength * np.exp(up * (xs - box)) / -np.expm1(-up * box)
+    wave, slope = np.cos(q * ys), -q * np.sin(q * ys)
+    A = -(2.0 * np.pi / box) / -np.expm1(-2.0 * c * box)
+    x0 = x.reshape(-1)
+    mean = np.pi * x0 / (c * box**2) - A * np.exp(-2.0 * c * x0) / (2.0 * c) - np.pi / (2.0 * c * box) - np.pi / (2.0 * c**2 * box**2)
+    mean_slope = np.pi / (c * box**2) + A * np.exp(-2.0 * c * x0)
+    G = mean + 2.0 * ((behind + ahead) * wave).sum(1)
+    Gx = mean_slope + 2.0 * ((down * behind + up * ahead) * wave).sum(1)
+    Gy = 2.0 * ((behind + ahead) * slope).sum(1)
+    return G.reshape(x.shape), Gx.reshape(x.shape), Gy.reshape(x.shape)
 
 
-def table(title, head, rows):
-    print(f"\n### {title}\n\n| " + " | ".join(head) + " |\n|" + "---|" * len(head))
-    for row in rows:
-        print("| " + " | ".join(str(cell) for cell in row) + " |", flush=True)
-    print(flush=True)
-
-
-def estimate(e, scale=1.0, digits=3):
-    if e["error"] is None:
-        return f"{scale * e['value']:.{digits}f} (one run)"
-    return f"{scale * e['value']:.{digits}f} +- {scale * e['error']:.{digits}f}"
-
-
-def cases(folder):
-    """(name, folder) of the scene and its variants, in the order of series.csv."""
-    return [(row, folder if row["name"] == "scene" else folder / "variants" / row["name"]) for row in read(folder / "series.csv")]
-
-
-def order(lab):
-    rows = []
-    for row, folder in cases(lab.run("order.toml", "order")):
-        m = measured(folder)
-        o, r = m["order"], m["microrheology"]
-        rows.append([f"{m['phi_b']:.2f}", estimate(o["psi6"]), f"{o['g_minimum']:.2f}" if o["g_minimum"] else "-", o["class"],
-                     estimate(o["exponent"]),
-                     f"{r['stiffness']['value']:.4f} +- {r['scatter']:.4f} +- {r['bend']:.4f}", estimate(r["spring"], 1e3)])
-    table("Order and stiffness", ["phi_b", "psi6", "first minimum of g, a", "g_B", "exponent", "stiffness, 1/a^2, +- scatter +- bend",
-                                   "k, mN/m"], rows)
+def periodic_field(x, y, f_over_mu, xi, eta, box):
+    """U_x, U_y at places in the rod's frame; x = 0 itself is taken a little ahead of it."""
+    inside = np.mod(x, box)
+    inside = np.clip(inside, 1e-6 * box, (1.0 - 1e-6) * box)
+    c_shear, c_long = 1.0 / (2.0 * xi), 1.0 / ((1.0 + eta) * 2.0 * xi)
+    GT, GTx, GTy = potential(inside, y, c_shear, box)
+    _, GLx, GLy = potential(inside, y, c_long, box)
+    scale = f_over_mu / (2.0 * np.pi)
+    return scale * (GT + xi * (GTx - GLx)), scale * xi * (GTy - GLy)
 
 
 def fit_wake(x, U, sigma, box, core, eta):
@@ -102,7 +95,7 @@ def fit_wake(x, U, sigma, box, core, eta):
     p = np.log([3.0, 12.0])
 
     def model(p):
-        return periodic_wake.field(x, 0.0 * x, np.exp(p[0]), np.exp(p[1]), eta, box)[0]
+        return periodic_field(x, 0.0 * x, np.exp(p[0]), np.exp(p[1]), eta, box)[0]
 
     for _ in range(30):
         base = model(p)
@@ -117,133 +110,124 @@ def fit_wake(x, U, sigma, box, core, eta):
     return np.exp(p), np.exp(p) * error, chi2, dof / BINS_PER_VALUE
 
 
-def ratio(value, sigma, theory):
+def scale_of(value, sigma, theory):
     """The factor k of value = k theory, with its error (scaled by chi)."""
     w = theory / sigma**2
     k = np.sum(w * value) / np.sum(w * theory)
     chi2 = np.sum(((value - k * theory) / sigma) ** 2) * BINS_PER_VALUE / max(1, len(value) - 1)
-    return f"{k:.2f} +- {np.sqrt(max(1.0, chi2) / np.sum(w * theory)):.2f}"
+    return text((k, np.sqrt(max(1.0, chi2) / np.sum(w * theory))))
 
 
 def decays(folder):
     """U_x on the axis behind and ahead, from the value half a box away, which both sides share."""
     x, U, sigma = profile(folder, "Ux_x")
-    edge = U[0]
-    rows = []
     for distance in (9.0, 15.0, 21.0, 27.0):
-        (behind, b), (ahead, a) = ((U[k] - edge, sigma[k]) for k in (np.argmin(np.abs(x + distance)), np.argmin(np.abs(x - distance))))
-        ratio = behind / ahead
-        rows.append([f"{distance:g}", f"{behind:.3f} +- {b:.3f}", f"{ahead:.3f} +- {a:.3f}",
-                     f"{ratio:.1f} +- {abs(ratio) * np.hypot(b / behind, a / ahead):.1f}"])
-    return rows
+        behind, ahead = ((U[k] - U[0], sigma[k]) for k in (np.argmin(np.abs(x + distance)), np.argmin(np.abs(x - distance))))
+        yield [f"{distance:g}", text(behind, digits=3), text(ahead, digits=3), text(ratio(behind, ahead), digits=1)]
 
 
-def wake(lab, scene="wake.toml", name="wake", title="Wake in the 78 a box"):
-    folder = lab.run(scene, name)
+def beside_wake(folder, values, eta, box, core):
+    """Measured over theory with the values fitted: U_x(0, y), U_y(x, 4a), it ahead of the rod, U_y(0, y)."""
+    for which, component in (("Ux_y", 0), ("Uy_x", 1), ("Uy_y", 1)):
+        s, v, d = profile(folder, which)
+        x, y = (s, np.full_like(s, 4.0)) if which.endswith("_x") else (np.zeros_like(s), s)
+        theory = periodic_field(x, y, *values, eta, box)[component]
+        for use in (np.abs(s) > core, s > core)[:2 if which == "Uy_x" else 1]:
+            yield scale_of(v[use], shared(d[use]), theory[use])
+
+
+def wake(lab, scene="wake.toml", name="wake", title="Wake in the 78 a box", box=78.0):
+    folder = made(lab, scene, name)
     m = measured(folder)["displacement"]
     x, U, sigma = profile(folder, "Ux_x")
-    box = 155.0 if name == "large" else 78.0
     table(title + ": U_x(x,0) - U_x(L/2,0)", ["distance, a", "behind, a", "ahead, a", "ratio"], decays(folder))
-    rows = [["blocks, frames, rod speed", f"{m['blocks']}, {m['frames']}, {m['mean_speed']:.2f} a/s"]]
-    for core in (8.0, 10.0):
-        for eta in (0.5, 1.3, 5.0):
-            p, e, chi2, dof = fit_wake(x, U, shared(sigma), box, core, eta)
-            cells = []
-            for which, component in (("Ux_y", 0), ("Uy_x", 1), ("Uy_y", 1)):
-                s, v, d = profile(folder, which)
-                d = shared(d)
-                along_x = which.endswith("_x")
-                px, py = (s, np.full_like(s, 4.0)) if along_x else (np.zeros_like(s), s)
-                use = np.abs(s) > core
-                cells.append(ratio(v[use], d[use], periodic_wake.field(px, py, *p, eta, box)[component][use]))
-                if which == "Uy_x":
-                    use = s > core
-                    cells.append(ratio(v[use], d[use], periodic_wake.field(px, py, *p, eta, box)[component][use]))
-            rows.append([f"|x| > {core:g} a, eta = {eta}: f/mu, xi; chi2/dof",
-                         f"{p[0]:.2f} +- {e[0]:.2f} a, {p[1]:.1f} +- {e[1]:.1f} a; {chi2:.0f}/{dof:.0f}"])
-            rows.append(["measured over theory: U_x(0,y); U_y(x,4a) all; ahead; U_y(0,y)", "; ".join(cells)])
-    table(title, ["", ""], rows)
+    found = [["blocks, frames, rod speed", f"{m['blocks']}, {m['frames']}, {m['mean_speed']:.2f} a/s"]]
+    for core, eta in CORE_ETAS:
+        p, e, chi2, dof = fit_wake(x, U, shared(sigma), box, core, eta)
+        found += [[f"|x| > {core:g} a, eta = {eta}: f/mu, xi; chi2/dof",
+                   f"{p[0]:.2f} +- {e[0]:.2f} a, {p[1]:.1f} +- {e[1]:.1f} a; {chi2:.0f}/{dof:.0f}"],
+                  ["measured over theory: U_x(0,y); U_y(x,4a) all; ahead; U_y(0,y)", "; ".join(beside_wake(folder, p, eta, box, core))]]
+    table(title, ["", ""], found)
     return folder
 
 
+def power_behind(x, U, sigma, low, high):
+    """The power of |x| with which U_x falls behind the rod, and its error."""
+    here = (-x >= low) & (-x <= high) & (U > 0)
+    return line_fit(np.log(-x[here]), np.log(U[here]), shared(sigma[here]) / U[here])[0]
+
+
 def large(lab):
-    folder = wake(lab, "wake_large.toml", "large", "Wake in the 155 a box")
-    x, U, sigma = profile(folder, "Ux_x")
-    rows = []
+    x, U, sigma = profile(wake(lab, "wake_large.toml", "large", "Wake in the 155 a box", 155.0), "Ux_x")
+    found = []
     for low, high in ((9.0, 15.0), (15.0, 21.0), (9.0, 21.0)):
         use = (-x >= low) & (-x <= high)
-        wide = shared(sigma)
-        s, v, d = -x[use], np.sqrt(-x[use]) * U[use], np.sqrt(-x[use]) * wide[use]
-        w = 1.0 / d**2
-        mean = np.sum(w * v) / np.sum(w)
-        line = np.polyfit(s, v, 1, w=1.0 / d, cov="unscaled")
-        power = np.polyfit(np.log(s), np.log(U[use]), 1, w=U[use] / wide[use], cov="unscaled")
-        rows.append([f"{low:g} to {high:g} a behind", f"{mean:.3f} +- {np.sum(w)**-0.5:.3f}", f"{line[0][0]:.4f} +- {np.sqrt(line[1][0, 0]):.4f}",
-                     f"{power[0][0]:.2f} +- {np.sqrt(power[1][0, 0]):.2f}"])
-    table("|x|^(1/2) U_x behind the rod in the 155 a box", ["", "mean, a^(3/2)", "slope, a^(1/2)", "power of |x| of U_x"], rows)
+        s, v, d = -x[use], np.sqrt(-x[use]) * U[use], np.sqrt(-x[use]) * shared(sigma[use])
+        found.append([f"{low:g} to {high:g} a behind", text(weighted(zip(v, d)), digits=3), text(line_fit(s, v, d)[0], digits=4),
+                      text(power_behind(x, U, sigma, low, high))])
+    table("|x|^(1/2) U_x behind the rod in the 155 a box", ["", "mean, a^(3/2)", "slope, a^(1/2)", "power of |x| of U_x"], found)
+
+
+def flow_far(folder):
+    """Velocity of the beads 10 to 22 a behind and ahead of the rod, along its heading, a/s."""
+    x, y, v, sigma = datasets(folder / "measure.h5", "flow", "x", "y", "vx", "sigma_x")
+    strips = (np.ix_(np.abs(y) < 3.1, (x >= low) & (x <= high)) for low, high in ((-22, -10), (10, 22)))
+    return [weighted(zip(v[strip].ravel(), np.maximum(sigma[strip], 1e-9).ravel())) for strip in strips]
 
 
 def flow(lab):
-    rows = []
-    for row, folder in cases(lab.run("bead_drag.toml", "flow")):
+    found = []
+    for row, folder in cases(made(lab, "bead_drag.toml", "flow")):
         f = measured(folder)["flow"]
-        with h5py.File(folder / "measure.h5") as h5:
-            x, y, vx, sigma = (h5[f"flow/{name}"][...] for name in ("x", "y", "vx", "sigma_x"))
-        far = []
-        for low, high in ((-22, -10), (10, 22)):
-            strip = np.ix_(np.abs(y) < 3.1, (x >= low) & (x <= high))
-            w = 1.0 / np.maximum(sigma[strip], 1e-9)**2
-            far.append(f"{np.sum(w * vx[strip]) / np.sum(w):+.2f} +- {np.sum(w)**-0.5:.2f}")
-        rows.append([f"{float(row['phi_b']):.2f}", *far, f"{f['near_speed']:.2f}", estimate(f["drag"], 1, 2), estimate(f["drag_share"])])
+        far = (f"{value:+.2f} +- {error:.2f}" for value, error in flow_far(folder))
+        found.append([f"{float(row['phi_b']):.2f}", *far, f"{f['near_speed']:.2f}", shown(f["drag"], 1, 2), shown(f["drag_share"])])
     table("Flow around the rod", ["phi_b", "v_x 10 to 22 a behind, a/s", "ahead, a/s", "mean speed within 6 a, a/s",
-                                  "drag of the beads within 6 a over 20 a of the rod's way, a", "share of it"], rows)
+                                  "drag of the beads within 6 a over 20 a of the rod's way, a", "share of it"], found)
 
 
-def pair_rows(lab, name, *settings):
-    return [[f"{float(row['phi_b']):.2f}", f"{float(row['d0']):.1f}",
-             f"{float(row['delta_y']):+.2f} +- {float(row['delta_y_error']):.2f}", measured(folder)["pairs"]["half_box_change"]["samples"],
-             estimate(measured(folder)["pairs"]["non_reciprocity"], 1, 2)]
-            for row, folder in cases(lab.run("pair_series.toml", name, *settings))]
-
-
-PAIR_HEAD = ["phi_b", "d0, a", "Delta y over half the box, a", "runs", "non-reciprocity"]
+def pair_table(lab, title, name, *settings):
+    found = []
+    for row, folder in cases(made(lab, "pair_series.toml", name, *settings)):
+        p = measured(folder)["pairs"]
+        found.append([f"{float(row['phi_b']):.2f}", f"{float(row['d0']):.1f}", f"{float(row['delta_y']):+.2f} +- {float(row['delta_y_error']):.2f}",
+                      p["half_box_change"]["samples"], shown(p["non_reciprocity"], 1, 2)])
+    table(title, ["phi_b", "d0, a", "Delta y over half the box, a", "runs", "non-reciprocity"], found)
 
 
 def pairs(lab):
-    table("Pairs 15 a apart, rows along the rods", PAIR_HEAD, pair_rows(lab, "pairs"))
+    pair_table(lab, "Pairs 15 a apart, rows along the rods", "pairs")
 
 
 def pairs_18(lab):
-    table("Pairs 18 a apart, rows along the rods", PAIR_HEAD,
-          pair_rows(lab, "pairs_18", "granular.rods.0.position=[20 a, 48 a]", "granular.rods.1.position=[20 a, 30 a]"))
+    pair_table(lab, "Pairs 18 a apart, rows along the rods", "pairs_18", "granular.rods.0.position=[20 a, 48 a]", "granular.rods.1.position=[20 a, 30 a]")
 
 
 def turned(lab):
-    table("Pairs 15 a apart, rows turned by 90 degrees", PAIR_HEAD, pair_rows(lab, "turned", "granular.orientation=1.5707963267948966"))
+    pair_table(lab, "Pairs 15 a apart, rows turned by 90 degrees", "turned", "granular.orientation=1.5707963267948966")
 
 
 def pursuit(lab):
-    p = measured(lab.run("pursuit_bed.toml", "pursuit"))["pairs"]
+    p = measured(made(lab, "pursuit_bed.toml", "pursuit"))["pairs"]
     table("Perpendicular starts, phi_b = 0.78", ["contact, pursuit, escape", "turn of the rear, rad", "of the front, rad", "non-reciprocity"],
-          [[f"{p['contact']}, {p['pursuit']}, {p['escape']}", estimate(p["turn_rear"]), estimate(p["turn_front"]),
-            estimate(p["non_reciprocity"], 1, 2)]])
+          [[f"{p['contact']}, {p['pursuit']}, {p['escape']}", shown(p["turn_rear"]), shown(p["turn_front"]), shown(p["non_reciprocity"], 1, 2)]])
+
+
+def force_points(folder):
+    """Speeds, mm/s, forces and their errors, uN."""
+    scaled = [(float(row["imposed_speed"]) * A, 1e6 * float(row["force"]), 1e6 * float(row["force_error"])) for row, _ in cases(folder)]
+    return map(np.array, zip(*scaled))
 
 
 def force(lab):
-    folder = lab.run("force.toml", "force")
-    rows, v, f, e = [], [], [], []
-    for row, _ in cases(folder):
-        v.append(float(row["imposed_speed"]) * 0.4)
-        f.append(float(row["force"]) * 1e6)
-        e.append(float(row["force_error"]) * 1e6)
-        rows.append([f"{v[-1]:.2f}", f"{f[-1]:.3f} +- {e[-1]:.3f}", row["runs"]])
-    table("Force against imposed speed", ["speed, mm/s", "force, uN", "runs"], rows)
-    v, f, e = map(np.array, (v, f, e))
-    line, cov = np.polyfit(v, f, 1, w=1.0 / e, cov="unscaled")
+    folder = made(lab, "force.toml", "force")
+    v, f, e = force_points(folder)
+    table("Force against imposed speed", ["speed, mm/s", "force, uN", "runs"],
+          [[f"{speed:.2f}", text(pair, digits=3), row["runs"]] for speed, pair, (row, _) in zip(v, zip(f, e), cases(folder))])
+    line, rest, _ = line_fit(v, f, e)
     slope = np.sum(v * f / e**2) / np.sum(v**2 / e**2)
-    chi = [float(np.sum(((f - model) / e) ** 2)) for model in (np.polyval(line, v), slope * v)]
-    print(f"f = {line[1]:.2f} +- {cov[1, 1]**0.5:.2f} uN + ({line[0]:.2f} +- {cov[0, 0]**0.5:.2f}) uN s/mm v: chi2 {chi[0]:.1f} for "
-          f"{len(v) - 2}; f = {slope:.2f} uN s/mm v: chi2 {chi[1]:.0f} for {len(v) - 1}\n")
+    chi = [float(np.sum(((f - model) / e) ** 2)) for model in (line[0] * v + rest[0], slope * v)]
+    print(f"f = {text(rest)} uN + ({text(line)}) uN s/mm v: chi2 {chi[0]:.1f} for {len(v) - 2}; "
+          f"f = {slope:.2f} uN s/mm v: chi2 {chi[1]:.0f} for {len(v) - 1}\n")
 
 
 LAGS = (1, 2, 4, 8, 12, 16, 20)  # a
@@ -251,93 +235,71 @@ LAGS = (1, 2, 4, 8, 12, 16, 20)  # a
 
 def mirror_errors(file):
     """What a mirror along the rod should not leave, Ux odd and Uy even, over its sigma: rms, and correlation at LAGS along x."""
-    with h5py.File(file) as h5:
-        x, *layers = (h5["displacement"][name][:] for name in ("x", "Ux", "Uy", "sigma_x", "sigma_y"))
+    x, *layers = datasets(file, "displacement", "x", "Ux", "Uy", "sigma_x", "sigma_y")
     far = np.hypot(*np.meshgrid(x, x[1:])) > 8.0
-    rows = []
     for u, sigma, sign in ((layers[0], layers[2], -1.0), (layers[1], layers[3], 1.0)):
         odd, error = (u[1:] + sign * u[:0:-1]) / 2, np.hypot(sigma[1:], sigma[:0:-1]) / 2
         z = np.where(far, odd / error, np.nan)
         power = np.nanmean(z**2)
-        rows.append((power**0.5, [np.nanmean(z[:, lag:] * z[:, :-lag]) / power for lag in LAGS]))
-    return rows
+        yield f"{power**0.5:.2f}; " + " ".join(f"{np.nanmean(z[:, lag:] * z[:, :-lag]) / power:.2f}" for lag in LAGS)
+
+
+def change(folder):
+    """Of the separation of a pair that starts 15 a apart, a."""
+    last = rows(folder / "rods.csv")[-1]
+    return (float(last["y0"]) - float(last["y1"])) * 4.08 - 15.0  # f/mu of the scene, a
 
 
 def measured_pair(lab):
     """Two rods in the field measured around one, the lattice along the rods and turned."""
-    def change(folder):
-        last = read(folder / "rods.csv")[-1]
-        return (float(last["y0"]) - float(last["y1"])) * 4.08 - 15.0  # f/mu of the scene, a
-    rows = []
+    found = []
     for angle in (0, 90):
-        out = lab.run("pair_measured.toml", f"measured_{angle}", f"granular.orientation={angle} deg")
-        spread = json.loads((out / "outcome.json").read_text())["ensemble"]["final_separation"]["spread"] * 4.08
-        errors = mirror_errors(out / "measure.h5")
-        rows.append([f"{angle}", f"{change(out):+.2f} +- {spread:.2f}", f"{change(out / 'variants/theory'):+.2f}",
-                     *(f"{rms:.2f}; {' '.join(f'{c:.2f}' for c in correlation)}" for rms, correlation in errors)])
+        out = made(lab, "pair_measured.toml", f"measured_{angle}", f"granular.orientation={angle} deg")
+        spread = told(out, "outcome")["ensemble"]["final_separation"]["spread"] * 4.08
+        found.append([angle, f"{change(out):+.2f} +- {spread:.2f}", f"{change(out / 'variants/theory'):+.2f}", *mirror_errors(out / "measure.h5")])
     lags = ", ".join(map(str, LAGS))
     table("Pair 15 a apart in the measured field over half a box, kappa = 1.17",
-          ["rows, deg", "Delta y, a", "theory", f"odd part of Ux over sigma: rms; correlation at {lags} a", "even part of Uy"], rows)
+          ["rows, deg", "Delta y, a", "theory", f"odd part of Ux over sigma: rms; correlation at {lags} a", "even part of Uy"], found)
 
 
-def cpu_seconds(lab, scene, name):
-    out = lab.folder / name
-    command = [lab.program, "dem", scene, "-o", out, "--quiet", "--force"]
-    if subprocess.run([str(part) for part in command]).returncode != 0:
-        sys.exit(f"{command}: failed")
-    return json.loads((out / "summary.json").read_text())["cpu_seconds"]
+BED = """schema = 1
+[granular]
+phi_b = 0.80
+box = "78 a"
+duration = "10 s"
+[granular.output]
+frames = "0.05 s"
+formats = []
+last_period = false
+[[granular.rods]]
+position = ["20 a", "39 a"]
+"""
+OBSERVERS = ("order = true\norder_interval = 0.01", "microrheology = true", "flow = true", 'displacement = "phase"',
+             'displacement = "lagrangian"', 'displacement = "density"')
+
+
+def cpu_seconds(lab, name, scene):
+    file, out = lab.write(f"{name}.toml", scene), lab.folder / name
+    lab.call("dem", file, "-o", out, "--quiet", "--force")
+    return told(out, "summary")["cpu_seconds"]
 
 
 def cost(lab):
-    bed = ('schema = 1\n[granular]\nphi_b = 0.80\nbox = "78 a"\nduration = "10 s"\n[granular.output]\nframes = "0.05 s"\nformats = []\n'
-           'last_period = false\n[[granular.rods]]\nposition = ["20 a", "39 a"]\n')
     every = '[measure]\norder = true\nmicrorheology = true\nflow = true\ndisplacement = "phase"\n'
-    bare, full = lab.folder / "bare.toml", lab.folder / "full.toml"
-    bare.write_text(bed)
-    full.write_text(bed + every)
-    seconds = {"bare": [], "full": []}
-    for k in range(5):  # by turns: the machine is shared
-        seconds["bare"].append(cpu_seconds(lab, bare, "bare"))
-        seconds["full"].append(cpu_seconds(lab, full, "full"))
-    base, more = (float(np.median(seconds[key])) for key in ("bare", "full"))
-    rows = [["all observers, every 0.05 s (order every 0.5 s), CPU of a run", f"{more / base - 1:+.1%} of {base:.2f} s"]]
-    scene = lab.folder / "frames.toml"
-    scene.write_text(bed.replace('"10 s"', '"100 s"').replace("0.05 s", "0.01 s").replace("formats = []", 'formats = ["h5md"]'))
-    cpu_seconds(lab, scene, "frames")
-    for what in ("order = true\norder_interval = 0.01", "microrheology = true", "flow = true", 'displacement = "phase"',
-                 'displacement = "lagrangian"', 'displacement = "density"'):
-        scene.write_text(scene.read_text().split("[measure]")[0] + "[measure]\n" + what + "\n")
-        start = time.monotonic()
-        command = [lab.program, "measure", scene, "-o", lab.folder / "frames", "--quiet", "--force"]
-        if subprocess.run([str(part) for part in command]).returncode != 0:
-            sys.exit(f"{command}: failed")
-        rows.append([f"10001 stored frames: {what.splitlines()[0]}", f"{time.monotonic() - start:.1f} s"])
-    table("Cost, 1538 beads and a rod", ["", ""], rows)
+    turns = [(cpu_seconds(lab, "bare", BED), cpu_seconds(lab, "full", BED + every)) for _ in range(5)]  # by turns: the machine is shared
+    base, more = np.median(turns, axis=0)
+    found = [["all observers, every 0.05 s (order every 0.5 s), CPU of a run", f"{more / base - 1:+.1%} of {base:.2f} s"]]
+    many = BED.replace('"10 s"', '"100 s"').replace("0.05 s", "0.01 s").replace("formats = []", 'formats = ["h5md"]')
+    cpu_seconds(lab, "frames", many)
+    for what in OBSERVERS:
+        file, start = lab.write("frames.toml", f"{many}[measure]\n{what}\n"), time.monotonic()
+        lab.call("measure", file, "-o", lab.folder / "frames", "--quiet", "--force")
+        found.append([f"10001 stored frames: {what.splitlines()[0]}", f"{time.monotonic() - start:.1f} s"])
+    table("Cost, 1538 beads and a rod", ["", ""], found)
 
 
-PARTS = {"order": order, "wake": wake, "large": large, "flow": flow,
-         "pairs": pairs, "pairs_18": pairs_18, "turned": turned, "pursuit": pursuit,
+PARTS = {"order": order, "wake": wake, "large": large, "flow": flow, "pairs": pairs, "pairs_18": pairs_18, "turned": turned, "pursuit": pursuit,
          "force": force, "measured_pair": measured_pair, "cost": cost}
 
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=str(SOURCE / "build/release/rodwake"))
-    parser.add_argument("--only", default=",".join(PARTS))
-    parser.add_argument("-j", type=int, default=2)
-    parser.add_argument("--keep")
-    parser.add_argument("--runs", type=int)
-    options = parser.parse_args()
-    unknown = set(options.only.split(",")) - set(PARTS)
-    if unknown:
-        parser.error(f"no such part: {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(options.keep or scratch)
-        folder.mkdir(parents=True, exist_ok=True)
-        lab = Lab(options, folder)
-        for name in options.only.split(","):
-            PARTS[name](lab)
-
-
 if __name__ == "__main__":
-    main()
+    run_parts(parser(__doc__, "threads", "keep", "runs", parts=PARTS).parse_args(), PARTS)

@@ -11,12 +11,13 @@ each survivor. --csv: a row a change, added to the file; changes that stand ther
 
 import argparse
 import collections
-import csv
 import random
 import re
 import subprocess
 import sys
 from pathlib import Path
+
+from lab import OPTIONS, keep_row, kept_rows, markdown
 
 COLUMNS = ["file", "line", "before", "after", "caught_by"]
 SWAPS = [(" < ", " <= "), (" <= ", " < "), (" > ", " >= "), (" >= ", " > "), (" == ", " != "), (" != ", " == "), (" + ", " - "), (" - ", " + "),
@@ -85,27 +86,42 @@ def passes(tree, test):
 def report(rows):
     counts = collections.defaultdict(collections.Counter)
     for row in rows:
-        by = row["caught_by"]
-        counts["/".join(row["file"].split("/")[:2])]["survived" if not by else "a test of its part" if not re.match("(cli|python|store|report|support): ", by) else "a test of the program"] += 1
-    print("| folder | changes | a test of its part | a test of the program | survived |\n|---|---|---|---|---|")
-    for folder, of in sorted(counts.items()):
-        print(f"| `{folder}` | {sum(of.values())} | {of['a test of its part']} | {of['a test of the program']} | {of['survived']} |")
+        of_program = re.match("(cli|python|store|report|support): ", row["caught_by"])
+        counts["/".join(row["file"].split("/")[:2])]["survived" if not row["caught_by"] else "program" if of_program else "part"] += 1
+    print(markdown(["folder", "changes", "a test of its part", "a test of the program", "survived"],
+                   [[f"`{folder}`", sum(of.values()), of["part"], of["program"], of["survived"]] for folder, of in sorted(counts.items())]))
     for row in rows:
         if not row["caught_by"]:
             print(f"\n* `{row['file']}:{row['line']}`: `{row['before'].strip()}` as `{row['after'].strip()}`")
 
 
-def main():
+def read_options():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tree", type=Path)
     parser.add_argument("--mutations", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--csv", type=Path)
     parser.add_argument("--under", nargs="+", default=["app", "models"])
-    options = parser.parse_args()
-    rows = list(csv.DictReader(options.csv.open())) if options.csv and options.csv.exists() else []
+    for flags, keys in (OPTIONS["seed"], OPTIONS["csv"]):
+        parser.add_argument(*flags, **keys)
+    return parser.parse_args()
+
+
+def fate_of(tree, change, sound):
+    """What catches a change; `sound` holds the tests that are known to pass on the unchanged sources."""
+    original = mutate(tree, *change)
+    try:
+        by = fate(tree, change[0])
+    finally:
+        (tree / change[0]).write_text(original)
+    if by not in ("", "compiler", *sound) and not passes(tree, by):
+        sys.exit(f"{by} fails without a change too: mend it first")
+    sound.add(by)
+    return by
+
+
+def main():
+    options, sound = read_options(), set()
+    rows = kept_rows(options.csv)
     tried = {(r["file"], r["line"], r["before"], r["after"]) for r in rows}
-    sound = set()  # tests that pass on the unchanged sources
     every = list(candidates(options.tree, options.under))
     random.Random(options.seed).shuffle(every)
     for file, line, column, before, after in every:
@@ -113,26 +129,12 @@ def main():
             break
         if (file, str(line), before, after) in tried:
             continue
-        original = mutate(options.tree, file, line, column, before, after)
-        try:
-            by = fate(options.tree, file)
-        finally:
-            (options.tree / file).write_text(original)
+        by = fate_of(options.tree, (file, line, column, before, after), sound)
         if by == "compiler":  # no change of what the program does
             continue
-        if by and by not in sound:
-            if not passes(options.tree, by):
-                sys.exit(f"{by} fails without a change too: mend it first")
-            sound.add(by)
         rows.append(dict(zip(COLUMNS, [file, str(line), before, after, by])))
         print(f"{len(rows)}: {file}:{line} {before}->{after}: {by or 'SURVIVED'}", file=sys.stderr, flush=True)
-        if options.csv:
-            new = not options.csv.exists()
-            with options.csv.open("a", newline="") as out:
-                writer = csv.DictWriter(out, COLUMNS)
-                if new:
-                    writer.writeheader()
-                writer.writerow(rows[-1])
+        keep_row(options.csv, rows[-1])
     report(rows)
 
 

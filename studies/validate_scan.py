@@ -7,73 +7,40 @@ Runs scenes of scenes/ with other settings and prints Markdown. --keep DIR keeps
 whole commands, from the scene to the written files; take them on idle cores.
 """
 
-import argparse
-import csv
-import json
 import math
 import resource
-import subprocess
 import sys
-import tempfile
 import time
 from collections import Counter
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent
+from lab import SOURCE, parser, rows, run_parts, table
+from lab import told as file_of
+
 PERPENDICULAR = "phase_perpendicular.toml"
 
 
-class Lab:
-    def __init__(self, options, folder):
-        self.program, self.threads, self.folder = options.program, options.j, Path(folder)
-
-    def scan(self, scene, name, *settings, traced=False):
-        """The finished run directory, and the seconds that the command took; 0 of one that was there. Boundaries are bisected only
-        if they are to be `traced`."""
-        out, file = self.folder / name, SOURCE / "scenes" / scene
-        if not traced:
-            lines = [line for line in file.read_text().splitlines() if not line.startswith("boundary_tolerance")]
-            file = self.folder / f"{name}.toml"
-            file.write_text("\n".join(lines) + "\n")
-        record = out / "provenance.json"
-        if record.exists() and json.loads(record.read_text())["status"] == "finished":
-            return out, 0.0
-        command = [self.program, "scan", file, "-o", out, "-j", self.threads, "--quiet",
-                   *[f"-s{s}" for s in settings]]
-        started = time.monotonic()
-        done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-        if done.returncode not in (0, 3):
-            sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stderr}")
-        return out, time.monotonic() - started
+def scan(lab, scene, name, *settings, traced=False):
+    """The finished run directory, and the seconds that the command took; 0 of one that was there. Boundaries are bisected only
+    if they are to be `traced`."""
+    lines = (SOURCE / "scenes" / scene).read_text().splitlines()
+    kept = [line for line in lines if traced or not line.startswith("boundary_tolerance")]
+    started = time.monotonic()
+    out = lab.make(name, "\n".join(kept) + "\n", *settings, verbs=("scan",), good=(0, 3))
+    return out, time.monotonic() - started
 
 
-def rows(folder, name="scan.csv"):
-    with open(folder / name, encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+def points(folder):
+    return rows(folder / "scan.csv")
 
 
 def told(folder):
-    return json.loads((folder / "scan.json").read_text())
-
-
-def axes_of(folder):
-    return [axis["key"] for axis in told(folder)["axes"]]
-
-
-def place(row, axes):
-    return tuple(row[axis] for axis in axes)
-
-
-def table(title, head, lines):
-    print(f"\n### {title}\n\n| " + " | ".join(head) + " |\n|" + "---|" * len(head))
-    for line in lines:
-        print("| " + " | ".join(str(cell) for cell in line) + " |", flush=True)
+    return file_of(folder, "scan")
 
 
 def grid(side):
     """The full lattice of an adaptive scan, as a grid."""
-    return ("scan.design=grid", f"scan.axes.0.count={side + 1}", f"scan.axes.1.count={side + 1}",
-            "scan.trajectories=0")
+    return "scan.design=grid", f"scan.axes.0.count={side + 1}", f"scan.axes.1.count={side + 1}", "scan.trajectories=0"
 
 
 def adaptive(side, start=64):
@@ -92,7 +59,7 @@ class Cells:
     def __init__(self, folder, side):
         self.side, self.known = side, {}
         self.axes = told(folder)["axes"]
-        for row in rows(folder, "cells.csv"):
+        for row in rows(folder / "cells.csv"):
             ends = [self.range(row, axis) for axis in self.axes]
             for i in range(ends[0][0], ends[0][1] + 1):
                 for j in range(ends[1][0], ends[1][1] + 1):
@@ -113,12 +80,12 @@ def cells(lab):
     """Every point of the full lattice against the cells of the adaptive scan of the same lattice."""
     side, lines = 256, []
     for scene in (PERPENDICULAR, "phase_parallel.toml", "phase_gamma_zero.toml"):
-        full, _ = lab.scan(scene, f"full_{Path(scene).stem}", *grid(side))
-        few, _ = lab.scan(scene, f"few_{Path(scene).stem}", *adaptive(side))
-        drawn, points = Cells(few, side), rows(full)
-        uniform = [(row, drawn.of(row)) for row in points]
+        full, _ = scan(lab, scene, f"full_{Path(scene).stem}", *grid(side))
+        few, _ = scan(lab, scene, f"few_{Path(scene).stem}", *adaptive(side))
+        drawn, every = Cells(few, side), points(full)
+        uniform = [(row, drawn.of(row)) for row in every]
         differ = sum(outcome not in (None, row["outcome"]) for row, outcome in uniform)
-        lines.append((scene, len(points), told(few)["evaluated"], f"{len(points) / told(few)['evaluated']:.1f}",
+        lines.append((scene, len(every), told(few)["evaluated"], f"{len(every) / told(few)['evaluated']:.1f}",
                       sum(outcome is not None for _, outcome in uniform), differ, rate(few)))
     table(f"Adaptive against the full lattice, {side} cells a side",
           ("scene", "points", "evaluated", "fewer", "places in uniform cells", "of another outcome", "audit: missed, at most (95 %)"), lines)
@@ -132,20 +99,20 @@ def rate(folder):
 def large(lab):
     """1024 cells a side. rtol 1e-6 as in scans of old; the boundary is traced too."""
     common = ("rods_run.rtol=1e-6",)
-    full, of_full = lab.scan(PERPENDICULAR, "large_full", *grid(1024), *common)
-    few, of_few = lab.scan(PERPENDICULAR, "large_few", *adaptive(1024), *common)
-    traced, of_traced = lab.scan(PERPENDICULAR, "large_traced", *adaptive(1024), *common, traced=True)
+    full, of_full = scan(lab, PERPENDICULAR, "large_full", *grid(1024), *common)
+    few, of_few = scan(lab, PERPENDICULAR, "large_few", *adaptive(1024), *common)
+    traced, of_traced = scan(lab, PERPENDICULAR, "large_traced", *adaptive(1024), *common, traced=True)
     table("1024 cells a side", ("design", "points", "seconds", "audit"),
           [("full grid", told(full)["evaluated"], f"{of_full:.1f}", ""), ("adaptive", told(few)["evaluated"], f"{of_few:.1f}", rate(few)),
            ("adaptive, boundary to 1e-8", told(traced)["evaluated"], f"{of_traced:.1f}", rate(traced))])
     drawn = Cells(few, 1024)
-    differ = sum(drawn.of(row) not in (None, row["outcome"]) for row in rows(full))
+    differ = sum(drawn.of(row) not in (None, row["outcome"]) for row in points(full))
     print(f"\nPlaces in uniform cells with another outcome in the full grid: {differ}")
 
 
 def memory(lab):
     """10^6 points that cost next to nothing: encounters that end at once. First, since a child begins with its parent's memory."""
-    out, seconds = lab.scan(PERPENDICULAR, "memory", *grid(999), "rods_run.t_end=1e-3")
+    out, seconds = scan(lab, PERPENDICULAR, "memory", *grid(999), "rods_run.t_end=1e-3")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
     print(f"\n10^6 points that end at t = 0.001: {told(out)['evaluated']} points in {seconds:.1f} s, "
           f"{1e6 * seconds / told(out)['evaluated']:.2f} us a point with tables; largest memory of all scans so far {peak:.0f} MB")
@@ -156,18 +123,17 @@ def stiff(lab):
     lines = []
     for scene in ("phase_stiff_attract.toml", "phase_stiff_repel.toml"):
         settings = (*grid(64), "scan.audit=0")
-        once, _ = lab.scan(scene, f"once_{Path(scene).stem}", *settings)
-        tight, _ = lab.scan(scene, f"tight_{Path(scene).stem}", *settings, "rods_run.rtol=1e-8")
-        first, second = rows(once), rows(tight)
-        axes, side = axes_of(once), 65
+        once, _ = scan(lab, scene, f"once_{Path(scene).stem}", *settings)
+        tight, _ = scan(lab, scene, f"tight_{Path(scene).stem}", *settings, "rods_run.rtol=1e-8")
+        first, second = points(once), points(tight)
         outcomes = [row["outcome"] for row in first]
         changed = [k for k, (a, b) in enumerate(zip(first, second)) if (a["outcome"], a["status"]) != (b["outcome"], b["status"])]
-        inside = [k for k in changed if not at_boundary(outcomes, k, side)]
+        inside = [k for k in changed if not at_boundary(outcomes, k, 65)]
         for k in inside:
-            print(f"{scene}: {place(first[k], axes)}: {first[k]['outcome']} -> {second[k]['outcome']}", file=sys.stderr)
+            place = tuple(first[k][axis["key"]] for axis in told(once)["axes"])
+            print(f"{scene}: {place}: {first[k]['outcome']} -> {second[k]['outcome']}", file=sys.stderr)
         lines.append((scene, len(first), dict(Counter(row["status"] for row in first)), len(changed), len(inside)))
-    table("Stiff end, rtol 1e-7 against 1e-8, 65 x 65 points", ("scene", "points", "status", "outcome changed", "of them off the boundary"),
-          lines)
+    table("Stiff end, rtol 1e-7 against 1e-8, 65 x 65 points", ("scene", "points", "status", "outcome changed", "of them off the boundary"), lines)
 
 
 def at_boundary(outcomes, number, side):
@@ -180,7 +146,7 @@ def at_boundary(outcomes, number, side):
 def share(folder):
     """Shares of the plane by outcome, from the cells; half of a mixed cell is nobody's."""
     areas, axes = Counter(), told(folder)["axes"]
-    for row in rows(folder, "cells.csv"):
+    for row in rows(folder / "cells.csv"):
         area = 1.0
         for axis in axes:
             area *= abs(cell_of(float(row[axis["key"] + "_to"]), axis) - cell_of(float(row[axis["key"] + "_from"]), axis))
@@ -192,29 +158,12 @@ def maps(lab):
     """The diagrams of scenes/ as they are: points, audit, shares of the plane."""
     lines = []
     for scene in sorted((SOURCE / "scenes").glob("phase_*.toml")) + [SOURCE / "scenes" / "capture_basin.toml"]:
-        out, _ = lab.scan(scene.name, f"map_{scene.stem}", traced=True)
+        out, _ = scan(lab, scene.name, f"map_{scene.stem}", traced=True)
         lines.append((scene.stem, told(out)["evaluated"], told(out)["requested"], told(out)["failed"], rate(out), share(out)))
     table("The diagrams of scenes/", ("scene", "points", "of", "failed", "audit: missed, at most (95 %)", "share of the plane"), lines)
 
 
 PARTS = {"memory": memory, "cells": cells, "large": large, "stiff": stiff, "maps": maps}
 
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=SOURCE / "build" / "release" / "rodwake", type=Path)
-    parser.add_argument("--only", default=",".join(PARTS), help="parts, separated by commas")
-    parser.add_argument("-j", type=int, default=2, help="threads")
-    parser.add_argument("--keep", help="folder for the results")
-    options = parser.parse_args()
-    unknown = set(options.only.split(",")) - set(PARTS)
-    if unknown:
-        parser.error(f"--only: {', '.join(sorted(unknown))}: there are {', '.join(PARTS)}")
-    with tempfile.TemporaryDirectory() as scratch:
-        lab = Lab(options, options.keep or scratch)
-        for name in options.only.split(","):
-            PARTS[name](lab)
-
-
 if __name__ == "__main__":
-    main()
+    run_parts(parser(__doc__, "threads", "keep", parts=PARTS).parse_args(), PARTS)

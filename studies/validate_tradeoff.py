@@ -11,17 +11,13 @@ settings that are printed keep to them: 12 of each, against 100 runs at the shor
 Prints Markdown. --keep DIR keeps the results and takes up what is there.
 """
 
-import argparse
-import csv
-import json
 import math
 import random
-import subprocess
+import statistics
 import sys
-import tempfile
-from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parent.parent
+from lab import SOURCE, markdown, parser, rows, run_parts, told
+
 MEDIUM = "schema = 1\n[medium]\neta = {eta}\nalpha = {alpha}\n[coupling]\nkappa = {kappa}\ngamma1 = {gamma1}\ngamma2 = {gamma2}\n"
 PLAIN = {"eta": 1.0, "alpha": 1.0, "kappa": 0.5, "gamma1": 0.0, "gamma2": 0.0}
 INDEPENDENT = "rods_run.method=bdf", "rods_run.form=director", "rods_run.rtol=1e-13"  # the reference is of erk and adams or bdf, by angle
@@ -50,34 +46,20 @@ NAMED = {
 }
 
 
-class Lab:
-    def __init__(self, options, folder):
-        self.program, self.folder = str(options.program), Path(folder)
+def tradeoff(lab, file, name, *options, good=(0,)):
+    return lab.call("tradeoff", file, "-o", lab.folder / name, "--quiet", *options, good=good)
 
-    def file(self, name, text):
-        path = self.folder / f"{name}.toml"
-        path.write_text(text)
-        return path
 
-    def run(self, *words, may_fail=False):
-        done = subprocess.run([self.program, *map(str, words)], capture_output=True, text=True)
-        if done.returncode and not may_fail:
-            sys.exit(f"rodwake {' '.join(map(str, words))}: exit code {done.returncode}\n{done.stderr}")
-        return done
+def measurements(lab, name):
+    return rows(lab.folder / name / "tradeoff.csv")
 
-    def tradeoff(self, file, name, *options, may_fail=False):
-        return self.run("tradeoff", file, "-o", self.folder / name, "--quiet", *options, may_fail=may_fail)
 
-    def rows(self, name):
-        with open(self.folder / name / "tradeoff.csv", encoding="utf-8") as table:
-            return list(csv.DictReader(table))
-
-    def last_state(self, file, name, settings):
-        """Of a run with these settings, and its outcome."""
-        out = self.folder / name
-        self.run("rods", file, "-o", out, "--quiet", "--force", *[f"-s{setting}" for setting in settings])
-        row = (out / "rods.csv").read_text().splitlines()[-1]
-        return [float(cell) for cell in row.split(",")[1:]], json.loads((out / "outcome.json").read_text())["outcome"]
+def last_state(lab, file, name, settings):
+    """Of a run with these settings, and its outcome."""
+    out = lab.folder / name
+    lab.call("rods", file, "-o", out, "--quiet", "--force", *[f"-s{setting}" for setting in settings])
+    row = (out / "rods.csv").read_text().splitlines()[-1]
+    return [float(cell) for cell in row.split(",")[1:]], told(out, "outcome")["outcome"]
 
 
 def way(row):
@@ -97,15 +79,14 @@ def time_text(row):
 
 
 def named_scenes(lab):
-    print("| scene | error | agreement of the reference | cheapest for 1e-3 | for 1e-6 | for 1e-9 |\n|---|---|---|---|---|---|")
-    strays = []
+    strays, lines = [], []
     for name, (text, kind) in NAMED.items():
         slug = name.replace(" ", "_")
-        lab.tradeoff(lab.file(slug, text), slug, "--error", kind)
-        told, rows = json.loads((lab.folder / slug / "tradeoff.json").read_text()), lab.rows(slug)
-        best = " | ".join(time_text(cheapest(rows, error)) for error in (1e-3, 1e-6, 1e-9))
-        print(f"| {name} | {kind} | {told['reference']['agreement'][kind]:.1e} | {best} |")
-        strays += stray_settings(name, rows, told["reference"]["least_error_quoted"][kind])
+        tradeoff(lab, lab.write(f"{slug}.toml", text), slug, "--error", kind)
+        reference, found = told(lab.folder / slug, "tradeoff")["reference"], measurements(lab, slug)
+        lines.append([name, kind, f"{reference['agreement'][kind]:.1e}", *(time_text(cheapest(found, error)) for error in (1e-3, 1e-6, 1e-9))])
+        strays += stray_settings(name, found, reference["least_error_quoted"][kind])
+    print(markdown(["scene", "error", "agreement of the reference", "cheapest for 1e-3", "for 1e-6", "for 1e-9"], lines))
     print("\nError over tolerance outside [0.01, 100]:\n")
     print("\n".join(f"* {line}" for line in strays) or "* none")
 
@@ -129,14 +110,15 @@ def random_scene(draw):
     return scene(poses, draw.choice([3.0, 8.0, 20.0]), **constants)
 
 
-def promise(lab, count, seed):
-    """Scenes are drawn until `count` of them have an answer."""
+def promise(lab):
+    """Scenes are drawn until --random of them have an answer."""
+    count, seed = lab.options.random, lab.options.seed
     draw = random.Random(seed)
     errors, slower, beyond, without, k = [], [], 0, 0, 0
     while len(errors) < count:
         text, wanted, k = random_scene(draw), 10 ** draw.uniform(-8, -2), k + 1
-        file = lab.file(f"random_{k}", text)
-        answer = lab.tradeoff(file, f"random_{k}_a", "--for", wanted, may_fail=True)
+        file = lab.write(f"random_{k}.toml", text)
+        answer = tradeoff(lab, file, f"random_{k}_a", "--for", wanted, good=())
         beyond += "most accurate one" in answer.stderr
         without += "no reference" in answer.stderr
         if answer.returncode == 1:
@@ -144,14 +126,14 @@ def promise(lab, count, seed):
         if answer.returncode:
             sys.exit(f"{file}: {answer.stderr}")
         keys = answer.stdout.split("\n")[:-1]
-        lab.tradeoff(file, f"random_{k}_b")
-        state, outcome = lab.last_state(file, f"random_{k}_run", keys)
-        exact, expected = lab.last_state(file, f"random_{k}_exact", INDEPENDENT)
+        tradeoff(lab, file, f"random_{k}_b")
+        state, outcome = last_state(lab, file, f"random_{k}_run", keys)
+        exact, expected = last_state(lab, file, f"random_{k}_exact", INDEPENDENT)
         errors.append((max(abs(a - b) for a, b in zip(state, exact)) if outcome == expected else math.inf) / wanted)
-        slower.append(slowness(lab.rows(f"random_{k}_a"), lab.rows(f"random_{k}_b"), wanted))
+        slower.append(slowness(measurements(lab, f"random_{k}_a"), measurements(lab, f"random_{k}_b"), wanted))
     print(f"{count} random scenes (seed {seed}; {beyond} more had E out of reach, {without} no reference). Error of the setting over E: median "
-          f"{median(errors):.2g}, largest {max(errors):.2g}; above 2: {sum(e > 2 for e in errors)}. Time of the setting over that of the fastest "
-          f"good one when all are measured again: median {median(slower):.3g}, largest {max(slower):.3g}; above 1.5: {sum(s > 1.5 for s in slower)}.")
+          f"{statistics.median_high(errors):.2g}, largest {max(errors):.2g}; above 2: {sum(e > 2 for e in errors)}. Time of the setting over that of the fastest "
+          f"good one when all are measured again: median {statistics.median_high(slower):.3g}, largest {max(slower):.3g}; above 1.5: {sum(s > 1.5 for s in slower)}.")
 
 
 def slowness(first, second, wanted):
@@ -162,22 +144,19 @@ def slowness(first, second, wanted):
     return times[chosen] / float(cheapest(second, wanted)["seconds"])
 
 
-FITS = ("monopole", "dipole", "joint", "pair")
-
-
 def fits(lab):
-    print("| problem | searches agree to | optimum to 1e-2 | to 1e-6 | interval to 0.5 | to 0.01 |\n|---|---|---|---|---|---|")
-    for name in FITS:
+    lines = []
+    for name in ("monopole", "dipole", "joint", "pair"):
         file, out = SOURCE / f"fitting/problems/{name}.toml", lab.folder / name
-        told = lab.run("tradeoff", file, "--of", "fit", "-o", out).stderr
-        agreement = next((line.split("agree to")[1].split()[0] for line in (told + (out / "tradeoff_fit/log.txt").read_text()).splitlines() if "agree to" in line), "")
-        answers = [cost(lab, file, out, "fit", wanted) for wanted in ("optimum 1e-2", "optimum 1e-6", "interval 0.5", "interval 0.01")]
-        print(f"| {name} | {agreement} | {' | '.join(answers)} |")
+        log = lab.call("tradeoff", file, "--of", "fit", "-o", out).stderr + (out / "tradeoff_fit/log.txt").read_text()
+        agreement = next((line.split("agree to")[1].split()[0] for line in log.splitlines() if "agree to" in line), "")
+        lines.append([name, agreement, *(cost(lab, file, out, "fit", wanted) for wanted in ("optimum 1e-2", "optimum 1e-6", "interval 0.5", "interval 0.01"))])
+    print(markdown(["problem", "searches agree to", "optimum to 1e-2", "to 1e-6", "interval to 0.5", "to 0.01"], lines))
 
 
 def cost(lab, file, out, part, wanted):
     """What the answer costs, and its settings."""
-    done = lab.run("tradeoff", file, "--of", part, "-o", out, "--for", wanted, may_fail=True)
+    done = lab.call("tradeoff", file, "--of", part, "-o", out, "--for", wanted, good=())
     if done.returncode:
         return "none"
     settings = ", ".join(line.split(" = ")[1].strip('"') for line in done.stdout.splitlines()[:3])
@@ -203,56 +182,36 @@ REPEATS, REFERENCE_RUNS, STEP = 12, 100, 5e-6
 
 
 def beds(lab):
-    file, out = lab.file("bed", BED), lab.folder / "bed"
-    lab.run("tradeoff", file, "-o", out, "--quiet", "--limit", "20s")
+    file, out = lab.write("bed.toml", BED), lab.folder / "bed"
+    lab.call("tradeoff", file, "-o", out, "--quiet", "--limit", "20s")
     true = ensemble(lab, file, "bed_reference", (f'granular.time_step="{STEP:g} s"', f"granular.runs={REFERENCE_RUNS}"), 900001)
-    print("| asked | step | runs | CPU | rms error of the ensembles over what was asked |\n|---|---|---|---|---|")
-    for quantity, percent in (("rod_speed", 20), ("rod_speed", 10), ("T_xy", 2), ("T_z", 0.5), ("psi6", 5)):
-        done = lab.run("tradeoff", file, "-o", out, "--limit", "20s", "--for", f"{quantity} {percent}%", may_fail=True)
-        if done.returncode:
-            print(f"| {quantity} {percent} % | none: {done.stderr.splitlines()[-1]} | | | |")
-            continue
-        keys = [line.replace(" = ", "=") for line in done.stdout.splitlines()]
-        value = dict(key.split("=") for key in keys)
-        means = [ensemble(lab, file, f"bed_{quantity}_{percent}_{k}", keys, 1000 * (k + 1))[quantity] for k in range(REPEATS)]
-        rms = math.sqrt(sum((mean / true[quantity] - 1) ** 2 for mean in means) / REPEATS)
-        took = done.stderr.splitlines()[-1].rsplit("; ", 1)[-1].removesuffix(" of CPU")
-        print(f"| {quantity} {percent} % | {value['granular.time_step']} | {value['granular.runs']} | {took} | {100 * rms / percent:.2f} +- {100 * rms / percent / math.sqrt(2 * REPEATS):.2f} |")
+    wanted = (("rod_speed", 20), ("rod_speed", 10), ("T_xy", 2), ("T_z", 0.5), ("psi6", 5))
+    print(markdown(["asked", "step", "runs", "CPU", "rms error of the ensembles over what was asked"], [bed_row(lab, file, out, true, *one) for one in wanted]))
+
+
+def bed_row(lab, file, out, true, quantity, percent):
+    done = lab.call("tradeoff", file, "-o", out, "--limit", "20s", "--for", f"{quantity} {percent}%", good=())
+    if done.returncode:
+        return [f"{quantity} {percent} %", f"none: {done.stderr.splitlines()[-1]}", "", "", ""]
+    keys = [line.replace(" = ", "=") for line in done.stdout.splitlines()]
+    value = dict(key.split("=") for key in keys)
+    means = [ensemble(lab, file, f"bed_{quantity}_{percent}_{k}", keys, 1000 * (k + 1))[quantity] for k in range(REPEATS)]
+    over = 100 / percent * math.sqrt(sum((mean / true[quantity] - 1) ** 2 for mean in means) / REPEATS)
+    took = done.stderr.splitlines()[-1].rsplit("; ", 1)[-1].removesuffix(" of CPU")
+    return [f"{quantity} {percent} %", value["granular.time_step"], value["granular.runs"], took, f"{over:.2f} +- {over / math.sqrt(2 * REPEATS):.2f}"]
 
 
 def ensemble(lab, file, name, keys, seed):
     """Means of an ensemble; of one run its values."""
     out = lab.folder / name
-    lab.run("dem", file, "-o", out, "--quiet", "--force", *[f"-s{key}" for key in keys], "--seed", seed)
-    told = json.loads((out / "summary.json").read_text())
-    return {"rod_speed": told["rods"][0]["mean_speed"], **{key: told[key] for key in ("T_xy", "T_z", "psi6")}}
+    lab.call("dem", file, "-o", out, "--quiet", "--force", *[f"-s{key}" for key in keys], "--seed", seed)
+    found = told(out, "summary")
+    return {"rod_speed": found["rods"][0]["mean_speed"], **{key: found[key] for key in ("T_xy", "T_z", "psi6")}}
 
 
-def median(values):
-    return sorted(values)[len(values) // 2]
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--program", type=Path, default=SOURCE / "build/release/rodwake")
-    parser.add_argument("--only", default="scenes,promise")
-    parser.add_argument("--random", type=int, default=50)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--keep", type=Path)
-    options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = options.keep or Path(scratch)
-        folder.mkdir(parents=True, exist_ok=True)
-        lab = Lab(options, folder)
-        if "scenes" in options.only.split(","):
-            named_scenes(lab)
-        if "promise" in options.only.split(","):
-            promise(lab, options.random, options.seed)
-        if "fits" in options.only.split(","):
-            fits(lab)
-        if "beds" in options.only.split(","):
-            beds(lab)
-
+PARTS = {"scenes": named_scenes, "promise": promise, "fits": fits, "beds": beds}
 
 if __name__ == "__main__":
-    main()
+    options = parser(__doc__, "seed", "keep", parts=PARTS, chosen=("scenes", "promise"))
+    options.add_argument("--random", type=int, default=50, help="number of random scenes [50]")
+    run_parts(options.parse_args(), PARTS)

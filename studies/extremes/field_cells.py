@@ -1,14 +1,13 @@
 """Cells of the field: points at every distance, in every medium, against the closed form with 40 digits or more."""
 
-import csv
-import io
 import math
 import random
 
 from mpmath import mp
 
-from .lab import SOURCE, Cell, not_finite
-from .ranges import log_uniform, random_eta
+from lab import SOURCE, norm_error, rows, rows_of
+
+from .cells import Cell, log_uniform, not_finite, random_eta
 
 COLUMNS = ("Ux", "Uy", "exx", "exy", "eyy", "lapx", "lapy", "gradx_tr", "grady_tr", "dipUx", "dipUy")
 VECTORS = {"U": (0, 1), "strain": (2, 3, 3, 4), "lap u": (5, 6), "grad div u": (7, 8), "dipole": (9, 10)}
@@ -140,8 +139,7 @@ def points_of(lab, group, maker, count, first):
     if done.code != 0:
         status = "timeout" if done.code is None else f"unnamed: exit code {done.code}, {done.stderr[-200:]}"
         return [Cell(group, f"{count} points", status, "bad", done.seconds)]
-    rows = list(csv.DictReader(io.StringIO(done.stdout)))
-    return [judged(group, point, row, done.seconds / count) for point, row in zip(points, rows)]
+    return [judged(group, point, row, done.seconds / count) for point, row in zip(points, rows_of(done.stdout))]
 
 
 def singular(lab):
@@ -156,17 +154,10 @@ def singular(lab):
 def boxes(lab):
     """Rods in periodic boxes, against tests/data/periodic_field.csv."""
     path = SOURCE / "tests" / "data" / "periodic_field.csv"
-    want = list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
-    done = lab.run("field", "--points", path, limit=60.0)
-    got = list(csv.DictReader(io.StringIO(done.stdout)))
-    for one, other in zip(got, want):
-        error = max(vector_error(one, other, names) for names in (("Ux", "Uy"), ("exx", "exy", "exy", "eyy"))) / BOUND
+    want, done = rows(path), lab.run("field", "--points", path, limit=60.0)
+    for one, other in zip(rows_of(done.stdout), want):
+        error = max(norm_error(one, other, names) for names in (("Ux", "Uy"), ("exx", "exy", "exy", "eyy"))) / BOUND
         yield Cell("field: boxes", f"row {other}", "finite", "good" if error <= 1.0 else "differs", done.seconds / len(want), error)
-
-
-def vector_error(got, want, names):
-    difference = math.hypot(*(float(got[name]) - float(want[name]) for name in names))
-    return difference / math.hypot(*(float(want[name]) for name in names))
 
 
 def run(lab):

@@ -10,7 +10,7 @@ import rodwake
 from rodwake import PROGRAM, SOURCE, ProgramTest
 
 sys.path.insert(0, str(SOURCE / "studies"))
-from extremes.lab import Lab, not_finite
+from extremes.cells import Lab, not_finite
 
 TOOL = SOURCE / "studies" / "validate_extremes.py"
 

@@ -15,7 +15,6 @@ from PIL import Image
 from rodwake import SOURCE, ProgramTest
 
 sys.path.insert(0, str(SOURCE / "studies"))
-import closure_tables as tables  # noqa: E402
 import validate_closure as tool  # noqa: E402
 
 BENCH = os.environ.get("RODWAKE_BENCH_CLOSURE")
@@ -149,7 +148,7 @@ class BenchTest(ProgramTest):
 class TablesTest(unittest.TestCase):
     def test_one_table_a_start_of_steady_wakes_alone(self):
         rows = [row(start, (kappa, 0, 0), alpha) for start in tool.STARTS for alpha in (0.1, 3) for kappa in (1, 10)]
-        text = "\n".join(tables.map_tables(rows))
+        text = "\n".join(tool.map_tables(rows))
         self.assertEqual([line for line in text.splitlines() if line.startswith("Steady wakes")],
                          [f"Steady wakes, {start}:" for start in tool.STARTS])
         self.assertEqual(text.count("| 0.1 | +1.2 %, 0.01 | +1.2 %, 0.1 |"), len(tool.STARTS))
@@ -157,19 +156,19 @@ class TablesTest(unittest.TestCase):
     def test_polar_rods_and_those_that_turn_away_have_tables_of_their_own(self):
         polar = [row("abreast", couplings, alpha) for alpha in (0.1, 1) for couplings in tool.POLAR]
         away = [row("crossing, dx = 0", (-100, 0, 0), 10, steady="contact", memory="undecided")]
-        text = "\n".join(tables.map_tables([*away, *polar]))
+        text = "\n".join(tool.map_tables([*away, *polar]))
         self.assertIn("| start | alpha | gamma1 = 10, gamma2 = 10 | gamma1 = 10, gamma2 = -10 |", text)
         self.assertIn("| abreast | 1 | +1.2 %, 0 | +1.2 %, 0 | +1.2 %, 0 | +1.2 %, 0 |", text)
         self.assertIn("| alpha | crossing, dx = 0 |\n|---|---|\n| 10 | **contact, not undecided** |", text)
 
     def test_a_rest_table_has_the_time_that_a_wake_takes(self):
-        lines = tables.rest_tables([row("abreast", alpha=3), row("crossing, dx = 1", alpha=10)])
+        lines = tool.rest_tables([row("abreast", alpha=3), row("crossing, dx = 1", alpha=10)])
         self.assertIn("| 3 | 19 | +1.2 %, 0.01 |", lines)  # 3 5^2/4
         self.assertIn("| 10 | 65 | +1.2 %, 0.01 |", lines)  # 10 (1 + 5^2)/4
 
     def test_the_summary_counts_every_encounter_once(self):
         rows = [row(number=number) for number in (0.0, 0.03, 0.05, 0.2, 0.5, 2.0, 200.0)]
-        counts = [int(line.split("|")[2]) for line in tables.summary(rows)[3:]]
+        counts = [int(line.split("|")[2]) for line in tool.summary(rows)[3:]]
         self.assertEqual(counts, [1, 2, 1, 1, 1, 1])
 
     def test_a_run_that_failed_is_not_near(self):
@@ -178,7 +177,7 @@ class TablesTest(unittest.TestCase):
         self.assertAlmostEqual(tool.heading_difference(steady, memory), 0.2)
         self.assertTrue(math.isnan(tool.heading_difference(failed, memory)))
         rows = [row(), row(first_order="failed", first_order_heading=math.nan), row(first_order_heading=0.005)]
-        cells = [cell.strip() for cell in tables.summary(rows)[3].split("|")]
+        cells = [cell.strip() for cell in tool.summary(rows)[3].split("|")]
         self.assertEqual(cells[2:5], ["3", "3", "2"])
         self.assertEqual(cells[6:9], ["0.01 (0.01)", "0.0075 (0.01)", "1"])
 

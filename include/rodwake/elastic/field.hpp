@@ -24,7 +24,7 @@
 // overflow.
 //
 //   worst of            U        strain   lap u    grad div u  dipole
-//   320 references      8.3e-16  1.1e-14  4.5e-14  4.9e-15     7.7e-15   studies/field_error.py
+//   320 references      8.3e-16  1.1e-14  4.5e-14  4.9e-15     7.7e-15   studies/validate_field.py
 //   30000 random points 9.0e-14  1.3e-13  1.1e-13  5.1e-14     5.5e-14   test_elastic "[long]"
 //
 // Degenerate input (tests/elastic/test_robustness.cpp):

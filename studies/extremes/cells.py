@@ -1,15 +1,15 @@
-"""Runs the program on extreme cells and says how each ended."""
+"""Runs the program on extreme cells, says how each ended, and counts them by group; and the ranges that keys are drawn from."""
 
-import json
 import math
 import os
 import re
 import subprocess
 import time
+from collections import Counter, defaultdict
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[2]
+import lab
+from lab import keep_line, kept_lines, write_csv
 
 # What a cell is, the worst last:
 #   good       an answer, within its bound where there is a reference
@@ -57,27 +57,22 @@ class Ended:
         return f"unnamed: exit code {self.code}, {text[-200:]}", "bad"
 
 
-class Lab:
+class Lab(lab.Lab):
     """A folder for runs, and the cells so far. What a folder holds of an earlier, interrupted run is not done again."""
 
     def __init__(self, program, folder, seed, quick):
-        self.program, self.folder, self.seed, self.quick = str(program), Path(folder).resolve(), seed, quick
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self.log = self.folder / f"cells_{'quick_' if quick else ''}{seed}.jsonl"
-        self.cells, self.done = [], set()
-        if self.log.exists():
-            for line in self.log.read_text().splitlines():
-                entry = json.loads(line)
-                self.done.add(entry["batch"])
-                self.cells += [Cell(**cell) for cell in entry["cells"]]
+        super().__init__(program, folder, quick=quick)
+        self.seed, self.log = seed, self.folder / f"cells_{'quick_' if quick else ''}{seed}.jsonl"
+        entries = kept_lines(self.log)
+        self.done = {entry["batch"] for entry in entries}
+        self.cells = [Cell(**cell) for entry in entries for cell in entry["cells"]]
 
     def batch(self, name, make):
         """The cells of `make()`, unless an earlier run left them."""
         if name in self.done:
             return
         cells = list(make())
-        with open(self.log, "a", encoding="utf-8") as file:
-            file.write(json.dumps({"batch": name, "cells": [asdict(cell) for cell in cells]}) + "\n")
+        keep_line(self.log, {"batch": name, "cells": [asdict(cell) for cell in cells]})
         self.done.add(name)
         self.cells += cells
 
@@ -85,15 +80,10 @@ class Lab:
         started = time.monotonic()
         environment = {**os.environ, "XDG_CACHE_HOME": str(self.folder / "cache")}
         try:
-            done = subprocess.run([self.program, *map(str, arguments)], cwd=self.folder, input=text, capture_output=True,
-                                  text=True, errors="replace", timeout=limit, env=environment, check=False)
+            done = self.call(*arguments, good=(), input=text, timeout=limit, env=environment)
         except subprocess.TimeoutExpired:
             return Ended(None, time.monotonic() - started, "", "")
         return Ended(done.returncode, time.monotonic() - started, done.stdout, done.stderr)
-
-    def write(self, name, text):
-        (self.folder / name).write_text(text, encoding="utf-8")
-        return name
 
     def text(self, *parts):
         return self.folder.joinpath(*parts).read_text(encoding="utf-8")
@@ -105,6 +95,56 @@ def not_finite(text):
     return text[max(0, found.start() - 40):found.end() + 20].strip() if found else None
 
 
-def against(value, reference, scale):
-    """|value - reference| over what was asked of it."""
-    return abs(value - reference) / scale if math.isfinite(value) else math.inf
+# Ranges.
+
+
+def log_uniform(random_, low, high):
+    return math.exp(random_.uniform(math.log(low), math.log(high)))
+
+
+def either_sign(random_, low, high):
+    return random_.choice((-1.0, 1.0)) * log_uniform(random_, low, high)
+
+
+def coupling(random_):
+    """kappa or a gamma: 1e-6 to 1e8 of either sign; one in four 0."""
+    return 0.0 if random_.random() < 0.25 else either_sign(random_, 1e-6, 1e8)
+
+
+def random_eta(random_):
+    """1e-6 to 1e6, and (-1, 0): near both of its ends."""
+    if random_.random() < 0.7:
+        return log_uniform(random_, 1e-6, 1e6)
+    near = log_uniform(random_, 1e-6, 0.5)
+    return random_.choice((-near, near - 1.0))
+
+
+# The table.
+
+
+def summary(cells):
+    """Of each group: counts by verdict and status, and the largest and median error over its bound."""
+    groups = defaultdict(list)
+    for cell in cells:
+        groups[cell.group].append(cell)
+    found = {}
+    for name, members in sorted(groups.items()):
+        errors = sorted(cell.error for cell in members if cell.error is not None)
+        found[name] = {"cells": len(members), **{verdict: sum(cell.verdict == verdict for cell in members) for verdict in VERDICTS},
+                       "statuses": dict(Counter(cell.status for cell in members).most_common()), "compared": len(errors),
+                       "median_error": errors[len(errors) // 2] if errors else None, "largest_error": errors[-1] if errors else None,
+                       "longest": max(cell.seconds for cell in members)}
+    return found
+
+
+def markdown(found):
+    lines = []
+    for name, row in found.items():
+        statuses = ", ".join(f"{status} {count}" for status, count in row["statuses"].items())
+        errors = f"{row['median_error']:.1g}, {row['largest_error']:.1g}" if row["compared"] else ""
+        lines.append([name, *(row[key] for key in ("cells", *VERDICTS)), statuses, row["compared"] or "", errors])
+    return lab.markdown(["group", "cells", *VERDICTS, "statuses", "compared", "error: median, largest"], lines) + "\n"
+
+
+def write_cells(path, cells):
+    write_csv(path, [asdict(cell) | {"seconds": f"{cell.seconds:.4f}"} for cell in cells])
