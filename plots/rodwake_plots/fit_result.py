@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import csv_columns, words
+from . import files, words
 from .errors import PlotError
 
 FILE = "fit.json"
@@ -162,8 +162,8 @@ class FitResult:
         if not isinstance(record.get(key), str):
             raise PlotError(f"{self.path}: {key} of {record.get('name', 'a profile')} is missing")
         path = self.path.parent / record[key]
-        found = csv_columns.read_with_gaps(path)
-        columns = [csv_columns.column(path, found, name) for name in names]
+        found = files.read_csv_with_gaps(path)
+        columns = [files.csv_column(path, found, name) for name in names]
         if columns[0].size == 0:
             raise PlotError(f"{path}: holds no rows: nothing to draw")
         return columns

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from . import bed, canvas, style, units
+from . import bed, canvas, style, words
+from .bed_run import TABLE
 from .errors import PlotError
-from .granular_run import TABLE
-from .spec import Spec
+from .schema import Kind
 
 COLUMNS = ("t", "energy", "kinetic", "T_xy", "T_z", "psi6", "floor_impulse", "lid_impulse")
 ORANGE = style.ROD_COLOURS[0]
@@ -56,7 +56,7 @@ def key(axes):
 
 
 def energies(axes, tables):
-    factor, prefix = units.prefix_for(max(np.abs(table["energy"]).max() for table in tables))
+    factor, prefix = words.prefix_for(max(np.abs(table["energy"]).max() for table in tables))
     lines(axes, [(table["t"], table["energy"] * factor) for table in tables], style.LINE, "total")
     lines(axes, [(table["t"], table["kinetic"] * factor) for table in tables], ORANGE, "kinetic")
     axes.set_ylabel(rf"energy ($\mathrm{{{prefix}J}}$)")
@@ -83,7 +83,7 @@ def pushes(axes, tables):
     """Mean force of each plate between rows: what its impulse grew by over the time."""
     forces = {name: [rate(table["t"], table[f"{name}_impulse"]) for table in tables] for name in ("floor", "lid")}
     size = max((np.abs(force).max() for curves in forces.values() for _, force in curves if force.size), default=0.0)
-    factor, prefix = units.prefix_for(size)
+    factor, prefix = words.prefix_for(size)
     for (name, curves), colour in zip(forces.items(), (style.LINE, ORANGE)):
         lines(axes, [(t, force * factor) for t, force in curves], colour, name)
     axes.set_ylabel(rf"upward force ($\mathrm{{{prefix}N}}$)")
@@ -110,5 +110,4 @@ def caption(run, spec):
             f"(d) mean upward force of floor and lid on the bed between rows of table.csv.{mean}{shaded}")
 
 
-def defaults(run):
-    return [Spec("granular_table", "granular_table")] if run.granular.has(TABLE) else []
+KINDS = {"granular_table": Kind(draw=draw, caption=caption, there=lambda run: run.granular.has(TABLE))}

@@ -1,18 +1,127 @@
-"""The files of a measured run: of a scene with variants one set for the scene itself and one in variants/<name> each.
-
-Lengths in these files are in bead radii a, times in s.
-"""
+"""The files of a granular run: summary.json, and for each run of an ensemble its tables and trajectories."""
 
 import json
 import math
+from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from . import csv_columns, hdf5, words
+from . import files, words
 from .errors import MissingError, PlotError
-from .granular_run import SUMMARY, GranularRun
+from .frames import Trajectory
+
+SUMMARY, TABLE, TRACKS = "summary.json", "table.csv", "tracks.csv"
+TRAJECTORY, LAST_PERIOD = "trajectory.h5md", "last_period.h5md"
+
+
+@dataclass(frozen=True)
+class Track:
+    """The rods of one run from t = 0 on; x, y, theta, speed are [time][rod], unwrapped, SI units."""
+    path: Path
+    t: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    theta: np.ndarray
+    speed: np.ndarray
+
+
+class GranularRun:
+    def __init__(self, folder):
+        self.folder = folder
+        self.summary = self._summary(folder / SUMMARY)
+        self.members = sorted(path for path in folder.glob("runs/*") if path.is_dir()) or [folder]
+        self.a = self.number("bead_radius")
+        self.phi_b = self.number("phi_b")
+        self.box = np.broadcast_to(np.asarray(self.need("box"), dtype=float).ravel()[:2], 2)
+        if not (self.a > 0 and np.all(self.box > 0)):
+            raise PlotError(f"{folder / SUMMARY}: bead_radius {self.a} and box {self.box} must be positive")
+
+    def _summary(self, path):
+        try:
+            found = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise PlotError(f"{path}: not valid JSON: {error}") from error
+        if not isinstance(found, dict):
+            raise PlotError(f"{path}: not a JSON object")
+        return found
+
+    def need(self, key):
+        if self.summary.get(key) is None:
+            raise PlotError(f"{self.folder / SUMMARY}: {key} is missing")
+        return self.summary[key]
+
+    def number(self, key):
+        value = self.need(key)
+        if not isinstance(value, (int, float)) or isinstance(value, bool):
+            raise PlotError(f'{self.folder / SUMMARY}: {key} is "{value}", not a number')
+        return value
+
+    @property
+    def rods(self):
+        return self.summary.get("rods") or []
+
+    @property
+    def single(self):
+        return len(self.members) == 1
+
+    def holders(self, name):
+        """The runs that have this file; trajectories may be kept for some runs of an ensemble only."""
+        return [member for member in self.members if (member / name).is_file()]
+
+    def has(self, name):
+        return bool(self.holders(name))
+
+    def trajectory(self, name):
+        """That of the first run that has one."""
+        return Trajectory((self.holders(name) or self.members)[0] / name)
+
+    def stores_all_beads(self, name):
+        """Whether frames hold every bead (granular.output.every_bead = 1). A file that cannot be read counts: drawing it says why."""
+        try:
+            with self.trajectory(name) as trajectory:
+                return trajectory.holds_all_beads()
+        except PlotError:
+            return True
+
+    def which(self, name):
+        """Tells, for a caption, whose trajectory is drawn."""
+        return "" if self.single else f"Run {words.escape(int_of(self.holders(name)[0].name))} of {len(self.members)}. "
+
+    def tables(self):
+        """(path, columns) of table.csv of each run."""
+        paths = [member / TABLE for member in (self.holders(TABLE) or self.members)]
+        found = [(path, files.read_csv(path)) for path in paths]
+        for path, columns in found:
+            if files.csv_column(path, columns, "t").size == 0:
+                raise PlotError(f"{path}: holds no rows: nothing to draw")
+        return found
+
+    def tracks(self):
+        return [track(member / TRACKS) for member in (self.holders(TRACKS) or self.members)]
+
+
+def int_of(name):
+    return name.lstrip("0") or name
+
+
+def track(path):
+    columns = files.read_csv(path)
+    t = files.csv_column(path, columns, "t")
+    if "x0" not in columns:
+        raise PlotError(f"{path}: holds no rods: nothing to draw")
+    kept = t >= -1e-9 * np.abs(t).max(initial=0.0)  # a first time of -1e-17 is 0
+    if not kept.any():
+        raise PlotError(f"{path}: holds no rows from t = 0 on: nothing to draw")
+    rods = sum(f"x{rod}" in columns for rod in range(len(columns)))
+    parts = (np.stack([files.csv_column(path, columns, f"{name}{rod}")[kept] for rod in range(rods)], axis=-1)
+             for name in ("x", "y", "theta", "speed"))
+    return Track(path, t[kept], *parts)
+
+
+# The files of a measured run: of a scene with variants one set for the scene itself and one in variants/<name> each.
 
 RESULTS, FIELDS, SERIES = "measure.json", "measure.h5", "series.csv"
 AGAINST = {"phi_b": (r"\phi_b", ""), "d0": ("d_0", r"\,a"), "imposed_speed": ("v", r"\,\mathrm{mm/s}")}  # what variants differ in
@@ -36,8 +145,8 @@ class Part:
     def table(self, name, *columns):
         """The columns in that order, one row at least; empty cells are nan."""
         path = self.folder / name
-        found = csv_columns.read_with_gaps(path)
-        values = [csv_columns.column(path, found, column) for column in columns]
+        found = files.read_csv_with_gaps(path)
+        values = [files.csv_column(path, found, column) for column in columns]
         if values[0].size == 0:
             raise PlotError(f"{path}: holds no rows: nothing to draw")
         return values
@@ -46,7 +155,7 @@ class Part:
         """Whether measure.h5 is there and holds the group."""
         if not self.has(FIELDS):
             return False
-        with hdf5.open_file(self.folder / FIELDS) as file:
+        with files.open_hdf5(self.folder / FIELDS) as file:
             return group in file
 
     @cached_property
@@ -91,8 +200,8 @@ class Part:
     def grid(self, group, *names):
         """x, y and the named datasets [y][x] of a group of measure.h5."""
         path = self.folder / FIELDS
-        with hdf5.open_file(path) as file:
-            x, y, *fields = (np.asarray(hdf5.dataset(file, f"{group}/{name}"), dtype=float) for name in ("x", "y", *names))
+        with files.open_hdf5(path) as file:
+            x, y, *fields = (np.asarray(files.dataset(file, f"{group}/{name}"), dtype=float) for name in ("x", "y", *names))
         if x.ndim != 1 or y.ndim != 1 or min(x.size, y.size) < 2:
             raise PlotError(f"{path}: /{group}/x and y are of shape {x.shape} and {y.shape}, not rows of two places or more")
         for name, field in zip(names, fields):
@@ -107,7 +216,7 @@ class Part:
         return GranularRun(self.folder)
 
 
-def parts(run):
+def parts_of(run):
     variants = run.scene.get("variants", [])
     found = [Part(one["name"], one.get("label") or one["name"], run.path / "variants" / one["name"]) for one in variants]
     return [Part("", told_apart(run) if found else "", run.path), *found]
@@ -115,7 +224,7 @@ def parts(run):
 
 def holders(run, name, group=None):
     """The parts that have this file, and in it this group; if none has, the error names it."""
-    found = [part for part in parts(run) if (part.has_group(group) if group else part.has(name))]
+    found = [part for part in parts_of(run) if (part.has_group(group) if group else part.has(name))]
     if not found:
         lacking = f"/{group} is missing" if group and (run.path / name).is_file() else "no such file"
         raise MissingError(run.path / name, f"{lacking}: this run has not measured it; ask for it in [measure] and run "
@@ -125,16 +234,16 @@ def holders(run, name, group=None):
 
 def some(run, name):
     """Whether a part has this file."""
-    return any(part.has(name) for part in parts(run))
+    return any(part.has(name) for part in parts_of(run))
 
 
 def some_hold(run, group):
-    return any(part.has_group(group) for part in parts(run))
+    return any(part.has_group(group) for part in parts_of(run))
 
 
 def not_measured(run, name, group=None):
     """For a caption: which variants lack the file."""
-    lacking = [words.label_html(part.label) for part in parts(run) if not (part.has_group(group) if group else part.has(name))]
+    lacking = [words.label_html(part.label) for part in parts_of(run) if not (part.has_group(group) if group else part.has(name))]
     return f" Not measured: {', '.join(lacking)}." if lacking else ""
 
 
@@ -145,7 +254,7 @@ def mm_per_s(run):
 
 def series(run):
     """The columns of series.csv, its speeds in mm/s."""
-    columns = csv_columns.read_with_gaps(run.path / SERIES, text=("name",))
+    columns = files.read_csv_with_gaps(run.path / SERIES, text=("name",))
     return columns | {name: columns[name] * mm_per_s(run) for name in ("speed", "speed_error", "imposed_speed") if name in columns}
 
 
@@ -159,11 +268,11 @@ def told_apart(run):
                      if np.isfinite(columns[key][0])) or "as written"
 
 
-def known(sigma):
+def known_errors(sigma):
     """Errors as they can be drawn: nan where unknown."""
     return np.where(sigma > 0, sigma, np.nan)
 
 
-def inside(values, asked, a):
+def inside_window(values, asked, a):
     """Which places (in a) lie in a figure's window (in the resolved scene: m); all without one."""
     return (values >= asked[0] / a) & (values <= asked[1] / a) if asked else np.ones(values.size, dtype=bool)
