@@ -7,6 +7,7 @@ from .errors import PlotError
 from .schema import Kind
 
 MSD = "msd.csv"
+STIFFNESS_TOLD = bed_run.of_measure("stiffness", "<i>a</i><sup>−2</sup>")
 
 
 def draw_msd(run, spec):
@@ -41,9 +42,7 @@ def diffusion_guide(axes, tables):
 def caption_msd(run, spec):
     text = ("Mean-square displacement <i>Δ</i>(<i>t</i>) of the beads in the plane, the mean of all beads taken off; band: standard error; "
             "broken line: slope 1, free diffusion.")
-    told = [(part, part.estimate("microrheology", "stiffness")) for part in bed_run.holders(run, MSD)]
-    found = "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{words.with_error(*one[:2])} <i>a</i><sup>−2</sup>"
-                      for part, one in told if one)
+    found = bed_run.told_of_each(bed_run.holders(run, MSD), STIFFNESS_TOLD)
     stiffness = f" Stiffness 1/(<i>s</i> Δ̃(<i>s</i>)) for <i>s</i> → 0: {found}." if found else ""
     return text + stiffness + bed_run.not_measured(run, MSD)
 
@@ -88,9 +87,7 @@ def extrapolation(axes, part, colour):
 
 def caption_stiffness(run, _):
     parts = bed_run.holders(run, STIFFNESS)
-    found = [(part, part.estimate("microrheology", "stiffness")) for part in parts]
-    told = "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{words.with_error(*one[:2])} <i>a</i><sup>−2</sup>"
-                     for part, one in found if one)
+    told = bed_run.told_of_each(parts, STIFFNESS_TOLD)
     return ("Stiffness of what holds a bead, 1/(<i>s</i> Δ̃(<i>s</i>)) with the Laplace transform of the mean-square displacement; bars: "
             "standard error; star: extrapolated to <i>s</i> = 0 from the window up to the end of the broken line"
             f"{', ' + told if told else ''}.{bed_run.not_measured(run, STIFFNESS)}")
@@ -169,8 +166,7 @@ def caption_memory_kernel(run, _):
     dragged = [table["dragged"] for table in tables]
     what = ("<i>k̃</i>(<i>s</i>) + <i>Γs</i>, no drag of the plates being given (<code>measure.bead_drag</code>)" if all(dragged)
             else "<i>k̃</i>(<i>s</i>)" + (", with <i>Γs</i> where no drag of the plates is given" if any(dragged) else ", the drag of the plates taken off"))
-    told = "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{words.with_error(*found[:2], 1e6)} µN/m"
-                     for part in parts if (found := part.estimate("microrheology", "spring")))
+    told = bed_run.told_of_each(parts, bed_run.of_measure("spring", "µN/m", 1e6))
     short = "".join(f" {words.label_html(part.label)}: too short, or frames too far apart, for any <i>s</i>." for part, _ in faults)
     return (f"Memory kernel of what holds a bead, {what}; the inertia <i>ms</i>² of the bare bead is taken off, the broken grey line. "
             "Band: standard error and what frames and length of the run leave open; drawn where the latter is below 2 % of all that resists; "
@@ -242,7 +238,7 @@ def caption_heading_diffusion(run, _):
                                      + (f", in the theory's units {words.with_error(reduced.value, reduced.error)}" if reduced else ""))
 
     parts = bed_run.holders(run, HEADING)
-    numbers = "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{told(part)}" for part in parts if told(part))
+    numbers = bed_run.told_of_each(parts, told)
     return ("Mean-square change of a rod's heading and mean cosine of it against the lag <i>τ</i>; solid lines: straight line and exponential "
             "over the lags that are fitted; dashed: towards shorter lags, where the rod rattles; bars: standard error"
             f"{'. ' + numbers if numbers else ''}.{bed_run.not_measured(run, HEADING)}")

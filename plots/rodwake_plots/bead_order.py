@@ -210,7 +210,7 @@ def caption_phonons(run, _):
         return ", ".join(f"{title} = {words.with_error(*one[:2])} {unit}".rstrip() for title, one, unit in found if one)
 
     parts = bed_run.holders(run, PHONONS)
-    numbers = "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{told(part)}" for part in parts if told(part))
+    numbers = bed_run.told_of_each(parts, told)
     return ("Modes of the beads against wave number <i>q</i>: frequency <i>ω</i> without damping (lines: <i>ω = cq</i> with the sound speeds), "
             "damping rate <i>γ</i> (lines: drag + <i>ν q</i><sup>2</sup>) and temperature over that of single beads; filled: longitudinal, "
             f"open: transverse; grey: other directions; bars: standard error{'. ' + numbers if numbers else ''}."

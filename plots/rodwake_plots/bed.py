@@ -137,11 +137,9 @@ def bead_colours(spec):
 
 
 def order_bar(figure, axes, spec):
-    bar = figure.colorbar(ScalarMappable(*bead_colours(spec)), ax=axes, pad=0.02, aspect=32)
-    bar.set_label(LABELS[spec.colour])
+    bar = canvas.colour_bar(figure, ScalarMappable(*bead_colours(spec)), axes, LABELS[spec.colour], pad=0.02, aspect=32)
     if spec.colour == "orientation":
         bar.set_ticks([-30, -20, -10, 0, 10, 20, 30])
-    bar.ax.tick_params(direction="in")
 
 
 def paint_snapshot(axes, run, spec, frame, cutoff):
@@ -313,10 +311,8 @@ def draw_rods(axes, a, frame, window, middle):
 
 
 def speed_bar(figure, panels, norm):
-    bar = figure.colorbar(ScalarMappable(norm, SPEEDS), ax=list(panels), location="bottom", shrink=0.55, aspect=45, pad=0.02, extend="both",
-                          extendfrac=0.03)
-    bar.set_label(r"vertical velocity of the beads (mm/s)")
-    bar.ax.tick_params(direction="in")
+    canvas.colour_bar(figure, ScalarMappable(norm, SPEEDS), list(panels), "vertical velocity of the beads (mm/s)", location="bottom", shrink=0.55,
+                      aspect=45, pad=0.02, extend="both")
 
 
 def side_title(run, spec, frames):
@@ -336,6 +332,6 @@ def caption_side_view(run, spec):
 
 
 KINDS = {
-    "snapshot": Kind(draw=draw_snapshot, caption=caption_snapshot, there=lambda run: run.granular.has(TRAJECTORY) and run.granular.stores_all_beads(TRAJECTORY)),
-    "side_view": Kind(draw=draw_side_view, caption=caption_side_view, there=lambda run: run.granular.has(LAST_PERIOD) and run.granular.stores_all_beads(LAST_PERIOD)),
+    "snapshot": Kind(draw=draw_snapshot, caption=caption_snapshot, there=lambda run: run.granular.has_all_beads(TRAJECTORY)),
+    "side_view": Kind(draw=draw_side_view, caption=caption_side_view, there=lambda run: run.granular.has_all_beads(LAST_PERIOD)),
 }

@@ -1,6 +1,5 @@
 """The files of a granular run: summary.json, and for each run of an ensemble its tables and trajectories."""
 
-import json
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -31,33 +30,12 @@ class Track:
 class GranularRun:
     def __init__(self, folder):
         self.folder = folder
-        self.summary = self._summary(folder / SUMMARY)
+        self.summary = files.Record(folder / SUMMARY)
+        self.need = self.summary.need
         self.members = sorted(path for path in folder.glob("runs/*") if path.is_dir()) or [folder]
-        self.a = self.number("bead_radius")
-        self.phi_b = self.number("phi_b")
-        self.box = np.broadcast_to(np.asarray(self.need("box"), dtype=float).ravel()[:2], 2)
-        if not (self.a > 0 and np.all(self.box > 0)):
-            raise PlotError(f"{folder / SUMMARY}: bead_radius {self.a} and box {self.box} must be positive")
-
-    def _summary(self, path):
-        try:
-            found = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise PlotError(f"{path}: not valid JSON: {error}") from error
-        if not isinstance(found, dict):
-            raise PlotError(f"{path}: not a JSON object")
-        return found
-
-    def need(self, key):
-        if self.summary.get(key) is None:
-            raise PlotError(f"{self.folder / SUMMARY}: {key} is missing")
-        return self.summary[key]
-
-    def number(self, key):
-        value = self.need(key)
-        if not isinstance(value, (int, float)) or isinstance(value, bool):
-            raise PlotError(f'{self.folder / SUMMARY}: {key} is "{value}", not a number')
-        return value
+        with files.reading(self.summary.path, "bead_radius, phi_b or box"):
+            self.a, self.phi_b = self.need("bead_radius") + 0, self.need("phi_b") + 0
+            self.box = np.broadcast_to(np.asarray(self.need("box"), dtype=float).ravel()[:2], 2)
 
     @property
     def rods(self):
@@ -86,17 +64,19 @@ class GranularRun:
         except PlotError:
             return True
 
+    def has_all_beads(self, name):
+        return self.has(name) and self.stores_all_beads(name)
+
     def which(self, name):
         """Tells, for a caption, whose trajectory is drawn."""
         return "" if self.single else f"Run {words.escape(int_of(self.holders(name)[0].name))} of {len(self.members)}. "
 
     def tables(self):
-        """(path, columns) of table.csv of each run."""
-        paths = [member / TABLE for member in (self.holders(TABLE) or self.members)]
-        found = [(path, files.read_csv(path)) for path in paths]
-        for path, columns in found:
-            if files.csv_column(path, columns, "t").size == 0:
-                raise PlotError(f"{path}: holds no rows: nothing to draw")
+        """table.csv of each run."""
+        found = [files.read_csv(member / TABLE) for member in (self.holders(TABLE) or self.members)]
+        for table in found:
+            if table["t"].size == 0:
+                raise PlotError(f"{table.path}: holds no rows: nothing to draw")
         return found
 
     def tracks(self):
@@ -109,14 +89,14 @@ def int_of(name):
 
 def track(path):
     columns = files.read_csv(path)
-    t = files.csv_column(path, columns, "t")
+    t = columns["t"]
     if "x0" not in columns:
         raise PlotError(f"{path}: holds no rods: nothing to draw")
     kept = t >= -1e-9 * np.abs(t).max(initial=0.0)  # a first time of -1e-17 is 0
     if not kept.any():
         raise PlotError(f"{path}: holds no rows from t = 0 on: nothing to draw")
     rods = sum(f"x{rod}" in columns for rod in range(len(columns)))
-    parts = (np.stack([files.csv_column(path, columns, f"{name}{rod}")[kept] for rod in range(rods)], axis=-1)
+    parts = (np.stack([columns[f"{name}{rod}"][kept] for rod in range(rods)], axis=-1)
              for name in ("x", "y", "theta", "speed"))
     return Track(path, t[kept], *parts)
 
@@ -124,7 +104,9 @@ def track(path):
 # The files of a measured run: of a scene with variants one set for the scene itself and one in variants/<name> each.
 
 RESULTS, FIELDS, SERIES = "measure.json", "measure.h5", "series.csv"
-AGAINST = {"phi_b": (r"\phi_b", ""), "d0": ("d_0", r"\,a"), "imposed_speed": ("v", r"\,\mathrm{mm/s}")}  # what variants differ in
+# What variants differ in: symbol, unit after a number, words.
+AGAINST = {"phi_b": (r"\phi_b", "", "<i>φ<sub>b</sub></i>"), "d0": ("d_0", r"\,a", "the starting separation <i>d</i><sub>0</sub>"),
+           "imposed_speed": ("v", r"\,\mathrm{mm/s}", "the imposed speed <i>v</i>")}
 
 
 class Estimate(NamedTuple):
@@ -144,12 +126,7 @@ class Part:
 
     def table(self, name, *columns):
         """The columns in that order, one row at least; empty cells are nan."""
-        path = self.folder / name
-        found = files.read_csv_with_gaps(path)
-        values = [files.csv_column(path, found, column) for column in columns]
-        if values[0].size == 0:
-            raise PlotError(f"{path}: holds no rows: nothing to draw")
-        return values
+        return files.read_columns(self.folder / name, *columns)
 
     def has_group(self, group):
         """Whether measure.h5 is there and holds the group."""
@@ -163,47 +140,34 @@ class Part:
         path = self.folder / RESULTS
         if not path.is_file():
             raise MissingError(path, "no such file: rodwake measure writes it")
-        try:
-            found = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise PlotError(f"{path}: not valid JSON: {error}") from error
-        if not isinstance(found, dict):
-            raise PlotError(f"{path}: not a JSON object")
-        return found
+        return files.Record(path)
 
     def told(self, table, key):
         """A plain value of measure.json; None where it was not measured."""
         found = self.results.get(table, {})
-        if not isinstance(found, dict):
-            raise PlotError(f"{self.folder / RESULTS}: {table} is not a table")
-        for step in key.split("."):  # "chi2.algebraic"
-            found = found.get(step) if isinstance(found, dict) else None
+        with files.reading(self.folder / RESULTS, f"{table}.{key}"):
+            for step in key.split("."):  # "chi2.algebraic"
+                found = found.get(step) if found is not None else None
         return found
 
     def number(self, table, key):
         value = self.told(table, key)
-        if value is not None and not words.is_number(value):
-            raise PlotError(f'{self.folder / RESULTS}: {table}.{key} is "{value}", not a number')
-        return value
+        with files.reading(self.folder / RESULTS, f"{table}.{key}"):
+            return None if value is None else value + 0
 
     def estimate(self, table, key):
         """None where it was not measured."""
         found = self.told(table, key)
-        if found is None or (isinstance(found, dict) and found.get("value", 0) is None):
-            return None
-        value, error = (found.get("value"), found.get("error")) if isinstance(found, dict) else (None, None)
-        if not words.is_number(value) or not (error is None or words.is_number(error)):
-            raise PlotError(f"{self.folder / RESULTS}: {table}.{key} is not of the form "
-                            '{"value": number, "error": number or null, "samples": n}')
-        return Estimate(value, math.nan if error is None else error, found.get("samples", 0))
+        with files.reading(self.folder / RESULTS, f"{table}.{key}"):
+            if found is None or found["value"] is None:
+                return None
+            return Estimate(found["value"] + 0, math.nan if found["error"] is None else found["error"] + 0, found.get("samples", 0))
 
     def grid(self, group, *names):
         """x, y and the named datasets [y][x] of a group of measure.h5."""
         path = self.folder / FIELDS
         with files.open_hdf5(path) as file:
             x, y, *fields = (np.asarray(files.dataset(file, f"{group}/{name}"), dtype=float) for name in ("x", "y", *names))
-        if x.ndim != 1 or y.ndim != 1 or min(x.size, y.size) < 2:
-            raise PlotError(f"{path}: /{group}/x and y are of shape {x.shape} and {y.shape}, not rows of two places or more")
         for name, field in zip(names, fields):
             if field.shape != (y.size, x.size):
                 raise PlotError(f"{path}: /{group}/{name} has shape {field.shape}, expected {(y.size, x.size)}")
@@ -247,6 +211,20 @@ def not_measured(run, name, group=None):
     return f" Not measured: {', '.join(lacking)}." if lacking else ""
 
 
+def told_of_each(parts, tell):
+    """For a caption: what there is to tell of each part, after its label."""
+    told = ((part, tell(part)) for part in parts)
+    return "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{text}" for part, text in told if text)
+
+
+def of_measure(key, unit, factor=1.0, measure="microrheology"):
+    """Tells a value of measure.json with its error."""
+    def tell(part):
+        found = part.estimate(measure, key)
+        return f"{words.with_error(*found[:2], factor)} {unit}" if found else ""
+    return tell
+
+
 def mm_per_s(run):
     """What a speed in a/s, as the files of measures have it, is multiplied by to be in mm/s, as figures have it."""
     return 1e3 * run.granular.a
@@ -254,8 +232,9 @@ def mm_per_s(run):
 
 def series(run):
     """The columns of series.csv, its speeds in mm/s."""
-    columns = files.read_csv_with_gaps(run.path / SERIES, text=("name",))
-    return columns | {name: columns[name] * mm_per_s(run) for name in ("speed", "speed_error", "imposed_speed") if name in columns}
+    columns = files.read_csv(run.path / SERIES, text=("name",))
+    columns.update({name: columns[name] * mm_per_s(run) for name in ("speed", "speed_error", "imposed_speed") if name in columns})
+    return columns
 
 
 def told_apart(run):

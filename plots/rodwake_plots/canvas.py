@@ -2,7 +2,6 @@
 
 import io
 import math
-import string
 
 import matplotlib
 import numpy as np
@@ -16,7 +15,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, MaxNLocator, NullFormatter
 from matplotlib.transforms import Affine2D
 
-from . import files, style
+from . import files, style, words
 from .errors import PlotError
 
 
@@ -43,7 +42,7 @@ def heading(axes, text):
 
 def letter(axes, index):
     """`(a)` over the left end of a panel."""
-    axes.set_title(f"({string.ascii_lowercase[index % 26]})", loc="left", pad=6)
+    axes.set_title(words.letter(index), loc="left", pad=6)
 
 
 def align_headings(rows):
@@ -127,15 +126,16 @@ def log_norm(*arrays):
     return LogNorm(bottom, top), {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[below, above]
 
 
-def log_bar(figure, image, axes, extend, label, **place):
-    """A colour bar with labelled decades; 2 and 5 are labelled too when there are few decades."""
-    bar = figure.colorbar(image, ax=axes, extend=extend, extendfrac=0.03, **place)
-    few = np.log10(image.norm.vmax / image.norm.vmin) < 2
-    axis = bar.ax.xaxis if bar.orientation == "horizontal" else bar.ax.yaxis
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,), numticks=20))
-    plain = few and image.norm.vmin >= 1e-2 and image.norm.vmax < 1e4  # 5 is read faster than 5 x 10^0
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}") if plain
-                             else LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(np.inf, np.inf)))
+def colour_bar(figure, image, axes, label, **place):
+    """With labelled decades on a logarithmic scale; 2 and 5 are labelled too when there are few decades."""
+    bar = figure.colorbar(image, ax=axes, **(dict(extendfrac=0.03) | place))
+    if isinstance(image.norm, LogNorm):
+        few = np.log10(image.norm.vmax / image.norm.vmin) < 2
+        axis = bar.ax.xaxis if bar.orientation == "horizontal" else bar.ax.yaxis
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,), numticks=20))
+        plain = few and image.norm.vmin >= 1e-2 and image.norm.vmax < 1e4  # 5 is read faster than 5 x 10^0
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}") if plain
+                                 else LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(np.inf, np.inf)))
     bar.ax.tick_params(which="both", direction="in")
     bar.set_label(label)
     return bar
@@ -235,16 +235,20 @@ def panel_grid(parts, aspect, bar=0.0, share=True):
     return made, list(axes[:count])
 
 
+def outer_labels(axes_list, columns, xlabel, ylabel):
+    """Numbers and labels at the left and under the lowest panel of each column."""
+    for index, axes in enumerate(axes_list):
+        lowest, leftmost = index + columns >= len(axes_list), index % columns == 0
+        axes.set(xlabel=xlabel if lowest else "", ylabel=ylabel if leftmost else "")
+        axes.tick_params(labelbottom=lowest, labelleft=leftmost)
+
+
 def label_panels(axes_list, parts, xlabel, ylabel, title=""):
     """Names over the panels, axis labels at the left and below."""
-    columns = axes_list[0].get_subplotspec().get_gridspec().ncols
+    outer_labels(axes_list, axes_list[0].get_subplotspec().get_gridspec().ncols, xlabel, ylabel)
     for index, (axes, part) in enumerate(zip(axes_list, parts)):
-        lowest, leftmost = index + columns >= len(parts), index % columns == 0
-        axes.set_xlabel(xlabel if lowest else "")
-        axes.set_ylabel(ylabel if leftmost else "")
-        axes.tick_params(labelbottom=lowest, labelleft=leftmost)
         if len(parts) > 1:
-            heading(axes, f"({string.ascii_lowercase[index % 26]})  {style.safe(part.label)}")
+            heading(axes, f"{words.letter(index)}  {style.safe(part.label)}")
     if len(parts) == 1:
         heading(axes_list[0], style.safe(title))
     elif title:
@@ -255,7 +259,7 @@ def told_of_panels(parts, of):
     """`of(part)` of each panel as one line for a caption."""
     if len(parts) == 1:
         return of(parts[0])
-    return " ".join(f"({string.ascii_lowercase[index % 26]}) {of(part)}" for index, part in enumerate(parts))
+    return " ".join(f"{words.letter(index)} {of(part)}" for index, part in enumerate(parts))
 
 
 # The rod: tapered, thin end forward, as in the experiments. Sizes are in points, so zooming does not change them.

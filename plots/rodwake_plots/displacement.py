@@ -97,9 +97,7 @@ def draw_displacement_map(run, spec):
         draw_rod(axes, run)
         axes.tick_params(direction="out", top=False, right=False)
     canvas.label_panels(axes_list, parts, r"$x/a$", r"$y/a$", spec.title)
-    bar = figure.colorbar(image, ax=axes_list, extend=extend, extendfrac=0.03, pad=0.015, aspect=32)
-    bar.set_label(MAP_LABELS[spec.component])
-    bar.ax.tick_params(direction="in")
+    canvas.colour_bar(figure, image, axes_list, MAP_LABELS[spec.component], extend=extend, pad=0.015, aspect=32)
     return figure
 
 
@@ -165,10 +163,6 @@ def caption_displacement_map(run, spec):
     return ("Measured displacement <b>U</b> of the beads in the frame of the rod, which heads along +<i>x</i>: colour, "
             f"{MAP_WORDS[spec.component]}; arrows, <b>U</b>, the largest ones cut to the distance between arrows. Hatched: no bead was seen "
             f"there. The rod is drawn to scale. {how(parts[0])}{bed_run.not_measured(run, FIELDS, 'displacement')}")
-
-
-def defaults_displacement_map(run):
-    return [Spec("displacement_map", "displacement_map", component="U")] if bed_run.some_hold(run, "displacement") else []
 
 
 # Measured displacement along a line of the rod's frame (paper, Figs. ufield a, c, e).
@@ -361,13 +355,12 @@ def caption_theory_beside_bed(run, spec):
             + (f" Below: {below}." if below else ""))
 
 
-def defaults_theory_beside_bed(run):
-    there = run.has_result and cut_of(run.result, "Ux") is not None and bed_run.some(run, "profile_Ux_x.csv")
-    return [Spec("theory_beside_bed", "theory_beside_bed")] if there else []
+def is_beside(run):
+    return run.has_result and cut_of(run.result, "Ux") is not None and bed_run.some(run, "profile_Ux_x.csv")
 
 
 KINDS = {
-    "displacement_map": Kind(draw=draw_displacement_map, caption=caption_displacement_map, defaults=defaults_displacement_map),
+    "displacement_map": Kind(draw=draw_displacement_map, caption=caption_displacement_map, there=lambda run: bed_run.some_hold(run, "displacement")),
     "profile": Kind(draw=draw_profile, caption=caption_profile, defaults=defaults_profile),
-    "theory_beside_bed": Kind(draw=draw_theory_beside_bed, caption=caption_theory_beside_bed, defaults=defaults_theory_beside_bed),
+    "theory_beside_bed": Kind(draw=draw_theory_beside_bed, caption=caption_theory_beside_bed, there=is_beside),
 }

@@ -43,7 +43,8 @@ def filmed(run, found):
 
 def defaults(run):
     """A figure for everything the run directory holds."""
-    there = {"bed": run.has_granular, "measure": run.has_granular, "theory": run.has_result, "rod_order": run.rods_order is not None, "fit": run.has_fit, "scan": run.has_scan}
+    there = {"bed": run.has_granular, "measure": run.has_granular, "theory": run.has_result, "rod_order": run.rods_order is not None,
+             "fit": run.has_fit, "scan": run.has_scan}
     specs = [one for kind in KINDS if there[schema.subject(kind)] for one in all_of(kind, run)]
     if not specs:
         raise PlotError(f"{run.path}: holds no rods, no field, no cuts, no fit, no scan and no tables or trajectories of beads: nothing to draw")
@@ -53,8 +54,9 @@ def defaults(run):
 def all_of(kind, run):
     """If it cannot be told what there is, one figure, which says why when it is drawn."""
     made = KINDS[kind]
-    found, error = attempt(made.defaults or (lambda run: [schema.Spec(kind, kind)] if made.there(run) else []), run)
-    return [schema.Spec(kind, kind)] if error else [replace(one, name=schema.file_name(one.name)) for one in found]
+    one = schema.Spec(kind, kind, **schema.OF_KIND.get(kind, {}))
+    found, error = attempt(made.defaults or (lambda run: [one] if made.there(run) else []), run)
+    return [one] if error else [replace(each, name=schema.file_name(each.name)) for each in found]
 
 
 def besides(run, asked):

@@ -1,7 +1,6 @@
 """What the two maps of the field share: the window of the grid, the colour map, the rod."""
 
 import math
-import string
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,7 +90,7 @@ def draw_extensional_axis(run, spec):
     draw_rod(axes, grid)
     axes.set_ylabel(grid.ylabel)
     canvas.heading(axes, heading_of(run, spec.title))
-    canvas.log_bar(figure, image, axes, extend, r"extensional eigenvalue $\varepsilon_{+}$", pad=0.02, aspect=25)
+    canvas.colour_bar(figure, image, axes, r"extensional eigenvalue $\varepsilon_{+}$", extend=extend, pad=0.02, aspect=25)
     return figure
 
 
@@ -138,10 +137,10 @@ def draw_polar_streamlines(run, spec):
     figure, panels = streamline_panels(grid, len(fields))
     for index, (axes, pair, vector) in enumerate(zip(panels, spec.gammas, fields)):
         image = streamline_panel(axes, grid, vector, norm)
-        letter = rf"({string.ascii_lowercase[index % 26]})  " if len(fields) > 1 else ""
+        letter = rf"{words.letter(index)}  " if len(fields) > 1 else ""
         canvas.heading(axes, letter + pair_label(*pair))
     label = rf"$|\gamma_1\nabla^2\mathbf{{u}}+\gamma_2\nabla\nabla\cdot\mathbf{{u}}|$  (${run.result.units.gradient_unit()}$)"
-    canvas.log_bar(figure, image, panels, extend, label, **bar_place(panels, grid))
+    canvas.colour_bar(figure, image, panels, label, extend=extend, **bar_place(panels, grid))
     figure.suptitle(heading_of(run, spec.title), fontsize=10.5)
     return figure
 

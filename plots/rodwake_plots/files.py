@@ -1,8 +1,9 @@
-"""Files that are complete or not there: written under another name, brought to the disk, renamed."""
+"""Files: written whole or not at all; read as the program writes them, and what is not so is told with the name of the file."""
 
 import contextlib
 import csv
 import functools
+import json
 import os
 import re
 
@@ -43,26 +44,54 @@ def write(path, data):
         temporary.write_bytes(data.encode("utf-8", "replace") if isinstance(data, str) else data)
 
 
+@contextlib.contextmanager
+def reading(path, what="it"):
+    """Whatever goes wrong while what the program wrote is taken apart: the file is not what it was."""
+    try:
+        yield
+    except (AttributeError, LookupError, TypeError, ValueError) as error:
+        raise PlotError(f"{path}: {what} is not as rodwake writes it: {type(error).__name__}: {error}") from error
+
+
+class Record(dict):
+    """A JSON object in a file."""
+
+    def __init__(self, path):
+        self.path = path
+        try:
+            found = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise PlotError(f"{path}: not valid JSON: {error}") from error
+        if not isinstance(found, dict):
+            raise PlotError(f"{path}: not a JSON object")
+        super().__init__(found)
+
+    def need(self, key):
+        if self.get(key) is None:
+            raise PlotError(f"{self.path}: {key} is missing")
+        return self[key]
+
+
 # A CSV file of numbers as named columns; lines that begin with # are comments.
 
 GAP = re.compile(r"(?:^|(?<=,))[ \t]*(?=,|$)")  # an empty cell
 
 
-def read_csv(path):
-    """{name: values}; a file with a header alone gives empty columns."""
-    names, lines = csv_parts(path)
-    try:
-        values = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(names)))
-    except ValueError as error:
-        raise PlotError(f"{path}: not a table of numbers: {error}") from error
-    if values.shape[1] != len(names):
-        raise PlotError(f"{path}: {len(names)} names in its first line, {values.shape[1]} numbers in the others")
-    return dict(zip(names, values.T))
+class Table(dict):
+    """Columns by name, of numbers or lists of strings."""
+
+    def __init__(self, path, columns):
+        super().__init__(columns)
+        self.path = path
+
+    def __missing__(self, name):
+        raise PlotError(f"{self.path}: column {name} is missing")
 
 
-def read_csv_with_gaps(path, text=()):
-    """The same where cells may be empty, which become nan; columns named in `text` are lists of strings."""
+def read_csv(path, text=(), needed=()):
+    """Empty cells become nan; columns named in `text` are lists of strings, those in `needed` are there."""
     names, lines = csv_parts(path)
+    list(map(Table(path, zip(names, names)).__getitem__, needed))
     for line in lines:
         if cells(line) != len(names):
             raise PlotError(f"{path}: {len(names)} names in its first line, {cells(line)} values in another")
@@ -73,7 +102,16 @@ def read_csv_with_gaps(path, text=()):
             numbers, cells_of([GAP.sub("nan", line) for line in lines], numbers, float)))
     except ValueError as error:
         raise PlotError(f"{path}: not a table of numbers: {error}") from error
-    return {name: found[index] for index, name in enumerate(names)}
+    return Table(path, ((name, found[index]) for index, name in enumerate(names)))
+
+
+def read_columns(path, *names):
+    """These columns in that order, one row at least; empty cells are nan."""
+    found = read_csv(path)
+    values = [found[name] for name in names]
+    if values[0].size == 0:
+        raise PlotError(f"{path}: holds no rows: nothing to draw")
+    return values
 
 
 def cells(line):
@@ -94,12 +132,6 @@ def csv_parts(path):
     with path.open(encoding="utf-8", errors="replace") as file:
         lines = [line for line in file if line.strip() and not line.startswith("#")]
     return [name.strip() for name in (lines[0] if lines else "").split(",")], lines[1:]
-
-
-def csv_column(path, columns, name):
-    if name not in columns:
-        raise PlotError(f"{path}: column {name} is missing")
-    return columns[name]
 
 
 # Opening an HDF5 file and taking datasets from it; whatever is missing is named with its full place.

@@ -43,7 +43,7 @@ def chosen(fit, spec):
 def title(axes, unit, view, asked, index):
     """What is shown; of a profile that was not fitted, by what the data exceed the prediction."""
     shown = fit_words.line_math(view.profile, unit)
-    lines = [style.safe(asked) or shown if index is None else f"{fit_words.letter(index)}  {shown}"]
+    lines = [style.safe(asked) or shown if index is None else f"{words.letter(index)}  {shown}"]
     if fit_words.predicted(view.profile):
         found = fit_words.excess(view.profile)
         more = rf": data = ${fit_words.plain_math(fit_words.excess_html(found))}$ × theory" if found else ""
@@ -227,7 +227,7 @@ def caption_of(fit, views, spec):
     text = "Displacement of the medium around a rod that heads along +<i>x</i>: data (points"
     known = any(np.isfinite(view.points.sigma).any() for view in views)
     text += ", bars: standard error" if known else ", of unknown error"
-    text += f") and the theory of an isotropic medium (lines). {fitted_to(fit)}: {values(fit)}. "
+    text += f") and the theory of an isotropic medium (lines). {fitted_to(fit)}: {fit_words.values(fit.parameters.values())}. "
     if any(np.nanmax(view.curve.band, initial=0.0) > 0 for view in views):
         text += "Shaded: one standard error of the fitted curve. "
     if spec.residuals:
@@ -242,14 +242,7 @@ def caption_of(fit, views, spec):
 def fitted_to(fit):
     """Which profiles the parameters come from."""
     names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)]
-    if not names:
-        return "Fitted to trajectories"
-    return "Fitted to " + (names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1])
-
-
-def values(fit):
-    """All values, the free ones with their errors."""
-    return ", ".join(f'<span class="eq">{fit_words.symbol_html(one.name)} = {fit_words.value(one)}</span>' for one in fit.parameters.values())
+    return "Fitted to " + words.listed(names or ["trajectories"])
 
 
 def panel_told(index, view, count, unit):
@@ -257,7 +250,7 @@ def panel_told(index, view, count, unit):
     if not fit_words.predicted(view.profile):
         return ""
     found = fit_words.excess(view.profile)
-    name = f"{fit_words.letter(index)} " if count > 1 else ""
+    name = f"{words.letter(index)} " if count > 1 else ""
     more = f'; the data are <span class="eq">{fit_words.excess_html(found)}</span> times as large' if found else ""
     return f"{name}{fit_words.line_html(view.profile, unit)} was not fitted: a prediction{more}. "
 
@@ -271,7 +264,7 @@ def not_shown(fit, profile):
 
 
 def compared(fit, one):
-    given = one.get("values") if isinstance(one.get("values"), dict) else {}
+    given = one.get("values") or {}
     known = ", ".join(words.equation(fit_words.symbol_html(name), value, unit_of(fit, name)) for name, value in given.items())
     return f"For comparison, {words.label_html(str(one.get('name', '')))}: {known}. "
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from . import canvas, fit_words, style, words
+from . import canvas, files, fit_words, style, words
 from .errors import PlotError
 from .fit_result import RISE_95
 from .schema import Kind, Spec
@@ -39,9 +39,7 @@ def of_matrix(free, matrix, title=""):
                           color="white" if abs(value) > 0.6 else style.INK)
         else:
             axes.annotate("–", (column, row), ha="center", va="center", color=style.GREY)
-    bar = figure.colorbar(image, ax=axes, ticks=[-1, -0.5, 0, 0.5, 1], fraction=0.05, pad=0.04)
-    bar.set_label("correlation")
-    bar.ax.tick_params(direction="in")
+    canvas.colour_bar(figure, image, axes, "correlation", ticks=[-1, -0.5, 0, 0.5, 1], fraction=0.05, pad=0.04)
     canvas.heading(axes, title)
     return figure
 
@@ -81,19 +79,15 @@ class Likelihood:
     """value and the rise of chi2, in units in which 95 % is at RISE_95."""
 
     def __init__(self, fit, name):
-        found = fit.likelihood.get(name) if name else next(iter(fit.likelihood.values()), None)
-        if not isinstance(found, dict):
+        name = name or next(iter(fit.likelihood), "")
+        if name not in fit.likelihood:
             known = ", ".join(fit.likelihood) or "none"
             raise PlotError(f'{fit.path}: no likelihood of "{name}" (there is: {known}); name it in fit.likelihood')
-        self.parameter = fit.parameters.get(name or next(iter(fit.likelihood)))
-        if self.parameter is None:
-            raise PlotError(f'{fit.path}: likelihood of "{name}", which is not in parameters')
-        try:
-            self.value, chi2 = (np.array(found.get(key), dtype=float) for key in ("value", "chi2"))
-        except (TypeError, ValueError) as error:
-            raise PlotError(f"{fit.path}: likelihood.{self.parameter.name} is not two rows of numbers") from error
-        if self.value.ndim != 1 or self.value.shape != chi2.shape or np.isfinite(chi2).sum() < 2:
-            raise PlotError(f"{fit.path}: likelihood.{self.parameter.name} holds less than two points: nothing to draw")
+        with files.reading(fit.path, f"likelihood.{name}"):
+            self.parameter, found = fit.parameters[name], fit.likelihood[name]
+            self.value, chi2 = (np.array(found[key], dtype=float).reshape(len(found["value"])) for key in ("value", "chi2"))
+        if np.isfinite(chi2).sum() < 2:
+            raise PlotError(f"{fit.path}: likelihood.{name} holds less than two points: nothing to draw")
         kept = np.isfinite(self.value) & np.isfinite(chi2)
         self.value, chi2 = self.value[kept], chi2[kept]
         best = fit.number(fit.told, "objective", chi2.min())

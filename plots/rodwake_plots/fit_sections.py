@@ -36,7 +36,7 @@ def named(name, heads, rows):
 def headline(run):
     """One line under the title."""
     fit = run.fit
-    told = ", ".join(f'<span class="eq">{fit_words.symbol_html(one.name)} = {fit_words.value(one)}</span>' for one in fit.free)
+    told = fit_words.values(fit.free)
     return f'<p class="outcome"><span class="tag">fit</span>{told or "no free parameter"}; {chi2_words(fit)}.</p>'
 
 

@@ -22,9 +22,8 @@ def draw_fit_map(run, spec):
             image = axes.pcolormesh(x, y, values, norm=norm, cmap=DIFFERENCES, shading="nearest", rasterized=True)
             hatch(axes, x, y, used)
             axes.set_aspect("equal")
-        bar = figure.colorbar(image, ax=list(line), pad=0.015, aspect=18, extend="both")
-        bar.set_label(f"$U_{letter}$ / {fit_words.words_of(run.fit.unit)}")
-        bar.ax.tick_params(direction="in")
+        label = f"$U_{letter}$ / {fit_words.words_of(run.fit.unit)}"
+        canvas.colour_bar(figure, image, list(line), label, pad=0.015, aspect=18, extend="both", extendfrac=0.05)
         line[0].set_ylabel(fit_words.axis("y", run.fit.unit))
     for axes, title in zip(panels[0], COLUMNS):
         canvas.heading(axes, title)
@@ -100,7 +99,7 @@ def draw_fit_trajectories(run, spec):
         reduced = in_reduced_units(run, index)
         draw_paths(top, paths, reduced)
         draw_residuals(above, below, paths, reduced, column == 0)
-        canvas.heading(top, f"{fit_words.letter(index)}  {style.safe(name)}" if len(found) > 1 else style.safe(spec.title or name))
+        canvas.heading(top, f"{words.letter(index)}  {style.safe(name)}" if len(found) > 1 else style.safe(spec.title or name))
     handles = [Line2D([], [], marker="o", markersize=3.4, linestyle="none", color=style.GREY, label="data"),
                Line2D([], [], color=style.GREY, linewidth=1.3, label="fit")]
     figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, frameon=False, fontsize=9)
@@ -174,7 +173,7 @@ def caption_fit_trajectories(run, spec):
         parts = [f"{name} {words.number(run.fit.number(one, key), 3)} {unit}" for key, name, unit in (
             ("rms_position", "positions", length), ("rms_heading", "headings", "rad")) if one.get(key) is not None]
         if parts:
-            text += f"{fit_words.letter(index) + ' ' if len(found) > 1 else ''}Root mean square of what is left: {', '.join(parts)}. "
+            text += f"{words.letter(index) + ' ' if len(found) > 1 else ''}Root mean square of what is left: {', '.join(parts)}. "
     return text
 
 

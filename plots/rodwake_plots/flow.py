@@ -3,13 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import Normalize
 
 from . import bed, bed_run, canvas, displacement, style, words
 from .bed_run import FIELDS, SUMMARY, TRAJECTORY
 from .errors import PlotError
 from .frames import Frame, with_images
-from .schema import Kind, Spec
+from .schema import Kind
 
 FLOW_NAMES = ("vx", "vy", "sigma_x", "sigma_y", "count")
 MOST_ARROWS = 40, 24  # across the window of one or two panels, of more
@@ -43,18 +43,8 @@ def draw_flow(run, spec):
         displacement.draw_rod(axes, run)
         axes.tick_params(direction="out", top=False, right=False)
     canvas.label_panels(axes_list, parts, r"$x/a$", r"$y/a$", spec.title)
-    bar(figure, image, axes_list, norm, extend)
+    canvas.colour_bar(figure, image, axes_list, r"mean speed ($\mathrm{mm/s}$)", extend=extend, pad=0.015, aspect=32)
     return figure
-
-
-def bar(figure, image, axes_list, norm, extend):
-    label, place = r"mean speed ($\mathrm{mm/s}$)", dict(pad=0.015, aspect=32)
-    if isinstance(norm, LogNorm):
-        canvas.log_bar(figure, image, axes_list, extend, label, **place)
-        return
-    made = figure.colorbar(image, ax=axes_list, extend=extend, extendfrac=0.03, **place)
-    made.set_label(label)
-    made.ax.tick_params(direction="in")
 
 
 def read_flow(part, run, spec, across):
@@ -221,14 +211,13 @@ def moved(part):
     return f"{text}; share of the rod's way that they were carried along: {words.with_error(*share[:2])}." if share else text + "."
 
 
-def defaults_dragged(run):
+def is_dragged(run):
     """Frames are not kept of every measured run."""
     marked = [part for part in bed_run.parts_of(run) if part.has(MARKED)]
-    there = marked and all(part.has(SUMMARY) and part.granular.has(TRAJECTORY) and part.granular.stores_all_beads(TRAJECTORY) for part in marked)
-    return [Spec("dragged", "dragged")] if there else []
+    return bool(marked) and all(part.has(SUMMARY) and part.granular.has_all_beads(TRAJECTORY) for part in marked)
 
 
 KINDS = {
     "flow": Kind(draw=draw_flow, caption=caption_flow, there=lambda run: bed_run.some_hold(run, "flow")),
-    "dragged": Kind(draw=draw_dragged, caption=caption_dragged, defaults=defaults_dragged),
+    "dragged": Kind(draw=draw_dragged, caption=caption_dragged, there=is_dragged),
 }

@@ -64,10 +64,6 @@ class Trajectory:
             raise PlotError(f"{self.path}: holds {self.frames} frames at {len(self.time)} times: nothing to draw")
         self.species = np.asarray(files.dataset(self.file, f"{GROUP}/species"))
         self.radius = np.asarray(files.dataset(self.file, f"{GROUP}/radius"), dtype=float)
-        shape, count = files.dataset(self.file, f"{GROUP}/position/value").shape, self.species.size
-        if shape[1:] != (count, 3) or self.radius.shape != (count,):
-            raise PlotError(f"{self.path}: position, species and radius are of {shape[1:]}, {count} and "
-                            f"{self.radius.size} particles; expected [particle][3] and one number each")
 
     def holds_all_beads(self):
         """Beads are numbered from 0 on; files of others need not number them."""
@@ -89,18 +85,17 @@ class Trajectory:
 
     def frame(self, number):
         at = self.index(number)
-        box = box_sides(self._value(f"{GROUP}/box/edges/value", at))
-        position, velocity = (self._value(f"{GROUP}/{name}/value", at) for name in ("position", "velocity"))
-        bead = self.species == BEAD
-        rods = self._rods(at, position[~bead], self.radius[~bead], box) if not bead.all() else ()
-        return Frame(float(self.time[at]), box, position[bead], velocity[bead], self.radius[bead], rods)
+        with files.reading(self.path, f"frame {number}"):
+            box = box_sides(self._value(f"{GROUP}/box/edges/value", at))
+            position, velocity = (self._value(f"{GROUP}/{name}/value", at) for name in ("position", "velocity"))
+            bead = self.species == BEAD
+            rods = self._rods(at, position[~bead], self.radius[~bead], box) if not bead.all() else ()
+            return Frame(float(self.time[at]), box, position[bead], velocity[bead], self.radius[bead], rods)
 
     def _rods(self, at, spheres, radii, box):
         owner = self.parameter("rod_of_sphere")
         centres = self._value(f"{RODS}/position/value", at)
         axes = body_axis(self._value(f"{RODS}/orientation/value", at))
-        if owner.shape != radii.shape or owner.max() >= len(centres):
-            raise PlotError(f"{self.path}: /parameters/rod_of_sphere does not tell the rods of its {radii.size} spheres")
         return tuple(Rod(axis, whole(spheres[owner == rod], centre, box), radii[owner == rod])
                      for rod, (centre, axis) in enumerate(zip(centres, axes)))
 

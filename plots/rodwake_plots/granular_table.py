@@ -4,15 +4,13 @@ import numpy as np
 
 from . import bed, canvas, style, words
 from .bed_run import TABLE
-from .errors import PlotError
 from .schema import Kind
 
-COLUMNS = ("t", "energy", "kinetic", "T_xy", "T_z", "psi6", "floor_impulse", "lid_impulse")
 ORANGE = style.ROD_COLOURS[0]
 
 
 def draw(run, spec):
-    tables = [read(path, columns) for path, columns in run.granular.tables()]
+    tables = run.granular.tables()
     figure = canvas.figure(style.WIDE - 0.8, 7.0)
     panels = figure.subplots(4, 1, sharex=True)
     for axes, paint in zip(panels, (energies, temperatures, order, pushes)):
@@ -26,13 +24,6 @@ def draw(run, spec):
     canvas.heading(panels[0], style.safe(spec.title) or title(run, tables))
     figure.align_ylabels(panels)
     return figure
-
-
-def read(path, columns):
-    for name in COLUMNS:
-        if name not in columns:
-            raise PlotError(f"{path}: column {name} is missing")
-    return columns
 
 
 def title(run, tables):
@@ -103,7 +94,7 @@ def shade_equilibration(axes, tables):
 
 
 def caption(run, spec):
-    shaded = " Shaded: equilibration, rods held." if any(columns["t"][0] < 0 for _, columns in run.granular.tables()) else ""
+    shaded = " Shaded: equilibration, rods held." if any(table["t"][0] < 0 for table in run.granular.tables()) else ""
     mean = " Thin: each run; bold: their mean." if not run.granular.single else ""
     return ("(a) Energy; (b) temperatures <i>T</i><sub>z</sub> = var <i>v</i><sub>z</sub> and <i>T</i><sub>xy</sub> = (var "
             "<i>v</i><sub>x</sub> + var <i>v</i><sub>y</sub>)/2 of the beads; (c) global bond order <i>ψ</i><sub>6</sub>; "

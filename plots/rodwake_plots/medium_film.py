@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import matplotlib
 import numpy as np
 from matplotlib import patheffects
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
@@ -164,9 +163,7 @@ def write_medium_film(run, spec):
         return movie.write_film(run, spec, Pictures(run, spec, film))
 
 
-class Pictures:
-    """The pictures, drawn one by one on a figure whose layout is made once."""
-
+class Pictures(movie.Film):
     def __init__(self, run, spec, film):
         self.film, self.units = film, run.units
         window = film.window(spec)
@@ -174,35 +171,19 @@ class Pictures:
         top = film.top()
         self.time = self.units.time("t", film.t[-1])
         aspect = np.ptp(window[1]) / np.ptp(window[0])
-        self.figure = canvas.figure(5.6, min(4.6 * aspect, 7.0) + 0.6)
-        self.figure.set_dpi(DPI)
-        self.axes = self.figure.subplots()
+        figure = canvas.figure(5.6, min(4.6 * aspect, 7.0) + 0.6)
+        self.axes = figure.subplots()
         self.panel = Panel(self.axes, film, window, length, top)
         label_axes(self.axes, self.units, window)
-        colour_bar(self.figure, [self.axes], self.panel, self.units, top)
+        colour_bar(figure, [self.axes], self.panel, self.units, top)
         canvas.heading(self.axes, style.safe(spec.title))
         self.clock = clock(self.axes, "")
-        self.canvas = FigureCanvasAgg(self.figure)
-        self.show(0)
-        self.canvas.draw()
-        self.figure.set_layout_engine("none")
-        self.height, self.width = (size // 2 * 2 for size in np.asarray(self.canvas.buffer_rgba()).shape[:2])  # x264 wants even
+        self.lay_out(figure, len(film), DPI)
 
     def show(self, number):
         number %= len(self.film)
         self.panel.show(number)
         self.clock.set_text(self.units.equals(self.time, "t", self.film.t[number]))
-
-    def __iter__(self):
-        """[row][column][red, green, blue] of each frame."""
-        for number in range(len(self.film)):
-            self.show(number)
-            self.canvas.draw()
-            yield np.ascontiguousarray(np.asarray(self.canvas.buffer_rgba())[:self.height, :self.width, :3])
-
-    def save_still(self, path):
-        self.show(-1)
-        canvas.save(self.figure, path)
 
 
 def label_axes(axes, units, window):

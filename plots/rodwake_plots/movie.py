@@ -42,31 +42,21 @@ def write_film(run, spec, film):
     return [still.with_suffix(ending), still]
 
 
-class BedFilm:
-    """The pictures, drawn one by one on a figure whose layout is made once."""
+class Film:
+    """Pictures, drawn one by one by show(number) on a figure whose layout is made once."""
 
-    def __init__(self, run, spec, trajectory):
-        self.run, self.spec, self.trajectory = run, spec, trajectory
-        self.cutoff = trajectory.parameter("order_cutoff")
-        self.figure, self.axes = bed.snapshot_stage(run, spec)
-        self.figure.set_dpi(DPI)
-        self.canvas = FigureCanvasAgg(self.figure)
-        self.artists = []
+    def lay_out(self, figure, count, dpi):
+        self.figure, self.count = figure, count
+        figure.set_dpi(dpi)
+        self.canvas = FigureCanvasAgg(figure)
         self.show(0)
         self.canvas.draw()
-        self.figure.set_layout_engine("none")
+        figure.set_layout_engine("none")
         self.height, self.width = (size // 2 * 2 for size in np.asarray(self.canvas.buffer_rgba()).shape[:2])  # x264 wants even
 
-    def show(self, number):
-        frame = self.trajectory.frame(number)
-        for artist in self.artists:
-            artist.remove()
-        self.artists = bed.paint_snapshot(self.axes, self.run, self.spec, frame, self.cutoff)
-        canvas.heading(self.axes, bed.heading_text(self.run, self.spec, frame.time, self.trajectory.time[-1]))
-
     def __iter__(self):
-        """[row][column][red, green, blue] of each frame."""
-        for number in range(self.trajectory.frames):
+        """[row][column][red, green, blue] of each."""
+        for number in range(self.count):
             self.show(number)
             self.canvas.draw()
             yield np.ascontiguousarray(np.asarray(self.canvas.buffer_rgba())[:self.height, :self.width, :3])
@@ -74,6 +64,22 @@ class BedFilm:
     def save_still(self, path):
         self.show(-1)
         canvas.save(self.figure, path)
+
+
+class BedFilm(Film):
+    def __init__(self, run, spec, trajectory):
+        self.run, self.spec, self.trajectory = run, spec, trajectory
+        self.cutoff = trajectory.parameter("order_cutoff")
+        figure, self.axes = bed.snapshot_stage(run, spec)
+        self.artists = []
+        self.lay_out(figure, trajectory.frames, DPI)
+
+    def show(self, number):
+        frame = self.trajectory.frame(number)
+        for artist in self.artists:
+            artist.remove()
+        self.artists = bed.paint_snapshot(self.axes, self.run, self.spec, frame, self.cutoff)
+        canvas.heading(self.axes, bed.heading_text(self.run, self.spec, frame.time, self.trajectory.time[-1]))
 
 
 def by_ffmpeg(path, film, fps):
@@ -136,26 +142,19 @@ def write_rods_movie(run, spec):
     return write_film(run, spec, RodsFilm(run, spec))
 
 
-class RodsFilm:
-    """The pictures, drawn one by one on a figure whose layout is made once."""
-
+class RodsFilm(Film):
     def __init__(self, run, spec):
         self.rods, self.units, self.spec = runs_of(run.result)[0], run.result.units, spec
         window = rods_window(self.rods, spec)
         self.length = self.units.length("x", max(map(abs, window[0] + window[1])))
         self.time = self.units.time("t", self.rods.t[-1])
-        self.figure, self.axes = rods_stage(window, self.length, self.units)
-        self.figure.set_dpi(RODS_DPI)
-        self.canvas = FigureCanvasAgg(self.figure)
+        figure, self.axes = rods_stage(window, self.length, self.units)
         self.trails = matplotlib.collections.LineCollection([], colors=style.GREY, linewidths=0.5, alpha=0.5, zorder=2)
         self.axes.add_collection(self.trails, autolim=False)
         self.arrows = self.axes.quiver(*self.places(0), *self.directions(0), self.headings(0), cmap=HEADING_MAP, norm=HEADINGS, pivot="mid",
                                        angles="xy", units="dots", scale_units="dots", scale=1 / 11, width=2.6, headwidth=3.4, headlength=4,
                                        headaxislength=3.6, zorder=3)
-        self.show(0)
-        self.canvas.draw()
-        self.figure.set_layout_engine("none")
-        self.height, self.width = (size // 2 * 2 for size in np.asarray(self.canvas.buffer_rgba()).shape[:2])  # x264 wants even
+        self.lay_out(figure, len(self.rods.t), RODS_DPI)
 
     def places(self, frame):
         return self.rods.x[frame] * self.length.factor, self.rods.y[frame] * self.length.factor
@@ -175,17 +174,6 @@ class RodsFilm:
         title = style.safe(self.spec.title) + ", " if self.spec.title else ""
         canvas.heading(self.axes, title + self.units.equals(self.time, "t", self.rods.t[frame]))
 
-    def __iter__(self):
-        """[row][column][red, green, blue] of each stored time."""
-        for frame in range(len(self.rods.t)):
-            self.show(frame)
-            self.canvas.draw()
-            yield np.ascontiguousarray(np.asarray(self.canvas.buffer_rgba())[:self.height, :self.width, :3])
-
-    def save_still(self, path):
-        self.show(-1)
-        canvas.save(self.figure, path)
-
 
 def rods_window(rods, spec):
     """What the scene asks for, or all places with a margin."""
@@ -202,9 +190,7 @@ def rods_stage(window, length, units):
     axes = figure.subplots()
     canvas.window(axes, x, y)
     axes.set(xlabel=length.label, ylabel=units.length("y", max(map(abs, window[0] + window[1]))).label)
-    bar = figure.colorbar(ScalarMappable(HEADINGS, HEADING_MAP), ax=axes, pad=0.02, aspect=32, ticks=[-180, -90, 0, 90, 180])
-    bar.set_label("heading (°)")
-    bar.ax.tick_params(direction="in")
+    canvas.colour_bar(figure, ScalarMappable(HEADINGS, HEADING_MAP), axes, "heading (°)", pad=0.02, aspect=32, ticks=[-180, -90, 0, 90, 180])
     return figure, axes
 
 

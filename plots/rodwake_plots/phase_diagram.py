@@ -106,13 +106,7 @@ def colour_bar(figure, panels, run, spec):
     values = scan_columns.values(run.scan, spec.colour)
     factor, text = scan_columns.label(run, spec.colour, extent(values))
     norm, ends, colours = scan_columns.scaling(spec.colour, values * factor)
-    mapped, place = ScalarMappable(norm, colours), dict(pad=0.02, aspect=28)
-    if isinstance(norm, LogNorm):
-        canvas.log_bar(figure, mapped, panels, ends, text, **place)
-        return
-    bar = figure.colorbar(mapped, ax=panels, extend=ends, extendfrac=0.03, **place)
-    bar.set_label(text)
-    bar.ax.tick_params(direction="in")
+    canvas.colour_bar(figure, ScalarMappable(norm, colours), panels, text, extend=ends, pad=0.02, aspect=28)
 
 
 def notes(axes, scan, spec, drawing):

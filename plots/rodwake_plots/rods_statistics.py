@@ -1,13 +1,12 @@
 """Rods that diffuse: how far they get, how long they keep their headings, and how many have met, of the scene and of each variant."""
 
-import json
 from typing import NamedTuple
 
 import numpy as np
 
 from . import canvas, files, style, words
-from .errors import MissingError, PlotError
-from .schema import Kind, Spec
+from .errors import MissingError
+from .schema import Kind
 from .words import Units
 
 MEANS, RUNS = "noise.json", "ensemble.csv"
@@ -35,19 +34,12 @@ def cases(run):
     for one in run.result.runs():
         folder = run.path if one.name == "scene" else run.path / "variants" / one.name
         if (folder / MEANS).is_file():
-            means = read_means(folder / MEANS)
+            means = files.Record(folder / MEANS)
             label = one.label if one.attrs.get("label") else rf"$D_r = {words.math_number(means['rotational_diffusion'])}$"
-            found.append(Case(label, means, files.read_csv_with_gaps(folder / RUNS)))
+            found.append(Case(label, means, files.read_csv(folder / RUNS)))
     if not found:
         raise MissingError(run.path / MEANS, "no such file: [noise] in the scene and a finished run of its rods write it")
     return found
-
-
-def read_means(path):
-    try:
-        return json.loads(path.read_text())
-    except ValueError as error:
-        raise PlotError(f"{path}: not JSON: {error}") from error
 
 
 def draw_noise(run, spec):
@@ -138,11 +130,6 @@ def capture(means):
     return f"{p} ({low} to {high}) of {words.number(means['runs'])} runs"
 
 
-def defaults_noise(run):
-    there = (run.path / MEANS).is_file()
-    return [Spec("noise", "noise")] if there and run.result.has("/rods") else []
-
-
 # Order parameters and clusters of the rods against time, and how many rods are in clusters of which size.
 
 SERIES, CLUSTERS, RODS_ORDER_MEANS = "rods_order.csv", "clusters.csv", "rods_order.json"
@@ -213,6 +200,6 @@ def order_estimate(value):
 
 
 KINDS = {
-    "noise": Kind(draw=draw_noise, caption=caption_noise, defaults=defaults_noise),
+    "noise": Kind(draw=draw_noise, caption=caption_noise, there=lambda run: (run.path / MEANS).is_file() and run.result.has("/rods")),
     "rods_order": Kind(draw=draw_rods_order, caption=caption_rods_order, there=lambda run: run.rods_order),
 }

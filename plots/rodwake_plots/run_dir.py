@@ -1,13 +1,12 @@
 """A run directory as the figures see it: the result file, the resolved scene and the small JSON records."""
 
-import json
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from . import files
+from . import files, schema
 from .bed_run import GranularRun, SUMMARY
 from .errors import MissingError, PlotError
 from .fit_result import FILE as FIT, FitResult
@@ -57,18 +56,14 @@ class RunDir:
 
     @property
     def result(self):
-        if self._result is None:
-            raise MissingError(self.path / "result.h5", "no such file: this run holds no field and no rods of the theory")
-        return self._result
+        return self._there(self._result, "result.h5", "this run holds no field and no rods of the theory")
 
     @property
     def granular(self):
-        if self._granular is None:
-            status = (self.provenance or {}).get("status", "unknown")
-            stopped = status in ("unfinished", "interrupted", "failed")
-            why = f"this run is {status}; the same rodwake command goes on with it" if stopped else "this run holds no beads"
-            raise MissingError(self.path / SUMMARY, f"no such file: {why}")
-        return self._granular
+        status = (self.provenance or {}).get("status", "unknown")
+        stopped = status in ("unfinished", "interrupted", "failed")
+        return self._there(self._granular, SUMMARY, f"this run is {status}; the same rodwake command goes on with it" if stopped else
+                           "this run holds no beads")
 
     @property
     def has_fit(self):
@@ -76,9 +71,7 @@ class RunDir:
 
     @property
     def fit(self):
-        if self._fit is None:
-            raise MissingError(self.path / FIT, "no such file: this run has fitted nothing; [fit] in the scene and rodwake fit write it")
-        return self._fit
+        return self._there(self._fit, FIT, "this run has fitted nothing; [fit] in the scene and rodwake fit write it")
 
     @property
     def has_scan(self):
@@ -86,9 +79,12 @@ class RunDir:
 
     @property
     def scan(self):
-        if self._scan is None:
-            raise MissingError(self.path / SCAN, "no such file: this run has scanned nothing; [scan] in the scene and rodwake scan write it")
-        return self._scan
+        return self._there(self._scan, SCAN, "this run has scanned nothing; [scan] in the scene and rodwake scan write it")
+
+    def _there(self, found, name, why):
+        if found is None:
+            raise MissingError(self.path / name, f"no such file: {why}")
+        return found
 
     @property
     def has_tradeoff(self):
@@ -138,12 +134,7 @@ class RunDir:
 
     def _json(self, name):
         path = self.path / name
-        if not path.is_file():
-            return None
-        try:
-            return json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise PlotError(f"{path}: not valid JSON: {error}") from error
+        return files.Record(path) if path.is_file() else None
 
 
 # result.h5 behind plain Python types. Whatever is missing is named with its full place in the file.
@@ -174,12 +165,9 @@ class Run:
     samples: tuple = ()  # x and y of them; NaN where one has ended
 
 
-TOLD_APART = "kappa", "gamma1", "gamma2", "alpha", "eta"  # what runs differ in, in this order
-
-
 def runs_told_apart(run, runs, units):
     """The parameters in which the runs differ, as a label for a run that has none."""
-    differing = [key for key in TOLD_APART if len({one.attrs.get(key) for one in runs}) > 1]
+    differing = [key for key in (*schema.COUPLINGS, "alpha", "eta") if len({one.attrs.get(key) for one in runs}) > 1]
     return ", ".join(f"${units.parameter(key, run.attrs[key])}$" for key in differing if key in run.attrs) or "as written"
 
 
@@ -194,15 +182,11 @@ class Result:
     def __init__(self, path):
         self.path = path
         self.file = files.open_hdf5(path)
-        self._check_schema()
+        if (found := self.attribute("/", "schema")) != SCHEMA:
+            raise PlotError(f"{path}: schema {found}, this program reads schema {SCHEMA}")
         self.units = Units(self.attribute("/", "units"))
         self.title = self.attribute("/", "title", "")
         self.version = self.attribute("/", "rodwake_version", "unknown")
-
-    def _check_schema(self):
-        schema = self.attribute("/", "schema")
-        if schema != SCHEMA:
-            raise PlotError(f"{self.path}: schema {schema}, this program reads schema {SCHEMA}")
 
     def close(self):
         self.file.close()
@@ -234,13 +218,8 @@ class Result:
         return np.asarray(self.file[place][()], dtype=float)
 
     def grid(self, name):
-        """A dataset of /field/grid, checked against the axes."""
-        values = self.data(f"/field/grid/{name}")
-        if name not in ("x", "y"):
-            shape = (self.data("/field/grid/y").size, self.data("/field/grid/x").size)
-            if values.shape != shape:
-                raise PlotError(f"{self.path}: /field/grid/{name} has shape {values.shape}, expected {shape}")
-        return values
+        """A dataset of /field/grid."""
+        return self.data(f"/field/grid/{name}")
 
     def cut_count(self):
         return len(self.file["/field/cuts"]) if self.has("/field/cuts") else 0
@@ -250,8 +229,6 @@ class Result:
         if not self.has(place):
             raise self.error(place, f"{place} is missing (the file holds {self.cut_count()} cuts)")
         along, at = self.attribute(place, "along"), self.attribute(place, "at")
-        if along not in ("x", "y"):
-            raise PlotError(f'{self.path}: along of {place} is "{along}", neither x nor y')
         return Cut(along, at, *(self.data(f"{place}/{name}") for name in ("s", "Ux", "Uy")))
 
     def runs(self):
@@ -265,8 +242,6 @@ class Result:
     def run(self, name):
         place = f"/rods/{name}"
         t, x, y, theta = (self.data(f"{place}/{part}") for part in ("t", "x", "y", "theta"))
-        if not (x.shape == y.shape == theta.shape and x.ndim == 2 and len(x) == len(t) > 0):
-            raise PlotError(f"{self.path}: {place} holds x, y, theta of unequal or empty shape")
         label = self.attribute(place, "label", "") or ("" if name == "scene" else name)
         samples = tuple(self.data(f"{place}/ensemble/{part}") for part in "xy") if self.has(f"{place}/ensemble") else ()
         return Run(name, label, self.attribute(place, "outcome"), self.attributes(place), t, x, y, theta, samples)

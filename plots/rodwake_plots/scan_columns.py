@@ -33,11 +33,8 @@ KNOWN = {
     "final_separation": Quantity("", "final separation", "length", False),
     "final_angle": Quantity("", "final angle between the headings", "rad", True),
     "non_reciprocity": Quantity("", "turning asymmetry", "", True, largest=1.0),
-    "capture_probability": Quantity("", "capture probability", "", False),
     "capture_runs": Quantity("", "runs with noise", "", False),
-    "steps": Quantity("", "steps", "", False),
     "rhs_evaluations": Quantity("", "evaluations of the right-hand side", "", False),
-    "retries": Quantity("", "retries", "", False),
     "delta_y": Quantity(r"\Delta y", "change of separation", "a", True),
     "psi6": Quantity(r"\psi_6", "bond order", "", False),
     "T_xy": Quantity("T_{xy}", "horizontal temperature", "m²/s²", False),
@@ -47,7 +44,6 @@ KNOWN = {
     "last_change": Quantity(r"\Delta y_\mathrm{end}", "change of separation at the end", "a", True),
     "separation": Quantity("", "separation at the start", "a", False),
     "leader": Quantity("", "rod that was ahead", "", False),
-    "runs": Quantity("", "runs", "", False),
     "failed_runs": Quantity("", "runs that failed", "", False),
 } | {name: Quantity("", f"share of runs that end in {name}" if name != "undecided" else "share of runs left undecided", "", False)
      for name in OUTCOMES if name != "finished"}

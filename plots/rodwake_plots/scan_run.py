@@ -1,7 +1,6 @@
 """The files of a scan: scan.json, scan.csv, and where they are there cells.csv, boundary.csv and the trajectories of scan.h5."""
 
 import html
-import json
 import re
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,7 +15,6 @@ from .errors import PlotError
 TOLD, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
 OUTCOMES = ("contact", "pursuit", "escape", "undecided", "finished")  # the last of beds without a pair
 CAPTURED = ("contact", "pursuit")
-MIXED = "mixed"
 
 
 class Curve(NamedTuple):
@@ -38,28 +36,15 @@ class Samples(NamedTuple):
 class ScanRun:
     def __init__(self, folder):
         self.folder = folder
-        self.told = self._told(folder / TOLD)
-        self.axes = [axis_of(axis, folder / TOLD, self.told.get("bead_radius")) for axis in self.need("axes")]
+        self.told = files.Record(folder / TOLD)
+        with files.reading(folder / TOLD, "an axis"):
+            self.axes = [axis_of(axis, self.told.get("bead_radius")) for axis in self.told.need("axes")]
         if not self.axes:
             raise PlotError(f"{folder / TOLD}: a scan without axes")
 
-    def _told(self, path):
-        try:
-            found = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise PlotError(f"{path}: not valid JSON: {error}") from error
-        if not isinstance(found, dict):
-            raise PlotError(f"{path}: not a JSON object")
-        return found
-
-    def need(self, key):
-        if self.told.get(key) is None:
-            raise PlotError(f"{self.folder / TOLD}: {key} is missing")
-        return self.told[key]
-
     @property
     def design(self):
-        return str(self.need("design"))
+        return str(self.told.need("design"))
 
     @property
     def of_beds(self):
@@ -83,17 +68,14 @@ class ScanRun:
     def columns(self):
         """{name: numbers, or a list of words}, in the order of the file."""
         choices = [axis.key for axis in self.axes if axis.is_choice]
-        names = dict.fromkeys(files.csv_parts(self.path)[0])
-        for name in (*(axis.key for axis in self.axes), "outcome", "status"):
-            files.csv_column(self.path, names, name)
-        found = files.read_csv_with_gaps(self.path, text=("outcome", "status", *choices))
+        found = files.read_csv(self.path, ("outcome", "status", *choices), needed=[axis.key for axis in self.axes] + ["outcome", "status"])
         if not found["outcome"]:
             raise PlotError(f"{self.path}: holds no points: nothing to draw")
         return found
 
     def numbers(self, name):
         """A column of numbers; what it holds of failed points too."""
-        values = files.csv_column(self.path, self.columns, name)
+        values = self.columns[name]
         if isinstance(values, list):
             raise PlotError(f"{self.path}: column {name} holds words, not numbers")
         return values
@@ -130,9 +112,9 @@ class ScanRun:
         path = self.folder / BOUNDARY
         if not path.is_file():
             return []
-        found = files.read_csv_with_gaps(path, text=("between",))
-        keys = [files.csv_column(path, found, axis.key) for axis in self.axes]
-        curve, error = files.csv_column(path, found, "curve"), found.get("error", np.empty(0))
+        found = files.read_csv(path, text=("between",))
+        keys = [found[axis.key] for axis in self.axes]
+        curve, error = found["curve"], found.get("error", np.empty(0))
         rows = [np.flatnonzero(curve == one) for one in np.unique(curve)]
         return [Curve(found["between"][row[0]], np.stack([key[row] for key in keys], axis=-1), error[row] if error.size else error)
                 for row in rows]
@@ -145,10 +127,10 @@ class ScanRun:
     def cells(self):
         """(lows, highs) [cell][axis] in even coordinates, outcomes (index; -1: mixed, or none)."""
         path = self.folder / CELLS
-        found = files.read_csv_with_gaps(path, text=("outcome",))
-        sides = [np.stack([axis.even(files.csv_column(path, found, f"{axis.key}_{end}")) for axis in self.axes], axis=-1)
+        found = files.read_csv(path, text=("outcome",))
+        sides = [np.stack([axis.even(found[f"{axis.key}_{end}"]) for axis in self.axes], axis=-1)
                  for end in ("from", "to")]
-        names = files.csv_column(path, found, "outcome")
+        names = found["outcome"]
         lows, highs = np.minimum(*sides), np.maximum(*sides)  # an axis may run downwards
         return lows, highs, np.array([OUTCOMES.index(name) if name in OUTCOMES else -1 for name in names], dtype=np.int8)
 
@@ -163,13 +145,7 @@ class ScanRun:
                 return None
             point, *parts = (np.asarray(files.dataset(file, f"trajectories/{name}")) for name in Samples._fields)
         found = Samples(point.astype(np.int64), *(part.astype(float) for part in parts))
-        count = len(found.point)
-        if not (found.t.shape[:1] == (count,) and found.t.ndim == 2 and all(
-                part.shape[:2] == found.t.shape and part.ndim == 3 and part.shape == found.x.shape for part in found[2:])):
-            raise PlotError(f"{path}: /trajectories holds datasets of unequal shape")
-        if count and not (0 <= found.point.min() and found.point.max() < len(self.failed)):
-            raise PlotError(f"{path}: /trajectories/point names a row that {POINTS} does not have")
-        return found if count else None
+        return found if len(found.point) else None
 
 
 # An axis of a scan: what it is called, in what it is even, and how it stands in a figure.
@@ -294,20 +270,15 @@ class Axis:
         axis.set_label_text(self.label)
 
 
-def axis_of(told, place, bead_radius=None):
-    """An entry of scan.json, whose file is `place`; lengths of beds are shown in a."""
-    try:
-        key, values = told["key"], tuple(told.get("values") or ())
-        low, high = (values[0], values[-1]) if values else (told["from"], told["to"])
-        if isinstance(low, str):
-            return Axis(key, (key,), (1.0,), symbol_of(key, told), "", "choice", -0.5, len(values) - 0.5, values)
-        low, high = (min(values), max(values)) if values else (min(low, high), max(low, high))
-        low, high = float(low), float(high)
-        spacing = told.get("spacing", "linear")
-    except (KeyError, TypeError, ValueError) as error:
-        raise PlotError(f"{place}: an axis lacks what it needs: {error}") from error
+def axis_of(told, bead_radius=None):
+    """An entry of scan.json; lengths of beds are shown in a."""
+    key, values = told["key"], tuple(told.get("values") or ())
+    low, high = (values[0], values[-1]) if values else (told["from"], told["to"])
+    if isinstance(low, str):
+        return Axis(key, (key,), (1.0,), symbol_of(key, told), "", "choice", -0.5, len(values) - 0.5, values)
+    low, high = map(float, (min(values), max(values)) if values else (min(low, high), max(low, high)))
+    spacing, unit = told.get("spacing", "linear"), told.get("unit") or ""
     log = spacing == "log" or (spacing == "listed" and low > 0 and high > WIDE_LIST * low)
-    unit = told.get("unit") or ""
     factor, prefix = axis_factor(unit, max(abs(low), abs(high)), log)
     if unit == "m" and bead_radius:
         factor, prefix, unit = 1.0 / bead_radius, "", "a"

@@ -8,7 +8,7 @@ from . import fit_words, scan_columns, schema, words
 from .scan_run import OUTCOMES
 from .scan_scene import ALIKE
 
-TOLD = {"medium": ("eta", "xi"), "coupling": ("kappa", "gamma1", "gamma2"), "granular": ("phi_b",)}
+TOLD = {"medium": ("eta", "xi"), "coupling": schema.COUPLINGS, "granular": ("phi_b",)}
 MOST_RODS = 4
 DESIGNS = {"grid": "a grid", "list": "a list of points", "lhs": "a Latin hypercube", "sobol": "a Sobol sequence",
            "adaptive": "adaptive refinement"}
@@ -31,7 +31,7 @@ def fixed(run):
         for name in names:
             value = run.scene.get(table, {}).get(name)
             if name == "xi" and system == "reduced" and words.is_number(value) and value and "medium.xi" not in taken:
-                yield schema.SYMBOLS["alpha"], 1.0 / value, ""  # the same in reduced units, as the paper has it
+                yield schema.PHYSICS["alpha"]["symbol"], 1.0 / value, ""  # the same in reduced units, as the paper has it
                 continue
             if words.is_number(value) and f"{table}.{name}" not in taken:
                 told = schema.KEYS[table, name]
@@ -90,7 +90,7 @@ def count(number):
 
 
 def axes_html(scan):
-    return " and ".join(filter(None, [", ".join(axis.name_html for axis in scan.axes[:-1]), scan.axes[-1].name_html]))
+    return words.listed([axis.name_html for axis in scan.axes])
 
 
 def outcomes_html(scan):

@@ -15,8 +15,8 @@ FIGURES = {kind["kind"]: kind for kind in ALL["figures"]}  # in the order of rep
 FIT_PARAMETERS = {one["name"]: one for one in ALL["fit_parameters"]}
 MEASURED = ALL["measures"]  # values of measure.json, in the order of the report
 PROFILES_UNIT = "of the profiles"  # unit of lengths in [fit]: whatever the measured files are in
-# Symbols of the physics by name, TeX without dollars.
-SYMBOLS = {one["key"]: one["symbol"] for one in ALL["keys"] if one["table"] in ("medium", "coupling") and "symbol" in one}
+PHYSICS = {one["key"]: one for one in ALL["keys"] if one["table"] in ("medium", "coupling") and "symbol" in one}  # by name alone
+COUPLINGS = tuple(key for key, one in PHYSICS.items() if one["table"] == "coupling")
 OF_KIND = {"displacement_map": {"component": "U"}, "phase_diagram": {"colour": "outcome"}}  # where a kind has a default of its own
 BEADS = ("order", "orientation")  # what can colour them
 

@@ -154,7 +154,7 @@ def verdict(fit):
     """Of the data that were fitted; without known errors there is no yes or no."""
     chi2, dof, chance = (fit.number(fit.told, key) for key in ("chi2", "dof", "probability"))
     names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)] or ["the trajectories"]
-    data = names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
+    data = words.listed(names)
     told = f"{words.equation('<i>χ</i>²', chi2)} for {words.number(int(dof))} degrees of freedom" if dof > 0 else words.equation("<i>χ</i>²", chi2)
     if not (dof > 0 and math.isfinite(chance)) or fit.number(fit.told, "error_factor", 1.0) != 1.0:
         return f"Whether the theory fits {data} cannot be told: the errors of the data are not known, or no degree of freedom is left ({told})."

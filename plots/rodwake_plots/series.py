@@ -1,45 +1,19 @@
 """One number of each run of a series of runs, against what the runs differ in (paper, Figs. hop a, micro a, trajectory d, rel_fv)."""
 
+import re
 from typing import NamedTuple
 
 import numpy as np
 
-from . import bed_run, canvas, files, style, words
+from . import bed_run, canvas, fit_words, schema, style, words
 from .errors import PlotError
 from .schema import Kind, Spec
 
-
-class Quantity(NamedTuple):
-    label: str
-    unit: str      # N gets a prefix
-    words: str     # for the caption
-    zero: bool     # whether zero is a mark to see
-    factor: float = 1.0
-
-
-QUANTITIES = {
-    "psi6": Quantity(r"$\psi_6$", "", "Global bond order <i>ψ</i><sub>6</sub> of the beads", False),
-    "exponent": Quantity(r"$\eta_6$", "",
-                         "Exponent <i>η</i><sub>6</sub> of <i>g<sub>B</sub></i> ∝ <i>r</i><sup>−<i>η</i><sub>6</sub></sup>", False),
-    "stiffness": Quantity(r"$1/(s\,\tilde{\Delta}(s))|_{s\to 0}$", "a^{-2}",
-                          "Stiffness 1/(<i>s</i> Δ̃(<i>s</i>)), <i>s</i> → 0, of what holds a bead", True),
-    "delta_y": Quantity(r"$\Delta y$", "a",
-                        "Change of the rods' separation while they go half the box; below zero they come together", True),
-    "non_reciprocity": Quantity("non-reciprocity", "",
-                                "Who turns: 1 the rear rod alone, −1 the front rod alone, 0 both alike", True),
-    "force": Quantity(r"$F$", "N", "Force of the rod on the beads", True),
-    "speed": Quantity("speed", r"\mathrm{mm/s}", "Speed of the rod", True),
-    "c_T": Quantity(r"$c_T$", r"a/\mathrm{s}", "Speed of transverse sound <i>c</i><sub>T</sub>", False),
-    "C11": Quantity(r"$C_{11}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>11</sub>", False, 1e3),
-    "C22": Quantity(r"$C_{22}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>22</sub>", False, 1e3),
-    "C66": Quantity(r"$C_{66}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>66</sub>", False, 1e3),
-    "drag_rate": Quantity(r"$\zeta/nm$", r"\mathrm{s}^{-1}", "Drag rate of the bed on the plates", False),
-    "D_r": Quantity(r"$D_r$", r"\mathrm{rad}^2/\mathrm{s}", "Heading diffusion <i>D</i><sub>r</sub> of the rod", True),
-    "diffusion_per_length": Quantity(r"$D_r/v_0$", r"\mathrm{rad}^2/a", "Heading diffusion of the rod over its speed", True),
-    "screening_length": Quantity(r"$\xi$", "a", "Screening length <i>ξ</i>", False),
-}
-AXES = {"phi_b": r"$\phi_b$", "d0": r"$d_0$ ($a$)", "imposed_speed": r"$v$ ($\mathrm{mm/s}$)"}
-WORDS = {"phi_b": "<i>φ<sub>b</sub></i>", "d0": "the starting separation <i>d</i><sub>0</sub>", "imposed_speed": "the imposed speed <i>v</i>"}
+# What the schema says in words alone, or in another unit than figures have.
+NAMED_ELSE = {"delta_y": "half_box_change"}  # in measure.json
+SYMBOLS = {"stiffness": r"$1/(s\,\tilde{\Delta}(s))|_{s\to 0}$", "force": "$F$", "c_T": "$c_T$"}
+UNITS = {"µN": "N", "1/s": r"\mathrm{s}^{-1}"}  # N gets a prefix
+SIGNED = ("stiffness", "delta_y", "non_reciprocity", "force", "speed", "D_r", "diffusion_per_length")  # zero is a mark to see
 ASIDE = 0.014  # of the range
 CLASSES = (("o", "liquid"), ("s", "hexatic"), ("^", "crystal"))  # g_B falls exponentially, as a power, not to zero
 
@@ -53,17 +27,34 @@ class Group(NamedTuple):
     kind: np.ndarray  # of decay; -1: not known
 
 
+class Quantity(NamedTuple):
+    label: str
+    unit: str
+    words: str     # for the caption
+    factor: float
+
+
+def quantity_of(name):
+    """As the schema describes it among the values of its measure."""
+    measure = re.match(r"measure\.(\w+)", schema.FIGURES["series"]["quantities"][name])[1]
+    told = next(one for one in schema.MEASURED if (one["measure"], one["key"]) == (measure, NAMED_ELSE.get(name, name)))
+    symbol = re.search(r"\$.*\$", told["title"])
+    unit = r"\mathrm{mm/s}" if name == "speed" else UNITS.get(told["unit"]) or fit_words.unit_math(told["unit"]).strip("$")
+    return Quantity(SYMBOLS.get(name) or (symbol[0] if symbol else told["title"].lower()), unit,
+                    f"{words.text_html(told['title'])}: {words.text_html(told['meaning'])}", 1.0 if unit == "N" else told["factor"])
+
+
 def draw(run, spec):
-    groups, quantity = read(run, spec), QUANTITIES[spec.quantity]
+    groups, quantity = read(run, spec), quantity_of(spec.quantity)
     figure, axes = canvas.curve_panel(len(groups))
-    if quantity.zero:
+    if spec.quantity in SIGNED:
         axes.axhline(0, color=style.GREY, linewidth=0.6)
     if spec.quantity == "exponent":
         axes.axhline(0.25, **canvas.FAINT)
     factor, unit = scale(groups, quantity)
     for index, (group, colour) in enumerate(zip(apart(groups, spec), canvas.colours(len(groups)))):
         draw_group(axes, spec, group._replace(y=group.y * factor, sigma=group.sigma * factor), colour, index)
-    axes.set(xlabel=AXES[spec.against], ylabel=f"{quantity.label} (${unit}$)" if unit else quantity.label)
+    axes.set(xlabel=xlabel(spec.against), ylabel=f"{quantity.label} (${unit}$)" if unit else quantity.label)
     if spec.quantity == "psi6":
         axes.set_ylim(0, 1.02)
     if spec.quantity in ("force", "speed") and spec.against == "imposed_speed":
@@ -71,6 +62,11 @@ def draw(run, spec):
     canvas.legend(axes)
     canvas.heading(axes, style.safe(spec.title))
     return figure
+
+
+def xlabel(against):
+    symbol, unit, _ = bed_run.AGAINST[against]
+    return f"${symbol}$" + (f" (${unit[2:]}$)" if unit else "")
 
 
 def apart(groups, spec):
@@ -92,7 +88,7 @@ def scale(groups, quantity):
 def read(run, spec):
     path = run.path / bed_run.SERIES
     columns = bed_run.series(run)
-    x, y = (files.csv_column(path, columns, name) for name in (spec.against, spec.quantity))
+    x, y = (columns[name] for name in (spec.against, spec.quantity))
     kept = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if kept.size == 0:
         raise PlotError(f"{path}: holds no row with both {spec.against} and {spec.quantity}: nothing to draw; switch the measure on in "
@@ -112,7 +108,7 @@ def measured_in(run):
         return []
     columns = bed_run.series(run)
     found = []
-    for quantity in QUANTITIES:
+    for quantity in schema.FIGURES["series"]["quantities"]:
         kept = np.isfinite(columns.get(quantity, np.empty(0)))
         against = [key for key in bed_run.AGAINST if key in columns and differ(columns[key][kept])]
         found += [(quantity, against[0])] if against else []
@@ -126,7 +122,7 @@ def differ(values):
 def told_apart(columns, against, row, rows):
     """A row's label: what, besides the x axis, the rows differ in."""
     parts = []
-    for key, (symbol, unit) in bed_run.AGAINST.items():
+    for key, (symbol, unit, _) in bed_run.AGAINST.items():
         values = columns.get(key)
         if key == against or values is None or len({f"{value:.3g}" for value in values[rows]}) < 2:
             continue
@@ -178,7 +174,7 @@ def fits(group):
 
 def caption(run, spec):
     groups = read(run, spec)
-    text = f"{QUANTITIES[spec.quantity].words}, against {WORDS[spec.against]}, one point a run or ensemble of runs; bars: standard error."
+    text = f"{quantity_of(spec.quantity).words}, against {bed_run.AGAINST[spec.against][2]}, one point a run or ensemble of runs; bars: standard error."
     if spec.quantity == "exponent":
         text += " Broken line: 1/4, where a hexatic phase ends."
     unknown = sum(int(np.isnan(group.sigma).sum()) for group in groups)

@@ -1,7 +1,6 @@
 """Paths of the rods, coloured by time (paper, Figs. attraction b, pletraj, nonreciptheory a); a panel per variant."""
 
 import math
-import string
 from typing import NamedTuple
 
 import numpy as np
@@ -11,12 +10,12 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.transforms import ScaledTranslation
 
-from . import canvas, style, words
+from . import canvas, schema, style, words
 from .errors import MissingError, PlotError
 from .schema import Kind
 
 FLAT = 0.6  # windows flatter than this have the colour bar below
-PARAMETERS = "eta", "alpha", "kappa", "gamma1", "gamma2"
+PARAMETERS = "eta", "alpha", *schema.COUPLINGS
 
 
 def draw(run, spec):
@@ -30,7 +29,7 @@ def draw(run, spec):
     overlay = spec.overlay and len(runs) > 1
     figure, grid = layout(window, 1 if overlay else len(runs))
     panels = list(grid.ravel())
-    label_axes(grid, len(panels) if overlay else len(runs), length.label, units.length("y", extent).label)
+    canvas.outer_labels(panels[:len(panels) if overlay else len(runs)], grid.shape[1], length.label, units.length("y", extent).label)
     if overlay:
         figure.set_figheight(figure.get_figheight() - (0.9 if window.aspect < FLAT else 0.0))  # no colour bar below
         overlaid(panels[0], runs, units, window, look)
@@ -90,21 +89,11 @@ def best_columns(aspect, count):
     return min(range(1, min(count, 3) + 1), key=cost)
 
 
-def label_axes(grid, count, xlabel, ylabel):
-    """Numbers and labels at the left and under the lowest panel of each column."""
-    columns = grid.shape[1]
-    for index, axes in enumerate(grid.ravel()[:count]):
-        lowest, leftmost = index + columns >= count, index % columns == 0
-        axes.tick_params(labelbottom=lowest, labelleft=leftmost)
-        axes.set_xlabel(xlabel if lowest else "")
-        axes.set_ylabel(ylabel if leftmost else "")
-
-
 def title(axes, units, run, spec, index):
     if index is None:
         canvas.heading(axes, "\n".join(filter(None, (style.safe(spec.title) or outcome_line(units, run), shared(units, [run])))))
         return
-    letter = f"({string.ascii_lowercase[index % 26]})"
+    letter = words.letter(index)
     canvas.heading(axes, f"{letter}  {style.safe(run.label)}\n{outcome_line(units, run)}")
     axes.title.set_fontsize(9.5)
 
@@ -124,9 +113,7 @@ def outcome_line(units, run):
 def colour_bar(figure, panels, norm, label, window, more):
     flat = window.aspect < FLAT and len(panels) <= 2
     place = dict(location="bottom", shrink=0.75, aspect=40, pad=0.03) if flat else dict(pad=0.015, aspect=30)
-    bar = figure.colorbar(ScalarMappable(norm, style.TIME_MAP), ax=panels, extendfrac=0.03, extend="max" if more else "neither", **place)
-    bar.set_label(label)
-    bar.ax.tick_params(direction="in")
+    canvas.colour_bar(figure, ScalarMappable(norm, style.TIME_MAP), panels, label, extend="max" if more else "neither", **place)
 
 
 def caption(run, spec):
@@ -147,7 +134,7 @@ def caption(run, spec):
         outcome = outcome_words(units, runs[0])
         return text + outcome[0].upper() + outcome[1:] + ". " + parameters(units, runs[0])
     told = (f"{words.label_html(one.label)}: {outcome_words(units, one)}." for one in runs)
-    return text + " ".join(f"({string.ascii_lowercase[i % 26]}) {one}" for i, one in enumerate(told))
+    return text + " ".join(f"{words.letter(i)} {one}" for i, one in enumerate(told))
 
 
 def outcome_words(units, run):

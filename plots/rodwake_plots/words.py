@@ -3,6 +3,7 @@
 import html
 import math
 import re
+import string
 from typing import NamedTuple
 
 from . import schema
@@ -53,7 +54,7 @@ def text_html(text):
 
 def symbol(name):
     """Of a quantity of [medium] or [coupling], as HTML."""
-    return tex_html(schema.SYMBOLS[name])
+    return tex_html(schema.PHYSICS[name]["symbol"])
 
 
 def prose(text):
@@ -106,6 +107,16 @@ def equation(symbol, value, unit="", digits=4):
     return f'<span class="eq">{symbol} = {number(value, digits)}{" " + unit if unit else ""}</span>'
 
 
+def listed(names):
+    """`a, b and c`."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+
+
+def letter(index):
+    """Of a panel."""
+    return f"({string.ascii_lowercase[index % 26]})"
+
+
 def escape(value):
     return html.escape(str(value))
 
@@ -142,7 +153,6 @@ def with_error(value, error, factor=1.0):
 
 # Labels of the theory are without unit: x in f/mu is "x mu/f".
 REDUCED = {"f/mu": r"\,\mu/f", "f/(mu v0)": r"\,\mu v_0/f", "mu v0/f": r"\,f/(\mu v_0)", "v0": r"/v_0"}
-TABLE_OF = {"eta": "medium", "alpha": "medium", "xi": "medium", "kappa": "coupling", "gamma1": "coupling", "gamma2": "coupling"}
 PREFIXES = {-9: "n", -6: r"\mu ", -3: "m", 0: "", 3: "k"}
 
 
@@ -194,7 +204,8 @@ class Units:
 
     def parameter(self, name, value, digits=4):
         """`kappa f/(mu v0) = 0.5`, or in SI with its unit behind, as mathtext without dollars."""
-        symbol, unit = schema.SYMBOLS[name], schema.KEYS[TABLE_OF[name], name].get("unit", {}).get("si" if self.si else "reduced", "")
+        told = schema.PHYSICS[name]
+        symbol, unit = told["symbol"], told.get("unit", {}).get("si" if self.si else "reduced", "")
         if not self.si:
             return rf"{symbol}{REDUCED.get(unit, '')} = {math_number(value, digits)}"
         return rf"{symbol} = {math_number(value, digits)}" + (rf"\ \mathrm{{{unit.replace('1/s', 's^{-1}')}}}" if unit else "")

@@ -253,8 +253,8 @@ class GranularPlotsTest(PlotCase):
     def test_wrong_tables(self):
         table, tracks = self.folder / "table.csv", self.folder / "tracks.csv"
         self.build(figures=figure("granular_table"))
-        for text, words in (("t,energy\n0,1\n", ("column kinetic",)), ("t,energy\n", ("no rows",)), ("t,energy\n0,x\n", ("numbers",)),
-                            ("t,energy\n0\n", ("2 names", "1 numbers")), ("", ("column t",))):
+        for text, words in (("t,energy\n0,1\n", ("column ", "is missing")), ("t,energy\n", ("no rows",)), ("t,energy\n0,x\n", ("numbers",)),
+                            ("t,energy\n0\n", ("2 names", "1 values")), ("", ("column t",))):
             table.write_text(text)
             self.assert_fails("table.csv", *words)
         self.build(figures=figure("rod_tracks"))
@@ -277,7 +277,7 @@ class GranularPlotsTest(PlotCase):
         self.assert_fails("fps", "0")
         self.build(figures=figure("snapshot"))
         for text, words in (("{", ("JSON",)), ("[]", ("object",)), ("{}", ("bead_radius", "missing")),
-                            ('{"bead_radius": "x"}', ("bead_radius", "not a number"))):
+                            ('{"bead_radius": "x"}', ("bead_radius", "not as rodwake writes it"))):
             (self.folder / "summary.json").write_text(text)
             self.assert_fails("summary.json", *words)
 

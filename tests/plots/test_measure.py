@@ -11,7 +11,7 @@ import numpy as np
 from made_up_granular import A, SCENE
 from made_up_measured import results, variants, write_measured, write_series
 from plot_case import PlotCase
-from rodwake_plots import bed_run, bed_sections, displacement, draw, flow, rod_tracks, run_dir, series, words
+from rodwake_plots import bed_run, bed_sections, displacement, draw, flow, rod_tracks, run_dir, schema, series, words
 
 GRANULAR = ("snapshot", "rod_tracks", "side_view", "granular_table")
 ORDER = ("pair_correlation", "bond_order", "msd", "phonons")
@@ -252,8 +252,8 @@ class SeriesTest(MeasureCase):
     def test_every_quantity_and_axis(self):
         write_series(self.folder / "series.csv", [0.7, 0.74, 0.78], speeds=[1, 2, 4], distances=[15, 18, 24])
         for against in ("phi_b", "d0", "imposed_speed"):
-            self.ask(*(figure("series", quantity, quantity=quantity, against=against) for quantity in series.QUANTITIES))
-            self.assert_drawn(*series.QUANTITIES)
+            self.ask(*(figure("series", quantity, quantity=quantity, against=against) for quantity in schema.FIGURES["series"]["quantities"]))
+            self.assert_drawn(*schema.FIGURES["series"]["quantities"])
 
     def test_force_and_its_two_fits(self):
         write_series(self.folder / "series.csv", [0.8] * 4, speeds=self.SPEEDS)
@@ -338,7 +338,7 @@ class BadFilesTest(MeasureCase):
 
     def test_results(self):
         self.ask(figure("bond_order"))
-        for text, told in (("{", "JSON"), ("[]", "not a JSON object"), ('{"order": 1}', "order is not a table"),
+        for text, told in (("{", "JSON"), ("[]", "not a JSON object"), ('{"order": 1}', "order.class is not as rodwake writes it"),
                            ('{"order": {"class": "algebraic", "exponent": 0.2}}', "order.exponent"),
                            ('{"order": {"class": "algebraic", "exponent": {"value": "x"}}}', "order.exponent")):
             self.spoil("measure.json", text)
@@ -347,7 +347,7 @@ class BadFilesTest(MeasureCase):
         self.assert_fails("measure.json", "no such file")
         self.ask(figure("pair_correlation"))
         self.spoil("measure.json", '{"order": {"g_minimum": "x"}}')
-        self.assert_fails("measure.json", "g_minimum", "not a number")
+        self.assert_fails("measure.json", "g_minimum", "not as rodwake writes it")
 
     def test_fields(self):
         def edit(change):

@@ -72,11 +72,11 @@ class CsvTest(PlotCase):
     def test_comments_and_gaps(self):
         path = self.folder / "a.csv"
         path.write_text("# lengths in a\nname,x,y\n# more\n\"a, b\",1,\nc,,2.5\n")
-        found = files.read_csv_with_gaps(path, text=("name",))
+        found = files.read_csv(path, text=("name",))
         self.assertEqual(found["name"], ["a, b", "c"])
         np.testing.assert_array_equal([found["x"], found["y"]], [[1, np.nan], [np.nan, 2.5]])
         with self.assertRaisesRegex(PlotError, "a.csv: not a table of numbers"):
-            files.read_csv_with_gaps(path)
+            files.read_csv(path)
         path.write_text("# comment\nx,y\n1,2\n# comment\n3,4\n")
         np.testing.assert_array_equal(files.read_csv(path)["y"], [2, 4])
 

@@ -30,7 +30,7 @@ class FilesTest(ScanCase):
                 ("scan.json", lambda text: "[]", "not a JSON object"),
                 ("scan.json", lambda text: json.dumps(json.loads(text) | {"axes": None}), "axes is missing"),
                 ("scan.json", lambda text: json.dumps(json.loads(text) | {"axes": []}), "without axes"),
-                ("scan.json", lambda text: text.replace('"from": 0.1, ', ""), "an axis lacks what it needs"),
+                ("scan.json", lambda text: text.replace('"from": 0.1, ', ""), "an axis is not as rodwake writes it: KeyError: 'from'"),
                 ("scan.csv", lambda text: text.replace("outcome", "ending", 1), "column outcome is missing"),
                 ("scan.csv", lambda text: text.replace("escape", "fled", 1), "'fled' is none of contact, pursuit"),
                 ("scan.csv", lambda text: text.splitlines()[0] + "\n", "holds no points"),

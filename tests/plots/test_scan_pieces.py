@@ -64,7 +64,7 @@ class ColoursTest(unittest.TestCase):
 def scan_of(places, cells, axes=(KAPPA, PLACE)):
     """As much of a scan as pictures need."""
     return SimpleNamespace(places=np.asarray(places, dtype=float), cells=tuple(map(np.asarray, cells)), folder=None,
-                           axes=[scan_run.axis_of(axis, "scan.json") for axis in axes])
+                           axes=[scan_run.axis_of(axis) for axis in axes])
 
 
 class RasterTest(unittest.TestCase):
@@ -174,7 +174,7 @@ class RasterTest(unittest.TestCase):
 
 class AxisTest(unittest.TestCase):
     def axis(self, **told):
-        return scan_run.axis_of(KAPPA | told, "scan.json")
+        return scan_run.axis_of(KAPPA | told)
 
     def test_labels(self):
         for told, label, equals in (({}, r"$\kappa\,f/(\mu v_0)$", r"$\kappa = 3\ v_0$"),
@@ -205,7 +205,7 @@ class AxisTest(unittest.TestCase):
                             (dict(spacing="listed", values=[0.1, 1.0, 10.0]), "log"),
                             (dict(spacing="listed", values=[-0.1, 1.0, 10.0]), "linear"), ({}, "log"), (dict(spacing="linear"), "linear")):
             self.assertEqual(self.axis(**told).scale, scale)
-        choice = scan_run.axis_of(METHOD, "scan.json")
+        choice = scan_run.axis_of(METHOD)
         self.assertEqual((choice.scale, choice.equals(1), choice.low, choice.high), ("choice", "method: adams", -0.5, 2.5))
 
     def test_negative_and_logarithmic(self):
@@ -237,7 +237,7 @@ class SceneTest(unittest.TestCase):
         + '\n[[figures]]\nname = "t"\nkind = "trajectories"\n'
 
     def axes(self, *keys, **told):
-        return [scan_run.axis_of(KAPPA | {"key": key, "keys": [key]} | told, "scan.json") for key in keys]
+        return [scan_run.axis_of(KAPPA | {"key": key, "keys": [key]} | told) for key in keys]
 
     def made(self, axes, values, text=None):
         text = scan_scene.filled(scan_scene.checked(text or self.TEXT, axes, values), values)
@@ -254,7 +254,7 @@ class SceneTest(unittest.TestCase):
 
     def test_ties(self):
         keys = ["rods.0.position.1", "rods.1.position.1", "rods.1.position.0"]
-        axis = scan_run.axis_of(PLACE | {"keys": keys, "factors": [1.0, -1.0, 0.5]}, "scan.json")
+        axis = scan_run.axis_of(PLACE | {"keys": keys, "factors": [1.0, -1.0, 0.5]})
         scene, _ = self.made([axis], [3.0])
         self.assertEqual([rod["position"] for rod in scene["rods"]], [[0.0, 3.0], [1.5, -3.0]])
 
@@ -273,12 +273,12 @@ class SceneTest(unittest.TestCase):
 
     def test_flags(self):
         axis = scan_run.axis_of(METHOD | {"key": "granular.count_rod_area", "keys": ["granular.count_rod_area"],
-                                             "values": ["false", "true"]}, "scan.json")
+                                             "values": ["false", "true"]})
         for word, value in (("true", True), ("false", False)):
             self.assertIs(self.made([axis], [word], made_up.BED)[0]["granular"]["count_rod_area"], value)
 
     def test_kinds_of_values(self):
-        axes = [*self.axes("rods_run.max_steps"), scan_run.axis_of(METHOD, "scan.json")]
+        axes = [*self.axes("rods_run.max_steps"), scan_run.axis_of(METHOD)]
         scene, text = self.made(axes, [5000.0, "erk"])
         self.assertEqual((scene["rods_run"]["max_steps"], scene["rods_run"]["method"]), (5000, "erk"))
         self.assertIn("max_steps = 5000\n", text)
@@ -291,7 +291,7 @@ class SceneTest(unittest.TestCase):
         self.assertIn("[scan] # [x] Capture", scene["title"])
 
     def test_beds(self):
-        axes = [scan_run.axis_of(axis, "scan.json") for axis in (made_up.PHI, made_up.APART)]
+        axes = [scan_run.axis_of(axis) for axis in (made_up.PHI, made_up.APART)]
         scene, _ = self.made(axes, [0.75, 0.0036], made_up.BED + made_up.scan_table("grid", [made_up.PHI, made_up.APART]))
         self.assertEqual((scene["granular"]["phi_b"], [rod["position"][1] for rod in scene["granular"]["rods"]]), (0.75, [0.0036, -0.0036]))
 
