@@ -2,18 +2,16 @@
 
 import sys
 
-from rodwake_plots import stop, terminal
+from rodwake_plots import errors
 
 if __name__ == "__main__":  # before the imports that take time
-    terminal.fill_closed_descriptors()
-    stop.take_signals()
+    errors.fill_closed_descriptors()
+    errors.take_signals()
 
 import argparse  # noqa: E402
 import contextlib  # noqa: E402
 import logging  # noqa: E402
 import warnings  # noqa: E402
-
-from rodwake_plots import errors  # noqa: E402
 
 
 def arguments(argv):
@@ -36,12 +34,12 @@ def plot(options):
     # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     warnings.simplefilter("ignore")
-    from rodwake_plots import draw, style, tradeoff, ways
+    from rodwake_plots import draw, style, tradeoff
     from rodwake_plots.run_dir import RunDir
 
     look = style.look(options.width, options.style, options.font_size)
-    if ways.is_there(options.run_dir):
-        print(*draw.in_style(ways.write, options.run_dir, options.output), sep="\n")
+    if tradeoff.has_ways(options.run_dir):
+        print(*draw.in_style(tradeoff.write_ways, options.run_dir, options.output), sep="\n")
         return
 
     with RunDir(options.run_dir, options.output) as run:
@@ -66,14 +64,14 @@ def draw_all(run, options, look):
 
 
 def main(argv=None):
-    terminal.forget()
-    with contextlib.redirect_stderr(terminal.Stream(sys.stderr)), contextlib.redirect_stdout(terminal.Stream(sys.stdout)):
+    errors.forget_said()
+    with contextlib.redirect_stderr(errors.Stream(sys.stderr)), contextlib.redirect_stdout(errors.Stream(sys.stdout)):
         options = arguments(argv)
         with contextlib.redirect_stdout(None if options.quiet else sys.stdout):
             _, error = errors.attempt(plot, options)
         if error is None:
             return 0
-        terminal.say(errors.reason(error))
+        errors.say(errors.reason(error))
         return 2 if isinstance(error, errors.UsageError) else 1
 
 

@@ -1,30 +1,29 @@
-"""Which module draws which kind, one of its name for each kind of schema.json; drawing all figures of a run.
+"""Which module draws which kind of figure of schema.json; drawing all figures of a run."""
 
-A module has draw(run, spec) -> figure, or write(run, spec) -> paths, caption(run, spec) -> HTML, and defaults(run): what is drawn of
-a run whose scene asks for nothing. It may have hover_marks(run, spec, figure) -> [(axes, x, y, text)]: values that the report shows at a place.
-"""
-
-import importlib
 from dataclasses import replace
 
 import matplotlib
 
-from . import canvas, hover, schema, spec, terminal
+from . import bead_motion, bead_order, bed, canvas, displacement, errors, field, fit, fit_errors, fit_tracks, flow, granular_table, medium_film, movie
+from . import page, phase_diagram, rod_tracks, rods_statistics, scan_curve, schema, series, trajectories
+from .bed_run import TRAJECTORY
 from .canvas import PAD, save
 from .errors import MissingError, PlotError, attempt, reason
-from .granular_run import TRAJECTORY
-from .medium_frames import FILE as MEDIUM_FRAMES
-from .style import SETTINGS, Look
+from .medium_film import FILE as MEDIUM_FRAMES
+from .style import Look, SETTINGS
 
 FILM = "film"  # name of the figure that --film adds
 FILMS = "movie", "medium_film", "rods_movie"
 
-KINDS = {kind: importlib.import_module(f".{kind}", __package__) for kind in schema.FIGURES}
+MODULES = (bead_motion, bead_order, bed, displacement, field, fit, fit_errors, fit_tracks, flow, granular_table, medium_film, movie, phase_diagram,
+           rod_tracks, rods_statistics, scan_curve, series, trajectories)
+MADE = {kind: made for module in MODULES for kind, made in module.KINDS.items()}
+KINDS = {kind: MADE[kind] for kind in schema.FIGURES}  # in the order of reports
 
 
 def figures_of(run, film=False, overlay=False):
     """As the scene asks, or all there is to draw; a film that was made on request stays in the report."""
-    asked = spec.from_scene(run.scene)
+    asked = schema.from_scene(run.scene)
     found = [replace(one, overlay=overlay) for one in (asked + besides(run, asked) if asked else defaults(run))]
     there = run.figures_dir / f"{FILM}.png"
     return found + filmed(run, found) if film or there.is_file() else found
@@ -35,16 +34,17 @@ def filmed(run, found):
     if FILM in (one.name for one in found) or any(one.kind in FILMS for one in found):
         return []
     if (run.path / MEDIUM_FRAMES).is_file():
-        return [spec.Spec(FILM, "medium_film")]
+        return [schema.Spec(FILM, "medium_film")]
     beads = run.has_granular and run.granular.has(TRAJECTORY)
     if not beads and not (run.has_result and run.result.has("/rods")):
         raise PlotError(f"{run.path}: holds neither frames of beads (granular.output.formats = [\"h5md\"]) nor paths of rods to film")
-    return [spec.Spec(FILM, "movie" if beads else "rods_movie")]
+    return [schema.Spec(FILM, "movie" if beads else "rods_movie")]
 
 
 def defaults(run):
     """A figure for everything the run directory holds."""
-    there = {"bed": run.has_granular, "measure": run.has_granular, "theory": run.has_result, "rod_order": run.rods_order is not None, "fit": run.has_fit, "scan": run.has_scan}
+    there = {"bed": run.has_granular, "measure": run.has_granular, "theory": run.has_result, "rod_order": run.rods_order is not None,
+             "fit": run.has_fit, "scan": run.has_scan}
     specs = [one for kind in KINDS if there[schema.subject(kind)] for one in all_of(kind, run)]
     if not specs:
         raise PlotError(f"{run.path}: holds no rods, no field, no cuts, no fit, no scan and no tables or trajectories of beads: nothing to draw")
@@ -53,8 +53,10 @@ def defaults(run):
 
 def all_of(kind, run):
     """If it cannot be told what there is, one figure, which says why when it is drawn."""
-    found, error = attempt(KINDS[kind].defaults, run)
-    return [spec.Spec(kind, kind)] if error else [replace(one, name=spec.file_name(one.name)) for one in found]
+    made = KINDS[kind]
+    one = schema.Spec(kind, kind, **schema.OF_KIND.get(kind, {}))
+    found, error = attempt(made.defaults or (lambda run: [one] if made.there(run) else []), run)
+    return [one] if error else [replace(each, name=schema.file_name(each.name)) for each in found]
 
 
 def besides(run, asked):
@@ -82,18 +84,18 @@ def write_all(run, figures, pdf, look=Look(SETTINGS)):
     shown = [(one, reason(error) if error else "") for one, error in tried]
     for one, why in shown:
         if one in left_out:
-            terminal.say(f'left out: figure "{one.name}": {why}')
+            errors.say(f'left out: figure "{one.name}": {why}')
     return [(one, why) for one, why in shown if one not in left_out]
 
 
 def write_one(run, figure, endings, look):
     with matplotlib.rc_context(look.settings):
         kind = KINDS[figure.kind]
-        if hasattr(kind, "write"):
+        if kind.write:
             print(*kind.write(run, figure), sep="\n")
             return
         made = dressed(kind.draw(run, figure), look)
-        metadata = hover.metadata(hover.places(made, list(kind.hover_marks(run, figure, made)), PAD)) if hasattr(kind, "hover_marks") else None
+        metadata = page.hover_metadata(page.hover_places(made, list(kind.hover_marks(run, figure, made)), PAD)) if kind.hover_marks else None
         for ending in endings:
             path = run.figures_dir / (figure.name + ending)
             save(made, path, metadata if ending == ".png" else None)

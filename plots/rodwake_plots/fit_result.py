@@ -1,13 +1,11 @@
 """The files of a fit: fit.json and its tables. An error or bound of null is infinite, a sigma of 0 unknown: nan here."""
 
-import json
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from . import csv_columns, words
-from .errors import PlotError
+from . import files
 
 FILE = "fit.json"
 RISE_95 = 3.841459  # of chi2 of one parameter
@@ -55,81 +53,34 @@ class Map(NamedTuple):
 class FitResult:
     def __init__(self, folder):
         self.path = folder / FILE
-        try:
-            self.told = json.loads(self.path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise PlotError(f"{self.path}: not valid JSON: {error}") from error
-        if not isinstance(self.told, dict):
-            raise PlotError(f"{self.path}: not a JSON object")
-        self.parameters = {name: self._parameter(name, one) for name, one in self._table("parameters").items()}
-        if not self.parameters:
-            raise PlotError(f"{self.path}: parameters is missing or empty")
-        self.free = [self._known(name) for name in self._list("free")]
+        self.told = files.Record(self.path)
+        with files.reading(self.path, "parameters or free"):
+            self.parameters = {name: self._parameter(name, one) for name, one in self.told["parameters"].items()}
+            self.free = [self.parameters[name] for name in self.told.get("free") or []]
         self.unit = str(self.told.get("length_unit") or "a")
-
-    @property
-    def profiles(self):
-        return self._tables("profiles")
-
-    @property
-    def trajectories(self):
-        return self._tables("trajectories")
-
-    @property
-    def maps(self):
-        return self._tables("maps")
-
-    @property
-    def systematics(self):
-        """{name of a parameter: {curvature, held, masks, jackknife, total}}; nothing where none was asked for."""
-        return dict(self._table("systematics").get("errors") or {})
-
-    @property
-    def compared(self):
-        return self._tables("compare")
-
-    @property
-    def starts(self):
-        return self._tables("starts")
-
-    @property
-    def flat(self):
-        return self._tables("flat")
-
-    @property
-    def likelihood(self):
-        return self._table("likelihood")
-
-    @property
-    def remarks(self):
-        return [str(one) for one in self._list("remarks")]
+        self.profiles, self.trajectories, self.maps, self.compared, self.starts, self.flat, self.remarks = (
+            self.told.get(key) or [] for key in ("profiles", "trajectories", "maps", "compare", "starts", "flat", "remarks"))
+        self.likelihood = self.told.get("likelihood") or {}
+        # {name of a parameter: {curvature, held, masks, jackknife, total}}; nothing where none was asked for
+        self.systematics = (self.told.get("systematics") or {}).get("errors") or {}
 
     @property
     def derived(self):
         """{name: (value, error, unit)}."""
         return {name: (self.number(one, "value"), self.number(one, "stderr", math.inf), str(one.get("unit") or ""))
-                for name, one in self._table("derived").items()}
+                for name, one in (self.told.get("derived") or {}).items()}
 
     @property
     def correlation(self):
         """In the order of `free`."""
-        count = len(self.free)
-        try:
-            matrix = np.array(self._list("correlation"), dtype=float)
-        except (TypeError, ValueError) as error:
-            raise PlotError(f"{self.path}: correlation is not a matrix of numbers") from error
-        if count and matrix.shape != (count, count):
-            raise PlotError(f"{self.path}: correlation has shape {matrix.shape}, expected {(count, count)}")
-        return matrix
+        with files.reading(self.path, "correlation"):
+            return np.array(self.told.get("correlation") or [], dtype=float).reshape(len(self.free), len(self.free))
 
     def number(self, table, key, absent=math.nan):
         """A number of fit.json; `absent` for null or nothing."""
         value = table.get(key)
-        if value is None:
-            return absent
-        if not words.is_number(value):
-            raise PlotError(f'{self.path}: {key} is "{value}", not a number')
-        return float(value)
+        with files.reading(self.path, key):
+            return absent if value is None else float(value)
 
     def points(self, profile):
         x, value, sigma, model, used = self._columns(profile, "data", "x", "value", "sigma", "model", "used")
@@ -143,63 +94,28 @@ class FitResult:
     def map(self, one):
         x, y, *rest, used = self._columns(one, "data", "x", "y", "Ux", "Uy", "model_Ux", "model_Uy", "used")
         columns, rows = np.unique(x), np.unique(y)
-        if columns.size * rows.size != x.size:
-            raise PlotError(f"{self.path}: the map {one.get('name', '')} is not a full grid")
-        Ux, Uy, model_x, model_y, used = (values.reshape(rows.size, columns.size) for values in (*rest, used))
+        with files.reading(self.path, f"the map {one.get('name', '')}"):
+            Ux, Uy, model_x, model_y, used = (values.reshape(rows.size, columns.size) for values in (*rest, used))
         return Map(columns, rows, (Ux, Uy), (model_x, model_y), used > 0)
 
     def paths(self, trajectory):
         """t, data and model as [time][rod][x, y, theta]."""
-        rods = int(self.number(trajectory, "rods", 0))
-        if rods < 1:
-            raise PlotError(f"{self.path}: a trajectory without rods")
+        rods = int(self.number(trajectory, "rods"))
         names = [f"{name}{rod}" for rod in range(rods) for name in ("x", "y", "theta")]
         t, *rest = self._columns(trajectory, "data", "t", *names, *(f"model_{name}" for name in names))
         values = np.stack(rest, axis=-1).reshape(t.size, 2, rods, 3)
         return t, values[:, 0], values[:, 1]
 
     def _columns(self, record, key, *names):
-        if not isinstance(record.get(key), str):
-            raise PlotError(f"{self.path}: {key} of {record.get('name', 'a profile')} is missing")
-        path = self.path.parent / record[key]
-        found = csv_columns.read_with_gaps(path)
-        columns = [csv_columns.column(path, found, name) for name in names]
-        if columns[0].size == 0:
-            raise PlotError(f"{path}: holds no rows: nothing to draw")
-        return columns
+        with files.reading(self.path, key):
+            path = self.path.parent / record[key]
+        return files.read_columns(path, *names)
 
     def _parameter(self, name, one):
-        if not isinstance(one, dict) or one.get("value") is None:
-            raise PlotError(f"{self.path}: parameters.{name} has no value")
         held = bool(one.get("at_bound")) or not one.get("free")
         low, high = (list(one.get("bounds") or []) + [None, None])[:2]
-        return Parameter(name, self.number(one, "value"), self.number(one, "stderr", math.nan if held else math.inf),
+        return Parameter(name, float(one["value"]), self.number(one, "stderr", math.nan if held else math.inf),
                          self.number(one, "low", -math.inf), self.number(one, "high", math.inf), bool(one.get("free")),
                          bool(one.get("fixed")), str(one.get("tied_to") or ""), str(one.get("at_bound") or ""), str(one.get("unit") or ""),
                          self.number(one, "start"), (-math.inf if low is None else low, math.inf if high is None else high),
                          bool(one.get("log")))
-
-    def _known(self, name):
-        if name not in self.parameters:
-            raise PlotError(f'{self.path}: free names "{name}", which is not in parameters')
-        return self.parameters[name]
-
-    def _table(self, key):
-        return self._of(dict, key, "table")
-
-    def _list(self, key):
-        return self._of(list, key, "list")
-
-    def _tables(self, key):
-        found = self._list(key)
-        if not all(isinstance(one, dict) for one in found):
-            raise PlotError(f"{self.path}: {key} is not a list of tables")
-        return found
-
-    def _of(self, kind, key, name):
-        found = self.told.get(key)
-        if found is None:
-            return kind()
-        if not isinstance(found, kind):
-            raise PlotError(f"{self.path}: {key} is not a {name}")
-        return found

@@ -2,7 +2,6 @@
 
 import math
 import re
-import string
 
 from . import schema, words
 
@@ -91,6 +90,11 @@ def value(parameter):
         ", not fixed by the data" if parameter.error == math.inf else "")
 
 
+def values(parameters):
+    """The free ones with their errors."""
+    return ", ".join(f'<span class="eq">{symbol_html(one.name)} = {value(one)}</span>' for one in parameters)
+
+
 def with_unit(text, unit):
     unit = unit_html(unit)
     return f"({text}) {unit}" if unit and "±" in text and not text.startswith("(") else f"{text} {unit}".strip()
@@ -120,10 +124,6 @@ def predicted(profile):
     return profile.get("role") == "predict"
 
 
-def letter(index):
-    return f"({string.ascii_lowercase[index % 26]})"
-
-
 def interval_html(low, high, unit=""):
     """`1.1 to 1.5`; a side without an end is told in words."""
     if not math.isfinite(low) and not math.isfinite(high):
@@ -144,7 +144,7 @@ def quantity(parameter):
 def unit_math(unit):
     """`a^2`, `v0 mu/f` as mathtext with dollars."""
     text = re.sub(r"[^\w^/() .*+-]", "", unit).replace("v0", "v_0")
-    text = re.sub(r"\^\(?([-\d/.]+)\)?", r"^{\1}", text)
+    text = re.sub(r"\^(?:\(([-\d/.]+)\)|(-?[\d.]+))", lambda m: f"^{{{m[1] or m[2]}}}", text)
     text = re.sub(r"(?<![\w\\])(mu|kappa|xi)(?!\w)", r"\\\1{}", text)
     text = re.sub(r"(?<![\w\\])([A-Za-zµ]{2,}|[ms])(?!\w)", r"\\mathrm{\1}", text)
     return f"${text.replace(' ', chr(92) + ',')}$"

@@ -2,17 +2,15 @@
 
 import numpy as np
 
-from . import bed, canvas, style, units
-from .errors import PlotError
-from .granular_run import TABLE
-from .spec import Spec
+from . import bed, canvas, style, words
+from .bed_run import TABLE
+from .schema import Kind
 
-COLUMNS = ("t", "energy", "kinetic", "T_xy", "T_z", "psi6", "floor_impulse", "lid_impulse")
 ORANGE = style.ROD_COLOURS[0]
 
 
 def draw(run, spec):
-    tables = [read(path, columns) for path, columns in run.granular.tables()]
+    tables = run.granular.tables()
     figure = canvas.figure(style.WIDE - 0.8, 7.0)
     panels = figure.subplots(4, 1, sharex=True)
     for axes, paint in zip(panels, (energies, temperatures, order, pushes)):
@@ -26,13 +24,6 @@ def draw(run, spec):
     canvas.heading(panels[0], style.safe(spec.title) or title(run, tables))
     figure.align_ylabels(panels)
     return figure
-
-
-def read(path, columns):
-    for name in COLUMNS:
-        if name not in columns:
-            raise PlotError(f"{path}: column {name} is missing")
-    return columns
 
 
 def title(run, tables):
@@ -56,7 +47,7 @@ def key(axes):
 
 
 def energies(axes, tables):
-    factor, prefix = units.prefix_for(max(np.abs(table["energy"]).max() for table in tables))
+    factor, prefix = words.prefix_for(max(np.abs(table["energy"]).max() for table in tables))
     lines(axes, [(table["t"], table["energy"] * factor) for table in tables], style.LINE, "total")
     lines(axes, [(table["t"], table["kinetic"] * factor) for table in tables], ORANGE, "kinetic")
     axes.set_ylabel(rf"energy ($\mathrm{{{prefix}J}}$)")
@@ -83,7 +74,7 @@ def pushes(axes, tables):
     """Mean force of each plate between rows: what its impulse grew by over the time."""
     forces = {name: [rate(table["t"], table[f"{name}_impulse"]) for table in tables] for name in ("floor", "lid")}
     size = max((np.abs(force).max() for curves in forces.values() for _, force in curves if force.size), default=0.0)
-    factor, prefix = units.prefix_for(size)
+    factor, prefix = words.prefix_for(size)
     for (name, curves), colour in zip(forces.items(), (style.LINE, ORANGE)):
         lines(axes, [(t, force * factor) for t, force in curves], colour, name)
     axes.set_ylabel(rf"upward force ($\mathrm{{{prefix}N}}$)")
@@ -103,12 +94,11 @@ def shade_equilibration(axes, tables):
 
 
 def caption(run, spec):
-    shaded = " Shaded: equilibration, rods held." if any(columns["t"][0] < 0 for _, columns in run.granular.tables()) else ""
+    shaded = " Shaded: equilibration, rods held." if any(table["t"][0] < 0 for table in run.granular.tables()) else ""
     mean = " Thin: each run; bold: their mean." if not run.granular.single else ""
     return ("(a) Energy; (b) temperatures <i>T</i><sub>z</sub> = var <i>v</i><sub>z</sub> and <i>T</i><sub>xy</sub> = (var "
             "<i>v</i><sub>x</sub> + var <i>v</i><sub>y</sub>)/2 of the beads; (c) global bond order <i>ψ</i><sub>6</sub>; "
             f"(d) mean upward force of floor and lid on the bed between rows of table.csv.{mean}{shaded}")
 
 
-def defaults(run):
-    return [Spec("granular_table", "granular_table")] if run.granular.has(TABLE) else []
+KINDS = {"granular_table": Kind(draw=draw, caption=caption, there=lambda run: run.granular.has(TABLE))}

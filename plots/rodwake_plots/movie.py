@@ -7,22 +7,27 @@ import shutil
 import subprocess
 import tempfile
 
+import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
 
-from . import bed, canvas, files, snapshot, stop, words
+from . import bed, canvas, errors, files, style, words
+from .bed_run import TRAJECTORY
 from .errors import PlotError
-from .granular_run import TRAJECTORY
+from .trajectories import grown, runs_of, span
+from .schema import Kind
 
 DPI = 160
 QUALITY = "20"  # constant rate factor of x264: no visible loss
 ENDINGS = {".mp4": "video/mp4", ".gif": "image/gif"}
 
 
-def write(run, spec):
+def write_movie(run, spec):
     """Paths written: the film, and its last picture as name.png."""
     with run.granular.trajectory(TRAJECTORY) as trajectory:
-        return write_film(run, spec, Film(run, spec, trajectory))
+        return write_film(run, spec, BedFilm(run, spec, trajectory))
 
 
 def write_film(run, spec, film):
@@ -38,30 +43,20 @@ def write_film(run, spec, film):
 
 
 class Film:
-    """The pictures, drawn one by one on a figure whose layout is made once."""
+    """Pictures, drawn one by one by show(number) on a figure whose layout is made once."""
 
-    def __init__(self, run, spec, trajectory):
-        self.run, self.spec, self.trajectory = run, spec, trajectory
-        self.cutoff = trajectory.parameter("order_cutoff")
-        self.figure, self.axes = snapshot.stage(run, spec)
-        self.figure.set_dpi(DPI)
-        self.canvas = FigureCanvasAgg(self.figure)
-        self.artists = []
+    def lay_out(self, figure, count, dpi):
+        self.figure, self.count = figure, count
+        figure.set_dpi(dpi)
+        self.canvas = FigureCanvasAgg(figure)
         self.show(0)
         self.canvas.draw()
-        self.figure.set_layout_engine("none")
+        figure.set_layout_engine("none")
         self.height, self.width = (size // 2 * 2 for size in np.asarray(self.canvas.buffer_rgba()).shape[:2])  # x264 wants even
 
-    def show(self, number):
-        frame = self.trajectory.frame(number)
-        for artist in self.artists:
-            artist.remove()
-        self.artists = snapshot.paint(self.axes, self.run, self.spec, frame, self.cutoff)
-        canvas.heading(self.axes, bed.heading_text(self.run, self.spec, frame.time, self.trajectory.time[-1]))
-
     def __iter__(self):
-        """[row][column][red, green, blue] of each frame."""
-        for number in range(self.trajectory.frames):
+        """[row][column][red, green, blue] of each."""
+        for number in range(self.count):
             self.show(number)
             self.canvas.draw()
             yield np.ascontiguousarray(np.asarray(self.canvas.buffer_rgba())[:self.height, :self.width, :3])
@@ -71,12 +66,28 @@ class Film:
         canvas.save(self.figure, path)
 
 
+class BedFilm(Film):
+    def __init__(self, run, spec, trajectory):
+        self.run, self.spec, self.trajectory = run, spec, trajectory
+        self.cutoff = trajectory.parameter("order_cutoff")
+        figure, self.axes = bed.snapshot_stage(run, spec)
+        self.artists = []
+        self.lay_out(figure, trajectory.frames, DPI)
+
+    def show(self, number):
+        frame = self.trajectory.frame(number)
+        for artist in self.artists:
+            artist.remove()
+        self.artists = bed.paint_snapshot(self.axes, self.run, self.spec, frame, self.cutoff)
+        canvas.heading(self.axes, bed.heading_text(self.run, self.spec, frame.time, self.trajectory.time[-1]))
+
+
 def by_ffmpeg(path, film, fps):
     command = ["ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
                "-s", f"{film.width}x{film.height}", "-r", str(fps), "-i", "-", "-c:v", "libx264", "-crf", QUALITY,
                "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(path)]
     with tempfile.TemporaryFile() as log, subprocess.Popen(command, stdin=subprocess.PIPE, stdout=log, stderr=log) as process:
-        with stop.undoing(lambda: kill(process)):
+        with errors.undoing(lambda: kill(process)):
             with contextlib.suppress(BrokenPipeError), process.stdin:  # ffmpeg tells why it stopped
                 for picture in film:
                     process.stdin.write(picture.tobytes())
@@ -106,7 +117,7 @@ def film_of(run, spec):
     return next(((path, kind) for path, kind in paths if path.is_file()), None)
 
 
-def caption(run, spec):
+def caption_movie(run, spec):
     with run.granular.trajectory(TRAJECTORY) as trajectory:
         count, last = trajectory.frames, trajectory.time[-1]
         cutoff = float(trajectory.parameter("order_cutoff"))
@@ -115,9 +126,83 @@ def caption(run, spec):
     name = f"figures/{words.escape(found[0].name)}: t" if found else "T"
     return (f"{run.granular.which(TRAJECTORY)}{name}he bed from above, {count} pictures from "
             f"<i>t</i> = {bed.clock(first.time, last)} s to {bed.clock(last, last)} s, {spec.fps} a second"
-            f"{snapshot.rods_told(first)}. {snapshot.colours_told(run, spec, cutoff)}")
+            f"{bed.rods_told(first)}. {bed.colours_told(run, spec, cutoff)}")
 
 
-def defaults(_):
-    """Only where a scene asks for it: it takes longer than all the rest."""
-    return []
+# Film of the rods of the theory, coloured by heading: mp4 by ffmpeg if there is one, else an animated GIF.
+
+RODS_DPI = 130
+TRAIL = 8  # stored times behind a rod
+HEADINGS = Normalize(-180, 180)
+HEADING_MAP = ListedColormap(0.85 * matplotlib.colormaps["twilight"](np.linspace(0, 1, 256))[:, :3], name="headings")  # seen on white
+
+
+def write_rods_movie(run, spec):
+    """Paths written: the film, and its last picture as name.png."""
+    return write_film(run, spec, RodsFilm(run, spec))
+
+
+class RodsFilm(Film):
+    def __init__(self, run, spec):
+        self.rods, self.units, self.spec = runs_of(run.result)[0], run.result.units, spec
+        window = rods_window(self.rods, spec)
+        self.length = self.units.length("x", max(map(abs, window[0] + window[1])))
+        self.time = self.units.time("t", self.rods.t[-1])
+        figure, self.axes = rods_stage(window, self.length, self.units)
+        self.trails = matplotlib.collections.LineCollection([], colors=style.GREY, linewidths=0.5, alpha=0.5, zorder=2)
+        self.axes.add_collection(self.trails, autolim=False)
+        self.arrows = self.axes.quiver(*self.places(0), *self.directions(0), self.headings(0), cmap=HEADING_MAP, norm=HEADINGS, pivot="mid",
+                                       angles="xy", units="dots", scale_units="dots", scale=1 / 11, width=2.6, headwidth=3.4, headlength=4,
+                                       headaxislength=3.6, zorder=3)
+        self.lay_out(figure, len(self.rods.t), RODS_DPI)
+
+    def places(self, frame):
+        return self.rods.x[frame] * self.length.factor, self.rods.y[frame] * self.length.factor
+
+    def directions(self, frame):
+        return np.cos(self.rods.theta[frame]), np.sin(self.rods.theta[frame])
+
+    def headings(self, frame):
+        return (np.degrees(self.rods.theta[frame]) + 180) % 360 - 180
+
+    def show(self, frame):
+        frame %= len(self.rods.t)
+        self.arrows.set_offsets(np.column_stack(self.places(frame)))
+        self.arrows.set_UVC(*self.directions(frame), self.headings(frame))
+        since = max(0, frame - TRAIL)
+        self.trails.set_segments(np.stack(self.places(slice(since, frame + 1)), axis=-1).swapaxes(0, 1))
+        title = style.safe(self.spec.title) + ", " if self.spec.title else ""
+        canvas.heading(self.axes, title + self.units.equals(self.time, "t", self.rods.t[frame]))
+
+
+def rods_window(rods, spec):
+    """What the scene asks for, or all places with a margin."""
+    x, y = span(rods.x), span(rods.y)
+    margin = 0.03 * max(np.ptp(x), np.ptp(y)) or 1.0
+    return spec.x or grown(x, margin), spec.y or grown(y, margin)
+
+
+def rods_stage(window, length, units):
+    """Figure and axes with everything but the rods."""
+    x, y = (tuple(edge * length.factor for edge in pair) for pair in window)
+    aspect = min(max(np.ptp(y) / np.ptp(x), 0.3), 1.5)
+    figure = canvas.figure(6.4, 5.2 * aspect + 0.7)
+    axes = figure.subplots()
+    canvas.window(axes, x, y)
+    axes.set(xlabel=length.label, ylabel=units.length("y", max(map(abs, window[0] + window[1]))).label)
+    canvas.colour_bar(figure, ScalarMappable(HEADINGS, HEADING_MAP), axes, "heading (°)", pad=0.02, aspect=32, ticks=[-180, -90, 0, 90, 180])
+    return figure, axes
+
+
+def caption_rods_movie(run, spec):
+    rods, units = runs_of(run.result)[0], run.result.units
+    found = film_of(run, spec)
+    name = f"figures/{words.escape(found[0].name)}: " if found else ""
+    return (f"{name}{rods.x.shape[1]} rods as arrows, coloured by heading, with what they walked since {TRAIL} pictures before; {len(rods.t)} "
+            f"pictures from <i>t</i> = {words.number(rods.t[0])} to {words.number(rods.t[-1])} {units.time_html()}, {spec.fps} a second.")
+
+
+KINDS = {
+    "movie": Kind(write=write_movie, caption=caption_movie),
+    "rods_movie": Kind(write=write_rods_movie, caption=caption_rods_movie),
+}

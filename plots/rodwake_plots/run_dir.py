@@ -1,17 +1,17 @@
 """A run directory as the figures see it: the result file, the resolved scene and the small JSON records."""
 
-import json
 import tomllib
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
+from . import files, schema
+from .bed_run import GranularRun, SUMMARY
 from .errors import MissingError, PlotError
-from .fit_result import FILE as FIT
-from .fit_result import FitResult
-from .granular_run import SUMMARY, GranularRun
-from .result import Result
-from .scan_run import TOLD as SCAN
-from .scan_run import ScanRun
-from .units import Units
+from .fit_result import FILE as FIT, FitResult
+from .scan_run import ScanRun, TOLD as SCAN
+from .words import Units
 
 
 class RunDir:
@@ -56,18 +56,14 @@ class RunDir:
 
     @property
     def result(self):
-        if self._result is None:
-            raise MissingError(self.path / "result.h5", "no such file: this run holds no field and no rods of the theory")
-        return self._result
+        return self._there(self._result, "result.h5", "this run holds no field and no rods of the theory")
 
     @property
     def granular(self):
-        if self._granular is None:
-            status = (self.provenance or {}).get("status", "unknown")
-            stopped = status in ("unfinished", "interrupted", "failed")
-            why = f"this run is {status}; the same rodwake command goes on with it" if stopped else "this run holds no beads"
-            raise MissingError(self.path / SUMMARY, f"no such file: {why}")
-        return self._granular
+        status = (self.provenance or {}).get("status", "unknown")
+        stopped = status in ("unfinished", "interrupted", "failed")
+        return self._there(self._granular, SUMMARY, f"this run is {status}; the same rodwake command goes on with it" if stopped else
+                           "this run holds no beads")
 
     @property
     def has_fit(self):
@@ -75,9 +71,7 @@ class RunDir:
 
     @property
     def fit(self):
-        if self._fit is None:
-            raise MissingError(self.path / FIT, "no such file: this run has fitted nothing; [fit] in the scene and rodwake fit write it")
-        return self._fit
+        return self._there(self._fit, FIT, "this run has fitted nothing; [fit] in the scene and rodwake fit write it")
 
     @property
     def has_scan(self):
@@ -85,9 +79,12 @@ class RunDir:
 
     @property
     def scan(self):
-        if self._scan is None:
-            raise MissingError(self.path / SCAN, "no such file: this run has scanned nothing; [scan] in the scene and rodwake scan write it")
-        return self._scan
+        return self._there(self._scan, SCAN, "this run has scanned nothing; [scan] in the scene and rodwake scan write it")
+
+    def _there(self, found, name, why):
+        if found is None:
+            raise MissingError(self.path / name, f"no such file: {why}")
+        return found
 
     @property
     def has_tradeoff(self):
@@ -137,9 +134,114 @@ class RunDir:
 
     def _json(self, name):
         path = self.path / name
-        if not path.is_file():
-            return None
-        try:
-            return json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise PlotError(f"{path}: not valid JSON: {error}") from error
+        return files.Record(path) if path.is_file() else None
+
+
+# result.h5 behind plain Python types. Whatever is missing is named with its full place in the file.
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Cut:
+    along: str  # "x" or "y": the coordinate that varies
+    at: float   # the other coordinate
+    s: np.ndarray
+    Ux: np.ndarray
+    Uy: np.ndarray
+
+
+@dataclass(frozen=True)
+class Run:
+    """One integration of the rods; x, y, theta are [time][rod]; samples of a measured field's errors [sample][time][rod]."""
+    name: str
+    label: str
+    outcome: str
+    attrs: dict
+    t: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    theta: np.ndarray
+    samples: tuple = ()  # x and y of them; NaN where one has ended
+
+
+def runs_told_apart(run, runs, units):
+    """The parameters in which the runs differ, as a label for a run that has none."""
+    differing = [key for key in (*schema.COUPLINGS, "alpha", "eta") if len({one.attrs.get(key) for one in runs}) > 1]
+    return ", ".join(f"${units.parameter(key, run.attrs[key])}$" for key in differing if key in run.attrs) or "as written"
+
+
+def plain(value):
+    """HDF5 strings arrive as bytes or str, scalars as numpy types."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", errors="replace")
+    return value.item() if isinstance(value, (np.generic, np.ndarray)) and np.size(value) == 1 else value
+
+
+class Result:
+    def __init__(self, path):
+        self.path = path
+        self.file = files.open_hdf5(path)
+        if (found := self.attribute("/", "schema")) != SCHEMA:
+            raise PlotError(f"{path}: schema {found}, this program reads schema {SCHEMA}")
+        self.units = Units(self.attribute("/", "units"))
+        self.title = self.attribute("/", "title", "")
+        self.version = self.attribute("/", "rodwake_version", "unknown")
+
+    def close(self):
+        self.file.close()
+
+    def has(self, place):
+        return place in self.file
+
+    def attributes(self, place):
+        if not self.has(place):
+            return {}
+        return {key: plain(value) for key, value in self.file[place].attrs.items()}
+
+    def attribute(self, place, name, *default):
+        found = self.attributes(place)
+        if name in found:
+            return found[name]
+        if default:
+            return default[0]
+        raise PlotError(f"{self.path}: attribute {name} of {place} is missing")
+
+    def error(self, place, why):
+        """For what is missing: of a group that is there it is lost, else it was not computed."""
+        lost = place.rsplit("/", 1)[0] in self.file
+        return PlotError(f"{self.path}: {why}") if lost else MissingError(self.path, why)
+
+    def data(self, place):
+        if not self.has(place):
+            raise self.error(place, f"dataset {place} is missing")
+        return np.asarray(self.file[place][()], dtype=float)
+
+    def grid(self, name):
+        """A dataset of /field/grid."""
+        return self.data(f"/field/grid/{name}")
+
+    def cut_count(self):
+        return len(self.file["/field/cuts"]) if self.has("/field/cuts") else 0
+
+    def cut(self, index):
+        place = f"/field/cuts/{index}"
+        if not self.has(place):
+            raise self.error(place, f"{place} is missing (the file holds {self.cut_count()} cuts)")
+        along, at = self.attribute(place, "along"), self.attribute(place, "at")
+        return Cut(along, at, *(self.data(f"{place}/{name}") for name in ("s", "Ux", "Uy")))
+
+    def runs(self):
+        """Every run of the rods, in legend order."""
+        if not self.has("/rods"):
+            return []
+        names = sorted(self.file["/rods"], key=lambda name: self.attribute(f"/rods/{name}", "order", 0))
+        runs = [self.run(name) for name in names]
+        return [replace(run, label=run.label or runs_told_apart(run, runs, self.units)) for run in runs]
+
+    def run(self, name):
+        place = f"/rods/{name}"
+        t, x, y, theta = (self.data(f"{place}/{part}") for part in ("t", "x", "y", "theta"))
+        label = self.attribute(place, "label", "") or ("" if name == "scene" else name)
+        samples = tuple(self.data(f"{place}/ensemble/{part}") for part in "xy") if self.has(f"{place}/ensemble") else ()
+        return Run(name, label, self.attribute(place, "outcome"), self.attributes(place), t, x, y, theta, samples)

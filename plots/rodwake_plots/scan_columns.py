@@ -5,11 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_rgba
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from . import ranges, style, words
+from . import canvas, style, words
 from .errors import PlotError
-from .scan_run import OUTCOMES
+from .scan_run import CAPTURED, OUTCOMES
 
 WIDE, WIDE_TIMES = 30, 4  # positive numbers, and times, that span more than this factor are shown by their logarithm
 BALANCED = colormaps["RdBu_r"]
@@ -31,11 +33,8 @@ KNOWN = {
     "final_separation": Quantity("", "final separation", "length", False),
     "final_angle": Quantity("", "final angle between the headings", "rad", True),
     "non_reciprocity": Quantity("", "turning asymmetry", "", True, largest=1.0),
-    "capture_probability": Quantity("", "capture probability", "", False),
     "capture_runs": Quantity("", "runs with noise", "", False),
-    "steps": Quantity("", "steps", "", False),
     "rhs_evaluations": Quantity("", "evaluations of the right-hand side", "", False),
-    "retries": Quantity("", "retries", "", False),
     "delta_y": Quantity(r"\Delta y", "change of separation", "a", True),
     "psi6": Quantity(r"\psi_6", "bond order", "", False),
     "T_xy": Quantity("T_{xy}", "horizontal temperature", "m²/s²", False),
@@ -45,7 +44,6 @@ KNOWN = {
     "last_change": Quantity(r"\Delta y_\mathrm{end}", "change of separation at the end", "a", True),
     "separation": Quantity("", "separation at the start", "a", False),
     "leader": Quantity("", "rod that was ahead", "", False),
-    "runs": Quantity("", "runs", "", False),
     "failed_runs": Quantity("", "runs that failed", "", False),
 } | {name: Quantity("", f"share of runs that end in {name}" if name != "undecided" else "share of runs left undecided", "", False)
      for name in OUTCOMES if name != "finished"}
@@ -148,10 +146,10 @@ def scaling(name, shown):
         raise PlotError(f"column {name} holds no numbers{told_of(name)}: nothing to draw")
     told, low, high = quantity(name), float(shown.min()), float(shown.max())
     if told.signed:
-        reach = told.largest or ranges.nice(np.percentile(np.abs(shown), 99.5) or 1.0, up=True)
+        reach = told.largest or canvas.nice(np.percentile(np.abs(shown), 99.5) or 1.0, up=True)
         return Normalize(-reach, reach), extend(shown, -reach, reach), BALANCED
     if low > 0 and high > (WIDE_TIMES if told.unit == "time" else WIDE) * low:
-        return *ranges.log_norm(shown), style.FIELD_MAP
+        return *canvas.log_norm(shown), style.FIELD_MAP
     if low == high:
         return Normalize(low - 0.5, high + 0.5), "neither", style.FIELD_MAP
     ends = np.percentile(shown, (0.5, 99.5)) if shown.size > 100 else (low, high)
@@ -169,3 +167,56 @@ def extend(shown, low, high):
     room = 1e-9 * (high - low)
     return {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[
         bool((shown < low - room).any()), bool((shown > high + room).any())]
+
+
+# Outcomes have the same colours in every figure, and marks in every legend.
+
+# Two blues are one family: capture. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
+# vision; tests/plots/test_scan_pieces.py has the numbers.
+COLOURS = {"contact": "#14589c", "pursuit": "#69b8ec", "escape": "#f5cb76", "undecided": "#a3a19c",
+           "finished": "#6f8f7a"}  # the last stands alone
+NOTHING = "#e4e4e1"  # where there is no number
+CAPTURE = "capture = contact or pursuit"
+BOUNDARY = dict(color=style.INK, linewidth=0.6)
+FAILED = dict(marker="x", color="#b3261e", linestyle="none")
+
+
+def rgba(colour):
+    """Four bytes."""
+    return np.round(255 * np.array(to_rgba(colour))).astype(np.uint8)
+
+
+def painted(codes):
+    """Bytes of the colours of outcomes; transparent where there is none."""
+    table = np.array([*(rgba(COLOURS[name]) for name in OUTCOMES), (0, 0, 0, 0)], dtype=np.uint8)
+    return table[codes]  # -1 is the last
+
+
+def without_number(codes):
+    """Where a number is shown: pursuit as itself, which is capture without a time of its own, the others as nothing."""
+    table = np.array([rgba(COLOURS[name] if name == "pursuit" else NOTHING) for name in (*OUTCOMES, "")], dtype=np.uint8)
+    return table[codes]
+
+
+def alike(x, y, codes):
+    """Points in order along x with gaps where the outcome changes, as plot() takes them: no line joins what differs."""
+    order = np.argsort(x, kind="stable")
+    x, y, codes = (np.asarray(part)[order] for part in (x, y, codes))
+    changes = np.flatnonzero(np.diff(codes)) + 1
+    return np.insert(x, changes, np.nan), np.insert(y, changes, np.nan)
+
+
+def outcome_handles(codes, failed, boundary):
+    """Legend entries: the outcomes that occur, failed points with their number, the boundary."""
+    there = [name for index, name in enumerate(OUTCOMES) if (codes == index).any()]
+    found = [Patch(facecolor=COLOURS[name], edgecolor="white", linewidth=0.4, label=name) for name in there]
+    if boundary:
+        found.append(Line2D([], [], **BOUNDARY, label="traced boundary"))
+    if failed:
+        found.append(Line2D([], [], **FAILED, markersize=4.5, markeredgewidth=1.1, label=f"failed ({failed})"))
+    return found
+
+
+def outcomes_title(codes):
+    """Of the legend: what capture means, where there is some."""
+    return CAPTURE if any((codes == OUTCOMES.index(name)).any() for name in CAPTURED) else ""

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from . import canvas, curves, ranges, scan_axis, scan_columns, scan_outcomes, scan_words, style, words
+from . import canvas, scan_columns, scan_run, scan_words, style, words
 from .errors import PlotError
-from .scan_axis import Axis
-from .spec import Spec
+from .scan_run import Axis
+from .schema import Kind, Spec
 
 MOST = 9       # more curves than this are thinned out
 OF_BEDS = ("delta_y", "last_change", "mean_speed0", "psi6")  # the first of these is drawn unless a scene asks for others
@@ -29,25 +29,25 @@ def draw(run, spec):
     scan, name = run.scan, column(run, spec)
     found, _ = groups(scan, name)
     axis = scan.axes[0]
-    figure, axes = curves.panel(len(found))
+    figure, axes = canvas.curve_panel(len(found))
     factor, label = scan_columns.label(run, name, max(np.nanmax(np.abs(group.y)) for group in found))
     norm, _, _ = scan_columns.scaling(name, np.concatenate([group.y for group in found]) * factor)
     logarithmic = isinstance(norm, LogNorm)
     axis.dress(axes.xaxis, *window(scan, spec))
     if scan_columns.quantity(name).signed:
         axes.axhline(0, color=style.GREY, linewidth=0.6)
-    for index, (group, colour) in enumerate(zip(found, curves.colours(len(found)))):
+    for index, (group, colour) in enumerate(zip(found, canvas.colours(len(found)))):
         x, y = apart(axis, group, index, len(found)) * axis.factor, group.y * factor
-        axes.plot(*scan_outcomes.alike(x, y, group.outcome), color=colour, linewidth=0.8, alpha=0.6, zorder=2)
-        curves.points(axes, x, y, group.sigma * factor, colour, group.title or None, curves.mark(index))
+        axes.plot(*scan_columns.alike(x, y, group.outcome), color=colour, linewidth=0.8, alpha=0.6, zorder=2)
+        canvas.points(axes, x, y, group.sigma * factor, colour, group.title or None, canvas.curve_mark(index))
     if logarithmic:
         axes.set_yscale("log")
-        ranges.plain_ticks(axes.yaxis, *axes.get_ylim())
+        canvas.plain_ticks(axes.yaxis, *axes.get_ylim())
     failed(axes, scan)
     if spec.y:
         axes.set_ylim(*spec.y)
     axes.set_ylabel(label)
-    curves.legend(axes)
+    canvas.legend(axes)
     canvas.heading(axes, style.safe(spec.title) or scan_words.fixed_title(run))
     return figure
 
@@ -96,15 +96,15 @@ def apart(axis, group, index, count):
 
 def window(scan, spec):
     if spec.x:
-        return scan_axis.shown_window(scan.axes[0], spec.x, "x")
-    return scan_axis.margin(scan.axes[0], 0.04)
+        return scan_run.shown_window(scan.axes[0], spec.x, "x")
+    return scan_run.margin(scan.axes[0], 0.04)
 
 
 def failed(axes, scan):
     """Crosses at the foot: where points failed."""
     x = np.unique(scan.place(0)[scan.failed]) * scan.axes[0].factor
     if x.size:
-        look = dict(scan_outcomes.FAILED, markersize=4.5, markeredgewidth=1.0, label=f"failed ({int(scan.failed.sum())})")
+        look = dict(scan_columns.FAILED, markersize=4.5, markeredgewidth=1.0, label=f"failed ({int(scan.failed.sum())})")
         axes.errorbar(x, np.full(x.size, 0.025), transform=axes.get_xaxis_transform(), **look)  # as the curves: last in the legend
 
 
@@ -126,3 +126,6 @@ def caption(run, spec):
 def defaults(run):
     there = [name for name in OF_BEDS if name in run.scan.columns and np.isfinite(scan_columns.values(run.scan, name)).any()]
     return [Spec(f"scan_{name}", "scan_curve", column=name) for name in there[:1]]
+
+
+KINDS = {"scan_curve": Kind(draw=draw, caption=caption, defaults=defaults)}

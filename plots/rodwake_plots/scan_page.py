@@ -6,19 +6,18 @@ from pathlib import Path
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from . import files, marked, packed, page, scan_columns, scan_outcomes, scan_raster, scan_scene, scan_sections, scan_words, style, words
+from . import files, page, scan_columns, scan_raster, scan_scene, scan_words, style, words
 from .errors import PlotError
 from .scan_run import OUTCOMES
-from .spec import Spec
+from .schema import Spec
 
 PARTS = Path(__file__).with_name("scan_page")
 NOTHING_ON_DARK = "#343943"
-SCRIPTS = ("format", "node", "table", "scales", "colours", "nearest", "paint", "frame", "trajectory", "download", "controls", "view", "draw",
-           "point", "selection", "input", "page")
+SCRIPTS = ("data", "scales", "paint", "frame", "controls", "view", "page")
 
 
 def write(run):
-    path = run.output / scan_sections.PAGE
+    path = run.output / scan_words.PAGE
     files.write(path, document(run))
     print(path)
 
@@ -43,23 +42,23 @@ def sub(run):
 
 def contents(run):
     """(scripts that hold the numbers, what the page is told of them)."""
-    scan, box = run.scan, packed.Box()
+    scan, box = run.scan, page.Box()
     told = {"points": len(scan.failed), "design": scan.design, "outcomes": outcomes(),
-            "nothing": {"light": scan_outcomes.NOTHING, "dark": NOTHING_ON_DARK},
+            "nothing": {"light": scan_columns.NOTHING, "dark": NOTHING_ON_DARK},
             "axes": [axis(one) for one in scan.axes], "columns": columns(run, box), "maps": maps(box),
             "rodColours": style.ROD_COLOURS, "cells": cells(scan, box), "boundary": boundary(scan, box),
-            "samples": samples(scan, box), "lengthUnit": marked.parts(run.units.length_html()),
-            "timeUnit": marked.parts(run.units.time_html()),
+            "samples": samples(scan, box), "lengthUnit": page.marked(run.units.length_html()),
+            "timeUnit": page.marked(run.units.time_html()),
             **scenes(run)}
     return box.scripts, told
 
 
 def outcomes():
-    return [{"name": name, "colour": scan_outcomes.COLOURS[name]} for name in OUTCOMES]
+    return [{"name": name, "colour": scan_columns.COLOURS[name]} for name in OUTCOMES]
 
 
 def axis(one):
-    return {"key": one.key, "marked": marked.parts(one.name_html), "unit": marked.parts(one.unit_html), "scale": one.scale,
+    return {"key": one.key, "marked": page.marked(one.name_html), "unit": page.marked(one.unit_html), "scale": one.scale,
             "factor": one.factor, "low": one.low, "high": one.high, "sign": one.sign, "words": list(one.values) if one.is_choice else None}
 
 
@@ -86,7 +85,7 @@ def colouring(run, name):
     """What a column of numbers means and how it colours points; without "norm" it does not."""
     told = scan_columns.quantity(name, run.scan)
     html = words.escape(told.name) + (f" {words.tex_html(told.symbol)}" if told.symbol else "")
-    found = {"label": told.name, "marked": marked.parts(html), "unit": marked.parts(scan_columns.unit_html(run, name, shown=False)),
+    found = {"label": told.name, "marked": page.marked(html), "unit": page.marked(scan_columns.unit_html(run, name, shown=False)),
              "of": [OUTCOMES.index(one) for one in told.of] or None}
     if name not in scan_columns.names(run.scan):
         return found

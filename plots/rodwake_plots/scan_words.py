@@ -1,10 +1,14 @@
 """What is said of a scan: fixed parameters, numbers of points, how far the picture can be trusted."""
 
-from . import fit_words, schema, scan_columns, scan_slices, units, words
+from typing import NamedTuple
+
+import numpy as np
+
+from . import fit_words, scan_columns, schema, words
 from .scan_run import OUTCOMES
 from .scan_scene import ALIKE
 
-TOLD = {"medium": ("eta", "xi"), "coupling": ("kappa", "gamma1", "gamma2"), "granular": ("phi_b",)}
+TOLD = {"medium": ("eta", "xi"), "coupling": schema.COUPLINGS, "granular": ("phi_b",)}
 MOST_RODS = 4
 DESIGNS = {"grid": "a grid", "list": "a list of points", "lhs": "a Latin hypercube", "sobol": "a Sobol sequence",
            "adaptive": "adaptive refinement"}
@@ -27,7 +31,7 @@ def fixed(run):
         for name in names:
             value = run.scene.get(table, {}).get(name)
             if name == "xi" and system == "reduced" and words.is_number(value) and value and "medium.xi" not in taken:
-                yield schema.SYMBOLS["alpha"], 1.0 / value, ""  # the same in reduced units, as the paper has it
+                yield schema.PHYSICS["alpha"]["symbol"], 1.0 / value, ""  # the same in reduced units, as the paper has it
                 continue
             if words.is_number(value) and f"{table}.{name}" not in taken:
                 told = schema.KEYS[table, name]
@@ -39,12 +43,12 @@ def fixed_title(run):
     if run.units.si:
         unit = {one: r"\ " + fit_words.unit_math(one).strip("$") if one else "" for _, _, one in fixed(run)}
         return ",  ".join(f"${symbol} = {words.math_number(value)}{unit[one]}$" for symbol, value, one in fixed(run))
-    return ",  ".join(f"${symbol}{units.REDUCED.get(one, '')} = {words.math_number(value)}$" for symbol, value, one in fixed(run))
+    return ",  ".join(f"${symbol}{words.REDUCED.get(one, '')} = {words.math_number(value)}$" for symbol, value, one in fixed(run))
 
 
 def fixed_html(run):
     parts = [words.equation(words.tex_html(symbol), value, fit_words.unit_html(unit)) for symbol, value, unit in fixed(run)]
-    parts += [f"{axis.equals_html(value)} of those scanned" for axis, value in scan_slices.fixed(run.scan)]
+    parts += [f"{axis.equals_html(value)} of those scanned" for axis, value in held(run.scan)]
     return f" Fixed: {', '.join(parts)}." if parts else ""
 
 
@@ -86,7 +90,7 @@ def count(number):
 
 
 def axes_html(scan):
-    return " and ".join(filter(None, [", ".join(axis.name_html for axis in scan.axes[:-1]), scan.axes[-1].name_html]))
+    return words.listed([axis.name_html for axis in scan.axes])
 
 
 def outcomes_html(scan):
@@ -170,11 +174,134 @@ def shown_html(run, spec):
     if spec.kind == "phase_diagram" and spec.cells and scan.has_cells and len(scan.axes) > 1:
         text += " Thin lines: cells of the refinement."
     if spec.kind == "phase_diagram" and len(scan.axes) > 2:
-        parts = scan_slices.slices(scan, spec.slices)
+        parts = slices(scan, spec.slices)
         text += f" Panel{'s' if len(parts) > 1 else ''}: {', '.join(part.html for part in parts)}."
         if scan.design not in ("grid", "adaptive") and not scan.axes[2].is_choice:
-            share = scan_slices.thickness(scan, [part.at for part in parts]) / scan.axes[2].span
+            share = thickness(scan, [part.at for part in parts]) / scan.axes[2].span
             text += f" Each shows the points within {percent(share / 2)} of that axis."
     return text
 
 
+# Which points of a scan a panel shows: all of two axes, those at a value of the third.
+
+MOST_PANELS = 4
+
+
+class Slice(NamedTuple):
+    rows: np.ndarray  # of points
+    at: float         # place on the third axis, even coordinates; nan: there is none
+    title: str        # mathtext
+    html: str
+
+
+def slices(scan, asked=()):
+    """A Slice for each panel."""
+    if len(scan.axes) < 3:
+        return [Slice(np.ones(len(scan.failed), dtype=bool), np.nan, "", "")]
+    axis, places = scan.axes[2], scan.places[:, 2]
+    there = np.unique(places)
+    at = wanted(scan, axis, there, asked)
+    others = at_middle(scan)
+    values = axis.back(at)
+    return [Slice(others & near(scan, places, one, at), one, axis.equals(value), axis.equals_html(value)) for one, value in zip(at, values)]
+
+
+def wanted(scan, axis, there, asked):
+    """Places of the panels: as asked for or spread over the axis; of a grid and of choices places that it has."""
+    if len(asked):
+        at = axis.even(np.asarray(asked, dtype=float))
+    elif len(there) <= MOST_PANELS:
+        at = there
+    elif scan.design in ("grid", "adaptive"):
+        at = np.linspace(there[0], there[-1], MOST_PANELS)
+    else:  # in the middles of slabs that share the axis
+        at = axis.even(axis.low) + (np.arange(MOST_PANELS) + 0.5) / MOST_PANELS * axis.span
+    if scan.design == "grid" or axis.is_choice:
+        at = there[np.abs(there[:, None] - at).argmin(axis=0)]
+    return list(dict.fromkeys(at.tolist()))
+
+
+def near(scan, places, one, at):
+    """Points of this slice: those there, and of scattered points those up to half-way to the next slice."""
+    if scan.design in ("grid", "adaptive") or scan.axes[2].is_choice:
+        return np.abs(places - one) <= 1e-9 * scan.axes[2].span
+    return np.abs(places - one) <= thickness(scan, at) / 2
+
+
+def thickness(scan, at):
+    """Of the slab of scattered points that a panel shows, in even coordinates."""
+    return np.diff(sorted(at)).min() if len(at) > 1 else scan.axes[2].span / MOST_PANELS
+
+
+def at_middle(scan):
+    """A fourth axis and further ones stay at their middle values, where points share values."""
+    kept = np.ones(len(scan.failed), dtype=bool)
+    for index in range(3, len(scan.axes)):
+        there = np.unique(scan.places[:, index])
+        if scan.design == "grid" or scan.axes[index].is_choice:
+            kept &= scan.places[:, index] == there[len(there) // 2]
+    return kept
+
+
+def held(scan):
+    """(axis, its middle value) of the axes that at_middle holds."""
+    for index in range(3, len(scan.axes)):
+        there = np.unique(scan.places[:, index])
+        if scan.design == "grid" or scan.axes[index].is_choice:
+            yield scan.axes[index], float(scan.axes[index].back(there[len(there) // 2]))
+
+
+# The parts of the report that tell of a scan.
+
+PAGE = "scan.html"
+
+
+def scan_headline(run):
+    """One sentence under the title."""
+    scan = run.scan
+    text = (f"{count(len(scan.failed))} points over {axes_html(scan)}, {outcomes_html(scan)}."
+            f"{failures_html(scan)} <code>{PAGE}</code> beside this page shows every point.")
+    return f'<p class="outcome"><span class="tag">scan</span>{text}</p>'
+
+
+def point_rows(scan):
+    """Rows (what, value) of how the points were chosen and what became of them."""
+    told = scan.told
+    yield "Design", design_html(scan)
+    adaptive = scan.design == "adaptive"
+    asked = "Points of a full grid" if adaptive else "Runs asked for" if scan.of_beds else "Points asked for"
+    for key, name in (("requested", asked), ("evaluated", "Evaluated"),
+                      ("failed", "Failed"), ("left", "Not evaluated yet")):
+        if words.is_number(told.get(key)) and (told[key] or key in ("requested", "evaluated")):
+            yield name, count(told[key])
+    total = told.get("evaluated") if scan.of_beds else len(scan.outcome)
+    for cause, number in (told.get("causes") or {}).items():
+        yield f"Failed: {words.escape(cause)}", words.number(number)
+    for index, name in enumerate(OUTCOMES):
+        number = scan.runs_that_end(name) if scan.of_beds else int((scan.outcome == index).sum())
+        if number:
+            share = "" if adaptive else f" ({percent(number / total)})"  # points crowd at boundaries
+            yield f"Outcome {name}", count(number) + share
+    missed = missed_html(scan).strip().rstrip(".")
+    if missed:
+        yield missed.split(": ")[0], missed.split(": ", 1)[1]
+    boundary = told.get("boundary")
+    if isinstance(boundary, dict):
+        yield "Traced boundary", (f"{words.number(boundary.get('curves'))} curves of {words.number(boundary.get('points'))} points, "
+                                  f"good to {words.number(boundary.get('tolerance'))} of an axis")
+    if scan.samples:
+        yield "Stored trajectories", count(len(scan.samples.point))
+    if words.is_number(told.get("wall_seconds")):
+        yield "Time", f"{words.number(float(told['wall_seconds']))} s"
+
+
+def axis_rows(scan):
+    """Rows (key, symbol, range, spacing)."""
+    for axis in scan.axes:
+        keys = "<br>".join(f"<code>{words.escape(key)}</code>" + ("" if factor == 1.0 else f" × {words.number(float(factor))}")
+                           for key, factor in zip(axis.keys, axis.factors))
+        if axis.is_choice:
+            yield keys, axis.name_html, ", ".join(map(words.escape, axis.values)), "choice"
+        else:
+            ends = f"{words.number(axis.low * axis.factor, 6)} to {words.number(axis.high * axis.factor, 6)} {axis.unit_html}".rstrip()
+            yield keys, axis.name_html, ends, "logarithmic" if axis.scale == "log" else "linear"

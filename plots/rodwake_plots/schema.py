@@ -1,19 +1,125 @@
-"""What the program says of scenes: schema.json, which `rodwake info --schema` prints."""
+"""What the program says of scenes, schema.json, which `rodwake info --schema` prints; and what [[figures]] of a scene asks for."""
 
 import json
+import re
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Callable, NamedTuple
+
+from .errors import PlotError
 
 ALL = json.loads(Path(__file__).with_name("schema.json").read_text(encoding="utf-8"))
-KEYS = {(key["table"], key["key"]): key for key in ALL["keys"]}
+KEYS = {(one["table"], one["key"]): one for one in ALL["keys"]}
 TABLES = {table["table"]: table["meaning"] for table in ALL["tables"]}
 FIGURES = {kind["kind"]: kind for kind in ALL["figures"]}  # in the order of reports
 FIT_PARAMETERS = {one["name"]: one for one in ALL["fit_parameters"]}
 MEASURED = ALL["measures"]  # values of measure.json, in the order of the report
 PROFILES_UNIT = "of the profiles"  # unit of lengths in [fit]: whatever the measured files are in
-# Symbols of the physics by name, TeX without dollars.
-SYMBOLS = {key["key"]: key["symbol"] for key in ALL["keys"] if key["table"] in ("medium", "coupling") and "symbol" in key}
+PHYSICS = {one["key"]: one for one in ALL["keys"] if one["table"] in ("medium", "coupling") and "symbol" in one}  # by name alone
+COUPLINGS = tuple(key for key, one in PHYSICS.items() if one["table"] == "coupling")
+OF_KIND = {"displacement_map": {"component": "U"}, "phase_diagram": {"colour": "outcome"}}  # where a kind has a default of its own
+BEADS = ("order", "orientation")  # what can colour them
+
+
+class Kind(NamedTuple):
+    """How figures of one kind are made; a kind that writes films has `write` in place of `draw`."""
+    caption: Callable  # (run, spec) -> HTML
+    draw: Callable = None  # (run, spec) -> figure
+    write: Callable = None  # (run, spec) -> paths
+    there: Callable = lambda run: False  # whether a run whose scene asks for nothing gets one such figure
+    defaults: Callable = None  # or which: run -> Specs
+    hover_marks: Callable = None  # (run, spec, figure) -> [(axes, x, y, text)]: values that the report shows at a place
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A figure that is asked for: its keys are those of [[figures]], which schema.json explains."""
+    name: str
+    kind: str
+    title: str = ""
+    cut: int = 0
+    component: str = "Ux"
+    sqrt_scaled: bool = False
+    along: str = "x"
+    quantity: str = "psi6"
+    against: str = "phi_b"
+    gammas: tuple = ((1.0, 0.0), (0.0, 1.0), (1.0, -1.0))
+    frame: int = -1
+    colour: str = "order"
+    fps: int = 20
+    profiles: tuple = ()     # empty: all
+    residuals: bool = True
+    parameter: str = ""      # empty: the first
+    cells: bool = False
+    boundary: bool = True
+    slices: tuple = ()       # empty: spread over the third axis
+    column: str = ""         # empty: made from the data
+    x: tuple = ()  # window; empty: fit to the data
+    y: tuple = ()
+    overlay: bool = False  # variants in one panel: asked of all figures, no key of a scene
 
 
 def subject(kind):
     """Whose results a figure of this kind shows: bed, measure, theory or fit."""
     return FIGURES[kind]["subject"]
+
+
+def file_name(text):
+    """As a name that may hold a column or a parameter of a file: it does not lead out of the folder of the figures."""
+    return re.sub(r"[^\w.+-]", "_", text)[:100].lstrip(".")
+
+
+def from_scene(scene):
+    specs = [spec_of(table) for table in scene.get("figures", [])]
+    names = [spec.name for spec in specs]
+    for name in names:
+        if names.count(name) > 1:
+            raise PlotError(f'figure "{name}": two figures have this name')
+    return specs
+
+
+def spec_of(table):
+    """A scene that was changed by hand may hold anything; `rodwake check` tells more of it."""
+    name, kind = table.get("name", ""), table.get("kind", "")
+    if not isinstance(name, str) or not re.fullmatch(r"[\w+-][\w.+-]*", name):
+        raise PlotError(f'figure "{name}": the name must do as a file name')
+    if kind not in FIGURES:
+        raise PlotError(f'figure "{name}": unknown kind "{kind}" (known: {", ".join(FIGURES)})')
+    keys = OF_KIND.get(kind, {}) | {one.name: table[one.name] for one in fields(Spec) if one.name in table and one.name != "overlay"}
+    for key, value in keys.items():
+        if key != "kind" and not allowed(KEYS["figures[]", key], value, kind):
+            told = KEYS["figures[]", key]
+            raise PlotError(f'figure "{name}": {key} = {value} cannot be: {told["type"]} ({told["legal"]}); {told["meaning"]}')
+    return Spec(**{key: frozen(value) for key, value in keys.items() if value not in ([], ())})
+
+
+def frozen(value):
+    return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value
+
+
+def allowed(told, value, kind):
+    """Whether a key of [[figures]] can have this value."""
+    if told["key"] == "component":
+        return value in told["choices"] and (value != "U" or kind == "displacement_map")
+    if told["key"] == "colour" and kind in ("snapshot", "movie"):
+        return value in BEADS
+    if told["key"] == "gammas":
+        return isinstance(value, (list, tuple)) and all(is_list_of(pair, float) and len(pair) == 2 for pair in value)
+    if told["key"] in ("x", "y"):
+        return is_list_of(value, float) and (not value or len(value) == 2 and value[0] < value[1])
+    if "choices" in told and told["key"] != "parameter":  # a part of a start may be fitted too
+        return value in told["choices"]
+    if told["type"].endswith(("integers", "numbers")):
+        return is_list_of(value, int if told["type"].endswith("integers") else float)
+    if told["type"] == "integer":
+        return is_a(value, int) and (value >= told["range"]["from"] or told["key"] == "frame")
+    return isinstance(value, {"boolean": bool, "string": str}[told["type"]])
+
+
+def is_list_of(value, kind):
+    return isinstance(value, (list, tuple)) and all(is_a(one, kind) for one in value)
+
+
+def is_a(value, kind):
+    """A whole number is a number, true is none."""
+    return isinstance(value, (int, kind)) and not isinstance(value, bool)

@@ -1,6 +1,8 @@
 """The parts of the report that are words and tables."""
 
-from . import fit_sections, fit_words, granular_sections, measure_sections, scan_sections, scene_table, words
+import math
+
+from . import bed_sections, fit_sections, fit_words, scan_words, schema, words
 from .trajectories import outcome_words, parameters as run_parameters
 
 
@@ -37,9 +39,9 @@ def header(run):
 
 def abstract(run, sentences):
     """What was done and came out, and whether the theory fits."""
-    told = granular_sections.headline(run) if run.has_granular else ""
+    told = bed_sections.bed_headline(run) if run.has_granular else ""
     told += fit_sections.headline(run) if run.has_fit else ""
-    told += scan_sections.headline(run) if run.has_scan else ""
+    told += scan_words.scan_headline(run) if run.has_scan else ""
     told += outcome(run) if has_theory(run) else ""
     return told + (f'<p class="verdict">{" ".join(sentences)}</p>' if sentences else "")
 
@@ -89,31 +91,31 @@ def scan(run):
     """How the points were chosen, what became of them, and the axes."""
     if not run.has_scan:
         return ""
-    told = table(("What", "Value"), list(scan_sections.points(run.scan)))
-    return f"{told}\n<h3>Axes</h3>\n{table(('Key', 'Axis', 'Range', 'Spacing'), list(scan_sections.axes(run.scan)))}"
+    told = table(("What", "Value"), list(scan_words.point_rows(run.scan)))
+    return f"{told}\n<h3>Axes</h3>\n{table(('Key', 'Axis', 'Range', 'Spacing'), list(scan_words.axis_rows(run.scan)))}"
 
 
 def granular(run):
     """What was modelled, what came out, what it cost."""
     if not run.has_granular:
         return ""
-    parts = (("Modelled", ("What", "Value"), granular_sections.modelled(run)),
-             ("Contacts", ("Pair", "Friction", "Restitution"), granular_sections.contacts(run)),
-             ("Results", ("Quantity", "Value", "Meaning"), granular_sections.measured(run)),
-             ("Run", ("Item", "Value"), ((words.escape(name), value) for name, value in flat(granular_sections.other(run)))))
+    parts = (("Modelled", ("What", "Value"), bed_sections.modelled_rows(run)),
+             ("Contacts", ("Pair", "Friction", "Restitution"), bed_sections.contact_rows(run)),
+             ("Results", ("Quantity", "Value", "Meaning"), bed_sections.summary_rows(run)),
+             ("Run", ("Item", "Value"), ((words.escape(name), value) for name, value in flat(bed_sections.other_summary(run)))))
     tables = ((name, table(heads, list(rows))) for name, heads, rows in parts)
     return "\n".join(f"<h3>{name}</h3>\n{made}" for name, made in tables if made)
 
 
 def measures(run):
     """measure.json in words, of the scene and of its variants side by side."""
-    return table(*measure_sections.heads_and_rows(run)) if run.has_granular else ""
+    return table(*bed_sections.measures_table(run)) if run.has_granular else ""
 
 
 def parameters(run):
-    told = scene_table.Told(run.scene.get("units", "reduced"), run.fit.unit if run.has_fit else "")
+    told = Told(run.scene.get("units", "reduced"), run.fit.unit if run.has_fit else "")
     return "\n".join(f"<h3>{name}</h3>\n<p>{meaning}</p>\n{table(heads, rows)}"
-                     for name, meaning, heads, rows in scene_table.tables(run.scene, told))
+                     for name, meaning, heads, rows in scene_tables(run.scene, told))
 
 
 def solver(run):
@@ -131,3 +133,177 @@ def provenance(run):
     if run.provenance is None:
         return "<p>provenance.json is missing from this run directory.</p>"
     return table(("Item", "Value"), [(words.escape(name), f"<code>{value}</code>") for name, value in flat(run.provenance)])
+
+
+# Sentences at the head of the report that say whether the theory fits what was measured.
+
+FITS, POOR = 0.05, 0.001  # probability of so large a chi2 above which a fit is called good, below which it is not one
+
+
+def sentences(run):
+    """As HTML; none where nothing was compared."""
+    told = []
+    if run.has_fit:
+        told += [verdict(run.fit), *(prediction(run.fit, one) for one in run.fit.profiles), *(other_values(run.fit, one) for one in run.fit.compared)]
+    if run.has_scan:
+        told.append(trust(run.scan))
+    return [one for one in told if one]
+
+
+def verdict(fit):
+    """Of the data that were fitted; without known errors there is no yes or no."""
+    chi2, dof, chance = (fit.number(fit.told, key) for key in ("chi2", "dof", "probability"))
+    names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)] or ["the trajectories"]
+    data = words.listed(names)
+    told = f"{words.equation('<i>χ</i>²', chi2)} for {words.number(int(dof))} degrees of freedom" if dof > 0 else words.equation("<i>χ</i>²", chi2)
+    if not (dof > 0 and math.isfinite(chance)) or fit.number(fit.told, "error_factor", 1.0) != 1.0:
+        return f"Whether the theory fits {data} cannot be told: the errors of the data are not known, or no degree of freedom is left ({told})."
+    how = "fits" if chance >= FITS else "fits only poorly" if chance >= POOR else "does not fit"
+    return f"The theory {how} {data}: {told}, probability {words.number(chance, 2) if chance > 1e-300 else 'zero'}."
+
+
+def prediction(fit, profile):
+    """How far off the theory is where it was not fitted, as a part of itself."""
+    found = fit_words.excess(profile) if fit_words.predicted(profile) else None
+    if not found:
+        return ""
+    off, error = found[0] - 1.0, found[1]
+    where = predicted_place(fit, profile)
+    if not (math.isfinite(error) and error > 0):
+        return f"The prediction of {where} is off by {words.with_error(off, None)}, of unknown error."
+    shape = misfit(fit, profile)
+    size = "does not agree in size" if abs(off) > 2 * error else "has the right size but not the right shape" if shape else "agrees"
+    return (f'The prediction of {where} {size}: the data are <span class="eq">{fit_words.excess_html(found)}</span> times the theory, '
+            f'off by <span class="eq">{words.with_error(off, error)}</span>{f", {shape}" if shape else ""}.')
+
+
+def predicted_place(fit, profile):
+    """The line, and the profile's name where several are along it."""
+    line = fit_words.line_html(profile, fit.unit)
+    alike = [one for one in fit.profiles if fit_words.line_html(one, fit.unit) == line]
+    return line if len(alike) < 2 else f"{line} (<q>{words.label_html(str(profile.get('name', '')))}</q>)"
+
+
+def misfit(fit, profile):
+    """chi2 where it is more than two standard deviations, sqrt(2 n), above its mean n, the number of independent points."""
+    chi2, points, share = (fit.number(profile, key, absent) for key, absent in (("chi2", math.nan), ("used", 0.0), ("independent", 1.0)))
+    count = points * share
+    if not (count > 0 and chi2 > count + 2 * math.sqrt(2 * count)):
+        return ""
+    return f"{words.equation('<i>χ</i>²', chi2)} for {words.number(round(count))} independent points"
+
+
+def other_values(fit, one):
+    chi2 = fit.number(one, "chi2")
+    if not math.isfinite(chi2):
+        return ""
+    return f"The values <q>{words.label_html(str(one.get('name', '')))}</q> give {words.equation('<i>χ</i>²', chi2)} against {words.number(fit.number(fit.told, 'chi2'))}."
+
+
+def trust(scan):
+    """How far a phase diagram can be trusted where nobody looked."""
+    missed = scan_words.missed_html(scan).strip()
+    if missed:
+        return missed
+    return "Places between the points of this scan were not checked." if scan.design == "adaptive" else ""
+
+
+# The resolved scene as tables: keys with symbol, unit and meaning from schema.json, any others as they stand.
+
+KEY_HEADS = ("Key", "Symbol", "Value", "Meaning")
+SKIPPED = {"figures"}  # the figures speak for themselves
+
+
+class Told:
+    """What schema.json says of the keys of one scene; `lengths` is the name of the unit of the fitted profiles."""
+
+    def __init__(self, system, lengths=""):
+        self.system, self.lengths = system, lengths
+
+    def unit(self, table, key):
+        unit = schema.KEYS.get((table, key), {}).get("unit", {}).get(self.system, "")
+        return fit_words.unit_html(self.lengths if unit == schema.PROFILES_UNIT else unit)
+
+    def symbol(self, table, key):
+        return words.tex_html(schema.KEYS.get((table, key), {}).get("symbol", ""))
+
+    def meaning(self, table, key):
+        inner = schema.TABLES.get(joined(table, key), "")
+        return words.prose(schema.KEYS.get((table, key), {}).get("meaning", inner))
+
+
+def scene_tables(scene, told):
+    """(name as HTML, meaning as HTML, heads, rows) for each table of the scene."""
+    for key, value in scene.items():
+        if key not in SKIPPED:
+            yield from of_table(key, value, told)
+
+
+def of_table(path, value, told):
+    """This table and the tables in it; a list of tables has a row for each."""
+    if is_listing(value):
+        yield table_heading(f"[[{path}]]"), table_meaning(f"{path}[]"), *table_listing(f"{path}[]", value, told)
+    elif isinstance(value, dict) and value:
+        inner = {key: one for key, one in value.items() if is_listing(one) or is_table(joined(path, key), one)}
+        rows = [key_row(path, key, one, told) for key, one in value.items() if key not in inner]
+        if rows:
+            yield table_heading(f"[{path}]"), table_meaning(path), KEY_HEADS, rows
+        for key, one in inner.items():
+            yield from of_table(joined(path, key), one, told)
+
+
+def is_table(path, value):
+    """Whether it is told by itself; one that says two things of a pair of surfaces is a row of its table."""
+    return isinstance(value, dict) and path in schema.TABLES and not path.startswith("granular.contacts.")
+
+
+def is_listing(value):
+    return isinstance(value, list) and bool(value) and all(isinstance(item, dict) for item in value)
+
+
+def table_heading(name):
+    return f"<code>{words.escape(name)}</code>"
+
+
+def table_meaning(path):
+    return words.prose(schema.TABLES.get(path, ""))
+
+
+def joined(table, key):
+    return f"{table}.{key}" if table else key
+
+
+def key_row(table, key, value, told):
+    return (f"<code>{words.escape(key)}</code>", told.symbol(table, key), with_unit(value, told.unit(table, key)),
+            told.meaning(table, key))
+
+
+def with_unit(value, unit):
+    """A string has its unit already: what SI does not hold exactly is written as "2.5 f/mu". Speeds are in mm/s."""
+    if unit == "m/s" and words.is_number(value):
+        value, unit = 1e3 * value, "mm/s"
+    return shown_value(value) if isinstance(value, str) else f"{shown_value(value)} {unit}".strip()
+
+
+def table_listing(table, items, told):
+    """One row an item, one column a key."""
+    keys = list(dict.fromkeys(key for item in items for key in item))
+    unit = {key: told.unit(table, key) for key in keys}
+    speeds = {key for key in keys if unit[key] == "m/s"}
+    unit |= dict.fromkeys(speeds, "mm/s")
+    items = [item | {key: 1e3 * item[key] for key in speeds if words.is_number(item.get(key))} for item in items]
+    return (["No."] + [words.escape(key.replace("_", " ")) + (f" ({unit[key]})" if unit[key] else "") for key in keys],
+            [[str(index)] + [shown_value(item.get(key, "")) for key in keys] for index, item in enumerate(items)])
+
+
+def shown_value(value):
+    """Long lists are told by their ends: output times run to thousands."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, dict):
+        return ", ".join(f"{words.escape(key)} = {shown_value(one)}" for key, one in value.items())
+    if isinstance(value, list):
+        few = value if len(value) <= 8 else value[:3] + ["…"] + value[-2:]
+        text = ", ".join(shown_value(one) for one in few)
+        return text if len(value) <= 8 else f"{text} ({len(value)} values)"
+    return words.number(value, 6)

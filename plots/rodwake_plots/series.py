@@ -1,45 +1,19 @@
 """One number of each run of a series of runs, against what the runs differ in (paper, Figs. hop a, micro a, trajectory d, rel_fv)."""
 
+import re
 from typing import NamedTuple
 
 import numpy as np
 
-from . import canvas, csv_columns, curves, line_fit, measured, style, units, words
+from . import bed_run, canvas, fit_words, schema, style, words
 from .errors import PlotError
-from .spec import Spec
+from .schema import Kind, Spec
 
-
-class Quantity(NamedTuple):
-    label: str
-    unit: str      # N gets a prefix
-    words: str     # for the caption
-    zero: bool     # whether zero is a mark to see
-    factor: float = 1.0
-
-
-QUANTITIES = {
-    "psi6": Quantity(r"$\psi_6$", "", "Global bond order <i>ψ</i><sub>6</sub> of the beads", False),
-    "exponent": Quantity(r"$\eta_6$", "",
-                         "Exponent <i>η</i><sub>6</sub> of <i>g<sub>B</sub></i> ∝ <i>r</i><sup>−<i>η</i><sub>6</sub></sup>", False),
-    "stiffness": Quantity(r"$1/(s\,\tilde{\Delta}(s))|_{s\to 0}$", "a^{-2}",
-                          "Stiffness 1/(<i>s</i> Δ̃(<i>s</i>)), <i>s</i> → 0, of what holds a bead", True),
-    "delta_y": Quantity(r"$\Delta y$", "a",
-                        "Change of the rods' separation while they go half the box; below zero they come together", True),
-    "non_reciprocity": Quantity("non-reciprocity", "",
-                                "Who turns: 1 the rear rod alone, −1 the front rod alone, 0 both alike", True),
-    "force": Quantity(r"$F$", "N", "Force of the rod on the beads", True),
-    "speed": Quantity("speed", r"\mathrm{mm/s}", "Speed of the rod", True),
-    "c_T": Quantity(r"$c_T$", r"a/\mathrm{s}", "Speed of transverse sound <i>c</i><sub>T</sub>", False),
-    "C11": Quantity(r"$C_{11}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>11</sub>", False, 1e3),
-    "C22": Quantity(r"$C_{22}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>22</sub>", False, 1e3),
-    "C66": Quantity(r"$C_{66}$", r"\mathrm{mN/m}", "Elastic constant <i>C</i><sub>66</sub>", False, 1e3),
-    "drag_rate": Quantity(r"$\zeta/nm$", r"\mathrm{s}^{-1}", "Drag rate of the bed on the plates", False),
-    "D_r": Quantity(r"$D_r$", r"\mathrm{rad}^2/\mathrm{s}", "Heading diffusion <i>D</i><sub>r</sub> of the rod", True),
-    "diffusion_per_length": Quantity(r"$D_r/v_0$", r"\mathrm{rad}^2/a", "Heading diffusion of the rod over its speed", True),
-    "screening_length": Quantity(r"$\xi$", "a", "Screening length <i>ξ</i>", False),
-}
-AXES = {"phi_b": r"$\phi_b$", "d0": r"$d_0$ ($a$)", "imposed_speed": r"$v$ ($\mathrm{mm/s}$)"}
-WORDS = {"phi_b": "<i>φ<sub>b</sub></i>", "d0": "the starting separation <i>d</i><sub>0</sub>", "imposed_speed": "the imposed speed <i>v</i>"}
+# What the schema says in words alone, or in another unit than figures have.
+NAMED_ELSE = {"delta_y": "half_box_change"}  # in measure.json
+SYMBOLS = {"stiffness": r"$1/(s\,\tilde{\Delta}(s))|_{s\to 0}$", "force": "$F$", "c_T": "$c_T$"}
+UNITS = {"µN": "N", "1/s": r"\mathrm{s}^{-1}"}  # N gets a prefix
+SIGNED = ("stiffness", "delta_y", "non_reciprocity", "force", "speed", "D_r", "diffusion_per_length")  # zero is a mark to see
 ASIDE = 0.014  # of the range
 CLASSES = (("o", "liquid"), ("s", "hexatic"), ("^", "crystal"))  # g_B falls exponentially, as a power, not to zero
 
@@ -53,24 +27,46 @@ class Group(NamedTuple):
     kind: np.ndarray  # of decay; -1: not known
 
 
+class Quantity(NamedTuple):
+    label: str
+    unit: str
+    words: str     # for the caption
+    factor: float
+
+
+def quantity_of(name):
+    """As the schema describes it among the values of its measure."""
+    measure = re.match(r"measure\.(\w+)", schema.FIGURES["series"]["quantities"][name])[1]
+    told = next(one for one in schema.MEASURED if (one["measure"], one["key"]) == (measure, NAMED_ELSE.get(name, name)))
+    symbol = re.search(r"\$.*\$", told["title"])
+    unit = r"\mathrm{mm/s}" if name == "speed" else UNITS.get(told["unit"]) or fit_words.unit_math(told["unit"]).strip("$")
+    return Quantity(SYMBOLS.get(name) or (symbol[0] if symbol else told["title"].lower()), unit,
+                    f"{words.text_html(told['title'])}: {words.text_html(told['meaning'])}", 1.0 if unit == "N" else told["factor"])
+
+
 def draw(run, spec):
-    groups, quantity = read(run, spec), QUANTITIES[spec.quantity]
-    figure, axes = curves.panel(len(groups))
-    if quantity.zero:
+    groups, quantity = read(run, spec), quantity_of(spec.quantity)
+    figure, axes = canvas.curve_panel(len(groups))
+    if spec.quantity in SIGNED:
         axes.axhline(0, color=style.GREY, linewidth=0.6)
     if spec.quantity == "exponent":
-        axes.axhline(0.25, **curves.FAINT)
+        axes.axhline(0.25, **canvas.FAINT)
     factor, unit = scale(groups, quantity)
-    for index, (group, colour) in enumerate(zip(apart(groups, spec), curves.colours(len(groups)))):
+    for index, (group, colour) in enumerate(zip(apart(groups, spec), canvas.colours(len(groups)))):
         draw_group(axes, spec, group._replace(y=group.y * factor, sigma=group.sigma * factor), colour, index)
-    axes.set(xlabel=AXES[spec.against], ylabel=f"{quantity.label} (${unit}$)" if unit else quantity.label)
+    axes.set(xlabel=xlabel(spec.against), ylabel=f"{quantity.label} (${unit}$)" if unit else quantity.label)
     if spec.quantity == "psi6":
         axes.set_ylim(0, 1.02)
     if spec.quantity in ("force", "speed") and spec.against == "imposed_speed":
         axes.set_xlim(left=0)
-    curves.legend(axes)
+    canvas.legend(axes)
     canvas.heading(axes, style.safe(spec.title))
     return figure
+
+
+def xlabel(against):
+    symbol, unit, _ = bed_run.AGAINST[against]
+    return f"${symbol}$" + (f" (${unit[2:]}$)" if unit else "")
 
 
 def apart(groups, spec):
@@ -85,20 +81,20 @@ def apart(groups, spec):
 def scale(groups, quantity):
     if quantity.unit != "N":
         return quantity.factor, quantity.unit
-    factor, prefix = units.prefix_for(max(np.nanmax(np.abs(group.y)) for group in groups))
+    factor, prefix = words.prefix_for(max(np.nanmax(np.abs(group.y)) for group in groups))
     return factor, rf"\mathrm{{{prefix}N}}"
 
 
 def read(run, spec):
-    path = run.path / measured.SERIES
-    columns = measured.series(run)
-    x, y = (csv_columns.column(path, columns, name) for name in (spec.against, spec.quantity))
+    path = run.path / bed_run.SERIES
+    columns = bed_run.series(run)
+    x, y = (columns[name] for name in (spec.against, spec.quantity))
     kept = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if kept.size == 0:
         raise PlotError(f"{path}: holds no row with both {spec.against} and {spec.quantity}: nothing to draw; switch the measure on in "
                         "[measure], and name the runs in [[variants]]")
     nothing = np.full(x.size, np.nan)
-    sigma = measured.known(columns.get(f"{spec.quantity}_error", nothing))
+    sigma = bed_run.known_errors(columns.get(f"{spec.quantity}_error", nothing))
     kind = np.nan_to_num(columns.get("class", nothing), nan=-1).astype(int)
     members = {}
     for index in kept[np.argsort(x[kept], kind="stable")]:
@@ -108,13 +104,13 @@ def read(run, spec):
 
 def measured_in(run):
     """(quantity, against) of what series.csv holds two points or more of."""
-    if not (run.path / measured.SERIES).is_file():
+    if not (run.path / bed_run.SERIES).is_file():
         return []
-    columns = measured.series(run)
+    columns = bed_run.series(run)
     found = []
-    for quantity in QUANTITIES:
+    for quantity in schema.FIGURES["series"]["quantities"]:
         kept = np.isfinite(columns.get(quantity, np.empty(0)))
-        against = [key for key in measured.AGAINST if key in columns and differ(columns[key][kept])]
+        against = [key for key in bed_run.AGAINST if key in columns and differ(columns[key][kept])]
         found += [(quantity, against[0])] if against else []
     return found
 
@@ -126,7 +122,7 @@ def differ(values):
 def told_apart(columns, against, row, rows):
     """A row's label: what, besides the x axis, the rows differ in."""
     parts = []
-    for key, (symbol, unit) in measured.AGAINST.items():
+    for key, (symbol, unit, _) in bed_run.AGAINST.items():
         values = columns.get(key)
         if key == against or values is None or len({f"{value:.3g}" for value in values[rows]}) < 2:
             continue
@@ -140,20 +136,20 @@ def fitted(spec):
 
 
 def draw_group(axes, spec, group, colour, index):
-    if fitted(spec) and line_fit.can_fit(group.x, group.sigma):
+    if fitted(spec) and can_fit(group.x, group.sigma):
         draw_fits(axes, group, colour)
     elif len(group.x) > 1:
         axes.plot(group.x, group.y, color=style.GREY if by_class(spec, group) else colour, linewidth=0.7, alpha=0.55, zorder=2)
     if not by_class(spec, group):
-        curves.points(axes, group.x, group.y, group.sigma, colour, group.label or None, curves.mark(index))
+        canvas.points(axes, group.x, group.y, group.sigma, colour, group.label or None, canvas.curve_mark(index))
         return
     for kind, (mark, name) in enumerate(CLASSES):
         of = group.kind == kind
         if of.any():
-            curves.points(axes, group.x[of], group.y[of], group.sigma[of], curves.FEW[kind], name, mark)
+            canvas.points(axes, group.x[of], group.y[of], group.sigma[of], canvas.FEW_COLOURS[kind], name, mark)
     rest = group.kind < 0
     if rest.any():
-        curves.points(axes, group.x[rest], group.y[rest], group.sigma[rest], style.GREY, "not classified", "x")
+        canvas.points(axes, group.x[rest], group.y[rest], group.sigma[rest], style.GREY, "not classified", "x")
 
 
 def by_class(spec, group):
@@ -173,12 +169,12 @@ def draw_fits(axes, group, colour):
 def fits(group):
     usable = np.isfinite(group.sigma)
     x, y, sigma = group.x[usable], group.y[usable], group.sigma[usable]
-    return line_fit.fit(x, y, sigma), line_fit.fit(x, y, sigma, proportional=True)
+    return fit_line(x, y, sigma), fit_line(x, y, sigma, proportional=True)
 
 
 def caption(run, spec):
     groups = read(run, spec)
-    text = f"{QUANTITIES[spec.quantity].words}, against {WORDS[spec.against]}, one point a run or ensemble of runs; bars: standard error."
+    text = f"{quantity_of(spec.quantity).words}, against {bed_run.AGAINST[spec.against][2]}, one point a run or ensemble of runs; bars: standard error."
     if spec.quantity == "exponent":
         text += " Broken line: 1/4, where a hexatic phase ends."
     unknown = sum(int(np.isnan(group.sigma).sum()) for group in groups)
@@ -191,7 +187,7 @@ def caption(run, spec):
 
 def fit_told(group):
     who = f"{words.label_html(group.label)}: " if group.label else ""
-    if not line_fit.can_fit(group.x, group.sigma):
+    if not can_fit(group.x, group.sigma):
         return f" {who}No line is fitted: that needs three points of known error at different speeds."
     line, through = fits(group)
     (at_rest, slope), (error, slope_error) = line.values, line.errors
@@ -207,3 +203,46 @@ def chi2(fit):
 
 def defaults(run):
     return [Spec(f"series_{what}", "series", quantity=what, against=against) for what, against in measured_in(run)]
+
+
+# A straight line through points with errors, by weighted least squares: y = intercept + slope x, or proportional.
+
+class LineFit(NamedTuple):
+    values: np.ndarray      # intercept and slope, or the slope alone
+    covariance: np.ndarray  # from the given errors
+    chi2: float
+    dof: int
+
+    def __call__(self, x):
+        return line_basis(x, len(self.values)) @ self.values
+
+    def sigma(self, x):
+        rows = line_basis(x, len(self.values))
+        return np.sqrt(np.einsum("ij,jk,ik->i", rows, self.covariance, rows))
+
+    @property
+    def errors(self):
+        return np.sqrt(np.diag(self.covariance))
+
+
+def line_basis(x, count):
+    x = np.atleast_1d(np.asarray(x, dtype=float))
+    return np.column_stack([np.ones_like(x), x][2 - count:])
+
+
+def fit_line(x, y, sigma, proportional=False):
+    rows = line_basis(x, 1 if proportional else 2)
+    weighted = rows / sigma[:, None]
+    covariance = np.linalg.inv(weighted.T @ weighted)
+    values = covariance @ (weighted.T @ (y / sigma))
+    chi2 = float((((y - rows @ values) / sigma) ** 2).sum())
+    return LineFit(values, covariance, chi2, len(y) - len(values))
+
+
+def can_fit(x, sigma):
+    """Three points of known error at two places or more."""
+    usable = np.isfinite(sigma)
+    return usable.sum() >= 3 and np.ptp(x[usable]) > 0
+
+
+KINDS = {"series": Kind(draw=draw, caption=caption, defaults=defaults)}

@@ -10,7 +10,7 @@ from matplotlib import cbook
 from matplotlib.colors import ListedColormap
 from matplotlib.mathtext import MathTextParser
 
-from . import terminal
+from . import errors
 from .errors import UsageError
 
 SINGLE, WIDE = 4.2, 7.0  # inches: one and a half columns, two columns
@@ -105,7 +105,7 @@ def safe(text):
     if "$" not in text or is_mathtext(text):
         return text
     if text.count("$") > 1:
-        terminal.say_once(f'"{text}" is not TeX that figures can show: it stands there as plain text')
+        errors.say_once(f'"{text}" is not TeX that figures can show: it stands there as plain text')
     return literal(text)
 
 

@@ -3,8 +3,11 @@
 import html
 import math
 import re
+import string
+from typing import NamedTuple
 
 from . import schema
+from .errors import PlotError
 
 GREEK = {"alpha": "α", "gamma": "γ", "eta": "η", "kappa": "κ", "mu": "μ", "nu": "ν", "xi": "ξ", "rho": "ρ", "theta": "θ", "pm": "±",
          "times": "×", "infty": "∞", "varepsilon": "ε", "epsilon": "ε", "zeta": "ζ", "lambda": "λ", "phi": "φ", "psi": "ψ",
@@ -51,7 +54,7 @@ def text_html(text):
 
 def symbol(name):
     """Of a quantity of [medium] or [coupling], as HTML."""
-    return tex_html(schema.SYMBOLS[name])
+    return tex_html(schema.PHYSICS[name]["symbol"])
 
 
 def prose(text):
@@ -104,6 +107,16 @@ def equation(symbol, value, unit="", digits=4):
     return f'<span class="eq">{symbol} = {number(value, digits)}{" " + unit if unit else ""}</span>'
 
 
+def listed(names):
+    """`a, b and c`."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+
+
+def letter(index):
+    """Of a panel."""
+    return f"({string.ascii_lowercase[index % 26]})"
+
+
 def escape(value):
     return html.escape(str(value))
 
@@ -134,3 +147,76 @@ def with_error(value, error, factor=1.0):
         return f"{number(value * scale, 9)} ± {number(error * scale, 2)}"
     text = f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−")
     return text if scale == 1.0 else f"({text}) × 10<sup>{str(power).replace('-', '−')}</sup>"
+
+
+# Axis labels and scale factors: reduced results are drawn as they are, SI results with a handy prefix.
+
+# Labels of the theory are without unit: x in f/mu is "x mu/f".
+REDUCED = {"f/mu": r"\,\mu/f", "f/(mu v0)": r"\,\mu v_0/f", "mu v0/f": r"\,f/(\mu v_0)", "v0": r"/v_0"}
+PREFIXES = {-9: "n", -6: r"\mu ", -3: "m", 0: "", 3: "k"}
+
+
+class Axis(NamedTuple):
+    factor: float  # multiply the stored values by this
+    label: str     # mathtext
+
+
+def prefix_for(extent):
+    """(factor, prefix) that brings `extent` into 1..1000."""
+    exponent = 3 * math.floor(math.log10(extent) / 3) if extent > 0 and math.isfinite(extent) else 0
+    exponent = min(max(exponent, -9), 3)
+    return 10.0 ** -exponent, PREFIXES[exponent]
+
+
+class Units:
+    def __init__(self, system):
+        if system not in ("reduced", "si"):
+            raise PlotError(f'result.h5: units "{system}" are neither "reduced" nor "si"')
+        self.si = system == "si"
+
+    def _axis(self, symbol, reduced, unit, extent):
+        if not self.si:
+            return Axis(1.0, rf"${symbol}\,{reduced}$")
+        factor, prefix = prefix_for(extent)
+        return Axis(factor, rf"${symbol}$ ($\mathrm{{{prefix}{unit}}}$)")
+
+    def length(self, symbol, extent):
+        return self._axis(symbol, r"\mu/f", "m", extent)
+
+    def time(self, symbol, extent):
+        return self._axis(symbol, r"\mu v_0/f", "s", extent)
+
+    def root_length(self, symbol, length, extent):
+        """|x|^(1/2) U: one length of the coordinate to the half times one of the displacement."""
+        if not self.si:
+            return Axis(1.0, rf"${symbol}\,(\mu/f)^{{3/2}}$")
+        factor, prefix = prefix_for(extent ** (2 / 3))
+        return Axis(factor ** 1.5, rf"${symbol}$ ($\mathrm{{{prefix}m}}^{{3/2}}$)")
+
+    def equals(self, axis, symbol, value):
+        """`symbol = value` with its unit, as mathtext."""
+        number = math_number(value * axis.factor)
+        if not self.si:
+            return rf"${axis.label.strip('$')} = {number}$"
+        if value == 0:
+            return rf"${symbol} = 0$"
+        return rf"${symbol} = {number}$ " + axis.label.split("$ ", 1)[1].strip("()")
+
+    def parameter(self, name, value, digits=4):
+        """`kappa f/(mu v0) = 0.5`, or in SI with its unit behind, as mathtext without dollars."""
+        told = schema.PHYSICS[name]
+        symbol, unit = told["symbol"], told.get("unit", {}).get("si" if self.si else "reduced", "")
+        if not self.si:
+            return rf"{symbol}{REDUCED.get(unit, '')} = {math_number(value, digits)}"
+        return rf"{symbol} = {math_number(value, digits)}" + (rf"\ \mathrm{{{unit.replace('1/s', 's^{-1}')}}}" if unit else "")
+
+    def gradient_unit(self):
+        """Unit of gamma times a second derivative of u, gamma in v0."""
+        return r"v_0\,\mathrm{m}^{-1}" if self.si else r"v_0\mu/f"
+
+    # The same in words, for the report.
+    def length_html(self):
+        return "m" if self.si else "<i>f</i>/<i>μ</i>"
+
+    def time_html(self):
+        return "s" if self.si else "<i>f</i>/(<i>μv</i><sub>0</sub>)"

@@ -24,7 +24,7 @@ _PLACES = (_HERE.parent, _HERE.parents[1] / "plots", _HERE.parents[3] / "share/r
 
 def kinds() -> list[str]:
     """What can be drawn: 'trajectories', 'cut', 'snapshot', 'phase_diagram', ... (docs/scene.md, kinds of figures)."""
-    return [kind for kind, module in _plots("draw").KINDS.items() if hasattr(module, "draw")]
+    return [kind for kind, module in _plots("draw").KINDS.items() if module.draw]
 
 
 def draw(run: Union[Run, Folder], kind: str, *, width: str = "", style: str = "", font_size: Union[float, str] = "", overlay: bool = False,
@@ -32,14 +32,14 @@ def draw(run: Union[Run, Folder], kind: str, *, width: str = "", style: str = ""
     """One figure of a run. Options are keys of [[figures]]: draw(run, "cut", cut=0, component="Uy", title="The wake"); width, style,
     font_size and overlay are those of `rodwake plot`."""
     arguments.kind("kind", kind, str, "a kind of figure")
-    known = list(_plots("spec").Spec.__dataclass_fields__)
+    known = list(_plots("schema").Spec.__dataclass_fields__)
     for option in options:
         if option not in known:
             raise InputError(f"figure {kind!r}: unknown option {option!r} (known: {', '.join(known)})")
     with _telling(InputError):
         look = _plots("style").look(width, style, str(font_size))
-        figure = _plots("spec").from_scene({"figures": [{"name": kind, "kind": kind, **options}]})[0]
-    if not hasattr(_plots("draw").KINDS[kind], "draw"):
+        figure = _plots("schema").from_scene({"figures": [{"name": kind, "kind": kind, **options}]})[0]
+    if not _plots("draw").KINDS[kind].draw:
         raise InputError(f"kind {kind!r} is written to a file, not drawn: rodwake plot does it")
     with _opened(run) as folder:
         return _drawn(folder, dataclasses.replace(figure, overlay=overlay), look)
@@ -70,7 +70,7 @@ def correlation(found: FitResult, title: str = "") -> Any:
     matrix = found.correlation.copy()
     lacking = [not math.isfinite(found.parameters[name].standard_error) for name in found.free]
     matrix[lacking, :] = matrix[:, lacking] = math.nan
-    return _plots("draw").in_style(_plots("fit_correlation").of_matrix, found.free, matrix, title)
+    return _plots("draw").in_style(_plots("fit_errors").of_matrix, found.free, matrix, title)
 
 
 def _plots(module: str) -> Any:

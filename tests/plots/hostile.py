@@ -13,7 +13,7 @@ import h5py
 from PIL import Image, PngImagePlugin
 
 import plot_case  # noqa: F401: puts the plots on the path
-from rodwake_plots import draw, errors, hover, report, run_dir, scan_page, trajectories
+from rodwake_plots import draw, errors, page, report, run_dir, scan_page, trajectories
 
 NAME = "n\"'><img src=x onerror=hit()>"  # without slash and comma: of a file, a group, a column
 TEXT = NAME + """<script>hit()</script><svg onload=hit()></svg></title></style></script>" onfocus="hit()" autofocus="
@@ -26,7 +26,7 @@ WATCH = "window.hits = 0; window.hit = () => { ++window.hits; };"  # before the 
 def png():
     """Hostile where a picture is pointed at."""
     told, out = PngImagePlugin.PngInfo(), io.BytesIO()
-    told.add_itxt(hover.KEY, json.dumps([[0.5, 0.5, TEXT]]))
+    told.add_itxt(page.HOVER, json.dumps([[0.5, 0.5, TEXT]]))
     Image.new("RGB", (40, 30), "white").save(out, "PNG", pnginfo=told)
     return out.getvalue()
 

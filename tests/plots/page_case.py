@@ -9,7 +9,7 @@ import numpy as np
 import made_up_scan as made_up
 from page_driver import Page
 from plot_case import PlotCase  # first: puts the plots on the path
-from rodwake_plots import run_dir, scan_outcomes, scan_page
+from rodwake_plots import run_dir, scan_columns, scan_page
 
 WIDE, NARROW = 1200, 400
 
@@ -49,7 +49,7 @@ class PageCase(PlotCase):
 
     def assert_pixel(self, page, row, name):
         """The colour of the diagram a little beside a point, off whatever marks it."""
-        colour = [round(255 * part) for part in scan_outcomes.rgba(scan_outcomes.COLOURS[name])[:3] / 255]
+        colour = [round(255 * part) for part in scan_columns.rgba(scan_columns.COLOURS[name])[:3] / 255]
         x, y = self.place(page, row)
         found = page.evaluate(f"""(() => {{
             const map = document.getElementById("map"), box = map.getBoundingClientRect();

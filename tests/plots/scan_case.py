@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 
 import made_up_scan as made_up
 from plot_case import PlotCase
-from rodwake_plots import draw, run_dir, scan_outcomes
+from rodwake_plots import draw, run_dir, scan_columns
 from rodwake_plots.style import SETTINGS
 
 NEAR = 6 / 255  # of a colour: rounding to bytes twice, and of pictures that were made smaller
@@ -62,7 +62,7 @@ class ScanCase(PlotCase):
         self.assertLess(np.abs(found - to_rgb(colour)).max(), NEAR, f"at ({x}, {y}): {found}, not {colour}")
 
     def assert_outcome(self, axes, x, y, name):
-        self.assert_colour(axes, x, y, scan_outcomes.COLOURS[name])
+        self.assert_colour(axes, x, y, scan_columns.COLOURS[name])
 
 
 def texts(legend):

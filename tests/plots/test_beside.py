@@ -11,7 +11,7 @@ from made_up_granular import SCENE
 from made_up_measured import write_measured
 from made_up_result import write_result
 from plot_case import PlotCase
-from rodwake_plots import draw, profile, run_dir, theory_beside_bed
+from rodwake_plots import displacement, draw, run_dir
 
 FIGURE = '[[figures]]\nname = "fig"\nkind = "theory_beside_bed"\n'
 
@@ -39,7 +39,7 @@ class BesideTest(PlotCase):
     def draw(self):
         with run_dir.RunDir(self.folder) as run:
             spec = draw.figures_of(run)[0]
-            return theory_beside_bed.draw(run, spec), theory_beside_bed.caption(run, spec)
+            return displacement.draw_theory_beside_bed(run, spec), displacement.caption_theory_beside_bed(run, spec)
 
     def test_a_row_a_component(self):
         self.add_cut(1, 1.8)
@@ -73,14 +73,14 @@ class FittedProfileTest(PlotCase):
         (self.folder / "scene.toml").write_text(SCENE + FIGURE.replace("theory_beside_bed", "profile"))
         with run_dir.RunDir(self.folder) as run:
             spec = draw.figures_of(run)[0]
-            return profile.draw(run, spec), draw.caption(run, spec)
+            return displacement.draw_profile(run, spec), draw.caption(run, spec)
 
     def test_theory_beside_the_profile_it_was_fitted_to(self):
         _, caption = self.draw()
         self.assertNotIn("theory", caption)
         write_fit(self.folder)
         made, caption = self.draw()
-        curve = max(made.axes[0].lines, key=lambda line: len(line.get_xdata()) if line.get_color() == profile.THEORY else 0)
+        curve = max(made.axes[0].lines, key=lambda line: len(line.get_xdata()) if line.get_color() == displacement.THEORY else 0)
         given = np.genfromtxt(self.folder / "fit_curve_0.csv", delimiter=",", names=True)
         x, y = curve.get_data()
         np.testing.assert_allclose(np.interp(20.0, x, y), np.interp(20.0, given["x"], given["model"]), rtol=1e-9)  # digits of the file

@@ -11,7 +11,7 @@ from fit_case import FitCase, figure
 from made_up_fit import FOUR, TWO, correlation, likelihood, parameter
 from made_up_granular import write_csv
 from made_up_result import write_result
-from rodwake_plots import draw, fit_correlation, fit_likelihood, fit_words, fit_starts, ranges, run_dir
+from rodwake_plots import canvas, draw, fit_errors, fit_words, run_dir
 
 ALL = ("fit", "fit_likelihood_eta", "fit_correlation", "fit_starts")
 EPS = np.finfo(float).eps
@@ -155,8 +155,8 @@ class ProfilesTest(FitCase):
 
     def test_wrong_input(self):
         self.fails("4 profiles", "no profile 4", kind="fit", profiles=[4])
-        self.fails("whole numbers", kind="fit", profiles=[0.5])
-        self.fails("neither true nor false", kind="fit", residuals=3)
+        self.fails("profiles", "integers", kind="fit", profiles=[0.5])
+        self.fails("residuals", "true, false", kind="fit", residuals=3)
         (self.folder / "fit_curve_1.csv").write_text("x,model,band\n1,2,3\n")
         self.fails("fit_curve_1.csv", "compare_0", kind="fit")
         self.fails("fit_curve_1.csv", "compare_0", kind="fit", profiles=[1])
@@ -196,7 +196,7 @@ class StartsTest(FitCase):
     def test_plain_digits_on_logarithmic_axes_of_few_decades(self):
         axes = Figure().subplots()
         axes.set(yscale="log", ylim=(0.4, 30))
-        ranges.plain_ticks(axes.yaxis, 0.4, 30)
+        canvas.plain_ticks(axes.yaxis, 0.4, 30)
         seen = {text.get_text() for at, text in zip(axes.get_yticks(), axes.get_yticklabels()) if 0.4 <= at <= 30}
         self.assertEqual(seen, {"0.5", "1", "2", "5", "10", "20"})
 
@@ -207,7 +207,7 @@ class StartsTest(FitCase):
             starts = [self.told["starts"][0] | {"objective": base + part * same} for part in (0.0, 0.99, 1.01)]
             self.rewrite(starts=starts)
             with run_dir.RunDir(self.folder) as run:
-                self.assertEqual(fit_starts.Ends(run.fit).best.tolist(), [True, True, False])
+                self.assertEqual(fit_errors.Ends(run.fit).best.tolist(), [True, True, False])
 
     def test_nothing_to_compare(self):
         self.rewrite(starts=self.told["starts"][:1])
@@ -228,7 +228,7 @@ class LikelihoodTest(FitCase):
                                    atol=100 * EPS)
         x, rise = lines["curvature at the best value"].get_xydata().T
         np.testing.assert_allclose(rise, (np.log(x / 21.6) * 21.6 / 1.9) ** 2, rtol=1e-12)  # searched in the logarithm
-        self.assertTrue(any(line.get_ydata()[0] == fit_likelihood.RISE_95 == line.get_ydata()[-1] for line in axes.lines))
+        self.assertTrue(any(line.get_ydata()[0] == fit_errors.RISE_95 == line.get_ydata()[-1] for line in axes.lines))
         self.assertIn("17.88 to 26.05 <i>a</i>", caption)
 
     def test_the_first_one_by_default(self):
@@ -238,7 +238,7 @@ class LikelihoodTest(FitCase):
     def test_errors_from_the_scatter_scale_the_rise(self):
         self.rewrite(error_factor=2.0)
         with run_dir.RunDir(self.folder) as run:
-            like = fit_likelihood.Likelihood(run.fit, "eta")
+            like = fit_errors.Likelihood(run.fit, "eta")
         np.testing.assert_allclose(like.rise, (np.array(self.told["likelihood"]["eta"]["chi2"]) - 61.3) / 4, atol=100 * EPS)
 
     def test_unbounded_below(self):
@@ -255,7 +255,7 @@ class LikelihoodTest(FitCase):
         self.rewrite(likelihood={"eta": {"value": [1.0], "chi2": [2.0]}})
         self.fails("less than two points", kind="fit_likelihood")
         self.rewrite(likelihood={"eta": {"value": "x", "chi2": [2.0]}})
-        self.fails("not two rows of numbers", kind="fit_likelihood")
+        self.fails("fit.json", "likelihood.eta is not as rodwake writes it", kind="fit_likelihood")
 
 
 class CorrelationTest(FitCase):
@@ -266,7 +266,7 @@ class CorrelationTest(FitCase):
         self.assertEqual([text.get_text() for text in made.axes[0].get_xticklabels()], [r"$f/\mu$", r"$\eta$", r"$\xi$"])
 
     def test_what_nearly_is_one_is_not_called_one(self):
-        self.assertEqual([fit_correlation.number(value) for value in (1, -1, 0.5, -0.004, 0.996, -0.9996)],
+        self.assertEqual([fit_errors.correlation_number(value) for value in (1, -1, 0.5, -0.004, 0.996, -0.9996)],
                          ["1", "−1", "0.50", "−0.00", "0.996", "−0.9996"])
 
     def test_starts_of_tracks_are_named_and_left_out_of_large_matrices(self):
@@ -274,7 +274,7 @@ class CorrelationTest(FitCase):
         self.assertEqual([fit_words.symbol(name) for name in poses[1:3]], ["y_{0}^{(0)}", r"\theta_{0}^{(0)}"])
         self.assertEqual(fit_words.meaning("x.2.1"), "x of rod 1 at the start of trajectory 2")
         for names, shown in ((["kappa", *poses], 1), (["kappa", *poses[:11]], 12)):
-            made = fit_correlation.of_matrix(names, np.eye(len(names)))
+            made = fit_errors.of_matrix(names, np.eye(len(names)))
             self.assertEqual(len(made.axes[0].get_xticklabels()), shown)
 
     def test_blank_without_an_error(self):
@@ -285,9 +285,9 @@ class CorrelationTest(FitCase):
 
     def test_wrong_input(self):
         self.rewrite(correlation=correlation(2))
-        self.fails("(2, 2)", "(3, 3)", kind="fit_correlation")
+        self.fails("fit.json", "correlation is not", kind="fit_correlation")
         self.rewrite(correlation=[["a"]])
-        self.fails("not a matrix", kind="fit_correlation")
+        self.fails("fit.json", "correlation is not", kind="fit_correlation")
         self.rewrite(free=["eta"], correlation=[[1.0]])
         self.fails("one free parameter", kind="fit_correlation")
         self.rewrite(free=["none"])

@@ -9,7 +9,7 @@ from fit_case import FitCase, figure
 from made_up_fit import parameter
 from made_up_result import LINE, write_result
 from made_up_result import SCENE as THEORY
-from rodwake_plots import fit_tables, fit_words, run_dir, words
+from rodwake_plots import fit_sections, fit_words, run_dir, words
 
 
 class ReportTest(FitCase):
@@ -74,7 +74,7 @@ class ReportTest(FitCase):
         for name in ("converged", "roundoff", "budget", "interrupted", "failed"):
             self.rewrite(termination=name)
             with run_dir.RunDir(self.folder) as run:
-                self.assertEqual(dict(fit_tables.search(run.fit))["End"].split(":")[0], fit_tables.ENDINGS[name].split(":")[0])
+                self.assertEqual(dict(fit_sections.search_rows(run.fit))["End"].split(":")[0], fit_sections.ENDINGS[name].split(":")[0])
 
 
 class WordsTest(unittest.TestCase):

@@ -14,7 +14,7 @@ from PIL import Image
 from made_up_granular import A, Bed, lattice, rod_spheres, write_granular
 from made_up_result import LINE, write_result
 from plot_case import PlotCase
-from rodwake_plots import draw, granular_table, h5md, local_order, periodic, rod_tracks, run_dir, side_view, snapshot, track_curves
+from rodwake_plots import bed, draw, frames, granular_table, rod_tracks, run_dir
 
 SMALL = dict(columns=14, rows=16)
 KINDS = ("snapshot", "rod_tracks", "side_view", "granular_table")
@@ -31,14 +31,14 @@ class LocalOrderTest(unittest.TestCase):
     def test_perfect_lattice(self):
         for columns, rows in ((30, 34), (12, 14), (4, 4)):  # the last has too few cells: every pair is looked at
             points, box = lattice(columns, rows)
-            order = local_order.psi6(points, box, 1.4 * 2.12 * A)
+            order = frames.psi6(points, box, 1.4 * 2.12 * A)
             np.testing.assert_allclose(order, 1, rtol=0, atol=1e-12)
 
     def test_turned_lattice_and_square(self):
         points, box = lattice(12, 14)
-        np.testing.assert_allclose(local_order.psi6(points[:, ::-1], box[::-1], 1.4 * 2.12 * A), -1, atol=1e-12)
+        np.testing.assert_allclose(frames.psi6(points[:, ::-1], box[::-1], 1.4 * 2.12 * A), -1, atol=1e-12)
         square = np.stack(np.meshgrid(np.arange(12.0), np.arange(12.0)), axis=-1).reshape(-1, 2)
-        np.testing.assert_allclose(local_order.psi6(square, np.full(2, 12.0), 1.2), 0, atol=1e-12)
+        np.testing.assert_allclose(frames.psi6(square, np.full(2, 12.0), 1.2), 0, atol=1e-12)
 
     def test_cells_find_what_pairs_find(self):
         points = np.random.default_rng(3).uniform(-1, 2, (300, 2))
@@ -50,11 +50,11 @@ class LocalOrderTest(unittest.TestCase):
             near = distance < cutoff
             bond = np.where(near, np.exp(6j * np.arctan2(away[..., 1], away[..., 0])), 0)
             wanted = bond.sum(axis=1) / np.maximum(near.sum(axis=1), 1)
-            np.testing.assert_allclose(local_order.psi6(points, box, cutoff), wanted, rtol=0, atol=1e-12)
+            np.testing.assert_allclose(frames.psi6(points, box, cutoff), wanted, rtol=0, atol=1e-12)
 
     def test_no_neighbours(self):
-        self.assertEqual(list(local_order.psi6(np.array([[0.1, 0.1], [0.1, 0.1]]), np.ones(2), 0.2)), [0, 0])
-        self.assertEqual(local_order.psi6(np.empty((0, 2)), np.ones(2), 0.2).size, 0)
+        self.assertEqual(list(frames.psi6(np.array([[0.1, 0.1], [0.1, 0.1]]), np.ones(2), 0.2)), [0, 0])
+        self.assertEqual(frames.psi6(np.empty((0, 2)), np.ones(2), 0.2).size, 0)
 
 
 class PeriodicTest(unittest.TestCase):
@@ -72,7 +72,7 @@ class PeriodicTest(unittest.TestCase):
     def test_no_line_across_the_box(self):
         s = np.linspace(0, 1, 50)
         for x, y in ((0.5 + 2.1 * s, 0.3 + 0 * s), (0.2 - 5 * s, 1.9 + 3 * s), (np.sin(9 * s), np.cos(7 * s)), (1.0 * s, 2.0 * s)):
-            path = periodic.wrapped_path(x, y, self.BOX)
+            path = frames.wrapped_path(x, y, self.BOX)
             self.assert_no_line_across(path)
             inside = path[np.isfinite(path[:, 0])]
             self.assertTrue(np.all(inside >= -8 * EPS) and np.all(inside <= self.BOX * (1 + 8 * EPS)))
@@ -80,40 +80,40 @@ class PeriodicTest(unittest.TestCase):
             self.assertAlmostEqual(np.nansum(np.hypot(*np.diff(path, axis=0).T)), length, delta=1e-12 * length)
 
     def test_paths_reach_the_edge(self):
-        path = periodic.wrapped_path(np.array([0.9, 1.2]), np.array([0.5, 0.5]), self.BOX)
+        path = frames.wrapped_path(np.array([0.9, 1.2]), np.array([0.5, 0.5]), self.BOX)
         np.testing.assert_allclose(path, [[0.9, 0.5], [1, 0.5], [np.nan] * 2, [0, 0.5], [0.2, 0.5]], atol=4 * EPS)
-        self.assertEqual(len(periodic.wrapped_path(np.array([1.5]), np.array([0.5]), self.BOX)), 1)
-        self.assertEqual(len(periodic.wrapped_path(np.array([]), np.array([]), self.BOX)), 0)
+        self.assertEqual(len(frames.wrapped_path(np.array([1.5]), np.array([0.5]), self.BOX)), 1)
+        self.assertEqual(len(frames.wrapped_path(np.array([]), np.array([]), self.BOX)), 0)
 
     def test_images(self):
         window = ((0, 1), (0, 2))
         for point, count in (((0.5, 1.0), 1), ((0.02, 1.0), 2), ((0.99, 1.99), 4)):
-            shown, index = periodic.with_images(np.array([point]), np.array([0.05]), self.BOX, window)
+            shown, index = frames.with_images(np.array([point]), np.array([0.05]), self.BOX, window)
             self.assertEqual((len(shown), list(index)), (count, [0] * count))
-        self.assertEqual(len(periodic.with_images(np.array([[0.5, 1.0]]), np.array([0.05]), self.BOX, ((0, 3), (-2, 2)))[0]), 6)
+        self.assertEqual(len(frames.with_images(np.array([[0.5, 1.0]]), np.array([0.05]), self.BOX, ((0, 3), (-2, 2)))[0]), 6)
 
 
 class CurvesTest(unittest.TestCase):
     def test_rate_smooth_and_mean(self):
         t = np.array([0.0, 1.0, 3.0, 4.0])
         np.testing.assert_allclose(granular_table.rate(t, 5 * t + 7)[1], 5, rtol=4 * EPS)
-        np.testing.assert_allclose(track_curves.smooth(np.full(200, 3.0)), 3, rtol=100 * EPS)
-        x, mean, error = track_curves.mean_curve([(t, t), (2 * t, 6 * t)])
+        np.testing.assert_allclose(rod_tracks.smooth(np.full(200, 3.0)), 3, rtol=100 * EPS)
+        x, mean, error = rod_tracks.mean_curve([(t, t), (2 * t, 6 * t)])
         self.assertEqual(x[-1], 4)
         np.testing.assert_allclose(mean, 2 * x, atol=1e-12)
         np.testing.assert_allclose(error, x, atol=1e-12)  # of x and 3 x: half their difference
 
     def test_bodies(self):
         half = np.sqrt(0.5)
-        np.testing.assert_allclose(h5md.body_axis(np.array([[1, 0, 0, 0], [half, 0, 0, half], [half, 0, -half, 0]])),
+        np.testing.assert_allclose(frames.body_axis(np.array([[1, 0, 0, 0], [half, 0, 0, half], [half, 0, -half, 0]])),
                                    [[1, 0, 0], [0, 1, 0], [0, 0, 1]], atol=4 * EPS)
         spheres = np.array([[0.95, 0.5, 0.1], [0.05, 0.5, 0.1]])
-        np.testing.assert_allclose(h5md.whole(spheres, np.array([3.0, 0.5, 0.1]), np.ones(2))[:, 0], [-0.05, 0.05], atol=8 * EPS)
+        np.testing.assert_allclose(frames.whole(spheres, np.array([3.0, 0.5, 0.1]), np.ones(2))[:, 0], [-0.05, 0.05], atol=8 * EPS)
 
     def test_ends_of_rods(self):
         for polar in (True, False):
             offset, radius = rod_spheres(polar)
-            rod = h5md.Rod(np.array([0.0, 1, 0]), np.outer(offset, [0, 1, 0]), radius)
+            rod = frames.Rod(np.array([0.0, 1, 0]), np.outer(offset, [0, 1, 0]), radius)
             self.assertEqual(rod.tapers, polar)
             self.assertAlmostEqual(rod.tip[1], offset[-1] + radius[-1], delta=4 * EPS)
 
@@ -156,14 +156,14 @@ class GranularPlotsTest(PlotCase):
 
     def test_beads_are_drawn_at_true_size(self):
         with run_dir.RunDir(self.folder) as run:
-            beads = snapshot.draw(run, self.specs(run, "snapshot")).axes[0].collections[0]
+            beads = bed.draw_snapshot(run, self.specs(run, "snapshot")).axes[0].collections[0]
             self.assertGreaterEqual(len(beads.get_offsets()), run.granular.summary["beads"])
             np.testing.assert_allclose(beads._widths, 2 * 0.5, rtol=4 * EPS)  # half widths of circles of radius 1 a
 
     def test_rod_paths_have_no_line_across(self):
         with run_dir.RunDir(self.folder) as run:
             box = run.granular.box / run.granular.a
-            lines = rod_tracks.draw(run, self.specs(run, "rod_tracks")).axes[0].lines
+            lines = rod_tracks.draw_rod_tracks(run, self.specs(run, "rod_tracks")).axes[0].lines
             self.assertEqual(len(lines), 2)
             for line in lines:
                 path = line.get_xydata()
@@ -179,9 +179,9 @@ class GranularPlotsTest(PlotCase):
 
     def test_plates_move(self):
         with run_dir.RunDir(self.folder) as run, run.granular.trajectory("last_period.h5md") as trajectory:
-            plates = side_view.Plates(trajectory, A)
-            times = [trajectory.frame(at).time for at in side_view.chosen(trajectory.frames)]
-        self.assertEqual(len(times), side_view.PHASES)
+            plates = bed.Plates(trajectory, A)
+            times = [trajectory.frame(at).time for at in bed.phases(trajectory.frames)]
+        self.assertEqual(len(times), bed.PHASES)
         for turn, time in enumerate(times):
             self.assertAlmostEqual(plates.phase(time), turn / 5, delta=1e-6)  # 1e-9 to be 0 at whole periods; times near 10 s
             self.assertAlmostEqual(plates.floor(time), plates.amplitude * np.cos(2 * np.pi * turn / 5), delta=1e-6)
@@ -253,8 +253,8 @@ class GranularPlotsTest(PlotCase):
     def test_wrong_tables(self):
         table, tracks = self.folder / "table.csv", self.folder / "tracks.csv"
         self.build(figures=figure("granular_table"))
-        for text, words in (("t,energy\n0,1\n", ("column kinetic",)), ("t,energy\n", ("no rows",)), ("t,energy\n0,x\n", ("numbers",)),
-                            ("t,energy\n0\n", ("2 names", "1 numbers")), ("", ("column t",))):
+        for text, words in (("t,energy\n0,1\n", ("column ", "is missing")), ("t,energy\n", ("no rows",)), ("t,energy\n0,x\n", ("numbers",)),
+                            ("t,energy\n0\n", ("2 names", "1 values")), ("", ("column t",))):
             table.write_text(text)
             self.assert_fails("table.csv", *words)
         self.build(figures=figure("rod_tracks"))
@@ -277,7 +277,7 @@ class GranularPlotsTest(PlotCase):
         self.assert_fails("fps", "0")
         self.build(figures=figure("snapshot"))
         for text, words in (("{", ("JSON",)), ("[]", ("object",)), ("{}", ("bead_radius", "missing")),
-                            ('{"bead_radius": "x"}', ("bead_radius", "not a number"))):
+                            ('{"bead_radius": "x"}', ("bead_radius", "not as rodwake writes it"))):
             (self.folder / "summary.json").write_text(text)
             self.assert_fails("summary.json", *words)
 

@@ -7,7 +7,7 @@ import numpy as np
 from made_up_granular import SCENE
 from made_up_measured import D_R, JITTER, write_measured
 from plot_case import PlotCase
-from rodwake_plots import draw, heading_diffusion, measured, run_dir
+from rodwake_plots import bead_motion, bed_run, draw, run_dir
 
 FIGURE = '[[figures]]\nname = "fig"\nkind = "heading_diffusion"\n'
 
@@ -25,7 +25,7 @@ class HeadingDiffusionTest(PlotCase):
 
     def test_points_and_the_fits_over_their_window(self):
         drawn, caption = self.draw()
-        part = measured.Part("", "", self.folder)
+        part = bed_run.Part("", "", self.folder)
         for axes, column, fit in ((drawn.axes[0], "square", lambda t: 2 * JITTER**2 + 2 * D_R * t),
                                   (drawn.axes[1], "cosine", lambda t: np.exp(-JITTER**2 - D_R * t))):
             marks = next(line for line in axes.lines if line.get_marker() == "o")
@@ -38,10 +38,10 @@ class HeadingDiffusionTest(PlotCase):
 
     def test_a_steady_turn_has_its_line_where_it_is_fitted(self):
         """(turn tau)^2 bends the points, and the line through them starts below 0."""
-        part = measured.Part("", "", self.folder)
-        table = heading_diffusion.read(part)
+        part = bed_run.Part("", "", self.folder)
+        table = bead_motion.read_heading(part)
         table["square"] = 0.3 * table["lag"] ** 2
-        self.assertLess(heading_diffusion.at_zero(part, table, 0.2), -0.01)
+        self.assertLess(bead_motion.at_zero(part, table, 0.2), -0.01)
 
     def test_headings_that_never_change_cannot_be_drawn(self):
         lines = (self.folder / "heading.csv").read_text().splitlines()

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 
 import plot_case  # noqa: F401, first: puts the plots on the path
-from rodwake_plots import bed, canvas, cut, fit_panel, paths, path_panel, rod_tracks, words
-from rodwake_plots.result import Run, told_apart
-from rodwake_plots.units import Units
+from rodwake_plots import bed, canvas, field, fit, rod_tracks, trajectories, words
+from rodwake_plots.run_dir import Run, runs_told_apart
+from rodwake_plots.words import Units
 
-WINDOW = paths.Window((0.0, 10.0), (-2.0, 2.0))
+WINDOW = trajectories.Window((0.0, 10.0), (-2.0, 2.0))
 
 
 def run_of(*ways, **attrs):
@@ -22,7 +22,7 @@ def run_of(*ways, **attrs):
 
 class PathsTest(unittest.TestCase):
     def hidden(self, *ways):
-        return paths.lie_on_each_other([run_of(*ways)], WINDOW)
+        return trajectories.lie_on_each_other([run_of(*ways)], WINDOW)
 
     def test_paths_that_hide_each_other(self):
         self.assertTrue(self.hidden(lambda x: 0 * x, lambda x: 2 * np.exp(-x)))
@@ -34,8 +34,8 @@ class PathsTest(unittest.TestCase):
         self.assertFalse(self.hidden(lambda x: 0 * x))
 
     def test_a_rod_that_stays_has_no_path(self):
-        self.assertEqual(len(paths.evenly(np.ones(5), np.ones(5))), 0)
-        places = paths.evenly(np.array([0.0, 1.0, np.nan]), np.zeros(3), 5)
+        self.assertEqual(len(trajectories.evenly(np.ones(5), np.ones(5))), 0)
+        places = trajectories.evenly(np.array([0.0, 1.0, np.nan]), np.zeros(3), 5)
         np.testing.assert_allclose(places[:, 0], [0, 0.25, 0.5, 0.75, 1], rtol=1e-15)
 
     def test_hidden_paths_are_moved_to_two_sides(self):
@@ -43,9 +43,9 @@ class PathsTest(unittest.TestCase):
         axes = figure.subplots()
         canvas.window(axes, (0, 10), (-2, 2))
         run = run_of(lambda x: 0 * x, lambda x: 0 * x)
-        (x0, y0), (x1, y1) = (path_panel.beside(axes, run, rod).transform((5, 0)) for rod in (0, 1))
+        (x0, y0), (x1, y1) = (trajectories.beside(axes, run, rod).transform((5, 0)) for rod in (0, 1))
         self.assertAlmostEqual(x0, x1)
-        self.assertAlmostEqual((y0 - y1) * 72 / figure.dpi, path_panel.APART)
+        self.assertAlmostEqual((y0 - y1) * 72 / figure.dpi, trajectories.APART)
 
 
 class LabelsTest(unittest.TestCase):
@@ -57,7 +57,7 @@ class LabelsTest(unittest.TestCase):
 
     def test_labels_of_runs_have_them_too(self):
         runs = [run_of(lambda x: x, kappa=value, eta=1.0) for value in (1.0, 2.0)]
-        label = told_apart(runs[1], runs, Units("reduced"))
+        label = runs_told_apart(runs[1], runs, Units("reduced"))
         self.assertEqual(label, r"$\kappa\,f/(\mu v_0) = 2$")
         self.assertEqual(words.label_html(label), "κ\u2009f/(μv<sub>0</sub>) = 2")
 
@@ -89,15 +89,15 @@ class CutTest(unittest.TestCase):
         s = np.linspace(-10, 10, 201)
         for values, corner in ((s, "upper left"), (-s, "upper right"), (np.where(abs(s) < 2, 99.0, -s), "upper right"),
                                (np.full(201, 9.0), "center right")):
-            self.assertEqual(cut.free_corner(s, values, top=11.0), corner)
+            self.assertEqual(field.free_corner(s, values, top=11.0), corner)
 
 
 class ResidualsTest(unittest.TestCase):
     def test_the_strip_holds_every_fitted_point(self):
         used = np.array([True, True, False])
-        self.assertEqual(fit_panel.reach(np.array([1.0, -8.0, 2.0]), used, 3.0), 8.0)
-        self.assertEqual(fit_panel.reach(np.array([1.0, -1.0, 5.0]), used, 3.0), 5.0)
-        self.assertEqual(fit_panel.reach(np.array([1.0, -1.0, 50.0]), used, 3.0), 6.0)  # an outlier does not flatten the others
+        self.assertEqual(fit.strip_reach(np.array([1.0, -8.0, 2.0]), used, 3.0), 8.0)
+        self.assertEqual(fit.strip_reach(np.array([1.0, -1.0, 5.0]), used, 3.0), 5.0)
+        self.assertEqual(fit.strip_reach(np.array([1.0, -1.0, 50.0]), used, 3.0), 6.0)  # an outlier does not flatten the others
 
 
 if __name__ == "__main__":

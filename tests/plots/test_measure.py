@@ -11,7 +11,7 @@ import numpy as np
 from made_up_granular import A, SCENE
 from made_up_measured import results, variants, write_measured, write_series
 from plot_case import PlotCase
-from rodwake_plots import displacement_map, dragged, draw, measure_sections, measured, pair_tracks, profile, run_dir, series, words
+from rodwake_plots import bed_run, bed_sections, displacement, draw, flow, rod_tracks, run_dir, schema, series, words
 
 GRANULAR = ("snapshot", "rod_tracks", "side_view", "granular_table")
 ORDER = ("pair_correlation", "bond_order", "msd", "phonons")
@@ -67,7 +67,7 @@ class OneRunTest(MeasureCase):
     def test_spacings_of_lattice_and_grid(self):
         """Of the file that the program wrote, of a bed of phi_b = 0.80 on a grid of 1 a."""
         with run_dir.RunDir(self.folder) as run:
-            rows = {row[0]: re.sub("<[^>]*>", "", row[1]) for row in measure_sections.heads_and_rows(run)[1]}
+            rows = {row[0]: re.sub("<[^>]*>", "", row[1]) for row in bed_sections.measures_table(run)[1]}
         self.assertRegex(rows["Lattice spacing"], r"^2\.[01]\d* a$")
         self.assertEqual(rows["Grid spacing"], "1 a")
 
@@ -104,12 +104,12 @@ class OneRunTest(MeasureCase):
         points = made.axes[0].lines[1].get_xydata()
         self.assertFalse((points[:, 0] == 0).any())
         self.assertEqual((points[:, 0].min(), points[:, 0].max()), (-30, 30))
-        place, value, sigma = measured.Part("", "", self.folder).table("profile_Ux_x.csv", "x", "value", "sigma")
+        place, value, sigma = bed_run.Part("", "", self.folder).table("profile_Ux_x.csv", "x", "value", "sigma")
         kept = (abs(place) <= 30) & (place != 0)
         np.testing.assert_allclose(points[:, 1], np.sqrt(abs(place[kept])) * value[kept], rtol=4 * EPS)
         with run_dir.RunDir(self.folder) as run:
             spec = draw.figures_of(run)[0]
-            read = profile.read(run, spec, measured.parts(run)[0])
+            read = displacement.read_profile(run, spec, bed_run.parts_of(run)[0])
         np.testing.assert_allclose(read[2], np.sqrt(abs(place[kept])) * sigma[kept], rtol=4 * EPS)
         self.assertIn("1/2", caption)
         self.assertIn("bars: standard error", caption)
@@ -121,12 +121,12 @@ class OneRunTest(MeasureCase):
         self.assertIn("4 <i>a</i>", caption)
         self.ask("[measure]\nprofile_offset = 0.002\n", figure("profile", component="Uy"))
         with run_dir.RunDir(self.folder) as run:
-            self.assertAlmostEqual(profile.line_of(run, draw.figures_of(run)[0]), 5, delta=20 * EPS)
+            self.assertAlmostEqual(displacement.line_of(run, draw.figures_of(run)[0]), 5, delta=20 * EPS)
 
     def test_stiffness(self):
         """Points of the file, a star at s = 0 and a line to the end of the window."""
         drawn, caption = self.draw("stiffness")
-        part = measured.Part("", "", self.folder)
+        part = bed_run.Part("", "", self.folder)
         s, value = part.table("stiffness.csv", "s", "value")
         found = part.estimate("microrheology", "stiffness")
         lines = drawn.axes[0].lines
@@ -141,7 +141,7 @@ class OneRunTest(MeasureCase):
 
     def test_phonons(self):
         drawn, caption = self.draw("phonons")
-        part = measured.Part("", "", self.folder)
+        part = bed_run.Part("", "", self.folder)
         points = np.concatenate([line.get_xydata() for line in drawn.axes[0].lines if line.get_marker() in ("o", "s")])
         np.testing.assert_array_equal(np.sort(points, axis=0), np.sort(np.column_stack(part.table("phonons.csv", "q", "omega")), axis=0))
         slopes = {round(line.get_ydata()[1] / line.get_xdata()[1], 6) for line in drawn.axes[0].lines if line.get_marker() == "None"}
@@ -153,15 +153,15 @@ class OneRunTest(MeasureCase):
     def test_bins_without_beads_are_blank(self):
         self.ask(figure("displacement_map"))
         with run_dir.RunDir(self.folder) as run:
-            spec, part = draw.figures_of(run)[0], measured.parts(run)[0]
+            spec, part = draw.figures_of(run)[0], bed_run.parts_of(run)[0]
             self.assertEqual(spec.component, "U")
-            x, y, U = displacement_map.read(part, run, spec)
+            x, y, U = displacement.read(part, run, spec)
             _, _, count = part.grid("displacement", "count")
         np.testing.assert_array_equal(np.isnan(U), count == 0)
         self.assertTrue((count == 0).any())
 
     def test_the_component_asked_for_is_drawn(self):
-        part = measured.Part("", "", self.folder)
+        part = bed_run.Part("", "", self.folder)
         _, _, Ux, Uy, count = part.grid("displacement", "Ux", "Uy", "count")
         for keys, values, label in (({}, np.hypot(Ux, Uy), "$|U|/a$"), ({"component": "U"}, np.hypot(Ux, Uy), "$|U|/a$"),
                                     ({"component": "Ux"}, Ux, "$U_x/a$"), ({"component": "Uy"}, Uy, "$U_y/a$")):
@@ -179,7 +179,7 @@ class OneRunTest(MeasureCase):
     def test_marked_beads_are_those_of_the_frame(self):
         self.ask(figure("dragged"))
         with run_dir.RunDir(self.folder) as run:
-            view = dragged.read(measured.parts(run)[0])
+            view = flow.read_marked(bed_run.parts_of(run)[0])
         box = view.frame.box / A
         off = view.last - view.frame.beads[view.marked, :2] / A
         np.testing.assert_allclose(off, box * np.round(off / box), atol=1e-9)  # places of 1e2 a, written with 12 digits
@@ -203,7 +203,7 @@ class OneRunTest(MeasureCase):
             track = run.granular.tracks()[0]
             box = run.granular.box
         away = track.__class__(track.path, track.t, track.x + [0, 3 * box[0]], track.y - [0, box[1]], track.theta, track.speed)
-        whole, alone = pair_tracks.together(away, box), pair_tracks.together(track, box)
+        whole, alone = rod_tracks.together(away, box), rod_tracks.together(track, box)
         np.testing.assert_allclose(whole.x, alone.x, atol=1e-12)  # m; boxes of 1e-2 m added and taken off
         np.testing.assert_allclose(whole.y, alone.y, atol=1e-12)
 
@@ -252,8 +252,8 @@ class SeriesTest(MeasureCase):
     def test_every_quantity_and_axis(self):
         write_series(self.folder / "series.csv", [0.7, 0.74, 0.78], speeds=[1, 2, 4], distances=[15, 18, 24])
         for against in ("phi_b", "d0", "imposed_speed"):
-            self.ask(*(figure("series", quantity, quantity=quantity, against=against) for quantity in series.QUANTITIES))
-            self.assert_drawn(*series.QUANTITIES)
+            self.ask(*(figure("series", quantity, quantity=quantity, against=against) for quantity in schema.FIGURES["series"]["quantities"]))
+            self.assert_drawn(*schema.FIGURES["series"]["quantities"])
 
     def test_force_and_its_two_fits(self):
         write_series(self.folder / "series.csv", [0.8] * 4, speeds=self.SPEEDS)
@@ -338,7 +338,7 @@ class BadFilesTest(MeasureCase):
 
     def test_results(self):
         self.ask(figure("bond_order"))
-        for text, told in (("{", "JSON"), ("[]", "not a JSON object"), ('{"order": 1}', "order is not a table"),
+        for text, told in (("{", "JSON"), ("[]", "not a JSON object"), ('{"order": 1}', "order.class is not as rodwake writes it"),
                            ('{"order": {"class": "algebraic", "exponent": 0.2}}', "order.exponent"),
                            ('{"order": {"class": "algebraic", "exponent": {"value": "x"}}}', "order.exponent")):
             self.spoil("measure.json", text)
@@ -347,7 +347,7 @@ class BadFilesTest(MeasureCase):
         self.assert_fails("measure.json", "no such file")
         self.ask(figure("pair_correlation"))
         self.spoil("measure.json", '{"order": {"g_minimum": "x"}}')
-        self.assert_fails("measure.json", "g_minimum", "not a number")
+        self.assert_fails("measure.json", "g_minimum", "not as rodwake writes it")
 
     def test_fields(self):
         def edit(change):

@@ -6,7 +6,7 @@ import numpy as np
 
 from made_up_granular import A, rod_spheres, write_granular
 from plot_case import PlotCase
-from rodwake_plots import csv_columns, flow, line_fit, rod_outline, words
+from rodwake_plots import displacement, files, flow, series, words
 from rodwake_plots.errors import PlotError
 
 GRANULAR = ("snapshot", "rod_tracks", "side_view", "granular_table")
@@ -20,11 +20,11 @@ class PiecesTest(unittest.TestCase):
         w = sigma ** -2
         S, Sx, Sy, Sxx, Sxy = w.sum(), (w * x).sum(), (w * y).sum(), (w * x * x).sum(), (w * x * y).sum()
         D = S * Sxx - Sx ** 2
-        line = line_fit.fit(x, y, sigma)
+        line = series.fit_line(x, y, sigma)
         np.testing.assert_allclose(line.values, [(Sxx * Sy - Sx * Sxy) / D, (S * Sxy - Sx * Sy) / D], rtol=1e-12)
         np.testing.assert_allclose(line.errors, np.sqrt([Sxx / D, S / D]), rtol=1e-12)
         np.testing.assert_allclose(line.sigma(0.0), line.errors[:1], rtol=1e-12)
-        through = line_fit.fit(x, y, sigma, proportional=True)
+        through = series.fit_line(x, y, sigma, proportional=True)
         np.testing.assert_allclose([through.values[0], through.errors[0]], [Sxy / Sxx, Sxx ** -0.5], rtol=1e-12)
         self.assertEqual((line.dof, through.dof), (2, 3))
         self.assertGreater(through.chi2, line.chi2)
@@ -32,18 +32,18 @@ class PiecesTest(unittest.TestCase):
     def test_rod_is_that_of_the_simulation(self):
         """Radii to rounding; the ends are those that the simulator stores: nm, which its 1200 points of the solid reach."""
         _, radius = rod_spheres()
-        np.testing.assert_allclose(rod_outline.row({})[1], radius, rtol=4 * EPS)
+        np.testing.assert_allclose(displacement.sphere_row({})[1], radius, rtol=4 * EPS)
         run = type("Run", (), {"scene": {}, "granular": type("Bed", (), {"a": A})})
-        x, half = rod_outline.outline(run)
+        x, half = displacement.rod_outline(run)
         self.assertAlmostEqual(x[-1] - x[0], 11.25, delta=20 * EPS)
         self.assertAlmostEqual(2 * half.max(), 2.75, delta=1e-3)  # a fine grid may miss the top
         self.assertAlmostEqual(x[0] * A, -2.015811e-3, delta=5e-9)
         self.assertAlmostEqual(x[-1] * A, 2.484189e-3, delta=5e-9)
         apolar = {"scene": {"granular": {"rods": [{"kind": "apolar"}]}}, "granular": run.granular}
-        x, half = rod_outline.outline(type("Run", (), apolar))
+        x, half = displacement.rod_outline(type("Run", (), apolar))
         np.testing.assert_allclose(half, half[::-1], atol=1e-6)
         self.assertAlmostEqual(x[0], -x[-1], delta=1e-9)  # the centre of mass is a sum over 1200 points
-        np.testing.assert_allclose(rod_outline.taper({"taper": "stepwise", "segments": 4}, np.linspace(0, 1, 12), False),
+        np.testing.assert_allclose(displacement.taper({"taper": "stepwise", "segments": 4}, np.linspace(0, 1, 12), False),
                                    np.repeat([0, 1 / 3, 2 / 3, 1], 3), rtol=4 * EPS)
 
     def test_numbers_with_errors(self):
@@ -72,13 +72,13 @@ class CsvTest(PlotCase):
     def test_comments_and_gaps(self):
         path = self.folder / "a.csv"
         path.write_text("# lengths in a\nname,x,y\n# more\n\"a, b\",1,\nc,,2.5\n")
-        found = csv_columns.read_with_gaps(path, text=("name",))
+        found = files.read_csv(path, text=("name",))
         self.assertEqual(found["name"], ["a, b", "c"])
         np.testing.assert_array_equal([found["x"], found["y"]], [[1, np.nan], [np.nan, 2.5]])
         with self.assertRaisesRegex(PlotError, "a.csv: not a table of numbers"):
-            csv_columns.read_with_gaps(path)
+            files.read_csv(path)
         path.write_text("# comment\nx,y\n1,2\n# comment\n3,4\n")
-        np.testing.assert_array_equal(csv_columns.read(path)["y"], [2, 4])
+        np.testing.assert_array_equal(files.read_csv(path)["y"], [2, 4])
 
     def test_runs_without_measures_are_drawn_as_before(self):
         write_granular(self.folder, frames=3, columns=14, rows=16)

@@ -9,8 +9,8 @@ import numpy as np
 
 from made_up_result import SCENE, write_result
 from plot_case import PlotCase
-from rodwake_plots import draw, medium_instants, run_dir
-from rodwake_plots.medium_frames import FEW, MediumFilm, periodic_part
+from rodwake_plots import draw, medium_film, run_dir
+from rodwake_plots.medium_film import FEW, MediumFilm, periodic_part
 
 FILM = '[[figures]]\nname = "film"\nkind = "medium_film"\nfps = 10\n'
 INSTANTS = '[[figures]]\nname = "instants"\nkind = "medium_instants"\n'
@@ -64,7 +64,7 @@ class MediumFilmTest(PlotCase):
 
     def test_the_colour_is_the_size_of_u_where_the_rod_is(self):
         with run_dir.RunDir(self.folder) as run:
-            figure = medium_instants.draw(run, draw.figures_of(run)[0])
+            figure = medium_film.draw_medium_instants(run, draw.figures_of(run)[0])
         panels = [axes for axes in figure.axes if axes.images]
         self.assertEqual(len(panels), 4)
         for axes, place in zip(panels, (2.0, 4.0, 8.0, 10.0)):  # frames 0, 1, 3, 4

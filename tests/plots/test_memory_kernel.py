@@ -7,7 +7,7 @@ import numpy as np
 from made_up_granular import SCENE
 from made_up_measured import variants, write_measured
 from plot_case import PlotCase
-from rodwake_plots import draw, measured, memory_kernel, run_dir
+from rodwake_plots import bead_motion, bed_run, draw, run_dir
 
 FIGURE = '[[figures]]\nname = "fig"\nkind = "memory_kernel"\n'
 
@@ -28,8 +28,8 @@ class MemoryKernelTest(PlotCase):
 
     def test_kernels_within_their_range_and_the_stiffness(self):
         drawn, caption = self.draw()
-        for part, label, column in ((measured.Part("", "", self.folder), "$\\phi_b", "kernel"),
-                                    (measured.Part("", "", self.folder / "variants/v1"), "v1", "with_drag")):
+        for part, label, column in ((bed_run.Part("", "", self.folder), "$\\phi_b", "kernel"),
+                                    (bed_run.Part("", "", self.folder / "variants/v1"), "v1", "with_drag")):
             s, value = part.table("memory_kernel.csv", "s", column)
             kept = (s >= 0.1) & (s <= 100)
             self.assertTrue(0 < kept.sum() < s.size)

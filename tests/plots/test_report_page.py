@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from fit_case import FitCase, figure
-from rodwake_plots import abstract, canvas, contents, fit_result, hover, report, run_dir
+from rodwake_plots import canvas, fit_result, page, report, run_dir, sections
 
 
 def text(html):
@@ -21,7 +21,7 @@ class AbstractTest(FitCase):
     def sentences(self, **changes):
         self.rewrite(**changes)
         with run_dir.RunDir(self.folder) as run:
-            return [text(one) for one in abstract.sentences(run)]
+            return [text(one) for one in sections.sentences(run)]
 
     def test_whether_the_theory_fits(self):
         for chance, said in ((0.39, "fits Ux(x, 0) and Ux(0, y)"), (0.01, "fits only poorly"), (1e-5, "does not fit")):
@@ -50,9 +50,9 @@ class AbstractTest(FitCase):
         self.rewrite()
         fit = fit_result.FitResult(self.folder)
         one, two = fit.profiles[2], fit.profiles[2] | {"name": "ahead"}
-        self.assertNotIn("profile_Uy_x", abstract.place(fit, one))
+        self.assertNotIn("profile_Uy_x", sections.predicted_place(fit, one))
         fit.told["profiles"].append(two)
-        self.assertIn("<q>ahead</q>", abstract.place(fit, two))
+        self.assertIn("<q>ahead</q>", sections.predicted_place(fit, two))
 
 
 class PageTest(FitCase):
@@ -72,20 +72,20 @@ class PageTest(FitCase):
     def test_how_to_make_it_again(self):
         run = SimpleNamespace(version="0.1.0", path=self.folder, output=self.folder, provenance={"command": "/usr/bin/rodwake scan 'my scene.toml' -j 2", "version": "0.2.0", "git": "abc",
                                                            "seed": 7, "wall_seconds": 12.7})
-        made = text(contents.reproduce(run))
+        made = text(report.reproduce(run))
         self.assertIn("rodwake scan scene.toml -o again", made)
         self.assertIn("rodwake 0.2.0, git abc, seed 7; it took 13 s", made)
         for other in ("rodwake.Scene.load('a.toml').set('x', 1).run('b', stages=['rods'])", "rodwake measure folder", "rodwake -j 2 scan a.toml", None):
             run.provenance = other and {"command": other}
-            self.assertIn("rodwake run scene.toml -o again", text(contents.reproduce(run)))
+            self.assertIn("rodwake run scene.toml -o again", text(report.reproduce(run)))
 
     def test_many_pictures_lose_colours_before_the_page_grows(self):
         noise = np.random.default_rng(0).random((300, 300, 3))
         out = io.BytesIO()
-        matplotlib.image.imsave(out, noise, format="png", metadata={hover.KEY: "[[0.5,0.5,\"χ\"]]"})
+        matplotlib.image.imsave(out, noise, format="png", metadata={page.HOVER: "[[0.5,0.5,\"χ\"]]"})
         made = report.slim(out.getvalue())
         self.assertLess(len(made), 0.5 * len(out.getvalue()))
-        self.assertEqual(hover.of_png(made), [[0.5, 0.5, "χ"]])
+        self.assertEqual(page.hover_of_png(made), [[0.5, 0.5, "χ"]])
 
 
 class HoverTest(unittest.TestCase):
@@ -95,11 +95,11 @@ class HoverTest(unittest.TestCase):
         axes.plot([1.0], [20.0], "s", color="#ff0000", markersize=6, markeredgewidth=0)
         axes.set(xlim=(0, 4), ylim=(0, 100), xlabel="a long label below")
         made.legend(["outside"], loc="upper left", bbox_to_anchor=(1.0, 1.0))  # grows the picture to the right
-        found = hover.places(made, [(axes, 1.0, 20.0, "here"), (axes, 9.0, 20.0, "outside the panel")], canvas.PAD)
+        found = page.hover_places(made, [(axes, 1.0, 20.0, "here"), (axes, 9.0, 20.0, "outside the panel")], canvas.PAD)
         self.assertEqual([one[2] for one in found], ["here"])
         out = io.BytesIO()
-        made.savefig(out, format="png", bbox_inches="tight", pad_inches=canvas.PAD, dpi=200, metadata=hover.metadata(found))
-        self.assertEqual(hover.of_png(out.getvalue()), found)
+        made.savefig(out, format="png", bbox_inches="tight", pad_inches=canvas.PAD, dpi=200, metadata=page.hover_metadata(found))
+        self.assertEqual(page.hover_of_png(out.getvalue()), found)
         pixels = np.asarray(Image.open(out).convert("RGB")).astype(int)
         rows, columns = np.nonzero((pixels[..., 0] > 200) & (pixels[..., 1:].max(axis=-1) < 60))
         inner = columns < pixels.shape[1] * 0.6  # not the legend's
@@ -108,21 +108,21 @@ class HoverTest(unittest.TestCase):
 
     def test_very_many_are_thinned_evenly(self):
         x, y = np.random.default_rng(1).random((2, 20000))
-        kept = hover.thinned(x, y, np.arange(20000))
+        kept = page.thinned(x, y, np.arange(20000))
         self.assertTrue(1200 < len(kept) <= 1600, len(kept))
         self.assertTrue(all(np.histogram2d(x[kept], y[kept], bins=10)[0].ravel() > 5))
-        self.assertEqual(len(hover.thinned(x, y, np.arange(100))), 100)
+        self.assertEqual(len(page.thinned(x, y, np.arange(100))), 100)
 
     def test_texts_stay_inside_and_are_escaped(self):
-        made = hover.overlay([[0.1, 0.5, "a<b"], [0.9, 0.5, "c"]], 400, 300)
+        made = page.hover_overlay([[0.1, 0.5, "a<b"], [0.9, 0.5, "c"]], 400, 300)
         self.assertIn("a&lt;b", made)
         self.assertEqual(made.count('text-anchor="end"'), 1)
-        self.assertEqual(hover.overlay([], 400, 300), "")
+        self.assertEqual(page.hover_overlay([], 400, 300), "")
 
     def test_a_picture_without_places(self):
         out = io.BytesIO()
         matplotlib.image.imsave(out, np.zeros((4, 4, 3)), format="png")
-        self.assertEqual(hover.of_png(out.getvalue()), [])
+        self.assertEqual(page.hover_of_png(out.getvalue()), [])
 
 
 if __name__ == "__main__":

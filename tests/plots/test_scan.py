@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection
 import made_up_scan as made_up
 from made_up_scan import GAMMA, KAPPA, METHOD, PLACE
 from scan_case import ScanCase, figure, texts  # first: puts the plots on the path
-from rodwake_plots import phase_diagram, run_dir, scan_outcomes, style
+from rodwake_plots import phase_diagram, run_dir, scan_columns, style
 
 # (kappa, x_1) well inside each region of made_up_scan.
 INSIDE = {"contact": (10, 0), "pursuit": (20, 3), "escape": (1, -4), "undecided": (22.4, 4.72)}
@@ -103,8 +103,8 @@ class AdaptiveTest(ScanCase):
         self.assertIn("pursuit is decided at the end of the run", caption)
         made, _ = self.draw(colour="time", boundary=False)
         axes, bar = made.axes[0], made.axes[-1]
-        self.assert_colour(axes, *INSIDE["escape"], scan_outcomes.NOTHING)
-        self.assert_colour(axes, *INSIDE["undecided"], scan_outcomes.NOTHING)
+        self.assert_colour(axes, *INSIDE["escape"], scan_columns.NOTHING)
+        self.assert_colour(axes, *INSIDE["undecided"], scan_columns.NOTHING)
         self.assert_outcome(axes, *INSIDE["pursuit"], "pursuit")  # which has no time of its own
         time = made_up.results_at(10.0, 0.0, 0.0, np.array(0))[0]
         low, high = np.log(bar.get_ylim())  # times from 6 to 30
@@ -184,7 +184,7 @@ class OtherDesignsTest(ScanCase):
             self.assertEqual(len(offsets), 398)
             colours = made.axes[0].collections[0].get_facecolors()
             index = np.abs(self.points - offsets[7]).sum(axis=1).argmin()
-            wanted = scan_outcomes.rgba(scan_outcomes.COLOURS[made_up.OUTCOMES[self.codes[index]]])
+            wanted = scan_columns.rgba(scan_columns.COLOURS[made_up.OUTCOMES[self.codes[index]]])
             self.assertLess(np.abs(colours[7] * 255 - wanted).max(), 1)
 
     def test_three_axes_are_slices(self):

@@ -10,7 +10,7 @@ import numpy as np
 
 import made_up_scan as made_up
 from scan_case import ScanCase
-from rodwake_plots import run_dir, scan_columns, scan_sections, scan_words
+from rodwake_plots import run_dir, scan_columns, scan_words
 
 RUNS = 40
 
@@ -89,7 +89,7 @@ class BedScanTest(BedScanCase):
     def test_runs_are_counted(self):
         with run_dir.RunDir(self.folder) as run:
             self.assertEqual(scan_words.outcomes_html(run.scan), "runs: contact 100, escape 700")
-            rows = dict(scan_sections.points(run.scan))
+            rows = dict(scan_words.point_rows(run.scan))
             self.assertEqual(rows["Runs asked for"], "840")
             self.assertTrue(rows["Outcome escape"].startswith("700"))
 

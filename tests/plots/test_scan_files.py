@@ -10,7 +10,7 @@ import h5py
 from made_up_result import LINE, write_result
 from made_up_result import SCENE as THEORY
 from scan_case import ScanCase, figure  # first: puts the plots on the path
-from rodwake_plots import scan_sections
+from rodwake_plots import scan_words
 
 
 class FilesTest(ScanCase):
@@ -30,7 +30,7 @@ class FilesTest(ScanCase):
                 ("scan.json", lambda text: "[]", "not a JSON object"),
                 ("scan.json", lambda text: json.dumps(json.loads(text) | {"axes": None}), "axes is missing"),
                 ("scan.json", lambda text: json.dumps(json.loads(text) | {"axes": []}), "without axes"),
-                ("scan.json", lambda text: text.replace('"from": 0.1, ', ""), "an axis lacks what it needs"),
+                ("scan.json", lambda text: text.replace('"from": 0.1, ', ""), "an axis is not as rodwake writes it: KeyError: 'from'"),
                 ("scan.csv", lambda text: text.replace("outcome", "ending", 1), "column outcome is missing"),
                 ("scan.csv", lambda text: text.replace("escape", "fled", 1), "'fled' is none of contact, pursuit"),
                 ("scan.csv", lambda text: text.splitlines()[0] + "\n", "holds no points"),
@@ -58,8 +58,8 @@ class FilesTest(ScanCase):
         self.assert_fails("dataset /trajectories/x is missing")
 
     def test_keys_of_a_figure(self):
-        for keys, words in ((dict(colour=3), "colour = 3 is not a name"), (dict(cells="yes"), "cells = yes is neither true nor false"),
-                            (dict(slices=["a"]), "slices = ['a'] is not a list of numbers")):
+        for keys, words in ((dict(colour=3), "colour = 3 cannot be: string"), (dict(cells="yes"), "cells = yes cannot be: boolean (true, false)"),
+                            (dict(slices=["a"]), "slices = ['a'] cannot be: 1 to 9 numbers")):
             self.ask(figure(**keys))
             self.assert_fails(words)
 
@@ -82,7 +82,7 @@ class ReportTest(ScanCase):
         self.ask(figure())
         page = re.sub("<[^>]*>", "", self.page())
         for part in ("Scan", "adaptive refinement to 64 cells a side", "Failed: the state is no longer finite4", "Missed rate0.2 %",
-                     "Outcome contact", "0.1 to 100 μ v0/f", "logarithmic", "Stored trajectories24", scan_sections.PAGE, "Axes"):
+                     "Outcome contact", "0.1 to 100 μ v0/f", "logarithmic", "Stored trajectories24", scan_words.PAGE, "Axes"):
             self.assertIn(part, page)
         self.assertNotRegex(page, r"\b(?:nan|inf|None|null)\b")
 

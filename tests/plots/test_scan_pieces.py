@@ -15,7 +15,7 @@ from matplotlib.colors import to_rgb
 import made_up_scan as made_up
 from made_up_scan import GAMMA, KAPPA, METHOD, PLACE
 import plot_case  # noqa: F401: puts the plots on the path
-from rodwake_plots import packed, scan_axis, scan_outcomes, scan_raster, scan_scene, scan_slices
+from rodwake_plots import page, scan_columns, scan_raster, scan_run, scan_scene, scan_words
 
 EPS = np.finfo(float).eps
 # How colours look without one kind of cones: Machado, Oliveira and Fernandes, IEEE Trans. Vis. Comput. Graph. 15, 1291 (2009), linear RGB.
@@ -42,9 +42,9 @@ def closest(colours, vision):
 class ColoursTest(unittest.TestCase):
     def test_outcomes_are_told_apart_with_any_colour_vision(self):
         """By 29 at least, on white and on the dark page; 2.3 is what an eye just sees. "finished" has no other beside it."""
-        of_pairs = [colour for outcome, colour in scan_outcomes.COLOURS.items() if outcome != "finished"]
+        of_pairs = [colour for outcome, colour in scan_columns.COLOURS.items() if outcome != "finished"]
         for name, vision in VISION.items():
-            for together in (of_pairs, [scan_outcomes.COLOURS["finished"]]):
+            for together in (of_pairs, [scan_columns.COLOURS["finished"]]):
                 self.assertGreater(closest([*together, "#ffffff", "#1b1e23"], vision), 29, name)
 
     def test_the_measure_sees_red_and_green_fall_together(self):
@@ -55,16 +55,16 @@ class ColoursTest(unittest.TestCase):
 
     def test_capture_is_a_family(self):
         """Of the same hue, within 25 degrees; escape and undecided are of others, or of none."""
-        hue = {name: np.degrees(np.arctan2(*lab(colour, VISION["full"])[:0:-1])) for name, colour in scan_outcomes.COLOURS.items()}
+        hue = {name: np.degrees(np.arctan2(*lab(colour, VISION["full"])[:0:-1])) for name, colour in scan_columns.COLOURS.items()}
         self.assertLess(abs(hue["contact"] - hue["pursuit"]), 25)
         self.assertGreater(abs(hue["escape"] - hue["contact"]), 90)
-        self.assertLess(np.hypot(*lab(scan_outcomes.COLOURS["undecided"], VISION["full"])[1:]), 5)
+        self.assertLess(np.hypot(*lab(scan_columns.COLOURS["undecided"], VISION["full"])[1:]), 5)
 
 
 def scan_of(places, cells, axes=(KAPPA, PLACE)):
     """As much of a scan as pictures need."""
     return SimpleNamespace(places=np.asarray(places, dtype=float), cells=tuple(map(np.asarray, cells)), folder=None,
-                           axes=[scan_axis.from_json(axis, "scan.json") for axis in axes])
+                           axes=[scan_run.axis_of(axis) for axis in axes])
 
 
 class RasterTest(unittest.TestCase):
@@ -174,7 +174,7 @@ class RasterTest(unittest.TestCase):
 
 class AxisTest(unittest.TestCase):
     def axis(self, **told):
-        return scan_axis.from_json(KAPPA | told, "scan.json")
+        return scan_run.axis_of(KAPPA | told)
 
     def test_labels(self):
         for told, label, equals in (({}, r"$\kappa\,f/(\mu v_0)$", r"$\kappa = 3\ v_0$"),
@@ -205,7 +205,7 @@ class AxisTest(unittest.TestCase):
                             (dict(spacing="listed", values=[0.1, 1.0, 10.0]), "log"),
                             (dict(spacing="listed", values=[-0.1, 1.0, 10.0]), "linear"), ({}, "log"), (dict(spacing="linear"), "linear")):
             self.assertEqual(self.axis(**told).scale, scale)
-        choice = scan_axis.from_json(METHOD, "scan.json")
+        choice = scan_run.axis_of(METHOD)
         self.assertEqual((choice.scale, choice.equals(1), choice.low, choice.high), ("choice", "method: adams", -0.5, 2.5))
 
     def test_negative_and_logarithmic(self):
@@ -225,11 +225,11 @@ class SlicesTest(unittest.TestCase):
         places = made_up.grid(axes, 5)
         scan = scan_of(np.column_stack([np.log10(places[:, 0]), places[:, 1:]]), ([], [], []), axes)
         scan.design, scan.failed = "grid", np.zeros(len(places), dtype=bool)
-        parts = scan_slices.slices(scan)
+        parts = scan_words.slices(scan)
         self.assertEqual([part.at for part in parts], [0, 2.5, 7.5, 10])
         for part in parts:
             self.assertEqual((part.rows.sum(), set(places[part.rows, 3])), (25, {5.0}))
-        self.assertEqual([(axis.key, value) for axis, value in scan_slices.fixed(scan)], [("coupling.gamma2", 5.0)])
+        self.assertEqual([(axis.key, value) for axis, value in scan_words.held(scan)], [("coupling.gamma2", 5.0)])
 
 
 class SceneTest(unittest.TestCase):
@@ -237,7 +237,7 @@ class SceneTest(unittest.TestCase):
         + '\n[[figures]]\nname = "t"\nkind = "trajectories"\n'
 
     def axes(self, *keys, **told):
-        return [scan_axis.from_json(KAPPA | {"key": key, "keys": [key]} | told, "scan.json") for key in keys]
+        return [scan_run.axis_of(KAPPA | {"key": key, "keys": [key]} | told) for key in keys]
 
     def made(self, axes, values, text=None):
         text = scan_scene.filled(scan_scene.checked(text or self.TEXT, axes, values), values)
@@ -254,7 +254,7 @@ class SceneTest(unittest.TestCase):
 
     def test_ties(self):
         keys = ["rods.0.position.1", "rods.1.position.1", "rods.1.position.0"]
-        axis = scan_axis.from_json(PLACE | {"keys": keys, "factors": [1.0, -1.0, 0.5]}, "scan.json")
+        axis = scan_run.axis_of(PLACE | {"keys": keys, "factors": [1.0, -1.0, 0.5]})
         scene, _ = self.made([axis], [3.0])
         self.assertEqual([rod["position"] for rod in scene["rods"]], [[0.0, 3.0], [1.5, -3.0]])
 
@@ -272,13 +272,13 @@ class SceneTest(unittest.TestCase):
         self.assertEqual(scene["medium"], {"lame_lambda": 1.5, "mu": 2.0, "xi": 1.0, "field": "exact"})
 
     def test_flags(self):
-        axis = scan_axis.from_json(METHOD | {"key": "granular.count_rod_area", "keys": ["granular.count_rod_area"],
-                                             "values": ["false", "true"]}, "scan.json")
+        axis = scan_run.axis_of(METHOD | {"key": "granular.count_rod_area", "keys": ["granular.count_rod_area"],
+                                             "values": ["false", "true"]})
         for word, value in (("true", True), ("false", False)):
             self.assertIs(self.made([axis], [word], made_up.BED)[0]["granular"]["count_rod_area"], value)
 
     def test_kinds_of_values(self):
-        axes = [*self.axes("rods_run.max_steps"), scan_axis.from_json(METHOD, "scan.json")]
+        axes = [*self.axes("rods_run.max_steps"), scan_run.axis_of(METHOD)]
         scene, text = self.made(axes, [5000.0, "erk"])
         self.assertEqual((scene["rods_run"]["max_steps"], scene["rods_run"]["method"]), (5000, "erk"))
         self.assertIn("max_steps = 5000\n", text)
@@ -291,7 +291,7 @@ class SceneTest(unittest.TestCase):
         self.assertIn("[scan] # [x] Capture", scene["title"])
 
     def test_beds(self):
-        axes = [scan_axis.from_json(axis, "scan.json") for axis in (made_up.PHI, made_up.APART)]
+        axes = [scan_run.axis_of(axis) for axis in (made_up.PHI, made_up.APART)]
         scene, _ = self.made(axes, [0.75, 0.0036], made_up.BED + made_up.scan_table("grid", [made_up.PHI, made_up.APART]))
         self.assertEqual((scene["granular"]["phi_b"], [rod["position"][1] for rod in scene["granular"]["rods"]]), (0.75, [0.0036, -0.0036]))
 
@@ -313,10 +313,10 @@ class SceneTest(unittest.TestCase):
 
 class PackedTest(unittest.TestCase):
     def test_there_and_back(self):
-        """As table.js does it; the page itself is read in a browser by test_scan_page.py."""
+        """As data.js does it; the page itself is read in a browser by test_scan_page.py."""
         for values in (np.array([0.1, -np.inf, np.nan, 1e300]), np.arange(-3, 300, dtype=np.int32), np.array([1.5], dtype=np.float32),
                        np.array([0, 255], dtype=np.uint8), np.empty(0)):
-            box = packed.Box()
+            box = page.Box()
             told = box.add(values)
             raw = zlib.decompress(base64.b64decode(box.scripts[told["array"]].split(">")[1].split("<")[0]))
             found = np.frombuffer(raw, dtype=np.uint8).reshape(values.itemsize, values.size).T.tobytes()

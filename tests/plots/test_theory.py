@@ -12,7 +12,7 @@ import numpy as np
 
 from made_up_result import ALL_KINDS, LINE, PATHS, SCENE, write_result
 from plot_case import PROGRAM, PlotCase
-from rodwake_plots import cut, draw, run_dir, scene_table, trajectories
+from rodwake_plots import draw, field, run_dir, sections, trajectories
 
 
 class PlotsTest(PlotCase):
@@ -83,7 +83,7 @@ class PlotsTest(PlotCase):
             specs = [spec for spec in draw.figures_of(run) if spec.kind == "cut"]
             self.assertEqual([spec.sqrt_scaled for spec in specs], [False, True])
             for spec in specs:
-                zero, curve, *tail, rod = cut.draw(run, spec).axes[0].lines
+                zero, curve, *tail, rod = field.draw_cut(run, spec).axes[0].lines
                 self.assertEqual([len(line.get_xdata()) > 2 for line in (zero, curve, rod)], [False, True, False], spec.name)
                 self.assertEqual(len(tail), spec.sqrt_scaled)
                 for line in tail:  # of Eq. 16 with xi = 1, not of the data, which are level at 1
@@ -116,7 +116,7 @@ class PlotsTest(PlotCase):
 
     def test_the_report_explains_the_keys_of_a_resolved_scene(self):
         values = {"rods_run": {"output_interval": 0.25, "form": "angle"}, "medium": {"field": "exact"}}
-        rows = {row[0]: row for *_, rows in scene_table.tables(values, scene_table.Told("si")) for row in rows}
+        rows = {row[0]: row for *_, rows in sections.scene_tables(values, sections.Told("si")) for row in rows}
         self.assertEqual(rows["<code>output_interval</code>"][2], "0.25 s")
         for key in ("output_interval", "form", "field"):
             self.assertTrue(rows[f"<code>{key}</code>"][3], key)

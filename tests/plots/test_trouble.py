@@ -19,7 +19,7 @@ from made_up_granular import write_granular
 from made_up_result import ALL_KINDS, LINE, PATHS
 from made_up_scan import KAPPA, METHOD, write_scan
 from plot_case import PROGRAM, PlotCase
-from rodwake_plots import canvas, cut, draw
+from rodwake_plots import canvas, draw, field
 from test_theory import PlotsTest as Theory
 
 NO_TEX = r"\frac{a"
@@ -72,13 +72,18 @@ class NoTexTest(TroubleCase):
     edit = Theory.edit
 
 
+def broken(what, why):
+    """Drawing cuts, telling of them or finding them fails."""
+    return mock.patch.dict(draw.KINDS, cut=draw.KINDS["cut"]._replace(**{what: mock.Mock(side_effect=ValueError(why))}))
+
+
 class FailureTest(TroubleCase):
     """A figure that fails takes neither the others nor the report with it."""
 
     def test_the_report_says_why(self):
         self.build(figures=LINE + PATHS)
         for what, told in (("draw", "Not shown: internal error: ValueError: no &lt;luck&gt;"), ("caption", "no &lt;luck&gt;")):
-            with mock.patch.object(cut, what, side_effect=ValueError("no <luck>")):
+            with broken(what, "no <luck>"):
                 done = self.plot()
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
             self.assertIn('figure "line": internal error: ValueError: no <luck>', done.stderr)
@@ -90,7 +95,7 @@ class FailureTest(TroubleCase):
     def test_a_picture_from_before_is_not_taken_for_it(self):
         self.build(figures=LINE + PATHS)
         self.assertEqual(self.plot().returncode, 0)
-        with mock.patch.object(cut, "draw", side_effect=ValueError("no luck")):
+        with broken("draw", "no luck"):
             self.assertEqual(self.plot().returncode, 1)
         self.assertNotIn('<img alt="line"', self.page())
         (self.folder / "figures/line.png").unlink()
@@ -109,7 +114,7 @@ class FailureTest(TroubleCase):
 
     def test_what_there_is_cannot_be_told(self):
         self.build(figures="")
-        with mock.patch.object(cut, "defaults", side_effect=ValueError("no luck")):
+        with broken("defaults", "no luck"):
             self.assertEqual([one.kind for one in self.figures()].count("cut"), 1)
 
     def figures(self):

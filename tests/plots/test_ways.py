@@ -40,9 +40,9 @@ class WaysFigureTest(PlotCase):
         (self.folder / "ways.json").write_text(json.dumps({"of": part, "ways": ways}))
 
     def axes(self):
-        from rodwake_plots import ways  # found by plot_case
+        from rodwake_plots import tradeoff  # found by plot_case
         told = json.loads((self.folder / "ways.json").read_text())
-        return {"bed": ways.draw_bed, "fit": ways.draw_fit, "field": ways.draw_field}[told["of"]]([one for one in told["ways"] if one["found"]]).axes
+        return {"bed": tradeoff.draw_bed, "fit": tradeoff.draw_fit, "field": tradeoff.draw_field}[told["of"]]([one for one in told["ways"] if one["found"]]).axes
 
     def test_all_are_drawn(self):
         for part, ways in (("bed", BED), ("fit", FIT), ("field", FIELD)):

@@ -2,7 +2,7 @@
 
 import math
 
-from . import words
+from . import bed_run, fit_words, schema, words
 
 PAIRS = (("bead_bead", "bead with bead", "particle_particle"), ("bead_rod", "bead with rod", "particle_particle"),
          ("rod_rod", "rod with rod", "particle_particle"), ("bead_wall", "bead with plate", None), ("rod_wall", "rod with plate", None))
@@ -10,7 +10,7 @@ ROUNDING = 1e-9  # degrees
 TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "pressure", "rods", "beads", "phi_b", "beads_fraction", "bead_radius", "box", "runs"}
 
 
-def headline(run):
+def bed_headline(run):
     """One sentence under the title."""
     bed = run.granular
     runs = f"{len(bed.members)} runs of " if not bed.single else ""
@@ -26,19 +26,19 @@ def headline(run):
     return f'<p class="outcome"><span class="tag">granular</span>{text}.</p>'
 
 
-def modelled(run):
+def modelled_rows(run):
     """Rows (what, value) of what was simulated, from the resolved scene and the summary."""
     bed, scene = run.granular, run.scene.get("granular", {})
     sides = " × ".join(words.number(float(side / bed.a), 4) for side in bed.box)
     if bed.need("beads"):
-        yield from beads(bed, scene)
+        yield from beads_rows(bed, scene)
     yield "Box", f"{sides} <i>a</i>, periodic in <i>x</i> and <i>y</i>"
     if isinstance(scene.get("plates"), dict):
-        yield "Plates", plates(scene["plates"], scene.get("gravity", 0.0))
+        yield "Plates", plates_told(scene["plates"], scene.get("gravity", 0.0))
     yield from ((f"Rod {number}", rod_told(rod)) for number, rod in enumerate(scene.get("rods", [])))
 
 
-def beads(bed, scene):
+def beads_rows(bed, scene):
     yield "Beads", (f"{words.number(bed.need('beads'))} spheres, {words.equation('<i>a</i>', bed.a * 1e3, 'mm')}"
                     f"{of_density(scene.get('bead_density'))}")
     alone = bed.summary.get("beads_fraction")
@@ -50,7 +50,7 @@ def of_density(value):
     return f", {words.number(value)} kg/m³" if words.is_number(value) else ""
 
 
-def plates(values, gravity):
+def plates_told(values, gravity):
     gap, frequency, gamma = (values.get(key, 0.0) for key in ("gap", "frequency", "gamma"))
     text = f"{words.equation('<i>w</i>', gap * 1e3, 'mm')} apart"
     if not (gamma and frequency):
@@ -72,7 +72,7 @@ def rod_told(rod):
     return text + (f", held at {words.number(speed * 1e3)} mm/s" if words.is_number(speed) else "")
 
 
-def contacts(run):
+def contact_rows(run):
     """Rows (pair, friction, restitution)."""
     given = run.scene.get("granular", {}).get("contacts", {})
     for key, name, common in PAIRS:
@@ -81,7 +81,7 @@ def contacts(run):
             yield name, words.number(both.get("friction", "–")), words.number(both.get("restitution", "–"))
 
 
-def measured(run):
+def summary_rows(run):
     """Rows (quantity, value, meaning) of summary.json."""
     summary = run.granular.summary
     known = (("simulated_time", "Simulated time", "s", "from <i>t</i> = 0 on"),
@@ -114,6 +114,56 @@ def rod_measured(number, rod):
         yield f"Rod {number}, net turn", f"{words.number(turn if abs(turn) > ROUNDING else 0)}°", f"{kind}; counter-clockwise"
 
 
-def other(run):
+def other_summary(run):
     """What else the summary holds: cost, hash and the like."""
     return {key: value for key, value in run.granular.summary.items() if key not in TOLD}
+
+
+# The part of the report that tells what was measured: measure.json in words.
+
+MEASURED_TITLED = [told for told in schema.MEASURED if "title" in told]
+MEASURED_NUMBERS = [told for told in MEASURED_TITLED if "factor" in told]
+MEASURED_TEXTS = [told for told in MEASURED_TITLED if "factor" not in told]
+
+
+def measures_table(run):
+    """The parts side by side; nothing where nothing was measured."""
+    parts = [part for part in bed_run.parts_of(run) if part.has(bed_run.RESULTS)]
+    if not parts:
+        return (), []
+    names = [words.label_html(part.label) for part in parts] if len(parts) > 1 else ["Value"]
+    rows = [*(text_row(parts, told) for told in MEASURED_TEXTS), *(number_row(parts, told) for told in MEASURED_NUMBERS)]
+    return ("Quantity", *names, "Meaning"), [row for row in rows if row]
+
+
+def text_row(parts, told):
+    values = [part.told(told["measure"], told["key"]) for part in parts]
+    meaning = words.text_html(told["meaning"])
+    if told["key"] == "phase" and len(parts) == 1:
+        meaning = words.escape(parts[0].told("order", "reason") or "") or meaning
+    cells = ["" if value is None else words.escape(value) for value in values]
+    return (words.text_html(told["title"]), *cells, meaning) if any(values) else None
+
+
+def number_row(parts, told):
+    cells = [measure_cell(part, told) for part in parts]
+    return (words.text_html(told["title"]), *cells, words.text_html(told["meaning"])) if any(cells) else None
+
+
+def measure_cell(part, told):
+    """Speeds are in mm/s all over the report, whatever the file has."""
+    table, key, factor, unit = told["measure"], told["key"], told["factor"], fit_words.unit_html(told["unit"])
+    if told["unit"] == "a/s":
+        factor, unit = 1e3 * part.granular.a, "mm/s"
+    found = part.told(table, key)
+    if found is None:
+        return ""
+    if not isinstance(found, dict):
+        value = part.number(table, key)
+        return f"{words.number(value * factor if isinstance(value, float) else value)} {unit}".strip()
+    estimate = part.estimate(table, key)
+    if estimate is None:
+        return ""
+    text = words.with_error(estimate.value, estimate.error, factor)
+    text = f"({text})" if unit and "±" in text and not text.startswith("(") else text
+    return f"{text} {unit}".strip()

@@ -1,13 +1,13 @@
 """Rods that diffuse: how far they get, how long they keep their headings, and how many have met, of the scene and of each variant."""
 
-import json
 from typing import NamedTuple
 
 import numpy as np
 
-from . import canvas, csv_columns, style, words
-from .errors import MissingError, PlotError
-from .spec import Spec
+from . import canvas, files, style, words
+from .errors import MissingError
+from .schema import Kind
+from .words import Units
 
 MEANS, RUNS = "noise.json", "ensemble.csv"
 CONTACT = 0  # in ensemble.csv
@@ -34,22 +34,15 @@ def cases(run):
     for one in run.result.runs():
         folder = run.path if one.name == "scene" else run.path / "variants" / one.name
         if (folder / MEANS).is_file():
-            means = read_means(folder / MEANS)
+            means = files.Record(folder / MEANS)
             label = one.label if one.attrs.get("label") else rf"$D_r = {words.math_number(means['rotational_diffusion'])}$"
-            found.append(Case(label, means, csv_columns.read_with_gaps(folder / RUNS)))
+            found.append(Case(label, means, files.read_csv(folder / RUNS)))
     if not found:
         raise MissingError(run.path / MEANS, "no such file: [noise] in the scene and a finished run of its rods write it")
     return found
 
 
-def read_means(path):
-    try:
-        return json.loads(path.read_text())
-    except ValueError as error:
-        raise PlotError(f"{path}: not JSON: {error}") from error
-
-
-def draw(run, spec):
+def draw_noise(run, spec):
     drawn, units = cases(run), run.result.units
     paired = any(case.means["capture_probability"] is not None for case in drawn)
     figure = canvas.figure(style.WIDE if paired else 0.75 * style.WIDE, 2.7)
@@ -58,11 +51,11 @@ def draw(run, spec):
     time = units.time("t", end)
     for k, case in enumerate(drawn):
         colour = style.ROD_COLOURS[k % len(style.ROD_COLOURS)]
-        spread(panels[0], case, time, units, colour)
-        headings(panels[1], case, time, colour)
+        draw_spread(panels[0], case, time, units, colour)
+        draw_headings(panels[1], case, time, colour)
         if paired:
-            met(panels[2], case, time, colour)
-    length = units.length(r"\langle|\mathbf{r}(t)-\mathbf{r}(0)|^2\rangle^{1/2}", np.sqrt(top(drawn)))
+            draw_met(panels[2], case, time, colour)
+    length = units.length(r"\langle|\mathbf{r}(t)-\mathbf{r}(0)|^2\rangle^{1/2}", np.sqrt(largest_square(drawn)))
     panels[0].set(xlabel=time.label, ylabel=length.label, xscale="log", yscale="log")
     panels[1].set(xlabel=time.label, ylabel=r"$\langle\cos(\theta(t)-\theta(0))\rangle$", xlim=(0, end * time.factor))
     if paired:
@@ -75,35 +68,35 @@ def draw(run, spec):
     return figure
 
 
-def top(drawn):
+def largest_square(drawn):
     return max(np.nanmax(case.by_time("mean_square_displacement")[0]) for case in drawn)
 
 
-def shown(times):
+def with_bars(times):
     """Indices of the times that get an error bar, the start not among them."""
     return np.unique(np.linspace(1, len(times) - 1, min(POINTS, len(times) - 1)).astype(int)) if len(times) > 1 else np.array([], dtype=int)
 
 
-def spread(axes, case, time, units, colour):
+def draw_spread(axes, case, time, units, colour):
     t = np.array(case.means["times"])
     square, error = case.by_time("mean_square_displacement")
     factor = units.length("r", np.sqrt(np.nanmax(square))).factor
-    at = shown(t)
+    at = with_bars(t)
     root = np.sqrt(square[at])
     axes.errorbar(t[at] * time.factor, root * factor, 0.5 * error[at] / root * factor, fmt="o", markersize=2.5, linewidth=0.8, color=colour,
                   label=case.label)
     axes.plot(t[1:] * time.factor, np.sqrt(free_square(case.means, t[1:])) * factor, color=colour, linewidth=0.9)
 
 
-def headings(axes, case, time, colour):
+def draw_headings(axes, case, time, colour):
     t = np.array(case.means["times"])
     value, error = case.by_time("heading_correlation")
-    at = shown(t)
+    at = with_bars(t)
     axes.errorbar(t[at] * time.factor, value[at], error[at], fmt="o", markersize=2.5, linewidth=0.8, color=colour)
     axes.plot(t * time.factor, np.exp(-case.means["rotational_diffusion"] * t), color=colour, linewidth=0.9)
 
 
-def met(axes, case, time, colour):
+def draw_met(axes, case, time, colour):
     """Runs in contact by a time, and at the end the probability of capture with its interval of 95 %."""
     means = case.means
     if means["capture_probability"] is None:
@@ -125,7 +118,7 @@ def free_square(means, t):
     return walked + 4 * means["translational_diffusion"] * t
 
 
-def caption(run, _):
+def caption_noise(run, _):
     drawn = cases(run)
     told = "; ".join(f"{words.label_html(case.label)}: {capture(case.means)}" for case in drawn if case.means["capture_probability"] is not None)
     return ("Root of the mean-square displacement and correlation of the headings, means over runs and rods; lines: a rod that no other turns. "
@@ -137,6 +130,76 @@ def capture(means):
     return f"{p} ({low} to {high}) of {words.number(means['runs'])} runs"
 
 
-def defaults(run):
-    there = (run.path / MEANS).is_file()
-    return [Spec("noise", "noise")] if there and run.result.has("/rods") else []
+# Order parameters and clusters of the rods against time, and how many rods are in clusters of which size.
+
+SERIES, CLUSTERS, RODS_ORDER_MEANS = "rods_order.csv", "clusters.csv", "rods_order.json"
+
+
+def draw_rods_order(run, spec):
+    series, clusters, means = order_tables(run)
+    time = units_of(means).time("t", series["t"][-1])
+    figure = canvas.figure(style.WIDE, 5.2)
+    axes = figure.subplot_mosaic([["order", "share"], ["size", "share"]], width_ratios=[1.25, 1])
+    t = series["t"] * time.factor
+    order_curves(axes["order"], t, [(series["polar"], style.LINE, "polar"), (series["nematic"], style.ROD_COLOURS[0], "nematic")])
+    axes["order"].set(ylabel="order", ylim=(0, 1))
+    order_curves(axes["size"], t, [(series["largest"], style.ROD_COLOURS[2], "largest"), (series["weighted_size"], style.ROD_COLOURS[3], "of a rod, mean"),
+                             (series["mean_size"], style.GREY, "mean")])
+    axes["size"].set(ylabel="cluster size (rods)", yscale="log", xlabel=time.label)
+    canvas.plain_ticks(axes["size"].yaxis, series["mean_size"].min(), series["largest"].max())
+    axes["order"].tick_params(labelbottom=False)
+    for part in (axes["order"], axes["size"]):
+        part.axvspan(means["from"] * time.factor, t[-1], color=style.INK, alpha=0.05, linewidth=0)
+        part.margins(x=0)
+    cluster_histogram(axes["share"], clusters)
+    figure.suptitle(style.safe(spec.title), fontsize=10.5)
+    return figure
+
+
+def order_tables(run):
+    means = run.rods_order
+    if means is None:
+        raise MissingError(run.path / RODS_ORDER_MEANS, "no such file: [rods_order] in the scene and a finished run write it; of a bed rodwake measure does")
+    return files.read_csv(run.path / SERIES), files.read_csv(run.path / CLUSTERS), means
+
+
+def order_curves(axes, t, parts):
+    for values, colour, name in parts:
+        axes.plot(t, values, color=colour, label=name)
+    axes.legend(loc="best", frameon=False, fontsize=8.5, handlelength=1.4)
+
+
+def cluster_histogram(axes, clusters):
+    """Share of the rods in clusters of 1, 2, 3 to 4, 5 to 8, ... rods."""
+    top = int(np.ceil(np.log2(clusters["size"].max()))) if clusters["size"].size else 0
+    bins = np.ceil(np.log2(clusters["size"])).astype(int)
+    share = np.bincount(bins, clusters["share"], top + 1)
+    axes.bar(np.arange(top + 1), share, width=0.85, color=style.LINE)
+    axes.set_xticks(np.arange(top + 1), ["1", "2"][:top + 1] + [f"{2 ** (k - 1) + 1}-{2 ** k}" for k in range(2, top + 1)], rotation=40, fontsize=8)
+    axes.set(xlabel="cluster size (rods)", ylabel="share of the rods", ylim=(0, None))
+
+
+def caption_rods_order(run, _):
+    means = order_tables(run)[2]
+    unit = units_of(means).length_html()
+    told = "; ".join(f"{name} {order_estimate(means[key])}" for key, name in (
+        ("polar", "polar order"), ("nematic", "nematic order"), ("weighted_size", "mean size of the cluster that a rod is in"),
+        ("largest", "largest cluster")))
+    return (f"Left: order of the rods and sizes of their clusters; rods nearer than {words.number(means['link'])} {unit} are linked. Right: share of "
+            f"the rods in clusters of each size. Means over the shaded time, standard errors from {words.number(means['blocks'])} blocks: {told}.")
+
+
+def units_of(means):
+    """Of a bed SI, whatever the theory's results are in."""
+    return Units("si" if means["units"]["time"] == "s" else "reduced")
+
+
+def order_estimate(value):
+    error = f" ± {words.number(value['error'], 2)}" if value["error"] is not None else ""
+    return words.number(value["value"]) + error
+
+
+KINDS = {
+    "noise": Kind(draw=draw_noise, caption=caption_noise, there=lambda run: (run.path / MEANS).is_file() and run.result.has("/rods")),
+    "rods_order": Kind(draw=draw_rods_order, caption=caption_rods_order, there=lambda run: run.rods_order),
+}
