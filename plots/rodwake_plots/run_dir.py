@@ -229,6 +229,8 @@ class Result:
         if not self.has(place):
             raise self.error(place, f"{place} is missing (the file holds {self.cut_count()} cuts)")
         along, at = self.attribute(place, "along"), self.attribute(place, "at")
+        if along not in ("x", "y"):  # it becomes part of a page
+            raise PlotError(f'{self.path}: along of {place} is "{along}", neither x nor y')
         return Cut(along, at, *(self.data(f"{place}/{name}") for name in ("s", "Ux", "Uy")))
 
     def runs(self):
