@@ -60,7 +60,7 @@ def stages(file):
     else:
         yield ["-L", f"^{part}$"]
         yield ["-L", "^(rods|medium|measure|granular|fitting|app)$"]
-    yield ["-L", "^(cli|python|store|report|support)$"]
+    yield ["-L", "^(cli|python|store|report|support)$", "-LE", "long", "-E", "cli: (scenes|hostile|tradeoff_ways)|^report"]  # not what draws
 
 
 def fate(tree, file):
