@@ -1,13 +1,9 @@
-// What a plan will cost, from a short measurement of each part on this machine: the stages that are quick to
-// describe, and the table of all.
+// What a plan will cost: the stages' own measurements, put together, and how tables of costs look.
 
 #include "cost_parts.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/stopwatch.hpp"
-#include "rodwake/fitting/problem.hpp"
-#include "scan/scan_rods.hpp"
-#include "theory/wake_fields.hpp"
+#include "stage_kind.hpp"
 
 #include <fmt/format.h>
 

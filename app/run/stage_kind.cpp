@@ -21,9 +21,8 @@ const StageKind& kind_of(Stage stage) {
 
 const std::vector<Stage>& all_stages() {
     static const std::vector<Stage> all = [] {
-        std::vector<Stage> stages;
-        for (int i = 0; i < static_cast<int>(Stage::end); ++i)
-            stages.push_back(static_cast<Stage>(i));
+        std::vector<Stage> stages(static_cast<std::size_t>(Stage::end));
+        std::ranges::generate(stages, [i = 0]() mutable { return static_cast<Stage>(i++); });
         return stages;
     }();
     return all;

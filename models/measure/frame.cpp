@@ -112,7 +112,8 @@ constexpr double finest = 512.0; ///< bins in x or y: a block of the displacemen
 
 /// Column or row of a coordinate: n stands for the periodic image of 0.
 std::optional<std::size_t> column(double place, double spacing, std::size_t n) {
-    const double k = std::floor(place / spacing + 0.5) + static_cast<double>(n / 2);
+    const std::size_t middle = n / 2;
+    const double k = std::floor(place / spacing + 0.5) + static_cast<double>(middle);
     if (!(k >= 0.0 && k <= static_cast<double>(n)))
         return std::nullopt;
     return static_cast<std::size_t>(k) % n;
