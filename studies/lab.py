@@ -59,17 +59,17 @@ def names_among(parts):
 
 
 @contextlib.contextmanager
-def open_lab(options):
-    """In the folder of --keep, or in one that is removed."""
+def open_lab(options, kind=None):
+    """In the folder of --keep, or in one that is removed; `kind` is the class."""
     with tempfile.TemporaryDirectory() as scratch:
-        lab = Lab(options.program, getattr(options, "keep", None) or scratch, getattr(options, "j", None), getattr(options, "quick", False))
+        lab = (kind or Lab)(options.program, getattr(options, "keep", None) or scratch, getattr(options, "j", None), getattr(options, "quick", False))
         lab.options = options
         yield lab
 
 
-def run_parts(options, parts, before=lambda name: None):
+def run_parts(options, parts, before=lambda name: None, kind=None):
     """Each part that was asked for, and what it took; `before` says what one begins with."""
-    with open_lab(options) as lab:
+    with open_lab(options, kind) as lab:
         version = lab.call("--version").stdout.strip()
         print(f"{version}, {time.strftime('%Y-%m-%d')}" + (" (quick: numbers mean nothing)" if lab.quick else ""))
         for name in options.only:
@@ -101,6 +101,10 @@ class Lab:
         path.write_text(text, encoding="utf-8")
         return path
 
+    @staticmethod
+    def text_of(scene):
+        return scene if "\n" in scene else (SOURCE / "scenes" / scene).read_text(encoding="utf-8")
+
     def call(self, *words, good=(0,), **keys):
         """The process, which must end with an exit code that is good (none named: any)."""
         command = [self.program, *map(str, words)]
@@ -111,8 +115,7 @@ class Lab:
 
     def make(self, name, scene, *settings, verbs=("run",), seed=None, good=(0,)):
         """The run directory of a scene, which is its text or the name of a shipped one; taken as it is if it was made of the same."""
-        text = scene if "\n" in scene else (SOURCE / "scenes" / scene).read_text(encoding="utf-8")
-        asked = text + "".join(f"# -s {one}\n" for one in settings) + ("" if seed is None else f"# --seed {seed}\n")
+        asked = self.text_of(scene) + "".join(f"# -s {one}\n" for one in settings) + ("" if seed is None else f"# --seed {seed}\n")
         file, out = self.folder / f"{name}.toml", self.folder / name
         same = file.is_file() and file.read_text(encoding="utf-8") == asked
         if same and is_finished(out, *(RESULTS[verb] for verb in verbs if verb in RESULTS)):

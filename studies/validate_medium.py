@@ -11,13 +11,9 @@ moments those of monopole and scaling. tail reads the reduced runs of studies/me
 scaling_310 runs only when named.
 """
 
-import argparse
-import subprocess
-import tempfile
-import time
-
+from lab import parser, run_parts
 from medium import drag, moments, monopole, moving, pairs, scaling, sound, spread, static, strain, tail
-from medium.lab import COST, SOURCE, Lab
+from medium.bed import COST, Beds
 
 PARTS = {"sound": (sound.part, sound.cost), "static": (static.part, static.cost), "strain": (strain.part, strain.cost),
          "moving": (moving.part, moving.cost),
@@ -29,34 +25,14 @@ PARTS = {"sound": (sound.part, sound.cost), "static": (static.part, static.cost)
 NAMED_ONLY = {"scaling_310"}
 
 
-def options_of():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=str(SOURCE / "build/release/rodwake"))
-    parser.add_argument("--only", default=",".join(name for name in PARTS if name not in NAMED_ONLY), help="parts, comma-separated: " + ", ".join(PARTS))
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("-j", type=int, default=2, help="threads")
-    parser.add_argument("--keep", help="folder for the runs; otherwise they are removed")
-    options = parser.parse_args()
-    unknown = [part for part in options.only.split(",") if part not in PARTS]
-    if unknown:
-        parser.error(f"no such part: {', '.join(unknown)}; there are {', '.join(PARTS)}")
-    return options
+def tell_cost(name):
+    hours = PARTS[name][1]() * COST / 3600
+    print(f"\n{name}: at most {hours:.1f} CPU hours" if hours > 0.95 else f"\n{name}: at most {60 * hours:.0f} CPU minutes", flush=True)
 
 
 def main():
-    options = options_of()
-    with tempfile.TemporaryDirectory() as scratch:
-        lab = Lab(options, options.keep or scratch)
-        version = subprocess.run([options.program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-        print(f"{version}, {time.strftime('%Y-%m-%d')}" + (" (quick: numbers mean nothing)" if options.quick else ""))
-        for name in options.only.split(","):
-            make, cost = PARTS[name]
-            hours = cost() * COST / 3600
-            if not options.quick:
-                print(f"\n{name}: at most {hours:.1f} CPU hours" if hours > 0.95 else f"\n{name}: at most {60 * hours:.0f} CPU minutes", flush=True)
-            began = time.monotonic()
-            make(lab)
-            print(f"({name}: {time.monotonic() - began:.0f} s)", flush=True)
+    options = parser(__doc__, "quick", "threads", "keep", parts=PARTS, chosen=[name for name in PARTS if name not in NAMED_ONLY]).parse_args()
+    run_parts(options, {name: make for name, (make, _) in PARTS.items()}, before=(lambda name: None) if options.quick else tell_cost, kind=Beds)
 
 
 if __name__ == "__main__":

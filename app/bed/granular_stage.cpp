@@ -277,10 +277,7 @@ StageKind granular_stage() {
             .require = require_granular,
             .cost = [](const Plan& plan, const std::filesystem::path&,
                        const RunContext&) { return bed_cost(plan); },
-            .grows =
-                [](const scene::Scene& old, const scene::Scene& s) {
-                    return old.granular && s.granular && s.granular->runs > old.granular->runs;
-                }};
+            .grows = wants_more_runs};
 }
 
 } // namespace rodwake::app

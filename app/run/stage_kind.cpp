@@ -87,6 +87,10 @@ bool has_new_field(const scene::Scene& scene, const Upheaval& all) {
            (measures_own_field(scene) && (all.redone(Stage::measure) || all.redone(Stage::granular)));
 }
 
+bool wants_more_runs(const scene::Scene& old, const scene::Scene& scene) {
+    return old.granular && scene.granular && scene.granular->runs > old.granular->runs;
+}
+
 bool only_measures(const Plan& plan) {
     return std::ranges::all_of(plan.stages,
                                [](Stage stage) { return stage == Stage::measure || stage == Stage::order; });

@@ -71,6 +71,9 @@ scene::Scene key_of_rods(const scene::Scene& scene);
 /// Whether the theory's field comes from a fit or a map that is made anew.
 bool has_new_field(const scene::Scene& scene, const Upheaval& all);
 
+/// Whether a bed, or a scan of beds, is asked for more runs than it was.
+bool wants_more_runs(const scene::Scene& old, const scene::Scene& scene);
+
 /// Whether a command adds to a run that is there: rodwake measure.
 bool only_measures(const Plan& plan);
 /// Throws InputError if the folder holds no run.

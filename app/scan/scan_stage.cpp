@@ -276,9 +276,8 @@ StageKind scan_stage() {
                 },
             .grows =
                 [](const scene::Scene& old, const scene::Scene& s) {
-                    const bool more_runs =
-                        old.granular && s.granular && s.granular->runs > old.granular->runs;
-                    return old.scan != s.scan || (scan_subject(s) == scene::ScanSubject::beds && more_runs);
+                    const bool beds = scan_subject(s) == scene::ScanSubject::beds;
+                    return old.scan != s.scan || (beds && wants_more_runs(old, s));
                 }};
 }
 

@@ -40,8 +40,9 @@ def quantity_of(name):
     told = next(one for one in schema.MEASURED if (one["measure"], one["key"]) == (measure, NAMED_ELSE.get(name, name)))
     symbol = re.search(r"\$.*\$", told["title"])
     unit = r"\mathrm{mm/s}" if name == "speed" else UNITS.get(told["unit"]) or fit_words.unit_math(told["unit"]).strip("$")
+    what = told["meaning"].split(";")[0]  # what follows is for the table in which it stands
     return Quantity(SYMBOLS.get(name) or (symbol[0] if symbol else told["title"].lower()), unit,
-                    f"{words.text_html(told['title'])}: {words.text_html(told['meaning'])}", 1.0 if unit == "N" else told["factor"])
+                    f"{words.text_html(told['title'])}: {words.text_html(what)}", 1.0 if unit == "N" else told["factor"])
 
 
 def draw(run, spec):

@@ -3,8 +3,10 @@
 import h5py
 import numpy as np
 
+from lab import estimate, ratio, table, text, told
+
 from . import monopole, push, sound, static
-from .lab import A, bed, combined, estimate, ratio, rod, table, text, told
+from .bed import A, bed, combined, rod
 
 ONLY_DRAG = (2.0, 8.0)      # mm/s; the other speeds are those of the maps
 NEAR_SECONDS = 20.0
@@ -30,7 +32,7 @@ def rod_row(lab, speed):
 
 
 def part(lab):
-    at_rest = told(sound.run(lab))["phonons"]
+    at_rest = told(sound.run(lab), "measure")["phonons"]
     rows = [["bed at rest", "0", "", text(estimate(at_rest["drag_rate"])), text(estimate(at_rest["c_T"]), digits=1)]]
     rows += [uniform_row(lab, drift) for drift in push.DRIFTS]
     rows += [rod_row(lab, speed) for speed in (*monopole.SPEEDS, *ONLY_DRAG)]

@@ -14,8 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lab import table, text
+
 from . import monopole, push, scaling, sound, spread
-from .lab import A, table, text
+from .bed import A
 
 ORDERS = (("dipoles", "", monopole.MONOPOLE), ("and second moments", "_second", ("amplitude", "p_xx", "p_yy", "q_xxx", "q_xyy", "offset")))
 INDEPENDENT_SPACING = 4.2  # a, as in monopole.scene

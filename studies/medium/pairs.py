@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from .lab import estimate, mean, table, told
+from lab import estimate, mean, table, told
+
 
 RUNS = 50
 TURN = 0.2   # rad: a rod has begun to turn
@@ -19,7 +20,7 @@ def part(lab):
     for angle in (0, 90):
         folder = lab.make(f"pair_{angle}", f"pair_unstrained_{angle}.toml", f"granular.runs={lab.count(RUNS)}",
                           *(["granular.duration=1 s"] if lab.quick else []))
-        found = told(folder)["pairs"]
+        found = told(folder, "measure")["pairs"]
         change = found.get("half_box_change") or {"value": math.nan, "error": None}
         value, error = estimate(change)
         rows.append([f"{angle} degrees", f"{value:+.2f} +- {error:.2f}", str(found["not_there"]), *(str(found[k]) for k in
@@ -55,7 +56,7 @@ def latency(track, k):
 
 
 def show_near(folder):
-    found, all_tracks = told(folder)["pairs"], list(tracks(folder))
+    found, all_tracks = told(folder, "measure")["pairs"], list(tracks(folder))
     times = np.array([[latency(t, k) for k in (0, 1)] for t in all_tracks])
     rows = []
     for k, label in ((0, "along the rows"), (1, "across the rows")):

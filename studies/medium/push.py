@@ -9,8 +9,10 @@ slip and 1.32 with the spin that is measured. Sound likewise has the speed sqrt(
 
 import numpy as np
 
+from lab import mean, ratio, weighted
+
 from . import sound, static
-from .lab import A, bed, mean, ratio, weighted
+from .bed import A, bed
 
 DRIFTS = (0.5, 2.0, 5.0)    # a/s, about
 SECONDS, AFTER, BLOCKS = 40.0, 1.0, 8

@@ -5,8 +5,10 @@ import math
 import h5py
 import numpy as np
 
+from lab import mean, ratio, table, text
+
 from . import monopole, push, sound
-from .lab import combined, mean, ratio, table, text
+from .bed import combined
 
 CASES = (("", "2.8"), ("v_5", "5"), ("v_10", "10"), ("v_15", "15"))  # variants of scenes/wake_scaling.toml, a/s
 SOUND_SECONDS = 24.0

@@ -11,8 +11,10 @@ import math
 import h5py
 import numpy as np
 
+from lab import estimate, table, text, told
+
 from . import monopole, push, scaling, sound
-from .lab import A, estimate, table, text, told
+from .bed import A
 
 LENGTHS = (20.0, 40.0, 75.0)     # a, of the line; half the box is 77
 INDEPENDENT = (2.0 / 4.2) ** 2   # values a bin is worth: bins of 2 a, independent_spacing of the fits
@@ -109,7 +111,7 @@ def part(lab):
     waves = sound.run(lab, "sound_155", seconds=scaling.SOUND_SECONDS, runs=1, box="fit 155 a")
     (constants, inertia), density = push.constants(lab, waves), sound.density(waves)
     elastic = [constants[name][0] for name in ("c11", "c22", "c12", "c66")]
-    heard = inertia[0] * estimate(told(waves)["phonons"]["viscosity_T"])[0]
+    heard = inertia[0] * estimate(told(waves, "measure")["phonons"]["viscosity_T"])[0]
     rows = []
     for variant, label in scaling.CASES:
         folders = scaling.case_folders(lab, 155, variant)

@@ -6,8 +6,10 @@ import h5py
 import numpy as np
 from scipy.optimize import least_squares
 
+from lab import table, text
+
 from . import sound
-from .lab import A, PERIOD, bed, table, text
+from .bed import A, PERIOD, bed
 
 WIDTH = 4.0             # a
 FRAMES = 0.0997         # s; 997 steps of the bed: every phase of the plates comes

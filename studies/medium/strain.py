@@ -10,7 +10,9 @@ import json
 
 import numpy as np
 
-from .lab import HEAD, bed, mean, table, text
+from lab import mean, table, text
+
+from .bed import HEAD, bed
 
 STRAINS = (0.004, 0.008)
 SECONDS, RUNS = 20.0, 6

@@ -1,18 +1,20 @@
 """The one-sided wake of a weak force that moves fast: many screening lengths fit in the box.
 
 Eight seeds at 50 a/s, three each at 35 and 25 a/s, once through the box from rest; the mean displacement of the beads that did not hop, in
-the frame of the force, beside the theory without a free parameter. Fixed before the first run: seeds, way (from 400 a on), limit of a hop (half
-a spacing), the places in screening lengths, the mask (beyond 12 a).
+the frame of the force, beside the theory without a free parameter. Speeds and the places in screening lengths were set before the first run;
+the way (from 400 a on), the limit of a hop (half a spacing) and the band of the axis with one seed looked at; the mask (beyond 12 a) and the
+recipe of the decay length before the other seeds were.
 """
 
-import csv
 import math
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from .lab import A
+from lab import columns, leave_one_out, mean, table, text
+
+from .bed import A
 
 STORED = Path(__file__).with_suffix("")  # reduced runs of an earlier time: studies/medium/tail
 FORCE, WIDTH = 24000.0, 4.0              # a^3/s^2 over the mass of a unit area, a
@@ -105,9 +107,8 @@ def fields(lab, speed):
             file = lab.folder / file.name
             if not file.is_file():
                 write(file, reduced(lab.make(f"tail_{speed}_{seed}", scene(speed, seed)), speed))
-        with file.open() as rows:
-            found.append([[float(row["Ux"]), float(row["Uy"])] for row in csv.DictReader(rows)])
-    return np.array(found).reshape(len(found), 2 * ROWS + 1, BINS[0], 2).transpose(0, 3, 1, 2)
+        found.append(columns(file, "Ux", "Uy"))
+    return np.array(found).reshape(len(found), 2, 2 * ROWS + 1, BINS[0])
 
 
 def theory(speed, from_rest=True):
@@ -146,17 +147,21 @@ def screening(speed):
 
 
 def told_by(field, xi):
-    """Of U [component, row, column]: U_x on the axis at 2 xi behind and ahead, slope behind from 3 to 8 xi, decay length ahead."""
+    """Of U [component, row, column]: U_x on the axis at 2 xi behind and ahead, slope behind from 3 to 8 xi, decay length ahead.
+
+    The length: of an exponential through U_x less its mean from 4 to 8 xi ahead, from NEAR over one xi. NaN where a logarithm has none."""
     x, _ = bins()
     axis = field[0, ROWS]
     behind, ahead = (np.interp(2 * xi * side, x, axis) for side in (-1, 1))
     far = (x > -8 * xi) & (x < -3 * xi)
-    with np.errstate(invalid="ignore"):
-        slope = np.polyfit(np.log(-x[far]), np.log(axis[far]), 1)[0] if (axis[far] > 0).all() else math.nan
     near = (x > NEAR) & (x < NEAR + xi)
-    base = axis[(x > 4 * xi) & (x < 8 * xi)].mean()
-    length = -1 / np.polyfit(x[near], np.log(np.maximum(axis[near] - base, 1e-6)), 1)[0]
-    return np.array([behind, ahead, slope, length])
+    rest = axis - axis[(x > 4 * xi) & (x < 8 * xi)].mean()
+    return np.array([behind, ahead, slope(np.log(-x[far]), axis[far]), -1 / slope(x[near], rest[near])])
+
+
+def slope(x, y):
+    """Of log y against x."""
+    return np.polyfit(x, np.log(y), 1)[0] if (y > 0).all() else math.nan
 
 
 def amplitude(field, model):
@@ -167,51 +172,41 @@ def amplitude(field, model):
     return data @ shape / (shape @ shape), far
 
 
-def with_error(values, digits=3):
-    values = np.asarray(values)
-    return f"{np.nanmean(values):.{digits}f} +- {np.nanstd(values, ddof=1) / math.sqrt(len(values)):.{digits}f}"
+def with_jackknife(fields_, what):
+    """A number, or several, of the mean of the fields; its error from leaving one out."""
+    return what(fields_.mean(axis=0)), leave_one_out(lambda kept: what(fields_[kept].mean(axis=0)), len(fields_))
 
 
-def jackknife(fields_, what):
-    """A number of the mean of the fields, with its error from leaving one out."""
-    n = len(fields_)
-    without = np.array([what(np.delete(fields_, k, axis=0).mean(axis=0)) for k in range(n)])
-    return what(fields_.mean(axis=0)), np.sqrt((n - 1) / n * ((without - without.mean(axis=0)) ** 2).sum(axis=0))
+def shown(value, digits):
+    return text((value, math.nan), digits=digits) if math.isfinite(value) else "changes sign"
 
 
-def cell(value, error, digits):
-    return f"{value:.{digits}f} +- {error:.{digits}f}" if math.isfinite(error) else "changes sign"
-
-
-def plain(value, digits):
-    return f"{value:.{digits}f}" if math.isfinite(value) else "changes sign"
+def row(lab, speed):
+    measured, models, xi = fields(lab, speed), (theory(speed), theory(speed, from_rest=False)), screening(speed)
+    far = amplitude(models[0], models[0])[1]
+    scatter = measured[:, :, far].var(axis=0, ddof=1).mean(axis=1, keepdims=True) / len(measured)
+    chi2 = ((measured.mean(axis=0) - models[0])[:, far] ** 2 / scatter).sum()
+    of_models = [told_by(model, xi) for model in models]
+    cells = []
+    for k, (value, error) in enumerate(zip(*with_jackknife(measured, lambda u: told_by(u, xi)))):
+        digits = (3, 3, 2, 1)[k]
+        found = text((value, error), digits=digits) if math.isfinite(error) else "changes sign"
+        cells.append(f"{found} ({'; '.join(shown(one[k], digits) for one in of_models)})")
+    scale = with_jackknife(measured, lambda u: amplitude(u, models[0])[0])
+    return [f"{speed} ({len(measured)})", f"{xi:.1f}", text(scale, digits=3), *cells, f"{chi2:.0f} ({2 * far.sum()})"]
 
 
 def part(lab):
-    print("\n| speed, a/s (runs) | xi, a | amplitude over prediction | U_x at 2 xi behind, a (theory; steady) | ahead | slope behind, 3 to 8 xi | decay length ahead, a | "
-          "chi2 (bins) |\n|---|---|---|---|---|---|---|---|")
-    for speed in SEEDS:
-        measured, model, steady, xi = fields(lab, speed), theory(speed), theory(speed, False), screening(speed)
-        scale, scale_error = jackknife(measured, lambda u: amplitude(u, model)[0])
-        told, error = jackknife(measured, lambda u: told_by(u, xi))
-        of_model, of_steady = told_by(model, xi), told_by(steady, xi)
-        far = amplitude(model, model)[1]
-        scatter = measured[:, :, far].var(axis=0, ddof=1).mean(axis=1, keepdims=True) / len(measured)
-        chi2 = ((measured.mean(axis=0) - model)[:, far] ** 2 / scatter).sum()
-        columns = [f"{cell(told[k], error[k], d)} ({plain(of_model[k], d)}; {plain(of_steady[k], d)})" for k, d in ((0, 3), (1, 3), (2, 2), (3, 1))]
-        print(f"| {speed} ({len(measured)}) | {xi:.1f} | {cell(scale, scale_error, 3)} | " + " | ".join(columns) + f" | {chi2:.0f} ({2 * far.sum()}) |")
-    profile(lab)
-
-
-def profile(lab):
-    """U_x on the axis, data beside theory."""
+    table("Wake of a moving force", ["speed, a/s (runs)", "xi, a", "amplitude over prediction", "U_x at 2 xi behind, a (theory; steady)", "ahead",
+                                     "slope behind, 3 to 8 xi", "decay length ahead, a", "chi2 (bins)"], [row(lab, speed) for speed in SEEDS])
     x, _ = bins()
-    print("\n| x, a | " + " | ".join(f"{speed} a/s | theory" for speed in SEEDS) + " |\n|---|" + "---|---|" * len(SEEDS))
-    all_of = {speed: (fields(lab, speed)[:, 0, ROWS], theory(speed)[0, ROWS]) for speed in SEEDS}
+    both = [(fields(lab, speed)[:, 0, ROWS], theory(speed)[0, ROWS]) for speed in SEEDS]
+    lines = []
     for low in (-240, -180, -120, -90, -60, -30, 12, 30, 60, 120):
         there = (x >= low) & (x < low + 18)
-        cells = [f"{with_error(u[:, there].mean(axis=1))} | {t[there].mean():.3f}" for u, t in all_of.values()]
-        print(f"| {low} to {low + 18} | " + " | ".join(cells) + " |")
+        cells = [(text(mean(u[:, there].mean(axis=1)), digits=3), f"{model[there].mean():.3f}") for u, model in both]
+        lines.append([f"{low} to {low + 18}", *(cell for pair in cells for cell in pair)])
+    table("U_x on its axis", ["x, a", *(head for speed in SEEDS for head in (f"{speed} a/s", "theory"))], lines)
 
 
 def cost():

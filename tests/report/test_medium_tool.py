@@ -12,7 +12,8 @@ import rodwake
 from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "studies"))
-from medium import lab, moments, monopole, moving, pairs, scaling, spread, static, strain, tail  # noqa: E402
+import lab  # noqa: E402
+from medium import bed, moments, monopole, moving, pairs, scaling, spread, static, strain, tail  # noqa: E402
 
 TRUE = np.array([4.6e4, 4.2e4, 1.5e4, 1.35e4])  # c11, c22, c12, c66, a^2/s^2
 FORCE = 8000.0                                   # a^3/s^2
@@ -235,7 +236,7 @@ class MomentsTest(unittest.TestCase):
     def test_moments_are_those_of_a_rod_that_walks_along_x(self):
         found = {"systematics": {"errors": {name: {"value": -30.0, "jackknife": 3.0} for name in ("p_xx", "q_xxx")}}}
         for sign in (1.0, -1.0):
-            force = sign * 10.0 * lab.A**3, 0.0
+            force = sign * 10.0 * bed.A**3, 0.0
             for name, expected in (("p_xx", -3.0), ("q_xxx", -3.0 * sign)):
                 for value, wanted in zip(moments.over_force(found, name, force, 1.0), (expected, 0.3)):
                     self.assertAlmostEqual(value, wanted)
