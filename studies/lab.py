@@ -91,7 +91,7 @@ class Lab:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def seconds(self, value):
-        return max(3.0, value / 20) if self.quick else value
+        return max(6.0, value / 20) if self.quick else value
 
     def count(self, runs):
         return min(runs, 2) if self.quick else runs

@@ -5,7 +5,7 @@
                              [-j 2] [--keep DIR]
 
 Prints Markdown, a part at a time, and before each the CPU time that it takes at most. --keep DIR keeps runs and takes up what is
-there, so an interrupted command goes on; without it they are removed. --quick: runs of 3 s, to see that everything works; its
+there, so an interrupted command goes on; without it they are removed. --quick: runs of 6 s, to see that everything works; its
 numbers mean nothing (some minutes: the box of 155 a). spread reads the maps of scaling,
 moments those of monopole and scaling. tail reads the reduced runs of studies/medium/tail and makes those that are missing.
 scaling_310 runs only when named.

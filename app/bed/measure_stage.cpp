@@ -306,7 +306,7 @@ StageKind measure_stage() {
                                        ? ""
                                        : "  measures: about as long as reading the trajectory takes\n");
             },
-        .outdated = [](const scene::Scene&, const Upheaval& all) { return all.redone(Stage::granular); },
+        .outdated = [](const scene::Scene&, const StageChanges& all) { return all.redone(Stage::granular); },
         .light = true};
 }
 

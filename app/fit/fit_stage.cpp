@@ -407,7 +407,7 @@ StageKind fit_stage() {
             .require = require_same_beds_beside,
             .cost = [](const Plan& plan, const fs::path&, const RunContext&) { return fit_cost(plan); },
             .outdated =
-                [](const scene::Scene& s, const Upheaval& all) {
+                [](const scene::Scene& s, const StageChanges& all) {
                     return s.granular && (all.redone(Stage::granular) || all.redone(Stage::measure));
                 },
             .lacks =

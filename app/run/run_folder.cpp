@@ -239,7 +239,7 @@ void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> 
                             "both again; --force makes the fit and removes {}",
                             path_.string(), to_string(stage), to_string(stage)));
     };
-    const Upheaval all{redone, [&](Stage other) { return contains(dropped_, other); }};
+    const StageChanges all{redone, [&](Stage other) { return contains(dropped_, other); }};
     for (const Stage stage : std::vector(kept_)) // in the order in which they are done
         if (const auto outdated = kind_of(stage).outdated; outdated && outdated(scene, all)) {
             refuse_to_drop(stage);

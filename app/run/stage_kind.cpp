@@ -81,7 +81,7 @@ scene::Scene key_of_rods(const scene::Scene& scene) {
     return key;
 }
 
-bool has_new_field(const scene::Scene& scene, const Upheaval& all) {
+bool has_new_field(const scene::Scene& scene, const StageChanges& all) {
     const bool fitted = scene.medium && scene.medium->fitted;
     return (fitted && all.redone(Stage::fit)) ||
            (measures_own_field(scene) && (all.redone(Stage::measure) || all.redone(Stage::granular)));

@@ -16,7 +16,7 @@
 namespace rodwake::app {
 
 /// What becomes of the other stages of a folder when a command has begun.
-struct Upheaval {
+struct StageChanges {
     std::function<bool(Stage)> redone;  ///< with other results, perhaps
     std::function<bool(Stage)> dropped; ///< of another scene, and not asked for
 };
@@ -35,7 +35,7 @@ struct StageKind {
     /// What `check` says of its cost; null: nothing to speak of.
     std::string (*cost)(const Plan&, const std::filesystem::path& folder, const RunContext&) = nullptr;
     /// Whether its results no longer follow from those of other stages; null: they follow from none.
-    bool (*outdated)(const scene::Scene&, const Upheaval&) = nullptr;
+    bool (*outdated)(const scene::Scene&, const StageChanges&) = nullptr;
     /// Whether one that is finished goes on for a scene of the same key; null: never.
     bool (*grows)(const scene::Scene& old, const scene::Scene&) = nullptr;
     /// Whether one that is finished left something out that the scene wants by now; null: never.
@@ -69,7 +69,7 @@ std::string key_of_beds(const scene::Scene& scene,
 scene::Scene key_of_field(const scene::Scene& scene);
 scene::Scene key_of_rods(const scene::Scene& scene);
 /// Whether the theory's field comes from a fit or a map that is made anew.
-bool has_new_field(const scene::Scene& scene, const Upheaval& all);
+bool has_new_field(const scene::Scene& scene, const StageChanges& all);
 
 /// Whether a bed, or a scan of beds, is asked for more runs than it was.
 bool wants_more_runs(const scene::Scene& old, const scene::Scene& scene);

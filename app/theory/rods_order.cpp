@@ -222,7 +222,7 @@ std::string order_key(const scene::Scene& scene) {
     });
 }
 
-bool order_outdated(const scene::Scene& scene, const Upheaval& all) {
+bool order_outdated(const scene::Scene& scene, const StageChanges& all) {
     return order_of_bed(scene)
                ? all.redone(Stage::granular)
                : all.redone(Stage::rods) || all.dropped(Stage::rods) || has_new_field(scene, all);
