@@ -1,219 +1,93 @@
 #include "granular_checkpoint.hpp"
 
 #include "rodwake/app/run.hpp"
-#include "rodwake/store/bytes.hpp"
+#include "rodwake/store/archive.hpp"
 #include "rodwake/store/generations.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
+namespace rodwake::store {
+
+using namespace granular;
+using app::GranularCheckpoint, app::LogLengths, app::RunCost;
+
+template<>
+inline constexpr auto parts<Beads> = parts_of("x y z vx vy vz wx wy wz", &Beads::x, &Beads::y, &Beads::z,
+                                              &Beads::vx, &Beads::vy, &Beads::vz, &Beads::wx, &Beads::wy,
+                                              &Beads::wz);
+template<>
+inline constexpr auto parts<RodBody> = parts_of("position velocity orientation angular_momentum",
+                                                &RodBody::position, &RodBody::velocity, &RodBody::orientation,
+                                                &RodBody::angular_momentum);
+template<>
+inline constexpr auto parts<State> = parts_of("step beads rods", &State::step, &State::beads, &State::rods);
+template<>
+inline constexpr auto
+    parts<Tallies> = parts_of("floor_impulse lid_impulse bead_bead bead_plate bead_rod rod_plate rod_rod "
+                              "overlaps max_overlap virial impulse_on_beads impulse_from_plates",
+                              &Tallies::floor_impulse, &Tallies::lid_impulse, &Tallies::bead_bead,
+                              &Tallies::bead_plate, &Tallies::bead_rod, &Tallies::rod_plate,
+                              &Tallies::rod_rod, &Tallies::overlaps, &Tallies::max_overlap, &Tallies::virial,
+                              &Tallies::impulse_on_beads, &Tallies::impulse_from_plates);
+template<>
+inline constexpr auto parts<SampleSums> = parts_of("T_xy T_z count", &SampleSums::T_xy, &SampleSums::T_z,
+                                                   &SampleSums::count);
+template<>
+inline constexpr auto parts<PairProgress> = parts_of("change half_box_time half_box_change",
+                                                     &PairProgress::change, &PairProgress::half_box_time,
+                                                     &PairProgress::half_box_change);
+template<>
+inline constexpr auto parts<RecordSums> = parts_of("run row psi6 rows overlaps row_step pair",
+                                                   &RecordSums::run, &RecordSums::row, &RecordSums::psi6,
+                                                   &RecordSums::rows, &RecordSums::overlaps,
+                                                   &RecordSums::row_step, &RecordSums::pair);
+template<>
+inline constexpr auto parts<PressureSums> = parts_of("run_flux row_flux run_virial row_virial",
+                                                     &PressureSums::run_flux, &PressureSums::row_flux,
+                                                     &PressureSums::run_virial, &PressureSums::row_virial);
+template<>
+inline constexpr auto parts<RodProgress> =
+    parts_of("x0 y0 heading0 x y heading travelled impulse_on_beads_at impulse_on_beads row_travelled",
+             &RodProgress::x0, &RodProgress::y0, &RodProgress::heading0, &RodProgress::x, &RodProgress::y,
+             &RodProgress::heading, &RodProgress::travelled, &RodProgress::impulse_on_beads_at,
+             &RodProgress::impulse_on_beads, &RodProgress::row_travelled);
+template<>
+inline constexpr auto parts<RodThrust> = parts_of("impulse_at impulse", &RodThrust::impulse_at,
+                                                  &RodThrust::impulse);
+template<>
+inline constexpr auto parts<LogLengths> = parts_of("rows frames period_frames", &LogLengths::rows,
+                                                   &LogLengths::frames, &LogLengths::period_frames);
+template<>
+inline constexpr auto parts<RunCost> = parts_of(
+    "start flight rods search impulses records measures output other particle_steps", &RunCost::start,
+    &RunCost::flight, &RunCost::rods, &RunCost::search, &RunCost::impulses, &RunCost::records,
+    &RunCost::measures, &RunCost::output, &RunCost::other, &RunCost::particle_steps);
+template<>
+inline constexpr auto parts<GranularCheckpoint> =
+    parts_of("scene build seed run cpu_seconds wall_seconds state tallies sums pressure progress thrust logs "
+             "measure_keys measures cost",
+             &GranularCheckpoint::scene, &GranularCheckpoint::build, &GranularCheckpoint::seed,
+             &GranularCheckpoint::run, &GranularCheckpoint::cpu_seconds, &GranularCheckpoint::wall_seconds,
+             &GranularCheckpoint::state, &GranularCheckpoint::tallies, &GranularCheckpoint::sums,
+             &GranularCheckpoint::pressure, &GranularCheckpoint::progress, &GranularCheckpoint::thrust,
+             &GranularCheckpoint::logs, &GranularCheckpoint::measure_keys, &GranularCheckpoint::measures,
+             &GranularCheckpoint::cost);
+
+} // namespace rodwake::store
 
 namespace rodwake::app {
 
-namespace {
-
-using store::Block;
-using store::ByteReader;
-using store::ByteWriter;
-
-/// Of every block: counted up when what is written changes, so that an older file is refused instead of
-/// misread.
-constexpr std::uint32_t block_layout = 1;
-
-/// Numbers of one rod in the file: position, velocity, orientation w x y z, angular momentum.
-using RodNumbers = std::array<double, 13>;
-
-RodNumbers numbers(const granular::RodBody& r) {
-    const auto &x = r.position, &v = r.velocity, &L = r.angular_momentum;
-    const auto& q = r.orientation;
-    return {x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), q.w(), q.x(), q.y(), q.z(), L.x(), L.y(), L.z()};
-}
-
-granular::RodBody rod_of(const RodNumbers& n) {
-    return {{n[0], n[1], n[2]},
-            {n[3], n[4], n[5]},
-            Eigen::Quaterniond(n[6], n[7], n[8], n[9]),
-            {n[10], n[11], n[12]}};
-}
-
-Block head_block(const GranularCheckpoint& c) {
-    ByteWriter out;
-    out.put_text(c.scene);
-    out.put_text(c.build);
-    out.put(c.seed);
-    out.put(std::uint64_t{c.run});
-    out.put(c.cpu_seconds);
-    out.put(c.wall_seconds);
-    out.put(c.logs);
-    return {"run", out.take(), block_layout};
-}
-
-Block state_block(const granular::State& state) {
-    ByteWriter out;
-    out.put(state.step);
-    const granular::Beads& b = state.beads;
-    for (const auto* column : {&b.x, &b.y, &b.z, &b.vx, &b.vy, &b.vz, &b.wx, &b.wy, &b.wz})
-        out.put_array(*column);
-    std::vector<RodNumbers> rods;
-    for (const granular::RodBody& rod : state.rods)
-        rods.push_back(numbers(rod));
-    out.put_array(rods);
-    return {"state", out.take(), block_layout};
-}
-
-void put_vectors(ByteWriter& out, const std::vector<Eigen::Vector3d>& vectors) {
-    std::vector<std::array<double, 3>> numbers;
-    numbers.reserve(vectors.size());
-    for (const Eigen::Vector3d& v : vectors)
-        numbers.push_back({v.x(), v.y(), v.z()});
-    out.put_array(numbers);
-}
-
-std::vector<Eigen::Vector3d> get_vectors(ByteReader& in) {
-    std::vector<Eigen::Vector3d> vectors;
-    for (const auto& v : in.get_array<std::array<double, 3>>())
-        vectors.emplace_back(v[0], v[1], v[2]);
-    return vectors;
-}
-
-Block tally_block(const granular::Tallies& t) {
-    ByteWriter out;
-    for (const double value : {t.floor_impulse, t.lid_impulse, t.max_overlap})
-        out.put(value);
-    for (const std::int64_t value :
-         {t.bead_bead, t.bead_plate, t.bead_rod, t.rod_plate, t.rod_rod, t.overlaps})
-        out.put(value);
-    put_vectors(out, t.impulse_on_beads);
-    return {"tallies", out.take(), block_layout};
-}
-
-Block thrust_block(const GranularCheckpoint& c) {
-    ByteWriter out;
-    put_vectors(out, c.tallies.impulse_from_plates);
-    out.put_array(c.thrust);
-    return {"thrust", out.take(), block_layout};
-}
-
-Block pressure_block(const GranularCheckpoint& c) {
-    ByteWriter out;
-    out.put(c.tallies.virial);
-    out.put(c.pressure.value());
-    return {"pressure", out.take(), block_layout};
-}
-
-Block record_block(const GranularCheckpoint& c) {
-    ByteWriter out;
-    out.put(c.sums);
-    out.put_array(c.progress);
-    return {"record", out.take(), block_layout};
-}
-
-Block measure_block(const GranularCheckpoint& c) {
-    ByteWriter out;
-    out.put_text(c.measure_keys);
-    out.put_array(c.measures);
-    return {"measures", out.take(), block_layout};
-}
-
-Block cost_block(const GranularCheckpoint& c) {
-    ByteWriter out;
-    out.put(c.cost);
-    return {"cost", out.take(), block_layout};
-}
-
-void read_head(GranularCheckpoint& c, ByteReader in) {
-    c.scene = in.get_text();
-    c.build = in.get_text();
-    c.seed = in.get<std::uint64_t>();
-    c.run = static_cast<std::uint32_t>(in.get<std::uint64_t>());
-    c.cpu_seconds = in.get<double>();
-    c.wall_seconds = in.get<double>();
-    c.logs = in.get<LogLengths>();
-    in.finish();
-}
-
-void read_state(granular::State& state, ByteReader in) {
-    state.step = in.get<std::int64_t>();
-    granular::Beads& b = state.beads;
-    for (auto* column : {&b.x, &b.y, &b.z, &b.vx, &b.vy, &b.vz, &b.wx, &b.wy, &b.wz})
-        *column = in.get_array<double>();
-    for (const RodNumbers& rod : in.get_array<RodNumbers>())
-        state.rods.push_back(rod_of(rod));
-    in.finish();
-}
-
-void read_tallies(granular::Tallies& t, ByteReader in) {
-    for (double* value : {&t.floor_impulse, &t.lid_impulse, &t.max_overlap})
-        *value = in.get<double>();
-    for (std::int64_t* value :
-         {&t.bead_bead, &t.bead_plate, &t.bead_rod, &t.rod_plate, &t.rod_rod, &t.overlaps})
-        *value = in.get<std::int64_t>();
-    t.impulse_on_beads = get_vectors(in);
-    in.finish();
-}
-
-void read_thrust(GranularCheckpoint& c, ByteReader in) {
-    c.tallies.impulse_from_plates = get_vectors(in);
-    c.thrust = in.get_array<granular::RodThrust>();
-    in.finish();
-}
-
-void read_pressure(GranularCheckpoint& c, ByteReader in) {
-    c.tallies.virial = in.get<granular::PlaneTensor>();
-    c.pressure = in.get<granular::PressureSums>();
-    in.finish();
-}
-
-void read_measures(GranularCheckpoint& c, ByteReader in) {
-    c.measure_keys = in.get_text();
-    c.measures = in.get_array<double>();
-    in.finish();
-}
-
-void read_cost(GranularCheckpoint& c, ByteReader in) {
-    c.cost = in.get<RunCost>();
-    in.finish();
-}
-
-void read_record(GranularCheckpoint& c, ByteReader in) {
-    c.sums = in.get<granular::RecordSums>();
-    c.progress = in.get_array<granular::RodProgress>();
-    in.finish();
-}
-
-} // namespace
-
-void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& c) {
-    const std::array blocks = {head_block(c),   state_block(c.state), tally_block(c.tallies), record_block(c),
-                               thrust_block(c), pressure_block(c),    measure_block(c),       cost_block(c)};
-    store::write_generation(file, store::encode_blocks(blocks));
+void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& checkpoint) {
+    const store::Block block = store::to_block("granular run", checkpoint);
+    store::write_generation(file, store::encode_blocks({&block, 1}));
 }
 
 std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& file) {
     const auto loaded = store::load_generation(file);
     if (!loaded)
         return std::nullopt;
-    const auto block = [&](const char* name) {
-        const std::string where = loaded->file.string() + ": block " + name;
-        return ByteReader(
-            store::find_block(loaded->blocks, name, loaded->file.string(), block_layout).content, where);
-    };
     LoadedCheckpoint result{{}, loaded->notice};
-    read_head(result.checkpoint, block("run"));
-    read_state(result.checkpoint.state, block("state"));
-    read_tallies(result.checkpoint.tallies, block("tallies"));
-    read_record(result.checkpoint, block("record"));
-    // files of earlier versions measure nothing and say nothing of thrust, pressure and cost
-    const auto has = [&](const char* name) { return std::ranges::count(loaded->blocks, name, &Block::name); };
-    if (has("thrust"))
-        read_thrust(result.checkpoint, block("thrust"));
-    if (has("pressure"))
-        read_pressure(result.checkpoint, block("pressure"));
-    if (has("measures"))
-        read_measures(result.checkpoint, block("measures"));
-    if (has("cost"))
-        read_cost(result.checkpoint, block("cost"));
+    store::from_block(loaded->blocks, "granular run", loaded->file.string(), result.checkpoint);
     return result;
 }
 

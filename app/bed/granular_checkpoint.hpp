@@ -21,13 +21,13 @@ struct GranularCheckpoint {
     granular::State state;
     granular::Tallies tallies;
     granular::RecordSums sums{};
+    granular::PressureSums pressure{};
     std::vector<granular::RodProgress> progress;
+    std::vector<granular::RodThrust> thrust{};
     LogLengths logs;
     std::string measure_keys{}; ///< MeasurePlan::key_text; empty: nothing is measured on the way
     std::vector<double> measures{};
     RunCost cost{};
-    std::vector<granular::RodThrust> thrust{}; ///< empty in files of before 0.2: such runs are not taken up
-    std::optional<granular::PressureSums> pressure{}; ///< absent in earlier files: likewise
 };
 
 /// Puts the checkpoint in place as the newest of two generations. Throws RunError.
@@ -38,7 +38,8 @@ struct LoadedCheckpoint {
     std::string notice; ///< why the newest generation could not be used; empty if it was
 };
 
-/// The newest usable generation; nothing if there is none. Throws InputError if there are only damaged ones.
+/// The newest usable generation; nothing if there is none. Throws InputError if there are only damaged ones,
+/// or it is of a version that kept other numbers.
 std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& file);
 
 } // namespace rodwake::app

@@ -252,9 +252,8 @@ std::optional<GranularSummary> finished_before(const GranularPlan& plan, const G
     if (plan.bed.measures)
         restore_records(*plan.bed.measures, task.folder / "measure.rwc", last->checkpoint);
     auto known = read_summary(task.folder / "summary.json", plan.bed.problem, task.run);
-    const bool whole =
-        last->checkpoint.pressure && last->checkpoint.scene == plan.scene_key; // of this version
-    return known || !whole ? std::move(known) : std::optional(restore_summary(plan, task));
+    return known || last->checkpoint.scene != plan.scene_key ? std::move(known)
+                                                             : std::optional(restore_summary(plan, task));
 }
 
 void require_same_run(const GranularTask& task, const std::string& key) {

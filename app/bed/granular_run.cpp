@@ -69,7 +69,7 @@ public:
           wall_start_(Clock::now()), saved_(wall_start_) {
         meter_.mark(&RunCost::start);
         if (loaded_)
-            record_.restore(loaded_->sums, *loaded_->pressure, loaded_->progress, loaded_->thrust);
+            record_.restore(loaded_->sums, loaded_->pressure, loaded_->progress, loaded_->thrust);
         else
             observe(); // the start itself is the first sample, row and, without equilibration, frame
     }
@@ -121,11 +121,6 @@ private:
         if (c.scene != plan_.scene_key || c.seed != bed_.problem.seed || c.run != task_.run)
             throw InputError(checkpoint_file_.string() + ": belongs to another scene, seed or run; choose "
                                                          "another folder with -o, or --force to start anew");
-        if (c.thrust.size() != bed_.problem.rods.size() || !c.pressure)
-            throw InputError(checkpoint_file_.string() +
-                             ": of a version that did not follow the thrust of rods or the pressure; finish "
-                             "the run with that version, choose another folder with -o, or --force to start "
-                             "anew");
         if (!loaded->notice.empty())
             log_->warn("{}", loaded->notice);
         if (c.build != build_name())
@@ -222,16 +217,18 @@ private:
 
     void checkpoint() {
         requests_seen_ = requests();
-        GranularCheckpoint c{plan_.scene_key, build_name(),   bed_.problem.seed,   task_.run,
-                             cpu_seconds(),   wall_seconds(), simulation_.state(), simulation_.tallies(),
-                             record_.sums(),  record_.rods(), files_.sync()};
+        GranularCheckpoint c{plan_.scene_key,     build_name(),
+                             bed_.problem.seed,   task_.run,
+                             cpu_seconds(),       wall_seconds(),
+                             simulation_.state(), simulation_.tallies(),
+                             record_.sums(),      record_.pressure_sums(),
+                             record_.rods(),      record_.thrust(),
+                             files_.sync()};
         if (measures_) {
             c.measure_keys = bed_.measures->key_text;
             c.measures = measures_->save();
         }
         c.cost = cost();
-        c.thrust = record_.thrust();
-        c.pressure = record_.pressure_sums();
         write_checkpoint(checkpoint_file_, c);
         saved_ = Clock::now();
         meter_.mark(&RunCost::output);

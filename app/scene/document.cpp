@@ -139,84 +139,13 @@ public:
 
     const std::vector<TableInfo>& tables() const { return tables_; }
 
-    void operator()(const Key& key, double& value) override {
-        add(key, number_type(key), key.is_required ? "required" : number_text(value), key.range);
-    }
-    void operator()(const Key& key, std::optional<double>&) override {
-        add(key, number_type(key), std::string(key.absent_text), key.range);
-    }
-    void operator()(const Key& key, long& value) override {
-        add(key, "integer", key.is_required ? "required" : std::to_string(value), key.range);
-    }
-    void operator()(const Key& key, std::optional<long>&) override {
-        add(key, "integer", std::string(key.absent_text), key.range);
-    }
-    void operator()(const Key& key, bool& value) override {
-        add(key, "boolean", value ? "true" : "false", "true, false");
-    }
-    void operator()(const Key& key, std::string& value) override {
-        const std::string fallback = value.empty() ? std::string(key.absent_text) : in_quotes(value);
-        const std::string legal = key.is_file_name ? "letters, digits, _ - ., at most 64" : "one line";
-        add(key, "string", key.is_required ? "required" : fallback,
-            key.choices.empty() ? legal : comma_list(key.choices));
-    }
-    void operator()(const Key& key, const Choice& value) override {
-        const auto all = value.names();
-        add(key, "string", in_quotes(value.name(value.current)), comma_list(all));
-        current().keys.back().choices.assign(all.begin(), all.end());
-    }
-    void operator()(const Key& key, std::optional<PeriodicBox>&) override {
-        add(key, number_type(key), std::string(key.absent_text), key.range);
-    }
-    void operator()(const Key& key, BoxSize&) override { add(key, number_type(key), "required", key.range); }
-    void operator()(const Key& key, const TimeOrTravel& value) override {
-        add(key, number_type(key) + " or length", number_text(value.time), key.range);
-    }
-    void operator()(const Key& key, std::vector<double>&) override {
-        add(key, key.count_text("numbers"), key.is_required ? "required" : std::string(key.absent_text),
-            key.range);
-    }
-    void operator()(const Key& key, std::vector<std::vector<double>>&) override {
-        add(key, key.count_text("pairs of numbers"), "", key.range);
-    }
-    void operator()(const Key& key, std::optional<Value>&) override {
-        add(key, "number, quantity or word", std::string(key.absent_text), "those of the key that varies");
-    }
-    void operator()(const Key& key, std::vector<Value>&) override {
-        add(key, key.count_text("numbers, quantities or words"), std::string(key.absent_text),
-            "those of the key that varies");
-    }
-    void operator()(const Key& key, std::vector<std::string>& value) override {
-        if (key.choices.empty()) {
-            add(key, key.count_text("names"), "", "keys of the scene");
-            return;
-        }
-        std::string fallback;
-        for (const auto& item : value)
-            fallback += (fallback.empty() ? "" : ", ") + in_quotes(item);
-        add(key, key.count_text("names"), key.is_required ? "required" : "[" + fallback + "]",
-            comma_list(key.choices));
-    }
-    void operator()(const Key& key, std::vector<long>&) override {
-        add(key, key.count_text("integers"), std::string(key.absent_text), key.range);
-    }
-    void operator()(const Key& key, std::map<std::string, double>&) override {
-        add_entries(key, "table of numbers");
-    }
-    void operator()(const Key& key, std::map<std::string, Interval>&) override {
-        add_entries(key, "table of [low, high]");
-    }
-    void operator()(const Key& key, std::map<std::string, Tie>&) override {
-        add_entries(key, "table of [name, factor]");
-    }
-    void settings(const Key& key, std::vector<std::string>&) override {
-        add(key, "table of " + key.count_text("keys"), "required", "any keys of the scene");
-    }
-
     void use_units(const Units& units) override { units_ = units; }
     void complain(std::string_view, const std::string&) override {}
 
 protected:
+    void visit(const Key& key, void* value, const Codec& codec) override {
+        add(key, codec.describe(key, value));
+    }
     int form_given(Forms forms) override {
         std::string text;
         for (const Form& form : forms)
@@ -250,12 +179,6 @@ private:
         return tables_.front();
     }
 
-    static std::string number_type(const Key& key) {
-        return key.dimension == Dimension::none
-                   ? "number"
-                   : name_of(key.dimension).substr(name_of(key.dimension).find(' ') + 1);
-    }
-
     /// What a plain number is in: in reduced scenes and in SI scenes.
     std::pair<std::string, std::string> units_of(Dimension dimension) const {
         const std::string reduced = reduced_unit(dimension), si = si_unit(dimension);
@@ -273,14 +196,14 @@ private:
         return fmt::format("{} {}: {}", kinds.size() > 1 ? "kinds" : "kind", comma_list(kinds), key.meaning);
     }
 
-    void add(const Key& key, std::string type, std::string fallback, std::string legal) {
+    void add(const Key& key, const Description& said) {
         const auto [reduced, si] = units_of(key.dimension);
         KeyInfo info{path_.empty() ? "" : path_.back(),
                      std::string(key.name),
-                     std::move(type),
+                     said.type,
                      reduced == si ? si : reduced + "; si: " + si,
-                     std::move(fallback),
-                     std::move(legal),
+                     said.fallback,
+                     said.legal,
                      meaning_of(key),
                      std::string(key.example_value)};
         info.symbol = key.symbol_tex;
@@ -288,19 +211,13 @@ private:
         info.unit_si = si;
         info.is_required = key.is_required;
         info.choices.assign(key.choices.begin(), key.choices.end());
+        info.choices.insert(info.choices.end(), said.choices.begin(), said.choices.end());
+        if (said.has_range) {
+            info.low = key.range.low;
+            info.high = key.range.high;
+            info.is_low_legal = !key.range.open_low;
+        }
         current().keys.push_back(std::move(info));
-    }
-
-    void add(const Key& key, std::string type, std::string fallback, const Range& range) {
-        add(key, std::move(type), std::move(fallback), range.text());
-        KeyInfo& info = current().keys.back();
-        info.low = range.low;
-        info.high = range.high;
-        info.is_low_legal = !range.open_low;
-    }
-
-    void add_entries(const Key& key, const std::string& type) {
-        add(key, type, key.is_required ? "required" : std::string(key.absent_text), comma_list(key.choices));
     }
 
     std::vector<TableInfo> tables_;

@@ -170,12 +170,12 @@ void fields(Visitor& v, Variant& variant) {
     v(key("name").required().file_name().doc("name in results and file names").example("\"repelled\""),
       variant.name);
     v(key("label").absent("the name").doc("text in the legend").example("\"kappa = -100\""), variant.label);
-    v.settings(key("set")
-                   .required()
-                   .items(1, 100)
-                   .doc("keys to change, as for -s on the command line")
-                   .example("{ \"coupling.kappa\" = -100.0 }"),
-               variant.set);
+    v(key("set")
+          .required()
+          .items(1, 100)
+          .doc("keys to change, as for -s on the command line")
+          .example("{ \"coupling.kappa\" = -100.0 }"),
+      Settings{variant.set});
 }
 
 } // namespace rodwake::scene

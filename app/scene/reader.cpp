@@ -114,7 +114,7 @@ void Reader::use_units(const Units& units) {
     const Node& table = *frames_.back().table;
     const Entry* system = table.find("units");
     if (units_.system == UnitSystem::si && !units_.scales && system && has_reduced_tables(table))
-        missing_scales(system->value, "units", "units = \"si\"");
+        missing_scales(system->value.place, "units", "units = \"si\"");
 }
 
 int Reader::form_given(Forms forms) {
@@ -152,78 +152,34 @@ void Reader::complain(std::string_view name, const std::string& message) {
                   fmt::format("{} {}", path_of(name), message));
 }
 
-// Reader: tables of named values, and lists of integers.
+void Reader::visit(const Key& key, void* value, const Codec& codec) {
+    codec.clear(value);
+    current_ = key.name;
+    if (const Entry* entry = find(key))
+        codec.parse({key, entry->value, &units_, *this}, value);
+}
 
-void Reader::operator()(const Key& key, std::vector<long>& value) {
-    value.clear();
-    const Entry* entry = find(key);
-    if (!entry)
+void Reader::add(const Place& place, const std::string& below, const std::string& message) {
+    const std::string path = path_of(current_) + below;
+    problems_.add(place, path, path + message);
+}
+
+void Reader::add_missing_scales(const Place& place, const std::string& below, const std::string& message) {
+    const std::string path = path_of(current_) + below;
+    missing_scales(place, path, path + message);
+}
+
+void Reader::missing_scales(const Place& place, const std::string& path, const std::string& what) {
+    if (scales_reported_)
         return;
-    const std::string path = path_of(key.name);
-    const auto* list = list_of(key, entry->value, path, "integers");
-    for (std::size_t i = 0; list && i < list->size(); ++i) {
-        const Node& node = (*list)[i];
-        const std::string item_path = fmt::format("{}[{}]", path, i);
-        const auto* integer = node.as<std::int64_t>();
-        if (!integer)
-            wrong_type(node, item_path, "expected an integer");
-        else if (!key.range.contains(static_cast<double>(*integer)))
-            wrong(node, item_path, "must be " + key.range.text());
-        else
-            value.push_back(*integer);
-    }
+    scales_reported_ = true;
+    problems_.add(
+        place, path,
+        what + " needs [scales] with f_over_mu and v0, what one reduced unit of length and speed is worth");
 }
 
-template<class T, class Read>
-void Reader::entries(const Key& key, std::map<std::string, T>& value, const std::string& of, Read read) {
-    value.clear();
-    const Entry* entry = find(key);
-    if (!entry)
-        return;
-    const std::string path = path_of(key.name);
-    const auto* table = entry->value.as<Node::Table>();
-    if (!table)
-        return wrong_type(entry->value, path, fmt::format("expected {} such as {}", of, key.example_value));
-    for (const Entry& item : *table) {
-        const std::string item_path = path + "." + item.key;
-        if (!contains(key.choices, item.key))
-            problems_.add(item.key_place, item_path,
-                          fmt::format("{}: unknown parameter {}{}. Known parameters: {}", path,
-                                      in_quotes(item.key), did_you_mean(item.key, key.choices),
-                                      comma_list(key.choices)));
-        else if (const std::optional<T> found = read(item.value, item_path))
-            value.emplace(item.key, *found);
-    }
-}
-
-void Reader::operator()(const Key& key, std::map<std::string, double>& value) {
-    entries(key, value, "a table of numbers",
-            [&](const Node& node, const std::string& path) { return quantity(key, node, path); });
-}
-
-void Reader::operator()(const Key& key, std::map<std::string, Interval>& value) {
-    entries(key, value, "a table of [low, high]",
-            [&](const Node& node, const std::string& path) -> std::optional<Interval> {
-                Key pair = key;
-                const auto found = numbers(pair.items(2, 2), node, path);
-                return found ? std::optional(Interval{(*found)[0], (*found)[1]}) : std::nullopt;
-            });
-}
-
-void Reader::operator()(const Key& key, std::map<std::string, Tie>& value) {
-    entries(key, value, "a table of [name, factor]",
-            [&](const Node& node, const std::string& path) -> std::optional<Tie> {
-                const auto* list = node.as<Node::List>();
-                if (!list || list->size() != 2) {
-                    wrong_type(node, path, "expected [name, factor], such as [\"f_over_mu\", 0.5]");
-                    return std::nullopt;
-                }
-                const auto* name = text(key, (*list)[0], path + "[0]");
-                const auto factor = quantity(key, (*list)[1], path + "[1]");
-                if (!name || !is_choice(key.choices, (*list)[0], path + "[0]") || !factor)
-                    return std::nullopt;
-                return Tie{*name, *factor};
-            });
+void Reader::wrong_type(const Node& node, const std::string& path, const std::string& expected) {
+    problems_.add(node.place, path, fmt::format("{}: {}, found {}", path, expected, describe(node)));
 }
 
 } // namespace rodwake::scene

@@ -1,4 +1,4 @@
-// Setter: the way through tables and lists to the keys, and alternatives.
+// Setter: the way through tables and lists to the keys, their values, and alternatives.
 
 #include "setter.hpp"
 
@@ -10,11 +10,7 @@
 namespace rodwake::scene {
 
 std::string SetterTarget::path_text(std::size_t count) const {
-    std::string text;
-    for (std::size_t i = 0; i < count; ++i)
-        text += path[i].index >= 0 ? fmt::format("[{}]", path[i].index)
-                                   : fmt::format("{}{}", text.empty() ? "" : ".", path[i].name);
-    return text;
+    return scene::path_text(std::span(path).first(count));
 }
 
 Setter::Setter(std::span<SetterTarget> targets) : Setter(targets, {}) { found_ = targets; }
@@ -154,9 +150,59 @@ void Setter::complain(std::string_view key, const std::string& message) {
     fail(fmt::format("{}.{} {}", frame_path(), key, message));
 }
 
-void Setter::wrong(const Progress& p, const Value& value, const std::string& message) {
-    const Node node = std::visit([](const auto& v) { return Node{{}, v}; }, value);
-    fail(fmt::format("{} = {}: {}", p.target->path_text(), describe_value(node), message));
+void Setter::visit(const Key& key, void* value, const Codec& codec) {
+    const bool is_target = here(key, [&](Progress& p) {
+        const Value* given = take(key, p, value, codec);
+        if (!given)
+            return;
+        current_ = &p;
+        const Node node = std::visit([](const auto& v) { return Node{{}, v}; }, *given);
+        codec.set({key, node, nullptr, *this}, value, p.target->path);
+    });
+    if (!is_target && !key.is_written) // as if the scene had been written and read
+        codec.clear(value);
+    note_given(key, codec.is_present(value), is_target);
+}
+
+const Value* Setter::take(const Key& key, Progress& p, const void* value, const Codec& codec) {
+    p.is_done = true;
+    if (const std::string why = misfit(key, p, value, codec); !why.empty())
+        fail(why);
+    else if (is_compiling())
+        learn(key, p, codec.is_quantity());
+    else
+        return &values_[static_cast<std::size_t>(&p - progress_.data())];
+    return nullptr;
+}
+
+std::string Setter::misfit(const Key& key, const Progress& p, const void* value, const Codec& codec) const {
+    const SetterTarget& target = *p.target;
+    const std::size_t below = frames_.back().depth + 1, size = target.path.size();
+    if (codec.depth() < 0)
+        return fmt::format("{} holds no single values: it can be set only before the scene is read",
+                           target.path_text(below));
+    const auto rest = static_cast<std::size_t>(codec.depth());
+    if (size > below + rest)
+        return fmt::format("{} is not a table", target.path_text(below + rest));
+    if (size < below + rest)
+        return fmt::format("{} has several values: give one of them by an index from 0 or a name",
+                           target.path_text());
+    return rest == 0 ? "" : codec.misses(key, value, target.path);
+}
+
+void Setter::learn(const Key& key, const Progress& p, bool is_quantity) {
+    SetterTarget& target = found_[static_cast<std::size_t>(&p - progress_.data())];
+    if (key.is_unit)
+        fail(
+            fmt::format("{} says what the numbers of the scene mean: it can be set only before they are read",
+                        target.key));
+    target.is_quantity = is_quantity;
+    target.dimension = key.dimension;
+    target.units = units_;
+}
+
+void Setter::add(const Place&, const std::string& below, const std::string& message) {
+    fail(current_->target->path_text() + below + message);
 }
 
 void Setter::fail(const std::string& message) {

@@ -8,11 +8,6 @@ namespace rodwake::scene {
 
 /// One key to be set, and what it was found to be.
 struct SetterTarget {
-    struct Segment {
-        std::string name;
-        long index = -1; ///< of an entry of a list; -1: a name
-    };
-
     std::string key;
     std::vector<Segment> path;
     bool is_quantity = false; ///< a number, of this dimension in these units
@@ -24,7 +19,7 @@ struct SetterTarget {
     std::string path_text() const { return path_text(path.size()); }
 };
 
-class Setter : public Visitor {
+class Setter : public Visitor, private Faults {
 public:
     /// Looks the targets up and fills in what they are; sets nothing.
     explicit Setter(std::span<SetterTarget> targets);
@@ -34,31 +29,12 @@ public:
     /// What went wrong first; call after the fields.
     std::optional<std::string> finish();
 
-    void operator()(const Key& key, double& value) override;
-    void operator()(const Key& key, std::optional<double>& value) override;
-    void operator()(const Key& key, long& value) override;
-    void operator()(const Key& key, std::optional<long>& value) override;
-    void operator()(const Key& key, bool& value) override;
-    void operator()(const Key& key, std::string& value) override;
-    void operator()(const Key& key, std::vector<double>& value) override;
-    void operator()(const Key& key, BoxSize& value) override;
-    void operator()(const Key& key, const TimeOrTravel& value) override;
-    void operator()(const Key& key, std::optional<PeriodicBox>& value) override;
-    void operator()(const Key& key, std::vector<long>& value) override;
-    void operator()(const Key& key, std::vector<std::vector<double>>& value) override;
-    void operator()(const Key& key, std::optional<Value>& value) override;
-    void operator()(const Key& key, std::vector<Value>& value) override;
-    void operator()(const Key& key, std::vector<std::string>& value) override;
-    void operator()(const Key& key, const Choice& value) override;
-    void operator()(const Key& key, std::map<std::string, double>& value) override;
-    void operator()(const Key& key, std::map<std::string, Interval>& value) override;
-    void operator()(const Key& key, std::map<std::string, Tie>& value) override;
-    void settings(const Key& key, std::vector<std::string>& value) override;
     bool wants(Forms forms) const override;
     void use_units(const Units& units) override;
     void complain(std::string_view key, const std::string& message) override;
 
 protected:
+    void visit(const Key& key, void* value, const Codec& codec) override;
     int form_given(Forms forms) override;
     bool derives() const override { return !is_compiling() && !error_; }
     bool enter_table(const Key& key, bool present) override;
@@ -95,31 +71,23 @@ private:
             }
         return any;
     }
-    /// The new value of this key, `rest` segments below it; null if the target was only looked up, or is
-    /// wrong.
-    const Value* take(const Key& key, Progress& p, bool is_quantity, std::size_t rest = 0);
+    /// The new value of this key; null if the target was only looked up, or is wrong.
+    const Value* take(const Key& key, Progress& p, const void* value, const Codec& codec);
+    /// What is wrong with what the target has below this key; empty: nothing.
+    std::string misfit(const Key& key, const Progress& p, const void* value, const Codec& codec) const;
     void learn(const Key& key, const Progress& p, bool is_quantity);
     void note_given(const Key& key, bool is_present, bool is_overriding);
-    void refuse(const Key& key);
-
-    std::optional<double> number(const Key& key, const Progress& p, const Value& value);
-    std::optional<long> integer(const Key& key, const Progress& p, const Value& value);
-    const std::string* text(const Key& key, const Progress& p, const Value& value);
-    bool is_finite(const Progress& p, const Value& value);
-    bool is_choice(Names names, const Progress& p, const std::string& found);
-    template<class T>
-    T* entry(const Progress& p, std::vector<T>& list);
-    bool is_parameter(const Key& key, const Progress& p, const std::string& name);
+    void add(const Place& place, const std::string& below, const std::string& message) override;
 
     bool enter(std::size_t segments, const Key& key, long index);
     void not_found(Progress& p);
     std::string frame_path() const;
-    void wrong(const Progress& p, const Value& value, const std::string& message);
     void fail(const std::string& message);
 
     std::span<SetterTarget> found_; ///< empty: values are set
     std::span<const Value> values_;
     std::vector<Progress> progress_;
+    const Progress* current_ = nullptr; ///< the target that is being set
     std::vector<GivenKey> given_;
     std::vector<std::string_view> known_;
     std::vector<Frame> frames_;

@@ -2,11 +2,8 @@
 // A field list is a function that shows every key of a struct to a visitor. Visitors read, write, set and
 // document.
 
-#include "key.hpp"
-#include "rodwake/core/periodic.hpp"
-#include "rodwake/scene/scene.hpp"
+#include "codec.hpp"
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,48 +15,20 @@ struct Entries {
     std::size_t count = 0, first = 0, last = 0;
 };
 
-/// What begins at a time, or when something has come so far, whichever is given; in the scene's written form
-/// each has a key of its own.
-struct TimeOrTravel {
-    double& time;
-    std::optional<double>& travel;
-    Range travel_range;
-};
-
 class Visitor {
 public:
     virtual ~Visitor() = default;
 
-    virtual void operator()(const Key& key, double& value) = 0;
-    /// Reading sets the value to nothing when the key is absent.
-    virtual void operator()(const Key& key, std::optional<double>& value) = 0;
-    virtual void operator()(const Key& key, long& value) = 0;
-    /// Reading sets the value to nothing when the key is absent.
-    virtual void operator()(const Key& key, std::optional<long>& value) = 0;
-    virtual void operator()(const Key& key, bool& value) = 0;
-    virtual void operator()(const Key& key, std::string& value) = 0;
-    virtual void operator()(const Key& key, std::vector<double>& value) = 0;
-    /// A length, two of them, or "fit", alone or before a length.
-    virtual void operator()(const Key& key, BoxSize& value) = 0;
-    /// A time, or a length as a string with its unit.
-    virtual void operator()(const Key& key, const TimeOrTravel& value) = 0;
-    /// A length or two of them. Reading sets the value to nothing when the key is absent.
-    virtual void operator()(const Key& key, std::optional<PeriodicBox>& value) = 0;
-    virtual void operator()(const Key& key, std::vector<long>& value) = 0;
-    virtual void operator()(const Key& key, std::vector<std::vector<double>>& value) = 0;
-    /// Values of another key, as a scene file has them.
-    virtual void operator()(const Key& key, std::optional<Value>& value) = 0;
-    virtual void operator()(const Key& key, std::vector<Value>& value) = 0;
-    /// Some of key.choices, or any words where it has none, each at most once; reading keeps the value when
-    /// the key is absent.
-    virtual void operator()(const Key& key, std::vector<std::string>& value) = 0;
-    virtual void operator()(const Key& key, const Choice& value) = 0;
-    /// Tables whose keys are among key.choices: numbers, [low, high], [other name, factor].
-    virtual void operator()(const Key& key, std::map<std::string, double>& value) = 0;
-    virtual void operator()(const Key& key, std::map<std::string, Interval>& value) = 0;
-    virtual void operator()(const Key& key, std::map<std::string, Tie>& value) = 0;
-    /// A table of "path.to.key" = value, held as "path.to.key=value".
-    virtual void settings(const Key& key, std::vector<std::string>& value) = 0;
+    /// A value of any type that has a codec.
+    template<class T>
+    void operator()(const Key& key, T& value) {
+        visit(key, &value, codec_of<T>());
+    }
+
+    // What only refers to values.
+    void operator()(const Key& key, Choice value) { visit(key, &value, codec_of<Choice>()); }
+    void operator()(const Key& key, TimeOrTravel value) { visit(key, &value, codec_of<TimeOrTravel>()); }
+    void operator()(const Key& key, Settings value) { visit(key, &value, codec_of<Settings>()); }
 
     /// A count or a seed: the key's range keeps it from being negative.
     void operator()(const Key& key, std::size_t& value) {
@@ -133,6 +102,7 @@ public:
     virtual void complain(std::string_view key, const std::string& message) = 0;
 
 protected:
+    virtual void visit(const Key& key, void* value, const Codec& codec) = 0;
     virtual int form_given(Forms forms) = 0; ///< -1: none, nothing to resolve
     virtual bool derives() const = 0;
     virtual bool enter_table(const Key& key, bool present) = 0;

@@ -82,12 +82,12 @@ void Record::follow_rods(const Simulation& simulation) {
                               from_plates = simulation.tallies().impulse_from_plates[i].head<2>();
         p.travelled += (rod.position.head<2>() - Eigen::Vector2d(p.x, p.y)).dot(ahead);
         p.impulse_on_beads +=
-            (impulse_on_beads - Eigen::Map<const Eigen::Vector2d>(p.impulse_on_beads_at)).dot(ahead);
+            (impulse_on_beads - Eigen::Map<const Eigen::Vector2d>(p.impulse_on_beads_at.data())).dot(ahead);
         p.impulse_on_beads_at[0] = impulse_on_beads.x();
         p.impulse_on_beads_at[1] = impulse_on_beads.y();
         RodThrust& t = thrust_[i];
-        t.impulse += (from_plates - Eigen::Map<const Eigen::Vector2d>(t.impulse_at)).dot(ahead);
-        Eigen::Map<Eigen::Vector2d>(t.impulse_at) = from_plates;
+        t.impulse += (from_plates - Eigen::Map<const Eigen::Vector2d>(t.impulse_at.data())).dot(ahead);
+        Eigen::Map<Eigen::Vector2d>(t.impulse_at.data()) = from_plates;
         p.x = rod.position.x();
         p.y = rod.position.y();
         p.heading = continued(rod.heading(), p.heading);

@@ -2,7 +2,7 @@
 
 #include "descriptor.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/store/bytes.hpp"
+#include "rodwake/store/archive.hpp"
 
 #include <fmt/format.h>
 
@@ -165,6 +165,18 @@ const Block& find_block(std::span<const Block> blocks, std::string_view name, co
         throw InputError(fmt::format("{}: block \"{}\" has layout {}; this program reads layout {}",
                                      file_name, name, found->layout, layout));
     return *found;
+}
+
+std::uint32_t layout_hash(const std::string& layout) { return static_cast<std::uint32_t>(xxh3(layout)); }
+
+const Block& find_archive(std::span<const Block> blocks, std::string_view name, const std::string& file,
+                          std::uint32_t layout) {
+    const auto found = std::ranges::find(blocks, name, &Block::name);
+    if (found != blocks.end() && found->layout == layout)
+        return *found;
+    throw InputError(file +
+                     ": another version of rodwake wrote it, which keeps other numbers: go on with that "
+                     "version, choose another folder with -o, or --force to start anew");
 }
 
 void ByteWriter::append(const void* data, std::size_t size) {

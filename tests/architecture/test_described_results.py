@@ -26,6 +26,14 @@ struct Found {{
 constexpr rodwake::app::{} told[] = {{{{{{{}}}, [](const Found& f) {{ return f.speed; }}}}}};
 int main() {{ return static_cast<int>(std::size(told)); }}
 """
+KEPT = """#include "rodwake/store/archive.hpp"
+struct R {{
+    double x, y;
+}};
+template<>
+inline constexpr auto rodwake::store::parts<R> = rodwake::store::parts_of({});
+int main() {{ return static_cast<int>(rodwake::store::Kept<R>::layout().size()); }}
+"""
 # Words that files of several kinds have in common.
 GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model outcome pair path pressure pursuit reason rods run "
               "scale scatter seconds share sigma status steps theta time times turn undecided unit used value".split())
@@ -49,7 +57,7 @@ QUOTED = {
     "separation_change": {"app/tradeoff/beds.cpp"},
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
-    "thrust": {"app/bed/granular_checkpoint.cpp", "app/bed/measures/force.cpp"},
+    "thrust": {"app/bed/measures/force.cpp"},
     "turn0": {PAIRS},
     "wall_seconds": {"app/scan/scan_results.cpp", "src/store/provenance.cpp"},  # of the scan; of the command
 }
@@ -91,6 +99,13 @@ class DescribedResultsTest(unittest.TestCase):
             good, said = compiled(kind, wrong, source=TOLD)
             self.assertFalse(good, wrong)
             self.assertIn("meaning and a unit", said)
+
+    def test_a_struct_of_a_checkpoint_with_a_part_left_out_does_not_compile(self):
+        self.assertEqual(compiled('"x y", &R::x, &R::y', source=KEPT), (True, ""))
+        for wrong, why in (('"x", &R::x', "not among its parts"), ('"x", &R::x, &R::y', "each part has a name")):
+            good, said = compiled(wrong, source=KEPT)
+            self.assertFalse(good, wrong)
+            self.assertIn(why, said)
 
     def test_names_are_quoted_where_they_are_described(self):
         """Left out are names that are a scene key too, that several kinds of files have, or of one or two letters."""

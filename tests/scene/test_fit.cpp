@@ -110,7 +110,7 @@ TEST_CASE("a fit survives writing and reading") {
 TEST_CASE("unknown parameters are named with the nearest known one, where they stand") {
     CHECK(
         error_text(fitted("start = { etta = 2.0 }\n")) ==
-        "x.toml:4:11: fit.start: unknown parameter \"etta\" (did you mean \"eta\"?). Known parameters: "
+        "x.toml:4:11: fit.start.etta: unknown parameter \"etta\" (did you mean \"eta\"?). Known parameters: "
         "f_over_mu, "
         "f2d_over_mu, eta, xi, alpha, x0, amplitude, force, p_xx, p_yy, q_xxx, q_xyy, q_yxy, c11, c22, c12, "
         "c66, zeta, rho, eta_s, offset, offset_y, kappa, gamma1, gamma2");

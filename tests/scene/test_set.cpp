@@ -90,13 +90,13 @@ TEST_CASE("a wrong value is told and leaves the scene as it was") {
     const std::vector<std::tuple<std::string, Value, std::string>> cases{
         {"coupling.kappa", std::nan(""), "coupling.kappa = nan: must be a finite number"},
         {"coupling.kappa", HUGE_VAL, "coupling.kappa = inf: must be a finite number"},
-        {"coupling.kappa", "5", "coupling.kappa = \"5\": expected a number"},
-        {"coupling.kappa", true, "coupling.kappa = true: expected a number"},
+        {"coupling.kappa", "5", "coupling.kappa: expected a number, found \"5\" (string)"},
+        {"coupling.kappa", true, "coupling.kappa: expected a number, found true"},
         {"rods.1.position.0", 1e13, "rods[1].position[0] = 10000000000000.0: must be within +-1e+12"},
         {"medium.eta", -1.0,
          "medium.eta = -1.0: must be > -1 and <= 1e+12: the longitudinal modulus 1 + eta must"},
         {"medium.alpha", 0.0, "medium.alpha = 0.0: must be >= 1e-12 and <= 1e+12"},
-        {"granular.beads", 40.0, "granular.beads = 40.0: expected an integer"},
+        {"granular.beads", 40.0, "granular.beads: expected an integer, found 40.0"},
         {"granular.runs", std::int64_t{0}, "granular.runs = 0: must be >= 1 and <= 1000000"},
         {"granular.phi_b", 0.91, "granular.phi_b = 0.91: must be > 0 and <= 0.9069: a layer of equal discs"},
         {"rods_run.method", "rk4", "rods_run.method = \"rk4\": must be one of auto, bdf, adams, erk"},
@@ -105,7 +105,7 @@ TEST_CASE("a wrong value is told and leaves the scene as it was") {
         {"rods_run.output_interval", 31.0,
          "rods_run.output_interval is 31 f/(mu v0): must be between t_end/1000000"},
         {"medium.fitted", true, "medium.eta is given beside medium.fitted = true"},
-        {"measure.order", std::int64_t{1}, "measure.order = 1: expected true or false"},
+        {"measure.order", std::int64_t{1}, "measure.order: expected true or false, found 1"},
         {"title", "two\nlines", "title = \"two\\u000Alines\": must be one line"}};
     for (const auto& [key, value, message] : cases) {
         CAPTURE(key, message);
