@@ -4,7 +4,6 @@
 
 #include "rodwake/scene/read.hpp"
 #include "rodwake/scene/set.hpp"
-#include "rodwake/scene/write.hpp"
 
 #include <benchmark/benchmark.h>
 #include <string>

@@ -3,8 +3,8 @@
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/first_difference.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/core/spelling.hpp"
+#include "rodwake/scene/read.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "rodwake/app/granular.hpp"
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "run/describe_parts.hpp"
 
 #include <fmt/format.h>

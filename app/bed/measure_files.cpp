@@ -1,11 +1,11 @@
-#include "measure_files.hpp"
+#include "measure_stage.hpp"
 
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
 #include "rodwake/store/vti.hpp"
-#include "run/values_json.hpp"
+#include "run/record_json.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,54 @@
 #pragma once
 // The measure stage: what the runs of a folder recorded on their way, or their trajectories, put together.
 
-#include "measure_files.hpp"
+#include "rodwake/app/measure_kind.hpp"
+#include "rodwake/app/measure_report.hpp"
+#include "rodwake/store/hdf5_writer.hpp"
 #include "run/session.hpp"
 
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace rodwake::app {
+
+// What was measured of one case (the scene as written, or a variant), all its runs together, and its files.
+
+struct CaseResults {
+    std::string name, label, folder;       ///< Case
+    double bead_radius = 0.0, phi_b = 0.0; ///< m, 1
+    std::optional<double> separation;      ///< two rods: of their centres at the start, m
+    std::optional<double> imposed_speed;   ///< of the rod, m/s
+    std::size_t runs = 0;
+    std::vector<std::pair<std::string, MeasureReport>> reports;    ///< of each measure that could be had
+    std::vector<std::pair<std::string, std::string>> not_measured; ///< what was wanted and why it is missing
+};
+
+/// Who measured, how.
+struct MeasureOrigin {
+    std::string command;
+    std::uint64_t seed = 0;
+};
+
+/// measure.json, measure.h5, *.csv, *.vti of a case. Lengths in bead radii. Throws RunError.
+void write_measures(const std::filesystem::path& folder, const CaseResults& results,
+                    const MeasureOrigin& origin);
+
+/// series.csv: a row for each case; series.json: what measures tell of all cases together, if any does.
+/// Throws RunError.
+void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases);
+
+/// A few lines for the terminal.
+std::vector<std::string> describe(const CaseResults& results);
+
+/// A group of measure.h5; `a`: the bead radius, m. Throws RunError.
+void put_grid(store::Hdf5Writer& out, const MeasureGrid& grid, double a);
+
+/// Of series.csv, in its order: those of the case, and of every measure, whether it was made or not.
+std::span<const SeriesInfo> series_columns();
 
 /// The files of one run of a bed; of a trajectory from elsewhere only that.
 struct RunFiles {

@@ -1,7 +1,7 @@
 #include "measured_file.hpp"
 
 #include "fit/fit_data.hpp"
-#include "rodwake/app/cases.hpp"
+#include "rodwake/app/plan.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/hdf5_reader.hpp"
 

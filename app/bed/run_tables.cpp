@@ -2,7 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/csv.hpp"
-#include "run/values_json.hpp"
+#include "run/record_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

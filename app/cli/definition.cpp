@@ -4,7 +4,6 @@
 #include "definition.hpp"
 
 #include "rodwake/core/build_info.hpp"
-#include "values.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "values.hpp"
+#include "definition.hpp"
 
 #include "rodwake/core/spelling.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "rodwake/app/describe.hpp"
 #include "rodwake/app/run.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>

@@ -5,7 +5,6 @@
 #include "rodwake/scene/read.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "terminal.hpp"
-#include "values.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>

@@ -6,7 +6,7 @@
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "terminal.hpp"
-#include "values.hpp"
+#include "definition.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>

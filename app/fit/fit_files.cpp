@@ -1,11 +1,10 @@
 #include "fit_files.hpp"
 
 #include "fit_records.hpp"
-#include "fit_systematics.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "run/record_table.hpp"
-#include "run/values_json.hpp"
+#include "run/record_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

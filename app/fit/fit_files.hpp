@@ -2,11 +2,25 @@
 // The files of a fit: fit.json, fit.txt, fit_profile_<i>.csv, fit_curve_<i>.csv, fit_trajectory_<i>.csv.
 
 #include "rodwake/app/fit_results.hpp"
+#include "rodwake/fitting/method.hpp"
+#include "rodwake/store/append_log.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 namespace rodwake::app {
+
+// Errors of a fit beyond its curvature (fitting/refits.hpp): constants that were held, masks, runs.
+
+/// Empty where the scene gives no reason: no fit.fixed_errors, one mask or none, tables of a single map.
+/// Nothing if stop_requested of the method said so meanwhile. Throws RunError naming the key where a refit
+/// fails.
+std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting::Method& method,
+                                              const fitting::Fit& best, const fitting::Report& report);
+
+/// A section of fit.txt; empty where there is nothing to say.
+std::string to_text(const FitPlan& plan, const FitResults& results);
 
 /// Who made it, for fit.json.
 struct FitOrigin {
@@ -16,5 +30,26 @@ struct FitOrigin {
 /// fit.json comes last: where it is, the others are.
 void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const FitResults& results,
                const FitOrigin& origin);
+
+// Starts of a fit that are done, one record each, so that an interrupted fit goes on with the others.
+
+class FitLedger {
+public:
+    /// `key`: everything the ends depend on; records of another key are dropped. `free`: number of free
+    /// parameters.
+    FitLedger(std::filesystem::path file, const std::string& key, std::size_t free);
+
+    const std::vector<fitting::StartResult>& done() const { return done_; }
+    /// In the file before it returns: what is killed afterwards keeps it.
+    void add(const fitting::StartResult& end);
+    void remove();
+
+private:
+    std::filesystem::path file_;
+    std::uint64_t key_;
+    std::size_t free_;
+    std::vector<fitting::StartResult> done_;
+    std::unique_ptr<store::AppendLog> log_;
+};
 
 } // namespace rodwake::app

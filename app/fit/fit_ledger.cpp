@@ -1,4 +1,4 @@
-#include "fit_ledger.hpp"
+#include "fit_files.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/bytes.hpp"

@@ -1,6 +1,6 @@
 #include "rodwake/app/fit_results.hpp"
 
-#include "fit_systematics.hpp"
+#include "fit_files.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/fitting/refits.hpp"
 

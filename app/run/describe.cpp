@@ -3,7 +3,7 @@
 
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/rods/conclude.hpp"
-#include "rodwake/scene/advice.hpp"
+#include "rodwake/scene/read.hpp"
 
 #include <fmt/format.h>
 

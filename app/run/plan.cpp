@@ -1,6 +1,5 @@
 #include "rodwake/app/plan.hpp"
 
-#include "rodwake/app/cases.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
 

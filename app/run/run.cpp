@@ -9,7 +9,7 @@
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
-#include "scan/scan_request.hpp"
+#include "scan/scan_parts.hpp"
 #include "stage_kind.hpp"
 
 #include <fmt/format.h>

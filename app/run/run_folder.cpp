@@ -1,9 +1,8 @@
 #include "rodwake/app/run_folder.hpp"
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/first_difference.hpp"
+#include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/read.hpp"
-#include "rodwake/scene/write.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "stage_kind.hpp"
 

@@ -1,4 +1,4 @@
-#include "rodwake/app/schema.hpp"
+#include "rodwake/app/describe.hpp"
 
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/scene/document.hpp"

@@ -5,7 +5,7 @@
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/parallel.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "rodwake/store/provenance.hpp"
 #include "stage_kind.hpp"
 

@@ -3,7 +3,7 @@
 #include "bed/measured_file.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "values_json.hpp"
+#include "record_json.hpp"
 
 #include <algorithm>
 

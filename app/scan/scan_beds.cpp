@@ -1,4 +1,4 @@
-#include "scan_beds.hpp"
+#include "scan_parts.hpp"
 
 #include "bed/run_tables.hpp"
 #include "rodwake/core/error.hpp"

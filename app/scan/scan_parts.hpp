@@ -1,7 +1,17 @@
 #pragma once
 // What the making of scans shares.
 
+#include "bed/granular_jobs.hpp"
+#include "rodwake/app/rods.hpp"
+#include "rodwake/app/run_context.hpp"
 #include "rodwake/app/scan.hpp"
+#include "rodwake/app/scan_problem.hpp"
+#include "rodwake/scan/ledger.hpp"
+#include "rodwake/scan/run.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <vector>
 
 namespace rodwake::app {
 
@@ -17,5 +27,61 @@ scan::Columns columns_of_rods(const scene::Scene& scene);
 scan::Columns columns_of_beds(const scene::Scene& scene);
 /// Of a run at each place, in steps of a sphere; 0 where there is no such bed, which its point will tell.
 std::vector<double> costs_of_beds(const ScanPlan& plan);
+
+// Points of a scan of beds: each is one granular run in a folder of its own, from which a run that was
+// stopped goes on.
+
+/// The folder of a run, below that of the scan: points/<point>/runs/<run>, both from 1.
+std::filesystem::path bed_folder(const std::filesystem::path& scan, std::int64_t id);
+
+/// The run whose file it is, seen from the folder of the scan; nothing for other files.
+std::optional<std::int64_t> bed_of(const std::filesystem::path& file);
+
+/// Runs points of a plan, which must outlive it, below this folder. What fails is not tried again with other
+/// settings: a smaller step is another bed. One whose time is up keeps its checkpoint, and so goes on when it
+/// is evaluated again.
+scan::Evaluate evaluate_beds(const ScanPlan& plan, std::filesystem::path folder, RunContext context,
+                             Logger log);
+
+// Points of a scan of rods: each is one encounter.
+
+/// Evaluates points of a plan, which must outlive it. A point whose rods start within the contact distance
+/// is a contact at time 0. One that fails is tried again: with ten times the steps, with a
+/// tenth of the tolerance, with the other kind of method; what was tried is in its cause. Times and lengths
+/// in output units. With noise a point is an ensemble.
+scan::Evaluate evaluate_rods(const ScanPlan& plan, std::function<bool()> stop);
+
+/// The encounter of a point with `times` output times spread over [0, end], as run for its result; with
+/// noise another run of its ensemble's law.
+rods::RodResult trajectory_of(const ScanPlan& plan, const scan::Result& result, std::size_t times);
+
+// What a scan is asked for beside its scene, and what is there already: seen before anything is written.
+
+scan::LedgerHead ledger_head(const ScanPlan& plan);
+
+/// The ledgers of the shares below the folder of a scan.
+std::vector<std::filesystem::path> shares_in(const std::filesystem::path& folder);
+
+/// Throws InputError for shares of an adaptive scan, for a merge without shares, and for ledgers in the
+/// folder or of its shares that are of another scan, of a newer version, or damaged.
+void require_scan(const ScanPlan& plan, const std::filesystem::path& folder, const RunContext& context);
+
+/// The rows of scan.file, beside the scene or where the program runs; nothing for other designs. Throws
+/// InputError with file:line for what is missing or wrong.
+std::optional<ScanList> read_scan_list(const scene::Scene& scene);
+
+// The files of a scan, made from its ledger at the end and when it is interrupted. Memory: one column of
+// doubles at a time, and what summary holds; a table of any length goes through row by row.
+
+inline bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
+
+/// scan.csv, scan.h5 (with the sample of trajectories), scan.json; cells.csv and boundary.csv where there are
+/// cells and boundaries; of beds what scan_bed_results.hpp says. Throws RunError.
+void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
+                const scan::Ledger& ledger, const scan::Counts& counts, const scan::Summary& summary,
+                double wall_seconds, std::size_t threads);
+
+/// scan.csv, scan_runs.csv and scan.h5 with the same columns. Throws RunError.
+void write_bed_results(const std::filesystem::path& folder, const ScanPlan& plan, const scan::Ledger& ledger);
 
 } // namespace rodwake::app

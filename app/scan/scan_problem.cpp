@@ -2,10 +2,9 @@
 
 #include "bed/granular_summary.hpp"
 #include "bed/run_tables.hpp"
-#include "rodwake/app/scanned_bed.hpp"
 #include "rodwake/core/encounter.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "run/record_table.hpp"
 #include "scan_parts.hpp"
 #include "scan_values.hpp"

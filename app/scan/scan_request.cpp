@@ -1,4 +1,4 @@
-#include "scan_request.hpp"
+#include "scan_parts.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/run.hpp"

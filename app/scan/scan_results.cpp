@@ -1,6 +1,6 @@
-#include "scan_results.hpp"
+#include "scan_parts.hpp"
 
-#include "rodwake/scan/point_mean.hpp"
+#include "rodwake/scan/proportion.hpp"
 #include "rodwake/scene/document.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/hdf5_writer.hpp"

@@ -1,11 +1,11 @@
-#include "scan_rods.hpp"
+#include "scan_parts.hpp"
 
 #include "rodwake/app/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/conclude.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 #include "scan_values.hpp"
-#include "theory/noise_runs.hpp"
+#include "theory/rods_ensemble.hpp"
 
 #include <fmt/format.h>
 

@@ -1,16 +1,13 @@
 // The scan stage: ledger, executor, results.
 
-#include "rodwake/app/evaluate.hpp"
+#include "rodwake/app/scan_problem.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/stopwatch.hpp"
 #include "run/cost_parts.hpp"
 #include "run/log.hpp"
 #include "run/stage_kind.hpp"
-#include "scan_beds.hpp"
-#include "scan_request.hpp"
-#include "scan_results.hpp"
-#include "scan_rods.hpp"
+#include "scan_parts.hpp"
 #include "scan_values.hpp"
 
 #include <fmt/format.h>

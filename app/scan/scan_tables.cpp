@@ -6,7 +6,7 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/store/atomic_file.hpp"
-#include "scan_rods.hpp"
+#include "scan_parts.hpp"
 
 #include <fmt/compile.h>
 #include <fmt/format.h>

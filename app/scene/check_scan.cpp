@@ -1,7 +1,7 @@
 #include "check.hpp"
 
 #include "rodwake/rods/separation_record.hpp"
-#include "rodwake/scene/scan_subject.hpp"
+#include "rodwake/scene/scan.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Field lists of [[rods]] and [rods_run].
 
 #include "fields.hpp"
-#include "rodwake/scene/output_grid.hpp"
+#include "rodwake/scene/scene.hpp"
 
 #include <fmt/format.h>
 

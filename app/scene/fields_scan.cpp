@@ -1,7 +1,7 @@
 // Field lists of [scan].
 
 #include "fields.hpp"
-#include "rodwake/scene/scan_subject.hpp"
+#include "rodwake/scene/scan.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,9 @@
 #pragma once
-// A TOML document as a plain tree that remembers where each value stands. toml++ stays behind toml.hpp.
+// A TOML document as a plain tree that remembers where each value stands.
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>

@@ -5,8 +5,7 @@
 #include "fields.hpp"
 #include "reader.hpp"
 #include "rodwake/scene/set.hpp"
-#include "rodwake/scene/write.hpp"
-#include "toml.hpp"
+#include "problems.hpp"
 
 #include <fmt/format.h>
 

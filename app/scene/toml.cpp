@@ -1,4 +1,4 @@
-#include "toml.hpp"
+#include "problems.hpp"
 
 #include <toml++/toml.h>
 

@@ -1,4 +1,4 @@
-#include "rodwake/app/field_choice.hpp"
+#include "rodwake/app/plan.hpp"
 
 #include "rodwake/app/rods.hpp"
 #include "rodwake/elastic/periodic_table.hpp"

@@ -1,4 +1,3 @@
-#include "noise_runs.hpp"
 
 #include "rods_ensemble.hpp"
 #include "rodwake/core/build_info.hpp"
@@ -6,7 +5,6 @@
 #include "run/log.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
-#include "run/values_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

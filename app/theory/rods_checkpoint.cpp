@@ -4,7 +4,7 @@
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/rods/form.hpp"
-#include "run/values_json.hpp"
+#include "run/record_json.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 #include "rods_film.hpp"
 
 #include "rodwake/core/build_info.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/measure/rod_order.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "rodwake/store/csv.hpp"
 #include "run/log.hpp"
 #include "run/record_json.hpp"

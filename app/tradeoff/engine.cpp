@@ -4,7 +4,7 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "run/log.hpp"
 #include "run/session.hpp"

@@ -5,8 +5,7 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/stopwatch.hpp"
 #include "run/session.hpp"
-#include "scan/scan_request.hpp"
-#include "scan/scan_rods.hpp"
+#include "scan/scan_parts.hpp"
 #include "target.hpp"
 #include "theory/wake_fields.hpp"
 

@@ -4,7 +4,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/integrate/ode.hpp"
 #include "rodwake/rods/separation_record.hpp"
-#include "rodwake/scene/scan_subject.hpp"
+#include "rodwake/scene/scan.hpp"
 #include "rodwake/scene/scene.hpp"
 
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include "bessel.hpp"
 #include "combination.hpp"
 #include "field_algebra.hpp"
-#include "field_lane.hpp"
+#include "geometry.hpp"
 #include "rodwake/elastic/mutual_wakes.hpp"
 #include "rodwake/elastic/periodic.hpp"
 #include "rodwake/elastic/wake_field.hpp"

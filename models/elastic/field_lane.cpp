@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "field_lane.hpp"
+#include "geometry.hpp"
 #include "kernel_inl.hpp"
 
 #include <cmath>

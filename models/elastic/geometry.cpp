@@ -1,7 +1,7 @@
 #include "geometry.hpp"
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/elastic/tensor.hpp"
+#include "rodwake/elastic/field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,11 +3,11 @@
 // of -ln s + a X ln s, E keeps a (X ln s + X), so the largest parts of the field hardly know the medium.
 
 #include "rodwake/elastic/medium.hpp"
+#include "rodwake/elastic/medium_derivatives.hpp"
 
 #include "bessel.hpp"
 #include "combination.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/elastic/medium_derivatives.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,6 @@
 #include "rodwake/elastic/mutual_wakes.hpp"
 
 #include "mutual_pairs.hpp"
-#include "rod_tiles.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "wake_cutoff.hpp"

@@ -4,7 +4,7 @@
 #include "periodic_impl.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/elastic/superposition.hpp"
+#include "rodwake/elastic/wake_field.hpp"
 
 #include <cmath>
 #include <numbers>

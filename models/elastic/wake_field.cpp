@@ -2,7 +2,6 @@
 
 #include "field_algebra.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/elastic/superposition.hpp"
 
 #include <cmath>
 

@@ -3,11 +3,13 @@
 // load brings a whole position. Measured against separate x, y, z arrays with gathers it halves the cost of
 // the overlap test; the state that is stored and handed out is a structure of arrays (state.hpp).
 
+#include "kernels.hpp"
 #include "rod_motion.hpp"
+#include "rodwake/core/parallel.hpp"
 #include "rodwake/granular/impact.hpp"
 #include "rodwake/granular/observe.hpp"
+#include "rodwake/granular/problem.hpp"
 #include "rodwake/granular/state.hpp"
-#include "rows.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -54,5 +56,12 @@ Energy total_energy(const Bodies& bodies, double gravity);
 /// axes.
 Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix3d& inverse_mass,
                               const Eigen::Vector3d& relative_velocity, const Surface& surface);
+
+// Kicks by a body force.
+
+/// Beads get what the force of this time gives them over the duration, where they are. Each on its own: the
+/// number of threads changes no bit.
+void kick(Bodies& bodies, const BodyForce& force, const PeriodicBox& box, double time, double duration,
+          Team& team);
 
 } // namespace rodwake::granular

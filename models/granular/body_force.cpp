@@ -1,6 +1,6 @@
-#include "rodwake/granular/body_force.hpp"
+#include "rodwake/granular/problem.hpp"
 
-#include "body_kicks.hpp"
+#include "bodies.hpp"
 
 #include <algorithm>
 #include <cmath>

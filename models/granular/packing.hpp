@@ -2,8 +2,8 @@
 // Moves beads that overlap apart until none does: between two plates, beside rods that stay, periodic in x
 // and y.
 
-#include "plan_view.hpp"
 #include "rodwake/core/rng.hpp"
+#include "rodwake/granular/problem.hpp"
 #include "rodwake/granular/start.hpp"
 
 #include <Eigen/Core>
@@ -13,6 +13,19 @@
 #include <vector>
 
 namespace rodwake::granular {
+
+// Plan view of the box: rods lying flat are rows of discs on a periodic plane.
+
+struct Disc {
+    double x, y, radius; ///< m
+    double height = 0.0; ///< of the centre above the middle of the gap, m; no part of the plan view
+};
+
+/// Sphere centres of a rod as it starts, from the thick to the thin end.
+std::vector<Disc> rod_discs(const RodSpec& rod, const Clump& clump);
+
+/// Largest depth by which discs of the two rows overlap, m; negative: the gap between them.
+double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, const PeriodicBox& box);
 
 /// Where beads may be. z = 0 is the middle of the gap; rods lie there, but for a little (Disc::height).
 struct Room {
@@ -60,5 +73,22 @@ Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t
 
 /// fit.sites points in the box, exact to rounding, always in the same order; the first is (0, 0).
 std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, const PeriodicBox& box);
+
+// Pairs of beads and of beads with rod spheres that are near each other in plan view.
+
+/// Of beads by their places in Neighbours::order, and of spheres of rods by their numbers.
+struct Near {
+    std::uint32_t bead, other; ///< other: a bead, or a rod's sphere
+};
+
+struct Neighbours {
+    std::vector<std::uint32_t> order; ///< the beads, cell by cell: neighbours are near each other here too
+    std::vector<Near> beads;          ///< each pair once
+    std::vector<Near> rods;
+};
+
+/// All pairs whose surfaces are less than `skin` apart in plan view, in an order that depends on the places
+/// only.
+Neighbours neighbours(const Places& places, const Room& room, double skin);
 
 } // namespace rodwake::granular

@@ -1,7 +1,7 @@
 #include "rodwake/granular/problem.hpp"
 
 #include "checks.hpp"
-#include "plan_view.hpp"
+#include "packing.hpp"
 
 #include <algorithm>
 

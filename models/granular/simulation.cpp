@@ -1,6 +1,6 @@
 #include "rodwake/granular/simulation.hpp"
 
-#include "body_kicks.hpp"
+#include "bodies.hpp"
 #include "bounces.hpp"
 #include "pair_contacts.hpp"
 #include "pair_finder.hpp"

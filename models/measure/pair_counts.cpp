@@ -1,6 +1,5 @@
 #include "pair_counts.hpp"
 
-#include "pair_rows.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace rodwake::measure {
@@ -28,5 +29,20 @@ std::size_t whole_bins(double side, double bin);
 std::vector<double> pair_correlation(const std::vector<double>& pairs, double frames, std::size_t beads,
                                      const PeriodicBox& box, double bin);
 std::vector<double> middles(std::size_t bins, double bin);
+
+// Distances of one bead to many, as bins: the part of the pair loop that is vectorised.
+
+/// Coordinates and psi_6 of beads; each column has room for `padding` more values.
+struct PairColumns {
+    const double *x, *y, *re, *im;
+};
+
+inline constexpr std::size_t padding = 8;
+
+/// Of bead i with each of the `count` beads after it: floor(distance * per_bin) and Re psi_i* psi_j. Places
+/// in the box. Writes up to `padding` values more. Every element is on its own, no product is fused: all
+/// instruction sets give the same bits.
+void fill_pair_row(const PairColumns& beads, std::size_t i, std::size_t count, const PeriodicBox& box,
+                   double per_bin, std::int32_t* bin, double* order);
 
 } // namespace rodwake::measure

@@ -4,7 +4,7 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "pair_rows.hpp"
+#include "pair_counts.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace rodwake::measure::HWY_NAMESPACE {

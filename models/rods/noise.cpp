@@ -1,6 +1,5 @@
 #include "rodwake/rods/noise.hpp"
 
-#include "bridge_contact.hpp"
 #include "interaction.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/integrate/additive_noise.hpp"

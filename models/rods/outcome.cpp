@@ -1,4 +1,4 @@
-#include "rodwake/rods/outcome.hpp"
+#include "rodwake/rods/separation_record.hpp"
 
 #include "outcome_text.hpp"
 #include "rodwake/core/error.hpp"

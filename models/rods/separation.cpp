@@ -1,6 +1,5 @@
 #include "rodwake/rods/separation.hpp"
 
-#include "bridge_contact.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/integrate/additive_noise.hpp"

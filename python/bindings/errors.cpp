@@ -1,6 +1,6 @@
 #include "bind.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/problem.hpp"
+#include "rodwake/scene/read.hpp"
 
 #include <pybind11/stl.h>
 

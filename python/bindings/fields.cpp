@@ -4,7 +4,6 @@
 
 #include "arrays.hpp"
 #include "bind.hpp"
-#include "medium.hpp"
 #include "rod_problem.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"

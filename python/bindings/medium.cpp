@@ -1,4 +1,4 @@
-#include "medium.hpp"
+#include "rod_problem.hpp"
 
 #include "arrays.hpp"
 #include "bind.hpp"

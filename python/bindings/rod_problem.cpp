@@ -1,7 +1,7 @@
 #include "rod_problem.hpp"
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/output_grid.hpp"
+#include "rodwake/scene/scene.hpp"
 
 #include <cmath>
 

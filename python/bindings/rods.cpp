@@ -3,7 +3,6 @@
 #include "rodwake/app/rods.hpp"
 #include "arrays.hpp"
 #include "bind.hpp"
-#include "medium.hpp"
 #include "rod_problem.hpp"
 #include "rodwake/rods/conclude.hpp"
 #include "signals.hpp"

@@ -3,7 +3,7 @@
 #include "rodwake/app/run.hpp"
 #include "bind.hpp"
 #include "rodwake/core/error.hpp"
-#include "scan.hpp"
+#include "rod_problem.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>

@@ -1,7 +1,7 @@
-#include "scan.hpp"
+#include "rod_problem.hpp"
 
 #include "bind.hpp"
-#include "rodwake/app/evaluate.hpp"
+#include "rodwake/app/scan_problem.hpp"
 #include "rodwake/app/plan.hpp"
 #include "rodwake/core/error.hpp"
 

@@ -4,7 +4,6 @@
 #include "rodwake/app/describe.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/scene/read.hpp"
-#include "rodwake/scene/write.hpp"
 
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 #include <vector>
 
 namespace rodwake {
@@ -83,6 +84,25 @@ std::string shown(std::string_view word) {
     while (end > 0 && end < word.size() && (word[end] & 0xC0) == 0x80) // not within a character of UTF-8
         --end;
     return escaped(word.substr(0, end), "") + (end < word.size() ? "..." : "");
+}
+
+std::string first_difference(const std::string& there, const std::string& here) {
+    std::istringstream a(there), b(here);
+    const auto next = [](std::istringstream& text, std::string& line) {
+        const bool is_there = static_cast<bool>(std::getline(text, line));
+        if (!is_there)
+            line.clear();
+        return is_there;
+    };
+    const auto told = [](const std::string& line) { return line.empty() ? "nothing" : line; };
+    std::string line_a, line_b;
+    for (bool more = true; more;) {
+        const bool in_a = next(a, line_a), in_b = next(b, line_b);
+        if (line_a != line_b)
+            return told(line_a) + " there, " + told(line_b) + " here";
+        more = in_a || in_b;
+    }
+    return "no line";
 }
 
 } // namespace rodwake

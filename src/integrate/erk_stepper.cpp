@@ -1,7 +1,6 @@
 // Explicit Runge-Kutta steps by ARKODE's ERKStep.
 
 #include "erk_table.hpp"
-#include "quintic.hpp"
 #include "sundials_stepper.hpp"
 
 #include <algorithm>

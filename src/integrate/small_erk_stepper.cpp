@@ -1,7 +1,6 @@
 // Explicit Runge-Kutta steps of a few components, with nothing between the method and the right-hand side.
 
 #include "erk_table.hpp"
-#include "quintic.hpp"
 #include "stepper.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "rodwake/scan/boundary.hpp"
+#include "rodwake/scan/run.hpp"
 
 #include <algorithm>
 #include <map>

@@ -4,7 +4,7 @@
 #include "ledger_tables.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/first_difference.hpp"
+#include "rodwake/core/spelling.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,3 @@
-#include "rodwake/scan/point_mean.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/proportion.hpp"

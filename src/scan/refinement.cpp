@@ -1,7 +1,7 @@
 #include "rodwake/scan/refinement.hpp"
 
 #include "rodwake/core/rng.hpp"
-#include "rodwake/scan/audit.hpp"
+#include "rodwake/scan/run.hpp"
 #include "rodwake/scan/proportion.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "store/scratch.hpp"
 
 #include <nlohmann/json.hpp>

@@ -5,7 +5,6 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/granular/observe.hpp"
 #include "rodwake/scene/read.hpp"
-#include "rodwake/scene/write.hpp"
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>

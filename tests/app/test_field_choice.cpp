@@ -1,6 +1,6 @@
 // medium.field = "auto": which field is chosen, and that the scene alone decides.
 
-#include "rodwake/app/field_choice.hpp"
+#include "rodwake/app/plan.hpp"
 #include "rodwake/scene/read.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,13 +1,13 @@
 // The files of a measured run: written of plain data, and told of by the kinds of measures.
 
-#include "bed/measure_files.hpp"
+#include "bed/measure_stage.hpp"
 #include "bed/run_tables.hpp"
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
 #include "run/catalogue.hpp"
-#include "run/values_json.hpp"
+#include "run/record_json.hpp"
 #include "run_files.hpp"
 
 #include <catch2/catch.hpp>

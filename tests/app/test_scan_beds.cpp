@@ -1,6 +1,6 @@
 // Scans of beds: what a point is, what it costs, what its runs yield.
 
-#include "rodwake/app/scanned_bed.hpp"
+#include "rodwake/app/scan_problem.hpp"
 #include "scan_scenes.hpp"
 
 #include <map>

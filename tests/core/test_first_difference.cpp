@@ -1,4 +1,4 @@
-#include "rodwake/core/first_difference.hpp"
+#include "rodwake/core/spelling.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,6 @@
 #include "periodic_cases.hpp"
 
-#include "rodwake/elastic/superposition.hpp"
+#include "rodwake/elastic/field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Principal axes, checked by multiplying them out.
 
 #include "rodwake/core/rng.hpp"
-#include "rodwake/elastic/tensor.hpp"
+#include "rodwake/elastic/field.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

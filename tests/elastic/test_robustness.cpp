@@ -5,7 +5,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/periodic.hpp"
-#include "rodwake/elastic/superposition.hpp"
+#include "rodwake/elastic/field.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/rng.hpp"
-#include "rodwake/elastic/superposition.hpp"
+#include "rodwake/elastic/field.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,6 +1,6 @@
 // The vectorised part of the pair loop gives the bits of the plain loop on every instruction set.
 
-#include "measure/pair_rows.hpp"
+#include "measure/pair_counts.hpp"
 #include "rodwake/core/rng.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,5 @@
 // psi_6 of single beads on lattices, against its definition, and Delaunay neighbours against empty circles.
 
-#include "measure/delaunay.hpp"
 #include "measure/psi6.hpp"
 #include "order_beds.hpp"
 #include "rodwake/core/error.hpp"

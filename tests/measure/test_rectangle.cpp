@@ -1,7 +1,6 @@
 // Measures in boxes whose sides differ: crystals and gases against what they are, and fields around a rod
 // against those of the same bed turned by 90 degrees.
 
-#include "measure/delaunay.hpp"
 #include "measure/pair_counts.hpp"
 #include "measure/psi6.hpp"
 #include "rodwake/measure/bragg.hpp"

@@ -3,7 +3,7 @@
 #include "rods/interaction.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/rng.hpp"
-#include "rodwake/elastic/superposition.hpp"
+#include "rodwake/elastic/field.hpp"
 #include "rodwake/rods/simulate.hpp"
 
 #include <catch2/catch.hpp>

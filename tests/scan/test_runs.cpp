@@ -2,7 +2,7 @@
 
 #include "maps.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/scan/point_mean.hpp"
+#include "rodwake/scan/proportion.hpp"
 #include "scan/sqlite.hpp"
 
 #include <catch2/catch.hpp>

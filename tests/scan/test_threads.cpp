@@ -2,7 +2,7 @@
 
 #include "maps.hpp"
 #include "rodwake/core/error.hpp"
-#include "scan/chunk_size.hpp"
+#include "scan/dispenser.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -2,7 +2,7 @@
 
 #include "support.hpp"
 
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 
 #include "scene/figure_kinds.hpp"
 

@@ -1,6 +1,6 @@
 // [fit]: units of its lengths, what its tables must agree on, what it needs of the data, the fitted medium.
 
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 // [[fit.maps]]: units, what its tables must agree on, what it needs of the parameters.
 
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>

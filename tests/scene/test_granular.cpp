@@ -1,7 +1,7 @@
 // The granular tables: units of their own, defaults that follow other keys, values that do not fit each
 // other.
 
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>

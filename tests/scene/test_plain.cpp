@@ -1,4 +1,4 @@
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>

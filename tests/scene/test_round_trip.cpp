@@ -1,6 +1,6 @@
 // to_toml and back gives the same Scene, bit for bit.
 
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "scene/node.hpp"
 #include "support.hpp"
 

@@ -4,7 +4,7 @@
 #include "support.hpp"
 
 #include "rodwake/scene/set.hpp"
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 #include "scene/node.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "support.hpp"
 
-#include "rodwake/scene/write.hpp"
+#include "rodwake/scene/read.hpp"
 
 #include <catch2/catch.hpp>
 

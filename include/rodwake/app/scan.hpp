@@ -3,7 +3,7 @@
 // values of its axes; values are as a scene file has them as plain numbers, in the unit of the key.
 
 #include "rodwake/scan/design.hpp"
-#include "rodwake/scene/scan_subject.hpp"
+#include "rodwake/scene/scan.hpp"
 #include "rodwake/scene/scene.hpp"
 #include "rodwake/scene/set.hpp"
 

@@ -25,4 +25,7 @@ std::string printable(std::string_view text);
 /// A word of a file, in a message: printable on one line, and cut after 60 bytes.
 std::string shown(std::string_view word);
 
+/// The first line in which two texts differ, as "duration = 30.0 there, duration = 20.0 here".
+std::string first_difference(const std::string& there, const std::string& here);
+
 } // namespace rodwake

@@ -36,11 +36,35 @@
 //   nothing asked for                                          every number is NaN
 
 #include "rodwake/elastic/medium.hpp"
-#include "rodwake/elastic/tensor.hpp"
 
 #include <limits>
+#include <span>
 
 namespace rodwake::elastic {
+
+// Vectors and symmetric tensors of the plane: turned to other axes, principal axes of the traceless strain
+// (paper Fig. attraction a).
+
+struct Vector {
+    double x = 0.0, y = 0.0;
+};
+struct SymmetricTensor {
+    double xx = 0.0, xy = 0.0, yy = 0.0;
+};
+
+/// S v and S t S^T, S the rotation by the angle of this cosine and sine.
+Vector turned(const Vector& v, double cosine, double sine);
+SymmetricTensor turned(const SymmetricTensor& t, double cosine, double sine);
+
+/// The traceless part of a symmetric tensor, as its positive eigenvalue and the axis that belongs to it. The
+/// other eigenvalue is -value, along the perpendicular axis.
+struct PrincipalAxis {
+    double value; ///< >= 0, unit of the tensor
+    double angle; ///< of the extensional axis against x, rad, in (-pi/2, pi/2]; 0 where value = 0
+};
+
+/// value = hypot((xx - yy)/2, xy), angle = atan2(2 xy, xx - yy)/2. Exact to a few ulp.
+PrincipalAxis extensional_axis(const SymmetricTensor& tensor);
 
 /// Which quantities to compute; the rest is NaN and costs nothing.
 struct FieldRequest {
@@ -107,5 +131,26 @@ private:
     Medium medium_;
     Constants constants_;
 };
+
+// Fields of rods anywhere in the plane: the rod-frame field turned to a rod's heading, and the sum over rods
+// (the medium is linear and each rod's field steady in its own frame).
+//
+//   u(R) = S U(S^T (R - R_b)),  S = rotation by the heading; tensors turn as S eps S^T       (docs/physics.md
+//   Eq. 12)
+
+/// A rod as a source: position in the lab frame, heading in rad, counter-clockwise from +x.
+struct Source {
+    double x = 0.0, y = 0.0, heading = 0.0;
+};
+
+/// Field of one source at (x, y), in lab components. Throws InputError at the source. Gradients are not
+/// turned and so NaN: ask for them in the rod's frame (Field::at).
+FieldValues lab_field(const Field& field, const Source& source, double x, double y, FieldRequest request);
+
+/// Sum of lab_field over the sources, in their order. Without sources every number is 0, asked for or not;
+/// with sources what was not asked for is NaN. Gradients are 0 always: they are not summed. Throws InputError
+/// at a source and for places that are not finite.
+FieldValues superpose(const Field& field, std::span<const Source> sources, double x, double y,
+                      FieldRequest request);
 
 } // namespace rodwake::elastic

@@ -10,7 +10,6 @@
 #include "rodwake/elastic/field.hpp"
 #include "rodwake/elastic/medium_derivatives.hpp"
 #include "rodwake/elastic/mutual_wakes.hpp"
-#include "rodwake/elastic/superposition.hpp"
 
 #include <memory>
 #include <optional>

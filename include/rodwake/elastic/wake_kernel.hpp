@@ -1,5 +1,5 @@
 #pragma once
-// Strain and polar vectors of many rods at many points at once: what elastic/superposition.hpp gives, with
+// Strain and polar vectors of many rods at many points at once: what superpose of elastic/field.hpp gives, with
 // vector instructions chosen at run time.
 //
 // Bits: the value at a target depends on the sources and their order, on nothing else: not on the other
@@ -24,7 +24,7 @@
 //   xi = 1e-30 or 1e30, eta < 0                            by elastic::Field where the kernels do not reach
 
 #include "rodwake/elastic/accuracy.hpp"
-#include "rodwake/elastic/superposition.hpp"
+#include "rodwake/elastic/field.hpp"
 
 #include <span>
 #include <string>

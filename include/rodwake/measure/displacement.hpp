@@ -27,7 +27,6 @@
 // the lattice must allow for it. Each bin's own sigma is right. Domain: gradients of U below 1.
 
 #include "rodwake/measure/bragg.hpp"
-#include "rodwake/measure/estimators.hpp"
 #include "rodwake/measure/frame.hpp"
 #include "rodwake/measure/rod_grid.hpp"
 #include "rodwake/measure/state_io.hpp"

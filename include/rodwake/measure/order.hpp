@@ -13,7 +13,6 @@
 // (cutoff_frames of them; the frames wait until it is known), or those that share an edge of the Delaunay
 // triangulation.
 
-#include "rodwake/measure/estimators.hpp"
 #include "rodwake/measure/frame.hpp"
 #include "rodwake/measure/state_io.hpp"
 #include "rodwake/measure/statistics.hpp"

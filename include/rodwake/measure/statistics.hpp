@@ -39,4 +39,13 @@ LineFit fit_proportional(std::span<const double> x, std::span<const double> y, s
 /// Probability that chi2 with dof degrees of freedom is at least this large; 1 for dof = 0.
 double chi2_probability(double chi2, long dof);
 
+// Which way something is measured, where there are several: what a scene chooses from.
+
+/// Of the displacement field; displacement.hpp says what each does.
+enum class DisplacementMethod { phase, lagrangian, density };
+/// What a displacement is relative to: its mean over the box, or the beads far from the rods.
+enum class Reference { box, far };
+/// Whose angles count in psi_6: beads nearer than a cut-off, or Delaunay neighbours.
+enum class Neighbours { cutoff, delaunay };
+
 } // namespace rodwake::measure

@@ -1,10 +1,13 @@
 #pragma once
 // What a run remembers of the separations between its rods.
 
-#include "rodwake/rods/outcome.hpp"
+#include "rodwake/core/encounter.hpp"
+#include "rodwake/core/periodic.hpp"
+#include "rodwake/integrate/ode.hpp"
 #include "rodwake/rods/separation.hpp"
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace rodwake::rods {
@@ -28,5 +31,16 @@ using StateRates = std::function<void(integrate::State y, std::span<double> ydot
 /// The last part is looked at when it begins, on the cubic through the step and its rates, and at every step
 /// end after: so it hardly depends on where the steps end.
 void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box = {});
+
+// How an encounter of two rods of the theory ends; core/encounter.hpp has the endings and their criteria.
+//
+// Of several pairs: contact wins over pursuit, pursuit over undecided; escape means that every pair escapes.
+// Of more than most_followed_rods rods (separation_record.hpp) only contact is told.
+
+/// Ending of the pair (a, b) from the final state and its time derivative; never `contact`.
+/// `late` as separation_record.hpp keeps it. In a periodic box of the nearest images (separation.hpp).
+Ending classify_pair(integrate::State y, integrate::State ydot, std::size_t a, std::size_t b,
+                     const LatePart& late, const EndingCriteria& criteria = {},
+                     std::optional<PeriodicBox> box = {});
 
 } // namespace rodwake::rods

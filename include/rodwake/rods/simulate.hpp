@@ -19,7 +19,6 @@
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/rods/model.hpp"
-#include "rodwake/rods/outcome.hpp"
 #include "rodwake/rods/separation_record.hpp"
 
 #include <functional>

@@ -2,12 +2,55 @@
 // A scan: the points of its design that the ledger does not hold yet are evaluated, and their results go to
 // the ledger. Stopped at any moment, the same call goes on; the ledger is then that of an uninterrupted scan.
 
-#include "rodwake/scan/audit.hpp"
-#include "rodwake/scan/boundary.hpp"
-#include "rodwake/scan/execute.hpp"
 #include "rodwake/scan/ledger.hpp"
+#include "rodwake/scan/mpi.hpp"
+#include "rodwake/scan/refinement.hpp"
 
 namespace rodwake::scan {
+
+// Boundaries between outcomes as curves: the edges of the finest cells whose ends differ are bisected, and
+// the places where the outcome changes are joined from cell to cell.
+
+/// Edges of finest cells between two outcomes, each once, in the order of their numbers, as brackets one edge
+/// long. Ends that failed have no boundary.
+std::vector<Crossing> crossed_edges(const Refinement& refinement);
+
+/// The middle of the bracket; its id is that of the edge.
+Point middle(const Refinement& refinement, const Crossing& crossing);
+/// The half of the bracket whose ends differ: of two, where a third outcome lies between, the lower.
+void bisect(Crossing& crossing, const Result& at_middle);
+
+struct BoundaryPoint {
+    std::array<double, max_axes> at{};
+    double error = 0.0; ///< half the bracket, as a fraction of its axis
+};
+
+/// A boundary between two outcomes. Two axes: points in order along it, closed if the last is the first. One
+/// axis or three: all points between the two, unordered.
+struct Curve {
+    std::int32_t outcome_a = -1, outcome_b = -1; ///< a < b
+    std::vector<BoundaryPoint> points;
+};
+
+std::vector<Curve> boundary_curves(const Refinement& refinement, std::span<const Crossing> crossings);
+
+// What an adaptive scan may have missed: random places in cells that were not divided are tried. The share of
+// them that have another outcome than their cell estimates how much of that area is wrong.
+
+struct Audit {
+    std::int64_t tried = 0, missed = 0;
+
+    double rate() const;
+    /// Upper end of the 95 % interval (one-sided, Clopper and Pearson 1934); 1 if nothing was tried.
+    double upper_bound() const;
+};
+
+/// Places of round `round`, distinct, in undivided cells that are not mixed; never a corner of one. Fewer
+/// than asked for where there are not enough.
+std::vector<Point> audit_points(const Refinement& refinement, const Design& design, std::uint32_t round);
+
+/// Whether a result differs from the cell it lies in.
+bool is_missed(const Refinement& refinement, const Result& result);
 
 /// A share of the points, for jobs that know nothing of each other: those whose number in the order of
 /// evaluation leaves the rest `index` when divided by `of`.

@@ -2,7 +2,7 @@
 // The [measure] table of a scene, after units are resolved and every value is checked: what is measured of
 // the granular run. SI, with the bed's own `a`. What is absent is not measured.
 
-#include "rodwake/measure/estimators.hpp"
+#include "rodwake/measure/statistics.hpp"
 
 #include <optional>
 #include <string>

@@ -1,13 +1,30 @@
 #pragma once
 // The [scan] table: which keys of the scene vary, over what, and where points are placed.
 
-#include "rodwake/scene/value.hpp"
-
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 namespace rodwake::scene {
+
+/// As in TOML: a number may be given as an integer, an integer not as a number.
+using Value = std::variant<bool, std::int64_t, double, std::string>;
+
+struct Scene;
+
+// What the points of a scan are.
+
+/// Encounters of rods of the theory, or granular runs.
+enum class ScanSubject { rods, beds };
+
+/// The beds of a scene that has no [rods_run]; of one that has both those if an axis varies [granular].
+ScanSubject scan_subject(const Scene& scene);
+
+/// Whether points of a scan of this subject depend on the key, so that it can be an axis.
+bool can_vary(std::string_view key, ScanSubject subject);
 
 enum class ScanDesign { grid, list, lhs, sobol, adaptive };
 enum class ScanSpacing { linear, log };

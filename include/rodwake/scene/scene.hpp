@@ -9,7 +9,7 @@
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/elastic/accuracy.hpp"
-#include "rodwake/integrate/method.hpp"
+#include "rodwake/integrate/ode.hpp"
 #include "rodwake/medium/dynamic_medium.hpp"
 #include "rodwake/rods/couplings.hpp"
 #include "rodwake/rods/form.hpp"
@@ -243,5 +243,14 @@ inline bool noisy(const Scene& scene) {
 
 /// Whether [rods_order] looks at the motile rods of the bed, in SI; else at those of [rods_run].
 inline bool order_of_bed(const Scene& scene) { return scene.rods_order && !scene.rods_run && scene.granular; }
+
+inline constexpr double max_outputs = 1e6;
+inline constexpr double default_outputs = 200.0;
+
+/// i * interval for i = 1, 2, ... below t_end, then t_end exactly. A last gap below 1e-9 interval is merged.
+std::vector<double> output_grid(double interval, double t_end);
+
+/// The interval of which `times` is the grid, if it is one.
+std::optional<double> grid_interval(const std::vector<double>& times, double t_end);
 
 } // namespace rodwake::scene

@@ -16,9 +16,9 @@
 //                   not there at the start, a figure or a measure without what it shows. It looks at the
 //                   whole scene; call it once all values are set.
 
-#include "rodwake/scene/problem.hpp"
+#include "rodwake/scene/read.hpp"
 #include "rodwake/scene/scene.hpp"
-#include "rodwake/scene/value.hpp"
+#include "rodwake/scene/scan.hpp"
 
 #include <cstdint>
 #include <memory>
