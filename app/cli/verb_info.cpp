@@ -1,7 +1,7 @@
 #include "definition.hpp"
+#include "rodwake/app/describe.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
-#include "rodwake/app/describe.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"

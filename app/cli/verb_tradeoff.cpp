@@ -1,12 +1,12 @@
 // rodwake tradeoff: measures the settings of a scene, unless that is done already, and names the one asked
 // for.
 
+#include "definition.hpp"
 #include "options.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "terminal.hpp"
-#include "definition.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>

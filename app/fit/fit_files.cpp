@@ -3,8 +3,8 @@
 #include "fit_records.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/store/atomic_file.hpp"
-#include "run/record_table.hpp"
 #include "run/record_json.hpp"
+#include "run/record_table.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

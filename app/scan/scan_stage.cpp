@@ -1,7 +1,7 @@
 // The scan stage: ledger, executor, results.
 
-#include "rodwake/app/scan_problem.hpp"
 #include "rodwake/app/run.hpp"
+#include "rodwake/app/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/stopwatch.hpp"
 #include "run/cost_parts.hpp"

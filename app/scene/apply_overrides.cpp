@@ -1,7 +1,7 @@
 #include "apply_overrides.hpp"
 
-#include "rodwake/core/spelling.hpp"
 #include "problems.hpp"
+#include "rodwake/core/spelling.hpp"
 
 #include <fmt/format.h>
 

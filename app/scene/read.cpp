@@ -3,9 +3,9 @@
 #include "apply_overrides.hpp"
 #include "check.hpp"
 #include "fields.hpp"
+#include "problems.hpp"
 #include "reader.hpp"
 #include "rodwake/scene/set.hpp"
-#include "problems.hpp"
 
 #include <fmt/format.h>
 

@@ -159,8 +159,8 @@ void Setter::visit(const Key& key, void* value, const Codec& codec) {
         const Node node = std::visit([](const auto& v) { return Node{{}, v}; }, *given);
         codec.set({key, node, nullptr, *this}, value, p.target->path);
     });
-    if (!is_target && !key.is_written) // as if the scene had been written and read
-        codec.clear(value);
+    if (!is_target && !key.is_written && codec.depth() == 0 && codec.is_quantity())
+        codec.clear(value); // an alternative, as if the scene had been written and read
     note_given(key, codec.is_present(value), is_target);
 }
 

@@ -1,4 +1,4 @@
-#include "rodwake/granular/problem.hpp"
+#include "rodwake/granular/body_force.hpp"
 
 #include "bodies.hpp"
 

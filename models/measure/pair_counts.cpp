@@ -1,6 +1,5 @@
 #include "pair_counts.hpp"
 
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -2,8 +2,8 @@
 
 #include "rodwake/app/run.hpp"
 #include "bind.hpp"
-#include "rodwake/core/error.hpp"
 #include "rod_problem.hpp"
+#include "rodwake/core/error.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>

@@ -1,8 +1,8 @@
 #include "rod_problem.hpp"
 
 #include "bind.hpp"
-#include "rodwake/app/scan_problem.hpp"
 #include "rodwake/app/plan.hpp"
+#include "rodwake/app/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <pybind11/functional.h>

@@ -1,8 +1,8 @@
 #include "rodwake/scan/refinement.hpp"
 
 #include "rodwake/core/rng.hpp"
-#include "rodwake/scan/run.hpp"
 #include "rodwake/scan/proportion.hpp"
+#include "rodwake/scan/run.hpp"
 
 #include <algorithm>
 #include <cmath>

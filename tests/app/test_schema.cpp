@@ -1,7 +1,7 @@
 // What the program knows of scenes and results, and the copy of it that the plots read.
 
-#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/describe.hpp"
+#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/scene/document.hpp"
 
 #include <catch2/catch.hpp>

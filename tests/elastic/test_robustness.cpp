@@ -4,8 +4,8 @@
 #include "sample.hpp"
 
 #include "rodwake/core/error.hpp"
-#include "rodwake/elastic/periodic.hpp"
 #include "rodwake/elastic/field.hpp"
+#include "rodwake/elastic/periodic.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // [scan]: reading, writing, and what does not fit.
 
+#include "rodwake/scene/read.hpp"
 #include "rodwake/scene/scan.hpp"
 #include "rodwake/scene/set.hpp"
-#include "rodwake/scene/read.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,7 @@
 #include "support.hpp"
 
-#include "rodwake/scene/set.hpp"
 #include "rodwake/scene/read.hpp"
+#include "rodwake/scene/set.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

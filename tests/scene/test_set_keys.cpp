@@ -3,8 +3,8 @@
 
 #include "support.hpp"
 
-#include "rodwake/scene/set.hpp"
 #include "rodwake/scene/read.hpp"
+#include "rodwake/scene/set.hpp"
 #include "scene/node.hpp"
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // Values come back bit by bit; reading something else than was written is an error.
 
-#include "rodwake/store/archive.hpp"
+#include "rodwake/store/bytes.hpp"
 
+#include "kept_structs.hpp"
 #include "rodwake/core/error.hpp"
 #include "scratch.hpp"
 
@@ -14,45 +15,6 @@
 
 using namespace rodwake;
 using namespace store_test;
-
-namespace {
-
-struct Pose {
-    std::array<double, 2> place{};
-    float heading = 0.0F;
-    bool is_held = false;
-    bool operator==(const Pose&) const = default;
-};
-
-struct Poses { // the same numbers, one by another name
-    std::array<double, 2> place{};
-    float heading = 0.0F;
-    bool is_free = false;
-};
-
-struct Kept {
-    std::string name;
-    Eigen::Vector3d push = Eigen::Vector3d::Zero();
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-    std::vector<Pose> poses;
-    std::vector<double> times;
-};
-
-} // namespace
-
-namespace rodwake::store {
-
-template<>
-inline constexpr auto parts<Pose> = parts_of("place heading is_held", &Pose::place, &Pose::heading,
-                                             &Pose::is_held);
-template<>
-inline constexpr auto parts<Poses> = parts_of("place heading is_free", &Poses::place, &Poses::heading,
-                                              &Poses::is_free);
-template<>
-inline constexpr auto parts<::Kept> = parts_of("name push turn poses times", &::Kept::name, &::Kept::push,
-                                               &::Kept::turn, &::Kept::poses, &::Kept::times);
-
-} // namespace rodwake::store
 
 TEST_CASE("Values, arrays and texts come back") {
     const std::vector<double> numbers = {0.1, -0.0, std::numeric_limits<double>::denorm_min()};
@@ -108,10 +70,9 @@ TEST_CASE("An array that claims more than is there is refused before it is made 
 }
 
 TEST_CASE("A struct whose parts are listed comes back") {
-    const ::Kept kept{
-        "a", {1.0, -0.0, 3.0}, {0.5, 0.1, 0.2, 0.3}, {{{0.1, 0.2}, 3.0F, true}, {}}, {0.1, 0.2}};
+    const Kept kept{"a", {1.0, -0.0, 3.0}, {0.5, 0.1, 0.2, 0.3}, {{{0.1, 0.2}, 3.0F, true}, {}}, {0.1, 0.2}};
     const std::array blocks = {store::to_block("kept", kept)};
-    ::Kept back;
+    Kept back;
     back.poses.resize(7);
     store::from_block(blocks, "kept", "file", back);
     CHECK(back.name == "a");

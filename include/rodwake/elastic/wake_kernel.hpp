@@ -1,6 +1,6 @@
 #pragma once
-// Strain and polar vectors of many rods at many points at once: what superpose of elastic/field.hpp gives, with
-// vector instructions chosen at run time.
+// Strain and polar vectors of many rods at many points at once: what superpose of elastic/field.hpp gives,
+// with vector instructions chosen at run time.
 //
 // Bits: the value at a target depends on the sources and their order, on nothing else: not on the other
 // targets, the lanes of a vector or the instruction set.

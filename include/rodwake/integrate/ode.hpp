@@ -3,8 +3,9 @@
 // and result are three types.
 // This part is the only code that includes SUNDIALS; nothing of SUNDIALS appears in its headers.
 
-#include <Eigen/Core>
+#include "rodwake/integrate/method.hpp"
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -14,14 +15,6 @@
 #include <vector>
 
 namespace rodwake::integrate {
-
-enum class Method {
-    bdf,   ///< CVODES, backward differentiation, order 1 to 5, dense Newton; for stiff problems. IDAS where
-           ///< components are algebraic
-    adams, ///< CVODES, Adams-Moulton, order 1 to 12, fixed-point iteration; fewest right-hand sides when not
-           ///< stiff
-    erk    ///< ARKODE, explicit Runge-Kutta: Dormand-Prince 5(4) for rtol > 1e-6, from there down Verner 6(5)
-};
 
 using State = std::span<const double>;
 

@@ -4,9 +4,9 @@
 // The granular bed has its own scale: everything here is SI, whatever `units` says, and "a" in a string means
 // granular.bead_radius. [scales] is not needed. What is absent and follows from other keys stays absent here.
 
-#include "rodwake/granular/problem.hpp"
+#include "rodwake/granular/body_force.hpp"
 #include "rodwake/granular/shape.hpp"
-#include "rodwake/granular/impact.hpp"
+#include "rodwake/granular/surfaces.hpp"
 
 #include <optional>
 #include <string>

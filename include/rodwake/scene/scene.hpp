@@ -9,7 +9,7 @@
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/elastic/accuracy.hpp"
-#include "rodwake/integrate/ode.hpp"
+#include "rodwake/integrate/method.hpp"
 #include "rodwake/medium/dynamic_medium.hpp"
 #include "rodwake/rods/couplings.hpp"
 #include "rodwake/rods/form.hpp"

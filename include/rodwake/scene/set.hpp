@@ -17,8 +17,8 @@
 //                   whole scene; call it once all values are set.
 
 #include "rodwake/scene/read.hpp"
-#include "rodwake/scene/scene.hpp"
 #include "rodwake/scene/scan.hpp"
+#include "rodwake/scene/scene.hpp"
 
 #include <cstdint>
 #include <memory>
