@@ -4,7 +4,7 @@
     g(sigma) = (Z - 1)/(2 phi),  g from the distances of frames: shares nothing with the impulses that make p
     p sigma^2/(m T_xy) = 9.18 where liquid and hexatic coexist, phi = 0.700 to 0.716 (Engel et al., Phys. Rev. E 87, 042134, 2013)
 
-The plates are 1.01 diameters apart: beads meet at 0.99998 diameters in the mean. Then the bed becomes the paper's, one change at a time.
+The plates are 1.01 diameters apart: beads meet at 0.99999 diameters in the mean. Then the bed becomes the paper's, one change at a time.
 The range of the fit of g and the level of psi6 that is called the onset were set before the runs; the third step was added when two had
 been seen, the area fractions of a bed were chosen as the order of those before it was known.
 """
