@@ -1,18 +1,18 @@
 #!/usr/bin/python3
 """The bed as an elastic medium: every table of docs/validation_bed.md, "The bed as a medium".
 
-    studies/validate_medium.py [--program build/release/rodwake] [--only sound,static,strain,moving,drag,monopole,pairs,scaling,spread,moments,tail,scaling_310] [--quick]
+    studies/validate_medium.py [--program build/release/rodwake] [--only sound,static,strain,moving,drag,monopole,pairs,scaling,spread,moments,tail,hard,deviations,scaling_310] [--quick]
                              [-j 2] [--keep DIR]
 
 Prints Markdown, a part at a time, and before each the CPU time that it takes at most. --keep DIR keeps runs and takes up what is
 there, so an interrupted command goes on; without it they are removed. --quick: runs of 6 s, to see that everything works; its
 numbers mean nothing (some minutes: the box of 155 a). spread reads the maps of scaling,
-moments those of monopole and scaling. tail reads the reduced runs of studies/medium/tail and makes those that are missing.
+moments those of monopole and scaling. tail and hard read the reduced runs of studies/medium/tail and hard.csv and make those that are missing.
 scaling_310 runs only when named.
 """
 
 from lab import parser, run_parts
-from medium import drag, moments, monopole, moving, pairs, scaling, sound, spread, static, strain, tail
+from medium import deviations, drag, hard, moments, monopole, moving, pairs, scaling, sound, spread, static, strain, tail
 from medium.bed import COST, Beds
 
 PARTS = {"sound": (sound.part, sound.cost), "static": (static.part, static.cost), "strain": (strain.part, strain.cost),
@@ -20,7 +20,8 @@ PARTS = {"sound": (sound.part, sound.cost), "static": (static.part, static.cost)
          "drag": (drag.part, drag.cost),
          "monopole": (monopole.part, monopole.cost), "pairs": (pairs.part, pairs.cost), "scaling": (scaling.part, scaling.cost),
          "spread": (spread.part, spread.cost), "moments": (moments.part, moments.cost),
-         "tail": (tail.part, tail.cost),
+         "tail": (tail.part, tail.cost), "hard": (hard.part, hard.cost),
+         "deviations": (deviations.part, deviations.cost),
          "scaling_310": (lambda lab: scaling.part(lab, 310), lambda: scaling.cost(310))}
 NAMED_ONLY = {"scaling_310"}
 

@@ -221,6 +221,8 @@ void describe_granular(const Plan& plan, Lines& lines) {
         {problem.beads > 0, problem.beads > 0 ? beads_text(bed, problem) : "beads: there are none"});
     lines.push_back({true, box_text(bed, problem)});
     lines.push_back(plates_line(problem));
+    if (problem.gravity == 0.0)
+        lines.push_back({false, "gravity: it is 0"});
     lines.push_back({true, contacts_text(problem.contacts)});
     lines.push_back({true, start_text(bed, problem)});
     lines.push_back({true, time_text(bed, problem)});

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace rodwake::app {
 
 std::string text(const Estimate& e) {
@@ -16,6 +18,27 @@ std::vector<double> of_summaries(const MeasuredCase& data, const std::string& na
     for (const RunTables& run : data.tables)
         values.push_back(run.summary(name, what));
     return values;
+}
+
+measure::HeadingTrack track_of(const scene::Measure& m, const RunTables& run) {
+    const auto name = [&](const char* column) { return fmt::format("{}{}", column, m.rod); };
+    const std::vector<Column> all = run.tracks({"t", name("x"), name("y"), name("theta")});
+    const Column &t = all[0], &x = all[1], &y = all[2], &theta = all[3];
+    measure::HeadingTrack track;
+    std::size_t start = 0;
+    bool travelled = !m.from_travel;
+    while (start < t.size() && t[start] < -1e-12) // the rods are held
+        ++start;
+    for (std::size_t i = start; i < t.size(); ++i) {
+        travelled = travelled || std::hypot(x[i] - x[start], y[i] - y[start]) >= *m.from_travel;
+        if (!travelled || t[i] < m.from - 1e-12)
+            continue;
+        track.time.push_back(t[i]);
+        track.x.push_back(x[i]);
+        track.y.push_back(y[i]);
+        track.heading.push_back(theta[i]);
+    }
+    return track;
 }
 
 Column scaled(const Column& values, double scale) {

@@ -2,6 +2,7 @@
 // What the measures' source files share.
 
 #include "rodwake/app/measure_kind.hpp"
+#include "rodwake/measure/heading_track.hpp"
 
 #include <algorithm>
 #include <array>
@@ -101,6 +102,9 @@ Inertia inertia_of(const MeasuredCase& data);
 
 /// A number of each run's summary.json.
 std::vector<double> of_summaries(const MeasuredCase& data, const std::string& name, const std::string& what);
+
+/// Of the rod measure.rod in this run, from t = 0, `from` and `from_travel` on.
+measure::HeadingTrack track_of(const scene::Measure& measure, const RunTables& run);
 
 Column scaled(const Column& values, double scale);
 /// Two components as VTK wants vectors.

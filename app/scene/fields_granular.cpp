@@ -34,7 +34,12 @@ void bead_fields(Visitor& v, Granular& bed) {
       bed.count_rod_area);
     v(key("bead_density").unit(density).above(0.0, 1e6).doc("mass density of the beads").example("2700.0"),
       bed.bead_density);
-    v(key("gravity").symbol("g").unit(acceleration).above(0.0, 1e4).doc("towards the floor").example("9.81"),
+    v(key("gravity")
+          .symbol("g")
+          .unit(acceleration)
+          .within(0.0, 1e4)
+          .doc("towards the floor; 0: none, between plates that stand still (plates.gamma = 0)")
+          .example("9.81"),
       bed.gravity);
     v(key("box")
           .symbol("L")

@@ -29,8 +29,12 @@ void check_plates(const GranularProblem& problem, Checks& checks) {
     checks.positive("gap", plates.gap);
     checks.positive("frequency", plates.frequency);
     checks.number(plates.gamma >= 0.0, "gamma", plates.gamma, ">= 0 and finite (0: static plates)");
-    checks.positive("gravity", problem.gravity);
-    const bool sound = plates.frequency > 0.0 && plates.gamma >= 0.0 && problem.gravity > 0.0;
+    checks.number(problem.gravity >= 0.0, "gravity", problem.gravity, ">= 0 and finite (m/s^2)");
+    checks.require(problem.gravity != 0.0 || !(plates.gamma > 0.0),
+                   fmt::format("gamma = {} with gravity = 0: gamma is the acceleration of the plates over "
+                               "gravity, so without it they cannot move; must be 0 (static plates)",
+                               plates.gamma));
+    const bool sound = plates.frequency > 0.0 && plates.gamma >= 0.0 && problem.gravity >= 0.0;
     const double amplitude = plates.amplitude(problem.gravity);
     checks.require(
         !sound || std::isfinite(amplitude),

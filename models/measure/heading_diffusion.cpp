@@ -1,5 +1,6 @@
 #include "rodwake/measure/heading_diffusion.hpp"
 
+#include "heading_tracks.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/statistics.hpp"
 
@@ -11,6 +12,42 @@
 
 namespace rodwake::measure {
 
+void check_tracks(std::span<const HeadingTrack> runs, std::string_view measure) {
+    if (runs.empty())
+        throw InputError(fmt::format("measure: {}: no runs", measure));
+    for (const HeadingTrack& run : runs) {
+        const std::size_t rows = run.time.size();
+        if (rows < 2 || run.heading.size() != rows || run.x.size() != rows || run.y.size() != rows)
+            throw InputError(fmt::format("measure: {}: a run has {} rows: start sooner (measure.from, "
+                                         "measure.from_travel) or run longer",
+                                         measure, rows));
+    }
+}
+
+double common_step(std::span<const HeadingTrack> runs) { return runs[0].time[1] - runs[0].time[0]; }
+
+std::size_t even_rows(const HeadingTrack& run, double step, std::string_view measure) {
+    const auto off = [&](std::size_t i) {
+        return std::abs(run.time[i] - run.time[i - 1] - step) > 1e-6 * step;
+    };
+    const std::size_t n = run.time.size();
+    for (std::size_t i = 1; i < n; ++i)
+        if (off(i)) {
+            if (i + 1 == n)
+                return n - 1;
+            throw RunError(
+                fmt::format("measure: {}: rows at {:.9g} s and {:.9g} s of a track are not {:.9g} s "
+                            "apart as those before",
+                            measure, run.time[i - 1], run.time[i], step));
+        }
+    return n;
+}
+
+double advance(const HeadingTrack& run, std::size_t i) {
+    const double heading = 0.5 * (run.heading[i - 1] + run.heading[i]);
+    return (run.x[i] - run.x[i - 1]) * std::cos(heading) + (run.y[i] - run.y[i - 1]) * std::sin(heading);
+}
+
 namespace {
 
 using Row = std::vector<double>;
@@ -18,8 +55,6 @@ constexpr std::size_t enough_runs = 8; // for errors from runs alone
 constexpr double lowest_cosine = 0.2;
 
 void check(std::span<const HeadingTrack> runs, const HeadingOptions& o) {
-    if (runs.empty())
-        throw InputError("measure: heading_diffusion: no runs");
     if (!(o.block > 0.0 && o.lag_low > 0.0 && o.lag_low < o.lag_high && std::isfinite(o.block + o.lag_high)))
         throw InputError(
             fmt::format("measure: heading_diffusion: lags from {:g} s to {:g} s in blocks of {:g} s: must be "
@@ -29,32 +64,7 @@ void check(std::span<const HeadingTrack> runs, const HeadingOptions& o) {
         throw InputError(fmt::format("measure: heading_diffusion: lags up to {:g} s need blocks of twice as "
                                      "much, not {:g} s",
                                      o.lag_high, o.block));
-    for (const HeadingTrack& run : runs) {
-        const std::size_t rows = run.time.size();
-        if (rows < 2 || run.heading.size() != rows || run.x.size() != rows || run.y.size() != rows)
-            throw InputError(fmt::format("measure: heading_diffusion: a run has {} rows: start sooner "
-                                         "(measure.from, measure.from_travel) or run longer",
-                                         rows));
-    }
-}
-
-double step_of(const HeadingTrack& run) { return run.time.size() < 2 ? 0.0 : run.time[1] - run.time[0]; }
-
-/// Rows that are evenly spaced: all, or all but the last.
-std::size_t even_rows(const HeadingTrack& run, double step) {
-    const auto off = [&](std::size_t i) {
-        return std::abs(run.time[i] - run.time[i - 1] - step) > 1e-6 * step;
-    };
-    const std::size_t n = run.time.size();
-    for (std::size_t i = 1; i < n; ++i)
-        if (off(i)) {
-            if (i + 1 == n)
-                return n - 1;
-            throw RunError(fmt::format("measure: heading_diffusion: rows at {:.9g} s and {:.9g} s of a track "
-                                       "are not {:.9g} s apart as those before",
-                                       run.time[i - 1], run.time[i], step));
-        }
-    return n;
+    check_tracks(runs, "heading_diffusion");
 }
 
 /// Numbers of steps, each about a seventh above the one before, the last lag_high.
@@ -97,11 +107,8 @@ Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last,
             sums.square[k] += change * change;
             sums.cosine[k] += std::cos(change);
         }
-    for (std::size_t i = first + 1; i <= last; ++i) {
-        const double heading = 0.5 * (run.heading[i - 1] + run.heading[i]);
-        sums.advance +=
-            (run.x[i] - run.x[i - 1]) * std::cos(heading) + (run.y[i] - run.y[i - 1]) * std::sin(heading);
-    }
+    for (std::size_t i = first + 1; i <= last; ++i)
+        sums.advance += advance(run, i);
     sums.turn = run.heading[last] - run.heading[first];
     sums.time = run.time[last] - run.time[first];
     return sums;
@@ -110,7 +117,7 @@ Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last,
 /// Blocks of a run; neighbours share the row between them.
 std::vector<Sums> blocks_of(const HeadingTrack& run, double step, const HeadingOptions& options,
                             std::span<const std::size_t> lags) {
-    const std::size_t steps = even_rows(run, step) - 1;
+    const std::size_t steps = even_rows(run, step, "heading_diffusion") - 1;
     const double length = static_cast<double>(steps) * step;
     if (length < 2.0 * options.lag_high * (1.0 - 1e-9))
         throw InputError(fmt::format("measure: heading_diffusion: a track of {:.4g} s: lags up to {:g} s "
@@ -279,7 +286,7 @@ void set_interval(HeadingDiffusion& r) {
 
 HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const HeadingOptions& options) {
     check(runs, options);
-    const double step = step_of(runs[0]);
+    const double step = common_step(runs);
     if (!(step > 0.0) || options.lag_high < step)
         throw InputError(fmt::format("measure: heading_diffusion: tracks with rows {:g} s apart have no lag "
                                      "up to {:g} s; shorten granular.output.table",

@@ -162,6 +162,13 @@ TEST_CASE("What is described is what is planned") {
     CHECK(says(plan(bed_text), true, "3 runs"));
     CHECK(says(plan(bed_text), false, "rod dynamics"));
     CHECK_FALSE(says(plan(bed_text), true, "rod dynamics"));
+    CHECK_FALSE(says(plan(bed_text), false, "gravity"));
+    scene::Scene still = read(bed_text);
+    still.granular->gravity = still.granular->plates.gamma = 0.0;
+    CHECK(says(app::make_plan(still, app::stages_of(still)), false, "gravity: it is 0"));
+    still.granular->plates.gamma = 7.0;
+    CHECK_THROWS_WITH(app::make_plan(still, app::stages_of(still)),
+                      Catch::Contains("gamma = 7 with gravity = 0"));
 }
 
 TEST_CASE("A stored trajectory takes the place of a granular run") {

@@ -17,7 +17,7 @@ const double a = GranularProblem{}.bead_radius;
 /// Two beads that meet head-on across the edge of the box, their line turned by `angle` from x.
 Simulation head_on(double angle, double speed) {
     GranularProblem problem = beds::still_plates(3e-3, PeriodicBox(40 * a, 50 * a));
-    problem.gravity = 1e-9; // none to speak of
+    problem.gravity = 0.0;
     problem.beads = 2;
     beds::set_contacts(problem, {0.0, 1.0});
     State state;
@@ -37,7 +37,7 @@ Simulation head_on(double angle, double speed) {
 /// Elastic, frictionless beads between still plates without gravity; p A/(sum of m v^2 in one direction).
 double compressibility(double gap, double phi, std::int64_t steps) {
     GranularProblem problem = beds::still_plates(gap, 60 * a);
-    problem.gravity = 1e-9; // none to speak of
+    problem.gravity = 0.0;
     problem.beads = static_cast<std::size_t>(std::lround(phi * 3600.0 / M_PI));
     problem.start_speed = 0.1;
     problem.time_step = 1e-4;

@@ -80,6 +80,10 @@ TEST_CASE("sound problems pass") {
     CHECK(refusal(edge) == "");
     edge.time_step = 1.0; // no period to resolve
     CHECK(refusal(edge) == "");
+    edge.gravity = 0.0;
+    CHECK(refusal(edge) == "");
+    edge.plates.gamma = 7.0;
+    CHECK_THAT(refusal(edge), Catch::Contains("gamma = 7 with gravity = 0"));
 }
 
 TEST_CASE("amplitude and area fraction are what they are called") {
@@ -110,13 +114,15 @@ TEST_CASE("the longest step is a whole fraction of the plates' period that keeps
         const double move = c.gamma * 9.81 / (2.0 * M_PI * c.frequency) / (c.steps * c.frequency);
         CHECK(move <= 0.0137 * c.radius);
     }
+    const granular::Plates still{1.2e-3, 200.0, 0.0};
+    CHECK(still.longest_step(0.0, 0.4e-3) == 1e-4); // nothing falls
+    CHECK(still.amplitude(0.0) == 0.0);
 }
 
 TEST_CASE("numbers outside their domain are refused by name") {
     for (const double bad : {0.0, -1.0, not_a_number, inf}) {
         refuses("bead_radius = ", [&](auto& p) { p.bead_radius = bad; });
         refuses("bead_density = ", [&](auto& p) { p.bead_density = bad; });
-        refuses("gravity = ", [&](auto& p) { p.gravity = bad; });
         refuses("box = ", [&](auto& p) { p.box = bad; });
         refuses("gap = ", [&](auto& p) { p.plates.gap = bad; });
         refuses("frequency = ", [&](auto& p) { p.plates.frequency = bad; });
@@ -125,6 +131,7 @@ TEST_CASE("numbers outside their domain are refused by name") {
     }
     for (const double bad : {-1.0, not_a_number, inf}) {
         refuses("gamma = ", [&](auto& p) { p.plates.gamma = bad; });
+        refuses("gravity = ", [&](auto& p) { p.gravity = bad; });
         refuses("start_speed = ", [&](auto& p) { p.start_speed = bad; });
         refuses("bead-bead friction", [&](auto& p) { p.contacts.bead_bead.friction = bad; });
         refuses("rod-rod restitution", [&](auto& p) { p.contacts.rod_rod.restitution = bad; });

@@ -3,8 +3,10 @@
 import json
 import math
 import sys
+import tempfile
 import types
 import unittest
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -13,7 +15,7 @@ from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "studies"))
 import lab  # noqa: E402
-from medium import bed, moments, monopole, moving, pairs, scaling, spread, static, strain, tail  # noqa: E402
+from medium import bed, hard, moments, monopole, moving, pairs, scaling, spread, static, strain, tail  # noqa: E402
 
 TRUE = np.array([4.6e4, 4.2e4, 1.5e4, 1.35e4])  # c11, c22, c12, c66, a^2/s^2
 FORCE = 8000.0                                   # a^3/s^2
@@ -327,6 +329,57 @@ class TailTest(unittest.TestCase):
         self.assertGreater(np.abs(rest - steady).max(), 1e-5)
         behind, ahead = tail.told_by(steady, tail.screening(50.0))[:2]
         self.assertGreater(behind, 4 * ahead)
+
+
+class HardTest(unittest.TestCase):
+    def test_the_approximant_goes_on_where_ten_terms_end(self):
+        """ln(1 + x)/x at x = 1.2, beyond the radius of its series; then the series of hard discs, which lacks 3 % at phi = 0.6."""
+        own, hard.B = hard.B, tuple((-1)**n / (n + 1) for n in range(10))
+        try:
+            self.assertAlmostEqual(hard.pade(0.6), math.log(2.2) / 1.2, places=6)
+            self.assertGreater(abs(hard.series(0.6)[0] - math.log(2.2) / 1.2), 0.1)
+        finally:
+            hard.B = own
+        self.assertAlmostEqual(hard.series(0.1)[0], hard.pade(0.1), places=8)
+        self.assertAlmostEqual(hard.pade(0.3), 2.06352, places=5)
+        self.assertLess(hard.series(0.6)[0], 0.98 * hard.pade(0.6))  # short by 3 %
+        self.assertLess(abs(hard.pade(0.6, 5) / hard.pade(0.6) - 1), 3e-4)
+
+    def test_contact_value_is_extrapolated_from_the_bins(self):
+        r = 1.025 + 0.05 * np.arange(80)
+        true = np.where(r > 2, np.exp(1.5 - 2.2 * (r - 2) + 1.1 * (r - 2)**2), 0.0)
+        g = true * (1 + 0.005 * np.random.default_rng(1).normal(size=len(r)))
+        value, error = hard.contact(r, g, 0.005 * g)
+        self.assertLess(abs(value - math.exp(1.5)), 4 * error)
+        self.assertLess(error, 0.03 * value)  # 8 bins of 0.5 %, three parameters, 1.5 bins beyond them
+        self.assertTrue(math.isnan(hard.contact(r[:22], g[:22], g[:22])[0]))
+
+    def test_onset_and_the_limit_of_the_step(self):
+        value, error = hard.onset([0.70, 0.71, 0.72], [(0.2, 0.01), (0.3, 0.02), (0.5, 0.02)])
+        self.assertAlmostEqual(value, 0.715)
+        self.assertAlmostEqual(error, 0.05 * 0.02 * math.sqrt(0.5))
+        self.assertTrue(math.isnan(hard.onset([0.70, 0.71], [(0.5, 0.01), (0.6, 0.01)])[0]))
+        self.assertEqual(hard.without_step((1.02, 0.0), (1.01, 0.0))[0], 1.0)
+
+    def test_a_run_is_reduced_to_what_hard_discs_are_known_by(self):
+        """Two runs whose impulses carry four and six times what the motion does: Z = 5 and 7."""
+        phi, beads, T = 0.5, 1500, np.array([2.5e-3, 2.4e-3])
+        area = beads * math.pi * bed.A**2 / phi
+        p = np.array([5, 7]) * beads * hard.MASS * T / area
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch)
+            (folder / "summary.json").write_text(json.dumps({"box": math.sqrt(area), "beads": beads, "beads_fraction": phi, "runs": 2, "T_xy": 2.45e-3,
+                                                             "T_z": 2e-3}))
+            (folder / "measure.json").write_text(json.dumps({"order": {"psi6": {"value": 0.1, "error": 0.01}, "class": "exponential",
+                                                                       "exponent": {"value": 0.5, "error": None}}}))
+            (folder / "runs.csv").write_text("p_xx,p_yy,T_xy\n" + "".join(f"{1.1 * one},{0.9 * one},{t}\n" for one, t in zip(p, T)))
+            (folder / "gr.csv").write_text("r,g,sigma\n" + "".join(f"{2.025 + 0.05 * k},3,0.01\n" for k in range(10)))
+            row = hard.reduced(folder)
+        self.assertAlmostEqual(row["Z"], 6)
+        self.assertAlmostEqual(row["Z_error"], 1)
+        self.assertAlmostEqual(row["P"], 6 * 4 * phi / math.pi)  # Z rho sigma^2
+        self.assertAlmostEqual(row["contact"], 3)
+        self.assertTrue(math.isnan(row["exponent_error"]))
 
 
 if __name__ == "__main__":

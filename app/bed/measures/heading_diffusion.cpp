@@ -32,28 +32,6 @@ measure::HeadingOptions options_of(const Scene& scene) {
     return {m.block, m.heading_lag_low.value_or(0.1 * high), high};
 }
 
-/// From t = 0, `from` and `from_travel` on.
-HeadingTrack track_of(const Measure& m, const RunTables& run) {
-    const auto name = [&](const char* column) { return fmt::format("{}{}", column, m.rod); };
-    const std::vector<Column> all = run.tracks({"t", name("x"), name("y"), name("theta")});
-    const Column &t = all[0], &x = all[1], &y = all[2], &theta = all[3];
-    HeadingTrack track;
-    std::size_t start = 0;
-    bool travelled = !m.from_travel;
-    while (start < t.size() && t[start] < -1e-12) // the rods are held
-        ++start;
-    for (std::size_t i = start; i < t.size(); ++i) {
-        travelled = travelled || std::hypot(x[i] - x[start], y[i] - y[start]) >= *m.from_travel;
-        if (!travelled || t[i] < m.from - 1e-12)
-            continue;
-        track.time.push_back(t[i]);
-        track.x.push_back(x[i]);
-        track.y.push_back(y[i]);
-        track.heading.push_back(theta[i]);
-    }
-    return track;
-}
-
 double f_over_mu(const Scene& scene, double a) {
     return scene.scales ? scene.scales->f_over_mu / a : papers_f_over_mu;
 }

@@ -33,7 +33,7 @@ struct GranularProblem {
     std::size_t beads = 0;
     double bead_radius = 0.4e-3;   ///< a, m
     double bead_density = 2700.0;  ///< kg/m^3
-    double gravity = 9.81;         ///< m/s^2
+    double gravity = 9.81;         ///< m/s^2; 0: none, with plates.gamma = 0 only
     PeriodicBox box = 78 * 0.4e-3; ///< m
     Plates plates;
     ContactTable contacts;

@@ -31,7 +31,8 @@ struct Plates {
     /// one step, the plates at their fastest (Gamma g/(2 pi f)) move by at most 0.0137 bead radii and a body
     /// falls from rest by at most 2e-4 of them. The first limit is what Gamma = 7, 200 Hz and a = 0.4 mm have
     /// at 1e-4 s: there T_xy and T_z at phi_b = 0.80 differ by 0.1 +- 0.2 % and 0.1 +- 0.1 % from those of a
-    /// step four times shorter. The second rules where plates are slow or still.
+    /// step four times shorter. The second rules where plates are slow or still. Without gravity still plates
+    /// have n = 50, whatever the beads' speed: name a step then.
     double longest_step(double gravity, double bead_radius) const;
 
     bool operator==(const Plates&) const = default;

@@ -17,18 +17,13 @@
 // less than the square of its relative error; <d^2> is not biased.
 
 #include "rodwake/core/estimate.hpp"
+#include "rodwake/measure/heading_track.hpp"
 
 #include <cstddef>
 #include <span>
 #include <vector>
 
 namespace rodwake::measure {
-
-/// Of one run: evenly spaced times, s (a last one that is not is left out); place, m; heading without jumps,
-/// rad. All of one length.
-struct HeadingTrack {
-    std::vector<double> time, x, y, heading;
-};
 
 struct HeadingOptions {
     double block = 5.0;                      ///< s; each run is cut into whole ones, or is one itself
