@@ -124,6 +124,8 @@ def draw_panel(axes, fit, view, window):
         draw_line(axes, fit, *broken(fit, view, values), color=COMPARED[index % 5], linestyle=DASHES[index % 3], linewidth=1.2, zorder=2.5)
     x, model = broken(fit, view, curve.model)
     band = broken(fit, view, curve.band)[1]
+    if fit.maps:  # moments, which tell nothing there
+        model = np.where(np.abs(x) < fit.number(fit.told, "core", 0.0), np.nan, model)
     axes.fill_between(x, model - band, model + band, color=style.LINE, alpha=0.25, linewidth=0, zorder=2)
     draw_line(axes, fit, x, model, color=style.LINE, linewidth=1.5, zorder=4)
     draw_data(axes, points, points.value, points.sigma)
@@ -242,7 +244,7 @@ def caption_of(fit, views, spec):
 def fitted_to(fit):
     """Which profiles the parameters come from."""
     names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)]
-    return "Fitted to " + words.listed(names or ["trajectories"])
+    return "Fitted to " + words.listed(names or ["maps" if fit.maps else "trajectories"])
 
 
 def panel_told(index, view, count, unit):
@@ -270,6 +272,8 @@ def compared(fit, one):
 
 
 def unit_of(fit, name):
+    if name in fit.derived:
+        return fit_words.unit_html(fit.derived[name][2])
     return fit_words.unit_html(fit.parameters[name].unit) if name in fit.parameters else ""
 
 
