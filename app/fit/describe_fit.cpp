@@ -102,8 +102,8 @@ void add_map_terms(const scene::Fit& keys, Lines& lines) {
     add_term(keys, "t_xxyy", "third moment of the force along the rod by x y^2", lines);
     add_term(keys, "h_xxxxx", "fourth moment of the force along the rod by x^4", lines);
     add_term(keys, "h_xxxyy", "fourth moment of the force along the rod by x^2 y^2", lines);
-    for (const std::string& name : keys.measured)
-        lines.push_back({true, fmt::format("fit: {} is held at what the run measures", name)});
+    if (keys.measured_drag)
+        lines.push_back({true, "fit: drag_area is held at what the run measures"});
     if (isotropic)
         return;
     add_term(keys, "zeta", "drag of the medium", lines);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace rodwake::app {
 
@@ -262,16 +263,14 @@ fitting::MapMask map_mask(const scene::FitMask& keys) {
 namespace {
 
 /// Held at what the run measured.
-void hold_measured(scene::Fit& keys, const std::map<std::string, Estimate>& measured) {
-    for (const std::string& name : keys.measured) {
-        const auto found = measured.find(name);
-        if (found == measured.end())
-            throw InputError(fmt::format("fit.measured: {} is measured by a run of the scene; give it in fit.fixed", name));
-        keys.fixed[name] = found->second.value;
-        if (found->second.error > 0.0)
-            keys.fixed_errors[name] = found->second.error;
-    }
-    keys.measured.clear();
+void hold_measured(scene::Fit& keys, const std::optional<Estimate>& drag_area) {
+    if (!std::exchange(keys.measured_drag, false))
+        return;
+    if (!drag_area)
+        throw InputError("fit.measured_drag: a run of the scene measures it; give drag_area in fit.fixed");
+    keys.fixed["drag_area"] = drag_area->value;
+    if (drag_area->error > 0.0)
+        keys.fixed_errors["drag_area"] = drag_area->error;
 }
 
 /// Each mask is used by a fit of its own after the main one: too late to find that it leaves nothing.
@@ -290,7 +289,7 @@ void require_bins(const FitPlan& plan) {
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     FitPlan plan;
     plan.keys = keys;
-    hold_measured(plan.keys, inputs.measured);
+    hold_measured(plan.keys, inputs.drag_area);
     for (auto& profile : inputs.profiles)
         plan.profiles.push_back(std::move(profile.value()));
     for (auto& track : inputs.tracks)

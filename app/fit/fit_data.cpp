@@ -212,29 +212,25 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
     return out;
 }
 
-std::map<std::string, Estimate> read_measured(const scene::Fit& keys, const fs::path& run_directory,
-                                              const fitting::Map& map) {
+Estimate read_drag_area(const fs::path& run_directory, const fitting::Map& map) {
     const fs::path file = run_directory / "measure.json";
     std::ifstream in(file);
     const auto told = nlohmann::json::parse(in, nullptr, false);
     const auto mechanics = [&](const char* name) {
         const auto at = nlohmann::json::json_pointer(fmt::format("/mechanics/{}", name));
         if (told.is_discarded() || !told.contains(at) || !told[at].is_object() || !told[at]["value"].is_number())
-            throw InputError(fmt::format("{}: has no mechanics.{}, which fit.measured needs", file.string(), name));
+            throw InputError(
+                fmt::format("{}: has no mechanics.{}, which fit.measured_drag needs", file.string(), name));
         const auto& one = told[at];
         return Estimate{one["value"].get<double>(), one["error"].is_number() ? one["error"].get<double>() : 0.0, 1};
     };
-    std::map<std::string, Estimate> found;
-    for (const std::string& name : keys.measured) { // drag_area, the only one there is
-        const Estimate drift = mechanics("drift"), speed = mechanics("speed");
-        const double area = map.lx * map.ly * drift.value / speed.value;
-        if (!(area > 0.0) || !std::isfinite(area))
-            throw InputError(fmt::format("{}: the bed drifts at {:.3g} a/s and the rod goes at {:.3g} a/s, which gives "
-                                         "no drag_area (fit.measured): a longer run is needed",
-                                         file.string(), drift.value, speed.value));
-        found[name] = {area, area * std::hypot(drift.error / drift.value, speed.error / speed.value), 1};
-    }
-    return found;
+    const Estimate drift = mechanics("drift"), speed = mechanics("speed");
+    const double area = map.lx * map.ly * drift.value / speed.value;
+    if (!(area > 0.0) || !std::isfinite(area))
+        throw InputError(fmt::format("{}: the bed drifts at {:.3g} a/s and the rod goes at {:.3g} a/s, which gives "
+                                     "no drag_area (fit.measured_drag): a longer run is needed",
+                                     file.string(), drift.value, speed.value));
+    return {area, area * std::hypot(drift.error / drift.value, speed.error / speed.value), 1};
 }
 
 FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directory, OwnFiles own) {
@@ -268,8 +264,8 @@ FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directo
                 inputs.maps.emplace_back(std::move(map));
             }
         }
-    if (inputs.complete() && !keys.measured.empty())
-        inputs.measured = read_measured(keys, run_directory, inputs.maps.front()->data);
+    if (inputs.complete() && keys.measured_drag)
+        inputs.drag_area = read_drag_area(run_directory, inputs.maps.front()->data);
     return inputs;
 }
 

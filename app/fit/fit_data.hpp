@@ -32,11 +32,10 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const std::filesy
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const std::filesystem::path& file,
                             std::optional<PeriodicBox> box = {});
 
-/// What fit.measured names, from the measure.json of a run whose maps these are: drag_area, the box's area times
-/// the drift of the bed over the speed of the rod, as the force of the rod is the drag on the whole bed.
-/// Throws InputError naming what is missing.
-std::map<std::string, Estimate> read_measured(const scene::Fit& keys, const std::filesystem::path& run_directory,
-                                              const fitting::Map& map);
+/// f/(zeta v), from the measure.json of a run that such a map is of: the box's area times the drift of the bed
+/// over the speed of the rod, as the force of the rod is the drag on the whole bed. Throws InputError naming
+/// what is missing.
+Estimate read_drag_area(const std::filesystem::path& run_directory, const fitting::Map& map);
 
 /// The maps of a file: measure.h5, of all runs together or, where it has them, of each; or a table of a full
 /// grid if the name ends in ".csv". Bins without beads, and those of unknown

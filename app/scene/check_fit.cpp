@@ -161,8 +161,8 @@ void medium(const Scene& scene, const Report& report) {
     if (!known)
         report(path,
                fmt::format(
-                   "medium.fitted = true needs f_over_mu, eta and xi, alpha or drag_area in [fit] (fitted, fixed, "
-                   "tied or measured); it has {}",
+                   "medium.fitted = true needs f_over_mu, eta and xi or alpha in [fit] (fitted, fixed or "
+                   "tied; of maps also drag_area); it has {}",
                    comma_list(fit_used(fit))));
 }
 
@@ -363,13 +363,13 @@ void needed_by_maps(const Fit& fit, const Report& report) {
 /// What the run measures of itself.
 void measured_by_run(const Scene& scene, const Report& report) {
     const Fit& fit = *scene.fit;
-    for (std::size_t i = 0; i < fit.measured.size(); ++i) {
-        const std::string path = fmt::format("fit.measured.{}", i), &name = fit.measured[i];
-        if (fit_is_free(fit, name) || fit.fixed.contains(name) || fit.tied.contains(name))
-            report(path, name + " is measured and also fitted, fixed or tied: leave it out of one of them");
-        if (!scene.measure || !scene.measure->mechanics)
-            report(path, name + " is measured by measure.mechanics, which this scene does not ask for");
-    }
+    const std::string path = "fit.measured_drag", name = "drag_area";
+    if (!fit.measured_drag)
+        return;
+    if (fit_is_free(fit, name) || fit.fixed.contains(name) || fit.tied.contains(name))
+        report(path, name + " is measured and also fitted, fixed or tied: leave it out of one of them");
+    if (!scene.measure || !scene.measure->mechanics)
+        report(path, name + " is measured by measure.mechanics, which this scene does not ask for");
 }
 
 void fixed_errors(const Fit& fit, const Report& report) {

@@ -53,16 +53,12 @@ void parameter_fields(Visitor& v, Fit& fit) {
           .doc("parameters that are a factor times a fitted one: [name, factor]")
           .example("{ f2d_over_mu = [\"f_over_mu\", 0.5] }"),
       fit.tied);
-    v(key("measured")
-          .one_of({"drag_area"})
-          .items(0, 1)
-          .absent("none")
-          .written_if(!fit.measured.empty())
-          .doc("parameters that are held at what the run itself measured, with its error (as in fixed and "
-               "fixed_errors); drag_area, of measure.mechanics: drift of the bed over the speed of the rod "
-               "through it, times the area of the box")
-          .example("[\"drag_area\"]"),
-      fit.measured);
+    v(key("measured_drag")
+          .written_if(fit.measured_drag)
+          .doc("drag_area is held at what measure.mechanics of this run found, with its error (as in fixed and "
+               "fixed_errors): drift of the bed over the speed of the rod through it, times the area of the box")
+          .example("true"),
+      fit.measured_drag);
     v(key("log")
           .one_of(names)
           .items(0, names.size())

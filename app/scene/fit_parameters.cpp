@@ -96,7 +96,7 @@ bool fit_is_free(const Fit& fit, const std::string& parameter) { return contains
 
 bool fit_has(const Fit& fit, const std::string& parameter) {
     return fit_is_free(fit, parameter) || fit.fixed.contains(parameter) || fit.tied.contains(parameter) ||
-           contains(fit.measured, parameter);
+           (fit.measured_drag && parameter == "drag_area");
 }
 
 bool fit_is_isotropic(const Fit& fit) { return !fit.maps.empty() && !fit_has(fit, "c66") && fit_has(fit, "eta"); }

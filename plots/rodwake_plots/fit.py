@@ -122,10 +122,8 @@ def draw_panel(axes, fit, view, window):
     shade_core(axes, fit)
     for index, values in enumerate(curve.compared):
         draw_line(axes, fit, *broken(fit, view, values), color=COMPARED[index % 5], linestyle=DASHES[index % 3], linewidth=1.2, zorder=2.5)
-    x, model = broken(fit, view, curve.model)
+    x, model = modelled(fit, view)
     band = broken(fit, view, curve.band)[1]
-    if fit.maps:  # moments, which tell nothing there
-        model = np.where(np.abs(x) < fit.number(fit.told, "core", 0.0), np.nan, model)
     axes.fill_between(x, model - band, model + band, color=style.LINE, alpha=0.25, linewidth=0, zorder=2)
     draw_line(axes, fit, x, model, color=style.LINE, linewidth=1.5, zorder=4)
     draw_data(axes, points, points.value, points.sigma)
@@ -168,6 +166,12 @@ def broken(fit, view, values):
     split = np.searchsorted(x, at)
     values = np.where(np.abs(x - at) < 0.2 * fit.number(fit.told, "core", 0.0), np.nan, values)
     return np.insert(x, split, at), np.insert(values, split, np.nan)
+
+
+def modelled(fit, view):
+    """The fitted curve; of maps with moments, which tell nothing near the rod, beyond the core alone."""
+    x, model = broken(fit, view, view.curve.model)
+    return x, np.where(np.abs(x) < fit.number(fit.told, "core", 0.0), np.nan, model) if fit.maps else model
 
 
 def force_at(fit, view):

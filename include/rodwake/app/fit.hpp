@@ -10,7 +10,6 @@
 #include "rodwake/scene/scene.hpp"
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -65,9 +64,9 @@ struct FitInputs {
     std::vector<std::optional<FitProfileData>> profiles;
     std::vector<std::optional<FitTrackData>> tracks;
     std::vector<std::optional<FitMapData>> maps{}; ///< of all tables, one file after the other
-    std::map<std::string, Estimate> measured{};    ///< what fit.measured names
+    std::optional<Estimate> drag_area{};           ///< with fit.measured_drag
 
-    bool complete() const; ///< but for `measured`
+    bool complete() const; ///< but for drag_area
 };
 
 struct FitPlan {

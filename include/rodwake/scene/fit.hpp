@@ -108,7 +108,7 @@ struct Fit {
     std::map<std::string, double> fixed;
     std::map<std::string, double> fixed_errors; ///< standard errors of some of `fixed`
     std::map<std::string, Tie> tied;
-    std::vector<std::string> measured; ///< drag_area: fixed at what the run measured, with its error
+    bool measured_drag = false; ///< drag_area is fixed at what the run measured, with its error
     std::vector<std::string> log = {"eta", "xi", "alpha"};
     std::optional<PeriodicBox> box; ///< absent: infinite plane
     double heading = 0.0;           ///< rad
