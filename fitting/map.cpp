@@ -19,8 +19,9 @@ namespace rodwake::fitting {
 
 /// Index of each among the parameters; -1: absent. In the order of map_parameter_names.
 struct MapTerms {
-    std::array<long, 16> index;
+    std::array<long, 25> index;
 
+    bool has(std::size_t term) const { return index[term] >= 0; }
     double value(std::span<const double> p, std::size_t term, double absent) const {
         return index[term] < 0 ? absent : p[static_cast<std::size_t>(index[term])];
     }
@@ -41,7 +42,7 @@ public:
     elastic::DisplacementMap derivative(std::span<const double> p, std::size_t term) const;
 
 private:
-    using Basis = std::array<elastic::DisplacementMap, 6>;
+    using Basis = std::array<elastic::DisplacementMap, 10>;
     Basis basis(std::span<const double> p) const;
     elastic::RodSource source(std::span<const double> p) const;
     elastic::DisplacementMap unit(std::span<const double> p, std::size_t k) const;
@@ -49,10 +50,12 @@ private:
     MapTerms terms_;
     elastic::AnisotropicField field_;
     std::size_t bins_;
-    std::optional<Basis> held_; ///< of unit sources, from force to q_yxy
+    std::optional<Basis> held_; ///< of unit sources, from force to h_xxxyy
 };
 
 namespace {
+
+bool isotropic(const MapTerms& terms);
 
 /// A map, what of it is fitted, and where its residuals begin: first all U_x, then all U_y.
 struct Fitted {
@@ -60,7 +63,14 @@ struct Fitted {
     std::vector<std::size_t> bins;
     MapField field;
     std::size_t first = 0;
+    std::size_t like = 0; ///< the first map that has the same model, this one or one before
 };
+
+/// With `alike` the speed counts for its sign alone.
+bool same_model(const Map& a, const Map& b, bool alike) {
+    const auto speed = [&](const Map& map) { return alike ? std::copysign(1.0, map.speed) : map.speed; };
+    return a.lx == b.lx && a.ly == b.ly && speed(a) == speed(b) && a.x == b.x && a.y == b.y;
+}
 
 void check_lists(const Map& map) {
     const auto wrong = [&](const auto& list) { return list.size() != map.bins(); };
@@ -119,20 +129,29 @@ void for_each_residual(const Fitted& f, Visit visit) {
         }
 }
 
-void evaluate(const Fitted& f, const MapTerms& terms, const std::vector<bool>& wanted,
+/// Maps on one grid, in one box and at one speed have one model, which is worked out once for all of them.
+void evaluate(const std::vector<Fitted>& all, const MapTerms& terms, const std::vector<bool>& wanted,
               std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) {
-    const elastic::DisplacementMap model = f.field.at(p);
-    for_each_residual(f, [&](Eigen::Index row, std::size_t bin, std::size_t component, double weight) {
-        r[row] = weight * (component == 0 ? model.Ux[bin] - f.map.Ux[bin] : model.Uy[bin] - f.map.Uy[bin]);
-    });
-    for (std::size_t term = 0; jacobian && term < terms.index.size(); ++term) {
-        const long column = terms.index[term];
-        if (column < 0 || !wanted[static_cast<std::size_t>(column)])
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (all[i].like != i)
             continue;
-        const elastic::DisplacementMap slope = f.field.derivative(p, term);
-        for_each_residual(f, [&](Eigen::Index row, std::size_t bin, std::size_t component, double weight) {
-            (*jacobian)(row, column) = weight * (component == 0 ? slope.Ux[bin] : slope.Uy[bin]);
+        const auto for_each = [&](const elastic::DisplacementMap& u, auto visit) {
+            for (const Fitted& f : all)
+                if (f.like == i)
+                    for_each_residual(f, [&](Eigen::Index row, std::size_t bin, std::size_t component, double weight) {
+                        visit(row, weight, component == 0 ? u.Ux[bin] : u.Uy[bin],
+                              component == 0 ? f.map.Ux[bin] : f.map.Uy[bin]);
+                    });
+        };
+        for_each(all[i].field.at(p), [&](Eigen::Index row, double weight, double model, double data) {
+            r[row] = weight * (model - data);
         });
+        for (std::size_t term = 0; jacobian && term < terms.index.size(); ++term)
+            if (const long column = terms.index[term]; column >= 0 && wanted[static_cast<std::size_t>(column)])
+                for_each(all[i].field.derivative(p, term),
+                         [&](Eigen::Index row, double weight, double slope, double) {
+                             (*jacobian)(row, column) = weight * slope;
+                         });
     }
 }
 
@@ -145,11 +164,15 @@ std::string residual_name(const std::vector<Fitted>& all, std::size_t i) {
     return fmt::format("U_{} of {}", own < n ? "x" : "y", where(of->map, of->bins[own % n]));
 }
 
-/// Whether every constant of the medium is fixed.
+/// Whether every constant of the medium is fixed. With alpha and drag_area the drag goes with the force.
 bool medium_is_fixed(const std::vector<Parameter>& parameters) {
-    static const std::vector<std::string> constants = {"c11", "c22", "c12", "c66", "zeta", "rho", "eta_s"};
-    return std::ranges::all_of(parameters, [](const Parameter& p) {
-        return p.fixed || std::ranges::find(constants, p.name) == constants.end();
+    static const std::vector<std::string> constants = {"c11", "c22", "c12", "c66", "zeta", "rho",
+                                                       "eta_s", "eta", "xi", "alpha", "drag_area"};
+    const bool by_force = std::ranges::any_of(
+        parameters, [](const Parameter& p) { return p.name == "alpha" || p.name == "drag_area"; });
+    return std::ranges::all_of(parameters, [&](const Parameter& p) {
+        const bool constant = std::ranges::find(constants, p.name) != constants.end();
+        return p.fixed || !(constant || (by_force && p.name == "f_over_mu"));
     });
 }
 
@@ -188,9 +211,12 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
     for (const Map& map : maps) {
         all->push_back(fitted(model, map, mask, terms));
         all->back().first = problem.residuals;
+        all->back().like = static_cast<std::size_t>(
+            std::ranges::find_if(*all, [&](const Fitted& f) { return same_model(f.map, map, isotropic(terms)); }) -
+            all->begin());
         problem.residuals += 2 * all->back().bins.size();
         values += map.independent * 2.0 * static_cast<double>(all->back().bins.size());
-        if (medium_is_fixed(parameters))
+        if (all->back().like + 1 == all->size() && medium_is_fixed(parameters))
             all->back().field.hold_medium(starts_of(parameters));
     }
     if (all->empty())
@@ -205,8 +231,7 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                            Eigen::MatrixXd* jacobian) {
-        for (const Fitted& f : *all)
-            evaluate(f, terms, wanted, p, r, jacobian);
+        evaluate(*all, terms, wanted, p, r, jacobian);
     };
     problem.residual_name = [all](std::size_t i) { return residual_name(*all, i); };
     validate(problem);
@@ -216,6 +241,25 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
 elastic::DisplacementMap predict(const MapModel& model, const Map& map,
                                  const std::vector<Parameter>& parameters, std::span<const double> values) {
     return MapField(model, map, map_terms(parameters)).at(values);
+}
+
+Prediction predict_line(const MapModel& model, const Map& map, const Profile& line, std::span<const double> places,
+                        const std::vector<Parameter>& parameters, std::span<const double> values) {
+    const MapTerms terms = map_terms(parameters);
+    const bool along_x = line.along == Axis::x;
+    const std::vector<double> along(places.begin(), places.end()), across = {line.at};
+    const Map grid{.lx = map.lx, .ly = map.ly, .speed = map.speed, .x = along_x ? along : across, .y = along_x ? across : along};
+    const MapField field(model, grid, terms);
+    const auto part = [&](elastic::DisplacementMap u) { return line.component == Component::Ux ? u.Ux : u.Uy; };
+    Prediction out{part(field.at(values)), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(places.size()),
+                                                                static_cast<Eigen::Index>(values.size()))};
+    for (std::size_t term = 0; term < terms.index.size(); ++term)
+        if (terms.has(term)) {
+            const std::vector<double> slope = part(field.derivative(values, term));
+            out.by_parameter.col(terms.index[term]) =
+                Eigen::Map<const Eigen::VectorXd>(slope.data(), static_cast<Eigen::Index>(slope.size()));
+        }
+    return out;
 }
 
 namespace {
@@ -230,6 +274,10 @@ enum Term : std::size_t {
     q_xxx,
     q_xyy,
     q_yxy,
+    t_xxxx,
+    t_xxyy,
+    h_xxxxx,
+    h_xxxyy,
     c11,
     c22,
     c12,
@@ -238,13 +286,20 @@ enum Term : std::size_t {
     rho,
     eta_s,
     offset,
-    offset_y
+    offset_y,
+    f_over_mu, // of an isotropic medium, in units of its shear modulus, from here on
+    eta,
+    xi,
+    alpha,
+    drag_area
 };
 
 /// In the order of the terms from force on.
 constexpr std::array unit_sources = {OrthotropicParameter::force, OrthotropicParameter::p_xx,
                                      OrthotropicParameter::p_yy,  OrthotropicParameter::q_xxx,
-                                     OrthotropicParameter::q_xyy, OrthotropicParameter::q_yxy};
+                                     OrthotropicParameter::q_xyy, OrthotropicParameter::q_yxy,
+                                     OrthotropicParameter::t_xxxx, OrthotropicParameter::t_xxyy,
+                                     OrthotropicParameter::h_xxxxx, OrthotropicParameter::h_xxxyy};
 
 /// Of the terms from c11 to eta_s.
 OrthotropicParameter constant(std::size_t term) {
@@ -256,7 +311,31 @@ OrthotropicParameter constant(std::size_t term) {
     return all[term - Term::c11];
 }
 
+/// Of a rod at unit speed, d zeta/d(term) with `by`, else zeta itself: 1/xi, in one of its forms.
+double screening(const MapTerms& t, std::span<const double> p, std::optional<std::size_t> by = {}) {
+    const double f = std::abs(t.value(p, f_over_mu, 0.0)), sign = t.value(p, f_over_mu, 0.0) < 0.0 ? -1.0 : 1.0;
+    if (t.has(xi)) {
+        const double length = t.value(p, xi, 0.0);
+        return !by ? 1.0 / length : *by == xi ? -1.0 / (length * length) : 0.0;
+    }
+    if (t.has(alpha)) {
+        const double a = t.value(p, alpha, 0.0);
+        return !by ? a / f : *by == alpha ? 1.0 / f : *by == f_over_mu ? -sign * a / (f * f) : 0.0;
+    }
+    if (t.has(drag_area)) {
+        const double area = t.value(p, drag_area, 0.0);
+        return !by ? f / area : *by == drag_area ? -f / (area * area) : *by == f_over_mu ? sign / area : 0.0;
+    }
+    return 0.0;
+}
+
+bool isotropic(const MapTerms& terms) { return terms.has(eta); }
+
 OrthotropicMedium medium(const MapTerms& t, std::span<const double> p) {
+    if (t.has(eta)) {
+        const double ratio = t.value(p, eta, 0.0);
+        return {1.0 + ratio, 1.0 + ratio, ratio - 1.0, 1.0, screening(t, p)};
+    }
     return {t.value(p, c11, 0.0),  t.value(p, c22, 0.0), t.value(p, c12, 0.0),  t.value(p, c66, 0.0),
             t.value(p, zeta, 0.0), t.value(p, rho, 0.0), t.value(p, eta_s, 0.0)};
 }
@@ -278,10 +357,15 @@ void scale(DisplacementMap& map, double factor) {
 
 void require(const MapTerms& t) {
     const auto has = [&](std::size_t term) { return t.index[term] >= 0; };
-    if (!has(c11) || !has(c22) || !has(c12) || !has(c66))
-        throw InputError("a map needs c11, c22, c12 and c66, as parameters or with fixed values");
+    if (!has(eta) && (!has(c11) || !has(c22) || !has(c12) || !has(c66)))
+        throw InputError("a map needs c11, c22, c12 and c66, or f_over_mu and eta, as parameters or with fixed "
+                         "values");
     const auto asked = [](auto parameter) { return parameter >= 0; };
-    if (std::none_of(t.index.begin() + force, t.index.begin() + c11, asked)) // the sources
+    if (has(eta) && (!has(f_over_mu) || has(force) || std::any_of(t.index.begin() + c11, t.index.begin() + offset, asked)))
+        throw InputError("an isotropic map has f_over_mu and eta in place of force and constants");
+    if (has(xi) + has(alpha) + has(drag_area) > 1)
+        throw InputError("give one of xi, alpha and drag_area");
+    if (!has(eta) && std::none_of(t.index.begin() + force, t.index.begin() + c11, asked)) // the sources
         throw InputError("a map needs force, p_xx, p_yy, q_xxx, q_xyy or q_yxy: without a source there is no "
                          "displacement");
     if (has(amplitude) && !has(force))
@@ -291,8 +375,9 @@ void require(const MapTerms& t) {
 } // namespace
 
 std::vector<std::string> map_parameter_names() {
-    return {"amplitude", "force", "p_xx", "p_yy", "q_xxx", "q_xyy", "q_yxy",  "c11",
-            "c22",       "c12",   "c66",  "zeta", "rho",   "eta_s", "offset", "offset_y"};
+    return {"amplitude", "force", "p_xx", "p_yy", "q_xxx",  "q_xyy",    "q_yxy",     "t_xxxx",
+            "t_xxyy",    "h_xxxxx", "h_xxxyy", "c11",   "c22",  "c12",  "c66",    "zeta",     "rho",       "eta_s",
+            "offset",    "offset_y", "f_over_mu", "eta", "xi", "alpha", "drag_area"};
 }
 
 MapTerms map_terms(const std::vector<Parameter>& parameters) {
@@ -311,7 +396,9 @@ MapTerms map_terms(const std::vector<Parameter>& parameters) {
 }
 
 MapField::MapField(const MapModel& model, const Map& map, const MapTerms& terms)
-    : terms_(terms), field_({map.lx, map.ly, map.speed, model.rod_length, model.source_width}, map.x, map.y),
+    : terms_(terms), field_({map.lx, map.ly, terms.has(eta) ? std::copysign(1.0, map.speed) : map.speed,
+                             model.rod_length, model.source_width},
+                            map.x, map.y),
       bins_(map.bins()) {}
 
 void MapField::hold_medium(std::span<const double> p) { held_ = basis(p); }
@@ -320,19 +407,16 @@ void MapField::hold_medium(std::span<const double> p) { held_ = basis(p); }
 MapField::Basis MapField::basis(std::span<const double> p) const {
     Basis out;
     for (std::size_t k = 0; k < out.size(); ++k)
-        if (terms_.index[force + k] >= 0)
+        if (terms_.has(force + k) || (k == 0 && terms_.has(eta)))
             out[k] = field_.derivative(medium(terms_, p), {}, unit_sources[k]);
     return out;
 }
 
 RodSource MapField::source(std::span<const double> p) const {
     const auto value = [&](std::size_t term) { return terms_.value(p, term, 0.0); };
-    return {terms_.value(p, amplitude, 1.0) * value(force),
-            value(p_xx),
-            value(p_yy),
-            value(q_xxx),
-            value(q_xyy),
-            value(q_yxy)};
+    const double monopole = value(terms_.has(eta) ? f_over_mu : force);
+    return {terms_.value(p, amplitude, 1.0) * monopole, value(p_xx), value(p_yy), value(q_xxx), value(q_xyy),
+            value(q_yxy), value(t_xxxx), value(t_xxyy), value(h_xxxxx), value(h_xxxyy)};
 }
 
 DisplacementMap MapField::unit(std::span<const double> p, std::size_t k) const {
@@ -342,7 +426,7 @@ DisplacementMap MapField::unit(std::span<const double> p, std::size_t k) const {
 DisplacementMap MapField::at(std::span<const double> p) const {
     DisplacementMap out = constants(bins_, terms_.value(p, offset, 0.0), terms_.value(p, offset_y, 0.0));
     const RodSource s = source(p);
-    const double strength[] = {s.force, s.p_xx, s.p_yy, s.q_xxx, s.q_xyy, s.q_yxy};
+    const double strength[] = {s.force, s.p_xx, s.p_yy, s.q_xxx, s.q_xyy, s.q_yxy, s.t_xxxx, s.t_xxyy, s.h_xxxxx, s.h_xxxyy};
     Basis whole;
     if (!held_)
         whole[0] = field_.displacement(medium(terms_, p), s);
@@ -359,6 +443,22 @@ DisplacementMap MapField::at(std::span<const double> p) const {
 DisplacementMap MapField::derivative(std::span<const double> p, std::size_t term) const {
     if (term == offset || term == offset_y)
         return constants(bins_, term == offset ? 1.0 : 0.0, term == offset_y ? 1.0 : 0.0);
+    if (term > f_over_mu) {
+        OrthotropicMedium change{0.0, 0.0, 0.0, 0.0, screening(terms_, p, term)};
+        if (term == eta)
+            change.c11 = change.c22 = change.c12 = 1.0;
+        return field_.derivative(medium(terms_, p), source(p), change);
+    }
+    if (term == f_over_mu) {
+        DisplacementMap out = unit(p, 0);
+        if (const double by = screening(terms_, p, term); by != 0.0) {
+            const OrthotropicMedium change{0.0, 0.0, 0.0, 0.0, by};
+            const DisplacementMap less = field_.derivative(medium(terms_, p), source(p), change);
+            add(out.Ux, less.Ux, 1.0);
+            add(out.Uy, less.Uy, 1.0);
+        }
+        return out;
+    }
     if (term >= c11)
         return field_.derivative(medium(terms_, p), source(p), constant(term));
     DisplacementMap out = unit(p, term == amplitude ? 0 : term - force);

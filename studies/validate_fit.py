@@ -2,7 +2,7 @@
 """Validation of the calibration: every number of docs/validation_fitting.md about fits.
 
     studies/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [-j 2] [--keep DIR]
-                            [--only periodic,nist,synthetic,problems,variations,speed,quickstart]
+                            [--only periodic,nist,synthetic,problems,variations,speed,quickstart,moments]
     studies/validate_fit.py --mean-track RUN_DIRECTORY [--step 0.5] > pair.csv
 
 nist and synthetic need a tree with tests (--tests names test_fitting of it), speed the benchmarks beside --program. Prints Markdown.
@@ -12,6 +12,7 @@ lengths in bead radii a, times in s. The comment line gives the mean standard er
 """
 
 import json
+import math
 import re
 import subprocess
 import sys
@@ -21,7 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lab import SOURCE, markdown, parser, run_parts, told, tracks
+from lab import SOURCE, markdown, mean, parser, run_parts, text, told, tracks
+from medium import monopole, spread
 from validate_field import periodic
 
 BEAD_RADIUS = 4e-4  # m
@@ -109,13 +111,86 @@ def speed(lab):
     print(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
+SEEDS = (1, 2, 3, 4)
+# f/mu (a), eta and xi (a) of a free rod by sound and pushes: validate_medium.py --only monopole, table "The medium's own parameters"
+MEASURED = {"bed at rest": ((1.48, 0.03), (2.00, 0.08), (581, 8)), "bed with this rod": ((1.78, 0.10), (2.86, 0.44), (481, 26))}
+MEASURED_AT = 2.48, 13.94  # a/s and 1/s: speed of that rod through the bed and drag of a push, which its xi goes with
+MEDIUM = {"f_over_mu": 2, "eta": 2, "xi": 0}  # digits
+
+
+def quick_start(lab, seed):
+    start, out = time.perf_counter(), lab.folder / f"quickstart_{seed}"
+    if not (out / "report.html").exists():
+        lab.call("run", SOURCE / "scenes/quickstart.toml", "-o", out, "--force", "-j", lab.threads, "--quiet", "--seed", seed)
+        print(f"\nrodwake run scenes/quickstart.toml -j {lab.threads} --seed {seed}: {time.perf_counter() - start:.0f} s, report.html "
+              f"{(out / 'report.html').stat().st_size / 1e6:.1f} MB")
+    return out
+
+
 def quickstart(lab):
-    start, out = time.perf_counter(), lab.folder / "quickstart"
-    lab.call("run", SOURCE / "scenes/quickstart.toml", "-o", out, "--force", "-j", lab.threads, "--quiet")
-    print(f"\nrodwake run scenes/quickstart.toml -j {lab.threads}: {time.perf_counter() - start:.0f} s, report.html "
-          f"{(out / 'report.html').stat().st_size / 1e6:.1f} MB")
-    print_fit("quickstart", out)
-    print("\nmedium:", (out / "medium.json").read_text().strip(), "\noutcome:", told(out, "outcome")["outcome"])
+    found = []
+    for seed in SEEDS:
+        out = quick_start(lab, seed)
+        print_fit(f"quickstart, seed {seed}", out)
+        errors, drift = told(out, "fit")["systematics"]["errors"], told(out, "measure")["mechanics"]
+        found.append([*((errors[name]["value"], errors[name]["total"]) for name in MEDIUM),
+                      *((drift[name]["value"], drift[name]["error"]) for name in ("speed", "drag_rate"))])
+    overall = [mean([one[k][0] for one in found]) for k in range(len(found[0]))]
+    rows = [[name, *cells(one), *(apart(one, other) for other in MEASURED.values())]
+            for name, one in zip((*(f"seed {seed}" for seed in SEEDS), "mean, error of the scatter"), (*found, overall))]
+    rows += [[name, *cells([*one, *((value, math.nan) for value in MEASURED_AT)]), "", ""] for name, one in MEASURED.items()]
+    print("\n" + markdown(["", "f/mu, a", "eta", "xi, a", "speed, a/s", "drag, 1/s", *(f"apart from the {name}, in errors" for name in MEASURED)],
+                          rows))
+
+
+def cells(values):
+    return [text(one, digits=digits) for one, digits in zip(values, (*MEDIUM.values(), 2, 2))]
+
+
+def apart(values, others):
+    """f/mu, eta, and xi as it would be at this speed and drag."""
+    *values, (speed, _), (drag, _) = values
+    scale = math.prod(MEASURED_AT) / (speed * drag)
+    *others, (xi, error) = others
+    others = [*others, (scale * xi, scale * error)]
+    return ", ".join(f"{(a - b) / math.hypot(da, db):+.1f}" for (a, da), (b, db) in zip(values, others))
+
+
+TRUTH, TRUE_ORDER = (1.48, 2.0), 7   # f/mu (a) and eta of the made-up map, and of its moments the highest
+ORDERS, TRIED = (2, 3, 4), ((8, 10), (12, 14), (10, 16), (8, 20))  # of the fits; strip and radius of their masks, a
+ETAS = np.geomspace(0.5, 8.0, 15)
+SPACING = (1 / 4.2) ** 2             # values that a bin of 1 a is worth
+
+
+def sources(x, y, eta, order):
+    """Fields of a rod's force and its moments up to an order, mu = 1. The drag hardly matters: it is that of the bed at rest."""
+    medium = spread.Medium(x, y, (1 + eta, 1 + eta, eta - 1, 1.0), 1 / 581, 0.0, 0.0, 1.0, width=1.0)
+    half = monopole.ROD_LENGTH / 2
+    return [medium.line(-half, half), *medium.dipoles(), *(one for n in range(2, order + 1) for one in medium.moments(n))]
+
+
+def fitted_medium(data, fields, count):
+    """f/mu and eta: where a parabola through chi2 of the three best of ETAS is least."""
+    found = [data.fit(one[:count]) for one in fields]
+    best = min(max(int(np.argmin([chi2 for _, chi2, _ in found])), 1), len(ETAS) - 2)
+    near, at = slice(best - 1, best + 2), np.log(ETAS[best - 1:best + 2] / ETAS[best])
+    a, b, _ = np.polyfit(at, [chi2 for _, chi2, _ in found[near]], 2)
+    return np.polyval(np.polyfit(at, [one[0] for one, *_ in found[near]], 2), -b / (2 * a)), ETAS[best] * math.exp(-b / (2 * a))
+
+
+def moments(lab):
+    """Which moments and masks give a known medium back: its map has the moments that describe the quick start's, and no noise."""
+    one, = spread.maps([quick_start(lab, SEEDS[0])])
+    x, y, strength = one["x"], one["y"], TRUTH[0]
+    force, *rest = sources(x, y, TRUTH[1], TRUE_ORDER)
+    less = one | {name: one[name] - strength * field for name, field in zip(("Ux", "Uy"), force)}
+    found, chi2, dof = spread.Data([less], TRIED[0], SPACING).fit(rest)
+    Ux, Uy = strength * force + sum(size * field for size, field in zip(found[:-1], rest))
+    fields = [sources(x, y, eta, max(ORDERS)) for eta in ETAS]
+    rows = [[order, *("{:.2f}; {:.2f}".format(*fitted_medium(spread.Data([one | {"Ux": Ux, "Uy": Uy}], mask, SPACING), fields, 1 + 2 * order))
+                      for mask in TRIED)] for order in ORDERS]
+    print(f"\nMade up: f/mu = {TRUTH[0]} a, eta = {TRUTH[1]}, moments up to {TRUE_ORDER} (chi2 {chi2:.0f} for {dof:.0f} in the quick start's map). "
+          "Found: f/mu; eta\n\n" + markdown(["moments up to", *(f"strip {strip} a, radius {radius} a" for strip, radius in TRIED)], rows))
 
 
 def mean_track(folder, step):
@@ -137,7 +212,7 @@ def mean_track(folder, step):
 
 
 PARTS = {"periodic": periodic, "nist": of_tests("[.table]"), "synthetic": of_tests("[long]"), "problems": problems, "variations": variations, "speed": speed,
-         "quickstart": quickstart}
+         "quickstart": quickstart, "moments": moments}
 
 
 def main():

@@ -88,12 +88,24 @@ void add_term(const scene::Fit& keys, const std::string& parameter, std::string_
 void add_map_terms(const scene::Fit& keys, Lines& lines) {
     if (keys.maps.empty())
         return;
-    add_term(keys, "force", "monopole in an orthotropic medium", lines);
+    const bool isotropic = scene::fit_is_isotropic(keys);
+    if (isotropic)
+        add_term(keys, "f_over_mu", "monopole in an isotropic medium, of the maps", lines);
+    else
+        add_term(keys, "force", "monopole in an orthotropic medium", lines);
     add_term(keys, "p_xx", "dipole along the rod", lines);
     add_term(keys, "p_yy", "dipole across the rod", lines);
     add_term(keys, "q_xxx", "second moment of the force along the rod by x^2", lines);
     add_term(keys, "q_xyy", "second moment of the force along the rod by y^2", lines);
     add_term(keys, "q_yxy", "second moment of the force across the rod by xy", lines);
+    add_term(keys, "t_xxxx", "third moment of the force along the rod by x^3", lines);
+    add_term(keys, "t_xxyy", "third moment of the force along the rod by x y^2", lines);
+    add_term(keys, "h_xxxxx", "fourth moment of the force along the rod by x^4", lines);
+    add_term(keys, "h_xxxyy", "fourth moment of the force along the rod by x^2 y^2", lines);
+    if (keys.measured_drag)
+        lines.push_back({true, "fit: drag_area is held at what the run measures"});
+    if (isotropic)
+        return;
     add_term(keys, "zeta", "drag of the medium", lines);
     add_term(keys, "rho", "inertia of the medium", lines);
     add_term(keys, "eta_s", "viscosity of the medium", lines);
@@ -101,7 +113,7 @@ void add_map_terms(const scene::Fit& keys, Lines& lines) {
 
 void add_terms(const scene::Fit& keys, Lines& lines) {
     add_map_terms(keys, lines);
-    if (!keys.profiles.empty()) {
+    if (!keys.profiles.empty() && !scene::fit_is_isotropic(keys)) {
         add_term(keys, "f_over_mu", "monopole in an isotropic medium", lines);
         add_term(keys, "f2d_over_mu", "dipole", lines);
         add_term(keys, "x0", "place of the force ahead of the centre", lines);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace rodwake::app {
 
@@ -138,8 +139,7 @@ Problem map_problem(const FitPlan& plan) {
     std::vector<fitting::Map> maps;
     for (const FitMapData& map : plan.maps)
         maps.push_back(map.data);
-    return fitting::map_problem(plan.map_model, maps, plan.mask,
-                                parameters(plan, fitting::map_parameter_names()));
+    return fitting::map_problem(plan.map_model, maps, plan.mask, parameters(plan, map_names(plan.keys)));
 }
 
 /// "f_over_mu = 1, eta = 1": what is not fixed.
@@ -224,6 +224,15 @@ bool FitInputs::complete() const {
            std::ranges::all_of(maps, there);
 }
 
+std::vector<std::string> map_names(const scene::Fit& keys) {
+    std::vector<std::string> names = fitting::map_parameter_names();
+    if (!scene::fit_is_isotropic(keys)) // the others are of profiles and tracks
+        std::erase_if(names, [](const std::string& name) {
+            return name == "f_over_mu" || name == "eta" || name == "xi" || name == "alpha";
+        });
+    return names;
+}
+
 Problem fit_problem(const FitPlan& plan) {
     std::vector<Problem> kinds;
     if (std::ranges::any_of(plan.keys.profiles, is_fitted))
@@ -253,6 +262,17 @@ fitting::MapMask map_mask(const scene::FitMask& keys) {
 
 namespace {
 
+/// Held at what the run measured.
+void hold_measured(scene::Fit& keys, const std::optional<Estimate>& drag_area) {
+    if (!std::exchange(keys.measured_drag, false))
+        return;
+    if (!drag_area)
+        throw InputError("fit.measured_drag: a run of the scene measures it; give drag_area in fit.fixed");
+    keys.fixed["drag_area"] = drag_area->value;
+    if (drag_area->error > 0.0)
+        keys.fixed_errors["drag_area"] = drag_area->error;
+}
+
 /// Each mask is used by a fit of its own after the main one: too late to find that it leaves nothing.
 void require_bins(const FitPlan& plan) {
     for (std::size_t i = 0; i < plan.keys.masks.size(); ++i)
@@ -269,6 +289,7 @@ void require_bins(const FitPlan& plan) {
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     FitPlan plan;
     plan.keys = keys;
+    hold_measured(plan.keys, inputs.drag_area);
     for (auto& profile : inputs.profiles)
         plan.profiles.push_back(std::move(profile.value()));
     for (auto& track : inputs.tracks)
@@ -280,6 +301,8 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     if (!keys.masks.empty())
         plan.mask = map_mask(keys.masks.front());
     plan.wake = {keys.box, keys.heading, keys.core};
+    if (scene::fit_is_isotropic(keys)) // point forces beside it are in the box of the maps
+        plan.wake.box = PeriodicBox(plan.maps.front().data.lx, plan.maps.front().data.ly);
     plan.track_model.ode.rtol = 1e-10;
     plan.track_model.ode.atol = 1e-12;
     plan.problem = fit_problem(plan);
@@ -299,7 +322,7 @@ std::vector<double> FitPart::values(std::span<const double> all) const {
 
 FitPart wake_part(const Problem& problem) { return part(problem, fitting::wake_parameter_names(), false); }
 
-FitPart map_part(const Problem& problem) { return part(problem, fitting::map_parameter_names(), false); }
+FitPart map_part(const FitPlan& plan) { return part(plan.problem, map_names(plan.keys), false); }
 
 FitPart track_part(const Problem& problem) {
     return part(problem, fitting::trajectory_parameter_names(), true);
@@ -316,6 +339,10 @@ std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare
     for (const auto& [name, value] : compare.values)
         if (double* at = slot(name.c_str()))
             *at = value;
+    if (scene::fit_is_isotropic(plan.keys)) // a point force
+        for (std::size_t i = 0; i < all.size(); ++i)
+            if (all[i].name.starts_with("p_") || all[i].name.starts_with("q_") || all[i].name.starts_with("t_") || all[i].name.starts_with("h_"))
+                out[i] = 0.0;
     const double* strength = slot("f_over_mu");
     const auto given = [&](const char* name) {
         return compare.values.contains(name) ? &compare.values.at(name) : nullptr;
@@ -324,16 +351,27 @@ std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare
         *slot("xi") = *strength / *alpha;
     if (const double* xi = given("xi"); xi && slot("alpha") && strength)
         *slot("alpha") = *strength / *xi;
+    if (double* area = slot("drag_area"); area && strength) {
+        if (const double* xi = given("xi"))
+            *area = std::abs(*strength) * *xi;
+        if (const double* alpha = given("alpha"))
+            *area = *strength * *strength / *alpha;
+    }
     return out;
 }
 
 namespace {
 
 /// F and T: whatever force and time the scene's constants are given in.
-std::string map_unit(const std::string& parameter, const std::string& length) {
+std::string map_unit(const scene::Fit& keys, const std::string& parameter, const std::string& length) {
+    static const std::map<std::string, int> powers = {{"drag_area", 2}, {"p_xx", 2},  {"p_yy", 2},   {"q_xxx", 3},
+                                                      {"q_xyy", 3},     {"q_yxy", 3}, {"t_xxxx", 4}, {"t_xxyy", 4},
+                                                      {"h_xxxxx", 5},   {"h_xxxyy", 5}};
+    if (const auto power = powers.find(parameter); scene::fit_is_isotropic(keys) && power != powers.end())
+        return fmt::format("{}^{}", length, power->second);
     static const std::map<std::string, std::string> units = {
         {"amplitude", "1"},     {"force", "F"},       {"p_xx", "F {0}"},    {"p_yy", "F {0}"},
-        {"q_xxx", "F {0}^2"},   {"q_xyy", "F {0}^2"}, {"q_yxy", "F {0}^2"}, {"zeta", "F T/{0}^3"},
+        {"q_xxx", "F {0}^2"},   {"q_xyy", "F {0}^2"}, {"q_yxy", "F {0}^2"}, {"t_xxxx", "F {0}^3"}, {"t_xxyy", "F {0}^3"}, {"h_xxxxx", "F {0}^4"}, {"h_xxxyy", "F {0}^4"}, {"zeta", "F T/{0}^3"},
         {"rho", "F T^2/{0}^3"}, {"eta_s", "F T/{0}"}};
     const auto at = units.find(parameter);
     return fmt::format(fmt::runtime(at == units.end() ? "F/{0}" : at->second), length);
@@ -343,7 +381,7 @@ std::string map_unit(const std::string& parameter, const std::string& length) {
 
 std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
     if (scene::is_map_parameter(parameter))
-        return map_unit(parameter, keys.length_unit);
+        return map_unit(keys, parameter, keys.length_unit);
     if (fitting::is_start_pose(parameter))
         return parameter.starts_with("heading") ? "rad" : "f/mu";
     if (const rods::Coupling* coupling = rods::find_coupling(parameter))

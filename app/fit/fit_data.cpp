@@ -8,9 +8,11 @@
 #include "run/catalogue.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 namespace rodwake::app {
 
@@ -210,6 +212,27 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
     return out;
 }
 
+Estimate read_drag_area(const fs::path& run_directory, const fitting::Map& map) {
+    const fs::path file = run_directory / "measure.json";
+    std::ifstream in(file);
+    const auto told = nlohmann::json::parse(in, nullptr, false);
+    const auto mechanics = [&](const char* name) {
+        const auto at = nlohmann::json::json_pointer(fmt::format("/mechanics/{}", name));
+        if (told.is_discarded() || !told.contains(at) || !told[at].is_object() || !told[at]["value"].is_number())
+            throw InputError(
+                fmt::format("{}: has no mechanics.{}, which fit.measured_drag needs", file.string(), name));
+        const auto& one = told[at];
+        return Estimate{one["value"].get<double>(), one["error"].is_number() ? one["error"].get<double>() : 0.0, 1};
+    };
+    const Estimate drift = mechanics("drift"), speed = mechanics("speed");
+    const double area = map.lx * map.ly * drift.value / speed.value;
+    if (!(area > 0.0) || !std::isfinite(area))
+        throw InputError(fmt::format("{}: the bed drifts at {:.3g} a/s and the rod goes at {:.3g} a/s, which gives "
+                                     "no drag_area (fit.measured_drag): a longer run is needed",
+                                     file.string(), drift.value, speed.value));
+    return {area, area * std::hypot(drift.error / drift.value, speed.error / speed.value), 1};
+}
+
 FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directory, OwnFiles own) {
     const scene::Fit& keys = *scene.fit;
     const auto absent = [&](const std::string& file) {
@@ -230,13 +253,19 @@ FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directo
             inputs.tracks[i] = read_fit_track(one, find_fit_file(one.file, scene, run_directory), keys.box);
     for (std::size_t table = 0; table < keys.maps.size(); ++table)
         for (const std::string& name : keys.maps[table].files) {
-            inputs.maps.emplace_back();
-            if (absent(name))
+            if (absent(name)) {
+                inputs.maps.emplace_back();
                 continue;
-            inputs.maps.back() = read_fit_map(keys.maps[table], find_fit_file(name, scene, run_directory),
-                                              keys.independent_spacing, needs_speed(keys), keys.length_unit);
-            inputs.maps.back()->table = table;
+            }
+            for (FitMapData& map :
+                 read_fit_maps(keys.maps[table], find_fit_file(name, scene, run_directory),
+                               keys.independent_spacing, needs_speed(keys), keys.length_unit)) {
+                map.table = table;
+                inputs.maps.emplace_back(std::move(map));
+            }
         }
+    if (inputs.complete() && keys.measured_drag)
+        inputs.drag_area = read_drag_area(run_directory, inputs.maps.front()->data);
     return inputs;
 }
 

@@ -32,12 +32,18 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const std::filesy
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const std::filesystem::path& file,
                             std::optional<PeriodicBox> box = {});
 
-/// measure.h5, or a table of a full grid if the name ends in ".csv". Bins without beads, and those of unknown
+/// f/(zeta v), from the measure.json of a run that such a map is of: the box's area times the drift of the bed
+/// over the speed of the rod, as the force of the rod is the drag on the whole bed. Throws InputError naming
+/// what is missing.
+Estimate read_drag_area(const std::filesystem::path& run_directory, const fitting::Map& map);
+
+/// The maps of a file: measure.h5, of all runs together or, where it has them, of each; or a table of a full
+/// grid if the name ends in ".csv". Bins without beads, and those of unknown
 /// sigma beside others of known, are left out; so is one half of a map that was averaged with its mirror
 /// image. Throws InputError naming the file for whatever is missing or wrong.
-FitMapData read_fit_map(const scene::FitMap& keys, const std::filesystem::path& file,
-                        std::optional<double> independent_spacing, bool needs_speed,
-                        const std::string& length_unit);
+std::vector<FitMapData> read_fit_maps(const scene::FitMap& keys, const std::filesystem::path& file,
+                                      std::optional<double> independent_spacing, bool needs_speed,
+                                      const std::string& length_unit);
 
 /// Whether a parameter of the fit goes with the rod's speed.
 bool needs_speed(const scene::Fit& keys);

@@ -43,13 +43,12 @@ ordered_json estimates_json(const fitting::Report& report) {
     return out;
 }
 
-ordered_json errors_json(const FitSystematics& s, const fitting::Report& report, std::size_t i) {
-    const fitting::Estimate& e = report.estimates[i];
+ordered_json errors_json(const FitSystematics& s, std::size_t i, double value, const ordered_json& curvature) {
     const auto part = [&](const std::vector<double>& errors) {
         return errors.empty() ? ordered_json(nullptr) : finite_or_null(errors[i]);
     };
-    return {{"value", finite_or_null(e.value)},
-            {"curvature", has_error(report, e) ? finite_or_null(e.standard_error) : ordered_json(nullptr)},
+    return {{"value", finite_or_null(value)},
+            {"curvature", curvature},
             {"held", part(s.held_error)},
             {"masks", part(s.mask_spread)},
             {"jackknife", part(s.jackknife)},
@@ -59,7 +58,7 @@ ordered_json errors_json(const FitSystematics& s, const fitting::Report& report,
 ordered_json map_json(const FitPlan& plan, const FitResults& results, std::size_t i) {
     const FitMapData& map = plan.maps[i];
     return {{"name", map.name},
-            {"medium", "orthotropic"},
+            {"medium", scene::fit_is_isotropic(plan.keys) ? "isotropic" : "orthotropic"},
             {"file", map.file.string()},
             {"data", fmt::format("fit_map_{}.csv", i)},
             {"bins", map.data.bins()},
@@ -78,8 +77,14 @@ ordered_json systematics_json(const FitPlan& plan, const FitResults& results) {
     if (s.total.empty())
         return nullptr;
     ordered_json out = {{"errors", ordered_json::object()}};
-    for (const std::size_t i : results.report.free)
-        out["errors"][results.report.estimates[i].name] = errors_json(s, results.report, i);
+    for (const std::size_t i : results.report.free) {
+        const fitting::Estimate& e = results.report.estimates[i];
+        out["errors"][e.name] = errors_json(
+            s, i, e.value, has_error(results.report, e) ? finite_or_null(e.standard_error) : ordered_json(nullptr));
+    }
+    std::size_t place = results.report.estimates.size();
+    for (const auto& [name, one] : results.derived)
+        out["errors"][name] = errors_json(s, place++, one.value, finite_or_null(one.error));
     for (const char* list : {"held", "masks", "runs"})
         out[list] = ordered_json::array();
     for (const auto& one : s.held)
@@ -94,7 +99,7 @@ ordered_json systematics_json(const FitPlan& plan, const FitResults& results) {
         out["masks"].push_back(mask);
     }
     for (const auto& one : s.runs)
-        out["runs"].push_back({{"without", plan.maps[one.map].file.string()},
+        out["runs"].push_back({{"without", plan.maps[one.map].label()},
                                {"parameters", of_free(results.report, one.values)}});
     return out;
 }
@@ -220,10 +225,16 @@ ordered_json compare_json(const scene::FitCompare& keys, const FitResults& resul
     for (std::size_t i = 0; i < r.scale_factor.size(); ++i)
         profiles.push_back(
             {{"chi2", finite_or_null(r.profile_chi2[i])}, {"excess", scale_factor_json(r.scale_factor[i])}});
-    return {{"name", keys.name},
-            {"values", named(results.report, all_of(results.report), r.values)},
-            {"chi2", finite_or_null(r.chi2)},
-            {"profiles", profiles}};
+    ordered_json values = named(results.report, all_of(results.report), r.values);
+    if (!r.point.empty())
+        values = {{"f_over_mu", r.point[0]}, {"eta", r.point[1]}, {"xi", r.point[2]}};
+    ordered_json out = {{"name", keys.name}, {"values", values}, {"chi2", finite_or_null(r.chi2)}, {"profiles", profiles}};
+    if (r.line)
+        out["line"] = {{"profile", *keys.line},
+                       {"parameters", estimates_json(*r.line)},
+                       {"chi2", finite_or_null(r.line->chi2)},
+                       {"dof", r.line->dof}};
+    return out;
 }
 
 void add_parameters(ordered_json& out, const FitPlan& plan, const FitResults& results) {
@@ -386,10 +397,13 @@ std::string findings_text(const FitPlan& plan, const FitResults& results) {
 /// Which medium the numbers belong to.
 std::string media(const FitPlan& plan) {
     std::string text;
-    if (!plan.profiles.empty())
+    if (scene::fit_is_isotropic(plan.keys) && !plan.profiles.empty())
+        text += "Profiles: predicted by the field that fits the maps\n";
+    else if (!plan.profiles.empty())
         text += "Profiles: steady field of an isotropic medium, along lines\n";
     if (!plan.maps.empty())
-        text += "Maps: steady field of an orthotropic medium, outside the mask\n";
+        text += fmt::format("Maps: steady field of an {} medium, outside the mask\n",
+                            scene::fit_is_isotropic(plan.keys) ? "isotropic" : "orthotropic");
     return text.empty() ? text : text + "\n";
 }
 

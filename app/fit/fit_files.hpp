@@ -17,7 +17,7 @@ namespace rodwake::app {
 /// Nothing if stop_requested of the method said so meanwhile. Throws RunError naming the key where a refit
 /// fails.
 std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting::Method& method,
-                                              const fitting::Fit& best, const fitting::Report& report);
+                                              const FitResults& results);
 
 /// A section of fit.txt; empty where there is nothing to say.
 std::string to_text(const FitPlan& plan, const FitResults& results);

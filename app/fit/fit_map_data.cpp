@@ -90,37 +90,46 @@ Column even(const fs::path& file, Column places, const char* axis) {
     return places;
 }
 
-Column layer(const store::Hdf5Reader& h5, const fs::path& file, const char* name, const fitting::Map& map,
+Column layer(const store::Hdf5Reader& h5, const fs::path& file, const std::string& path, const fitting::Map& map,
              bool or_unknown) {
-    const std::string path = std::string("/displacement/") + name;
     if (!h5.has(path))
         refuse(file, "has no " + path);
     store::Hdf5Dataset data = h5.dataset(path, or_unknown);
     if (data.shape != std::vector<std::size_t>{map.y.size(), map.x.size()})
-        refuse(file, path + " has another number of bins than /displacement/x and y");
+        refuse(file, path + " has another number of bins than its x and y");
     return data.values;
 }
 
-fitting::Map of_measure(const fs::path& file) {
-    const store::Hdf5Reader h5(file);
-    if (!h5.has("/displacement/x") || !h5.has("/displacement/y"))
-        refuse(file, "has no displacement field (/displacement); rodwake measure writes one with "
-                     "measure.displacement = \"phase\"");
+fitting::Map of_group(const store::Hdf5Reader& h5, const fs::path& file, const std::string& group) {
     fitting::Map map;
-    map.x = h5.dataset("/displacement/x").values;
-    map.y = h5.dataset("/displacement/y").values;
-    map.Ux = layer(h5, file, "Ux", map, false);
-    map.Uy = layer(h5, file, "Uy", map, false);
-    map.sigma_x = layer(h5, file, "sigma_x", map, true);
-    map.sigma_y = layer(h5, file, "sigma_y", map, true);
-    for (const double count : layer(h5, file, "count", map, false))
+    map.x = h5.dataset(group + "/x").values;
+    map.y = h5.dataset(group + "/y").values;
+    map.Ux = layer(h5, file, group + "/Ux", map, false);
+    map.Uy = layer(h5, file, group + "/Uy", map, false);
+    map.sigma_x = layer(h5, file, group + "/sigma_x", map, true);
+    map.sigma_y = layer(h5, file, group + "/sigma_y", map, true);
+    for (const double count : layer(h5, file, group + "/count", map, false))
         map.known.push_back(count > 0.0);
     map.x = even(file, map.x, "columns x");
     map.y = even(file, map.y, "rows y");
     map.lx = step_between(map.x) * static_cast<double>(map.x.size());
     map.ly = step_between(map.y) * static_cast<double>(map.y.size());
-    map.speed = h5.real("/displacement", "mean_speed_a_per_s");
+    map.speed = h5.real(group, "mean_speed_a_per_s");
     return map;
+}
+
+/// Of each run if the file has them, else of all together.
+std::vector<fitting::Map> of_measure(const fs::path& file) {
+    const store::Hdf5Reader h5(file);
+    if (!h5.has("/displacement/x") || !h5.has("/displacement/y"))
+        refuse(file, "has no displacement field (/displacement); rodwake measure writes one with "
+                     "measure.displacement = \"phase\"");
+    std::vector<fitting::Map> maps;
+    for (std::size_t run = 1; h5.has(fmt::format("/runs/{:04}/x", run)); ++run)
+        maps.push_back(of_group(h5, file, fmt::format("/runs/{:04}", run)));
+    if (maps.empty())
+        maps.push_back(of_group(h5, file, "/displacement"));
+    return maps;
 }
 
 /// A person may give the box that a scene asked for, from which that of box = "fit" differs by up to 1 %.
@@ -186,25 +195,10 @@ bool needs_speed(const scene::Fit& keys) {
     return scene::fit_has(keys, "zeta") || scene::fit_has(keys, "rho") || scene::fit_has(keys, "eta_s");
 }
 
-FitMapData read_fit_map(const scene::FitMap& keys, const fs::path& file,
-                        std::optional<double> independent_spacing, bool needs_speed,
-                        const std::string& length_unit) {
-    const bool table = file.extension() == ".csv";
-    FitMapData out{keys.name.empty() ? file.filename().string() : keys.name, file, 0, {}, 0, false};
-    if (!table && (length_unit == "m" || length_unit == "cm" || length_unit == "mm" || length_unit == "um"))
-        refuse(file,
-               fmt::format(
-                   "it is in bead radii and fit.length_unit = \"{}\" is the unit of all lengths here: leave "
-                   "length_unit out, strings with a unit are converted to bead radii then",
-                   length_unit));
-    out.data = table ? of_table(file, keys.columns) : of_measure(file);
-    fitting::Map& map = out.data;
-    map.name = file.string();
-    if (table && keys.box.empty())
-        refuse(file, "a table does not say how large its periodic box is: give fit.maps.box = [Lx, Ly]");
-    if (table && needs_speed && !keys.speed)
-        refuse(file, "zeta, rho and eta_s go with the rod's speed, which a table does not say: give "
-                     "fit.maps.speed");
+namespace {
+
+/// Of one map of a file: what the scene says of its box and speed.
+void settle(fitting::Map& map, const scene::FitMap& keys, const fs::path& file, bool table) {
     map.speed = keys.speed.value_or(map.speed);
     if (!table && !keys.box.empty() && !is_of_box(map, keys.box))
         refuse(file,
@@ -218,8 +212,41 @@ FitMapData read_fit_map(const scene::FitMap& keys, const fs::path& file,
         across > map.lx * (1.0 + 1e-6) || up > map.ly * (1.0 + 1e-6))
         refuse(file, fmt::format("its grid is {:g} x {:g}, larger than the box of {:g} x {:g}", across, up,
                                  map.lx, map.ly));
-    settle_map(out, independent_spacing);
-    return out;
+}
+
+} // namespace
+
+std::string FitMapData::label() const {
+    return run > 0 ? fmt::format("{}, run {}", file.string(), run) : file.string();
+}
+
+std::vector<FitMapData> read_fit_maps(const scene::FitMap& keys, const fs::path& file,
+                                      std::optional<double> independent_spacing, bool needs_speed,
+                                      const std::string& length_unit) {
+    const bool table = file.extension() == ".csv";
+    if (!table && (length_unit == "m" || length_unit == "cm" || length_unit == "mm" || length_unit == "um"))
+        refuse(file,
+               fmt::format(
+                   "it is in bead radii and fit.length_unit = \"{}\" is the unit of all lengths here: leave "
+                   "length_unit out, strings with a unit are converted to bead radii then",
+                   length_unit));
+    const std::vector<fitting::Map> maps = table ? std::vector{of_table(file, keys.columns)} : of_measure(file);
+    if (table && keys.box.empty())
+        refuse(file, "a table does not say how large its periodic box is: give fit.maps.box = [Lx, Ly]");
+    if (table && needs_speed && !keys.speed)
+        refuse(file, "zeta, rho and eta_s go with the rod's speed, which a table does not say: give "
+                     "fit.maps.speed");
+    const std::string name = keys.name.empty() ? file.filename().string() : keys.name;
+    std::vector<FitMapData> found;
+    for (const fitting::Map& map : maps) {
+        const std::size_t run = maps.size() > 1 ? found.size() + 1 : 0;
+        FitMapData one{run > 0 ? fmt::format("{}, run {}", name, run) : name, file, 0, map, 0, false, run};
+        one.data.name = one.label();
+        settle(one.data, keys, file, table);
+        settle_map(one, independent_spacing);
+        found.push_back(std::move(one));
+    }
+    return found;
 }
 
 } // namespace rodwake::app

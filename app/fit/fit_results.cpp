@@ -15,12 +15,17 @@ namespace rodwake::app {
 namespace {
 
 constexpr std::size_t curve_points = 401;
+const std::vector<fitting::Parameter> point_force = {{.name = "f_over_mu"}, {.name = "eta"}, {.name = "xi"}};
 
 /// The model along a profile's line, with derivatives by all parameters of the fit.
 fitting::Prediction predicted(const FitPlan& plan, const fitting::Profile& line,
                               std::span<const double> places, std::span<const double> values) {
-    const FitPart part = wake_part(plan.problem);
-    fitting::Prediction out = fitting::predict(plan.wake, line, places, part.parameters, part.values(values));
+    const bool of_maps = scene::fit_is_isotropic(plan.keys);
+    const FitPart part = of_maps ? map_part(plan) : wake_part(plan.problem);
+    fitting::Prediction out =
+        of_maps ? fitting::predict_line(plan.map_model, plan.maps.front().data, line, places, part.parameters,
+                                        part.values(values))
+                : fitting::predict(plan.wake, line, places, part.parameters, part.values(values));
     Eigen::MatrixXd all =
         Eigen::MatrixXd::Zero(out.by_parameter.rows(), static_cast<Eigen::Index>(values.size()));
     for (std::size_t k = 0; k < part.index.size(); ++k)
@@ -28,6 +33,14 @@ fitting::Prediction predicted(const FitPlan& plan, const fitting::Profile& line,
             out.by_parameter.col(static_cast<Eigen::Index>(k));
     out.by_parameter = std::move(all);
     return out;
+}
+
+/// The theory of a comparison along a line: where maps are fitted, the wake of a point force.
+std::vector<double> compared(const FitPlan& plan, const fitting::Profile& line, std::span<const double> places,
+                             const FitCompareResult& other) {
+    if (!scene::fit_is_isotropic(plan.keys))
+        return predicted(plan, line, places, other.values).value;
+    return fitting::predict(plan.wake, line, places, point_force, other.point).value;
 }
 
 /// Standard error of the prediction; NaN where the model is singular.
@@ -102,7 +115,7 @@ void set_curve(const FitPlan& plan, const FitResults& results, std::size_t index
     const fitting::Prediction prediction = predicted(plan, data, places, results.fit.values);
     std::vector<std::vector<double>> columns = {places, prediction.value, band(results.report, prediction)};
     for (const FitCompareResult& other : results.compare)
-        columns.push_back(predicted(plan, data, places, other.values).value);
+        columns.push_back(compared(plan, data, places, other));
     out.curve.resize(columns.size());
     for (std::size_t row = 0; row < places.size(); ++row)
         if (std::isfinite(prediction.value[row]))
@@ -129,7 +142,7 @@ FitProfileResult profile_result(const FitPlan& plan, const FitResults& results, 
 
 FitMapResult map_result(const FitPlan& plan, std::size_t index, std::span<const double> values) {
     const fitting::Map& map = plan.maps[index].data;
-    const FitPart part = map_part(plan.problem);
+    const FitPart part = map_part(plan);
     FitMapResult out;
     out.model = fitting::predict(plan.map_model, map, part.parameters, part.values(values));
     out.used.assign(map.bins(), false);
@@ -146,11 +159,58 @@ FitMapResult map_result(const FitPlan& plan, std::size_t index, std::span<const 
     return out;
 }
 
+/// f_over_mu, eta and xi of these values of an isotropic medium; without drag a length beyond every box.
+std::vector<double> point_values(const FitPlan& plan, std::span<const double> values) {
+    const auto value = [&](const char* name) -> std::optional<double> {
+        const auto at = std::ranges::find(plan.problem.parameters, name, &fitting::Parameter::name);
+        return at == plan.problem.parameters.end()
+                   ? std::nullopt
+                   : std::optional(values[static_cast<std::size_t>(at - plan.problem.parameters.begin())]);
+    };
+    const double f = *value("f_over_mu"), area = value("drag_area").value_or(1e6 * std::abs(f)),
+                 alpha = value("alpha").value_or(f * std::abs(f) / area);
+    return {f, *value("eta"), value("xi").value_or(f / alpha)};
+}
+
+/// What a point force fitted to one line says.
+std::optional<fitting::Report> line_fit(const FitPlan& plan, const scene::FitCompare& compare) {
+    if (!compare.line)
+        return std::nullopt;
+    const auto index = static_cast<std::size_t>(*compare.line);
+    scene::Fit keys;
+    keys.parameters = {"f_over_mu", "eta", "xi"};
+    for (const std::string& name : keys.parameters) {
+        if (const auto start = plan.keys.start.find(name); start != plan.keys.start.end())
+            keys.start.insert(*start);
+        if (const auto bounds = plan.keys.bounds.find(name); bounds != plan.keys.bounds.end())
+            keys.bounds.insert(*bounds);
+    }
+    keys.box = plan.wake.box;
+    keys.core = plan.wake.core;
+    keys.search = plan.keys.search;
+    keys.search.starts = std::max<std::size_t>(keys.search.starts, 10);
+    keys.profiles = {plan.keys.profiles[index]};
+    keys.profiles.front().role = scene::FitRole::fit;
+    FitInputs inputs;
+    inputs.profiles.emplace_back(plan.profiles[index]);
+    const FitPlan own = fit_plan(keys, std::move(inputs));
+    const fitting::Fit fit = fitting::fit(own.problem, own.method);
+    return fitting::report(own.problem, fit);
+}
+
 FitCompareResult compare_result(const FitPlan& plan, const scene::FitCompare& keys,
                                 std::span<const double> fitted) {
-    FitCompareResult out{compared_values(plan, keys, fitted), 0.0, {}, {}};
+    FitCompareResult out{.line = line_fit(plan, keys)};
+    scene::FitCompare named = keys;
+    if (out.line)
+        for (const fitting::Estimate& e : out.line->estimates)
+            named.values[e.name] = e.value;
+    out.values = compared_values(plan, named, fitted);
+    if (scene::fit_is_isotropic(plan.keys))
+        out.point = point_values(plan, out.values);
     for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
-        const Scored scored = outside_core(plan, i, out.values);
+        Scored scored{fitting::outside_core(plan.profiles[i].data, plan.wake.core), {}};
+        scored.prediction.value = compared(plan, scored.data, scored.data.place, out);
         out.profile_chi2.push_back(chi2_of(scored.data, scored.prediction.value));
         out.scale_factor.push_back(scale_factor_of(scored, nullptr));
         if (plan.keys.profiles[i].role == scene::FitRole::fit)
@@ -180,14 +240,22 @@ FitTrackResult track_result(const FitPlan& plan, std::size_t index, std::span<co
 
 void set_derived(FitResults& results) {
     const auto strength = fitted_value(results.report, "f_over_mu"), xi = fitted_value(results.report, "xi"),
-               alpha = fitted_value(results.report, "alpha");
+               alpha = fitted_value(results.report, "alpha"), area = fitted_value(results.report, "drag_area");
+    const auto add = [&](const char* name, double value, std::map<std::string, double> gradient) {
+        results.derived[name] = derived(results.report, value, gradient);
+        results.gradients[name] = std::move(gradient);
+    };
     if (strength && xi)
-        results.derived["alpha"] = derived(results.report, *strength / *xi,
-                                           {{"f_over_mu", 1.0 / *xi}, {"xi", -*strength / (*xi * *xi)}});
+        add("alpha", *strength / *xi, {{"f_over_mu", 1.0 / *xi}, {"xi", -*strength / (*xi * *xi)}});
     if (strength && alpha)
-        results.derived["xi"] =
-            derived(results.report, *strength / *alpha,
-                    {{"f_over_mu", 1.0 / *alpha}, {"alpha", -*strength / (*alpha * *alpha)}});
+        add("xi", *strength / *alpha,
+            {{"f_over_mu", 1.0 / *alpha}, {"alpha", -*strength / (*alpha * *alpha)}});
+    if (strength && area) {
+        const double f = std::abs(*strength), sign = *strength < 0.0 ? -1.0 : 1.0;
+        add("xi", *area / f, {{"f_over_mu", -sign * *area / (f * f)}, {"drag_area", 1.0 / f}});
+        add("alpha", f * f / *area,
+            {{"f_over_mu", 2.0 * *strength / *area}, {"drag_area", -f * f / (*area * *area)}});
+    }
 }
 
 std::string interval_text(const fitting::ProfileLikelihood& one) {
@@ -225,6 +293,18 @@ std::vector<std::string> findings(const FitPlan& plan, const FitResults& results
                 std::isfinite(excess->standard_error) ? fmt::format(" +- {:.2g}", excess->standard_error)
                                                       : ", error unknown",
                 excess->chi2, excess->points));
+    for (std::size_t k = 0; k < results.compare.size(); ++k)
+        if (const auto& line = results.compare[k].line) {
+            std::string told;
+            for (const fitting::Estimate& e : line->estimates)
+                told += fmt::format("{}{} = {:.4g}{}", told.empty() ? "" : ", ", e.name, e.value,
+                                    e.at_lower || e.at_upper ? " (at its bound)"
+                                                             : fmt::format(" +- {:.2g}", e.standard_error));
+            lines.push_back(fmt::format("{}: a point force fitted to {} by itself has {}, chi2 = {:.4g} for {} degrees of freedom",
+                                        plan.keys.compare[k].name,
+                                        plan.profiles[static_cast<std::size_t>(*plan.keys.compare[k].line)].name, told,
+                                        line->chi2, line->dof));
+        }
     return lines;
 }
 
@@ -291,14 +371,16 @@ FitSystematics::LeftOut without(const FitPlan& plan, const fitting::Method& meth
     FitPlan other = plan;
     other.maps.erase(other.maps.begin() + static_cast<std::ptrdiff_t>(map));
     fitting::Fit fit = fitting::refit(fit_problem(other), method, best);
-    require_fit(fit, "without " + plan.maps[map].file.string());
+    require_fit(fit, "without " + plan.maps[map].label());
     return {map, std::move(fit.values)};
 }
 
 /// Two maps or more in every table.
 bool has_runs(const FitPlan& plan) {
-    return !plan.keys.maps.empty() &&
-           std::ranges::all_of(plan.keys.maps, [](const scene::FitMap& m) { return m.files.size() > 1; });
+    std::vector<long> counts(plan.keys.maps.size(), 0);
+    for (const FitMapData& map : plan.maps)
+        ++counts[map.table];
+    return !counts.empty() && std::ranges::all_of(counts, [](long count) { return count > 1; });
 }
 
 std::vector<double> values_of(const fitting::Report& report) {
@@ -323,18 +405,33 @@ std::vector<double> jackknife(const FitPlan& plan, const std::vector<FitSystemat
     return fitting::jackknife_error(groups);
 }
 
-void set_totals(const fitting::Report& report, FitSystematics& s) {
+/// The list with a number of each derived quantity behind those of the parameters: its gradient times them.
+std::vector<double> with_derived(const FitResults& results, std::vector<double> values) {
+    for (const auto& [name, gradient] : results.gradients) {
+        double sum = 0.0;
+        for (std::size_t k = 0; k < results.report.estimates.size(); ++k)
+            if (const auto by = gradient.find(results.report.estimates[k].name); by != gradient.end())
+                sum += by->second * values[k];
+        values.push_back(sum);
+    }
+    return values;
+}
+
+void set_totals(const FitResults& results, FitSystematics& s) {
     if (s.held.empty() && s.masks.empty() && s.runs.empty())
         return;
     const auto part = [](const std::vector<double>& errors, std::size_t k) {
         return errors.empty() ? 0.0 : errors[k];
     };
-    for (std::size_t k = 0; k < report.estimates.size(); ++k) {
-        const fitting::Estimate& e = report.estimates[k];
-        const double curvature = has_error(report, e) ? e.standard_error : 0.0,
-                     random = std::max(curvature, part(s.jackknife, k)); // few runs: by chance too small
+    const auto add = [&](double curvature) {
+        const std::size_t k = s.total.size();
+        const double random = std::max(curvature, part(s.jackknife, k)); // few runs: by chance too small
         s.total.push_back(std::hypot(random, part(s.held_error, k), part(s.mask_spread, k)));
-    }
+    };
+    for (const fitting::Estimate& e : results.report.estimates)
+        add(has_error(results.report, e) ? e.standard_error : 0.0);
+    for (const auto& [name, one] : results.derived)
+        add(one.known() ? one.error : 0.0);
 }
 
 std::string number(const std::vector<double>& errors, std::size_t k) {
@@ -344,29 +441,45 @@ std::string number(const std::vector<double>& errors, std::size_t k) {
 } // namespace
 
 std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting::Method& method,
-                                              const fitting::Fit& best, const fitting::Report& report) {
+                                              const FitResults& results) {
     FitSystematics s;
-    for (const auto& [name, error] : plan.keys.fixed_errors)
-        s.held.push_back(held_constant(plan, method, best.values, name, error));
+    const std::vector<double>& best = results.fit.values;
+    for (const auto& [name, error] : plan.keys.fixed_errors) {
+        s.held.push_back(held_constant(plan, method, best, name, error));
+        s.held.back().change = with_derived(results, std::move(s.held.back().change));
+    }
     if (!s.held.empty())
         s.held_error = quadratic_sum(s.held);
     if (plan.keys.masks.size() > 1) {
         std::vector<std::vector<double>> values;
         for (const scene::FitMask& keys : plan.keys.masks) {
-            s.masks.push_back(choice(plan, method, best.values, map_mask(keys)));
-            values.push_back(values_of(s.masks.back().report));
+            s.masks.push_back(choice(plan, method, best, map_mask(keys)));
+            values.push_back(with_derived(results, values_of(s.masks.back().report)));
         }
         s.mask_spread = fitting::spread(values);
     }
     if (has_runs(plan)) {
-        for (std::size_t map = 0; map < plan.maps.size(); ++map)
-            s.runs.push_back(without(plan, method, best.values, map));
+        for (std::size_t map = 0; map < plan.maps.size(); ++map) {
+            s.runs.push_back(without(plan, method, best, map));
+            s.runs.back().values = with_derived(results, std::move(s.runs.back().values));
+        }
         s.jackknife = jackknife(plan, s.runs);
     }
-    set_totals(report, s);
+    set_totals(results, s);
     if (method.stop_requested && method.stop_requested())
         return std::nullopt; // part of it
     return s;
+}
+
+double whole_error(const FitResults& results, const std::string& name) {
+    const auto& all = results.report.estimates;
+    const auto at = std::ranges::find(all, name, &fitting::Estimate::name);
+    const auto derived = results.derived.find(name);
+    const auto& total = results.systematics.total;
+    if (at != all.end())
+        return total.empty() ? at->standard_error : total[static_cast<std::size_t>(at - all.begin())];
+    const auto place = all.size() + static_cast<std::size_t>(std::distance(results.derived.begin(), derived));
+    return total.empty() ? derived->second.error : total[place];
 }
 
 std::string to_text(const FitPlan& plan, const FitResults& results) {
@@ -376,13 +489,17 @@ std::string to_text(const FitPlan& plan, const FitResults& results) {
     std::string text =
         fmt::format("\nErrors beyond the fit's own\n  {:<12}{:>13}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "",
                     "value", "curvature", "held", "masks", "jackknife", "total");
-    for (std::size_t k = 0; k < results.report.estimates.size(); ++k) {
-        const fitting::Estimate& e = results.report.estimates[k];
-        if (e.free)
-            text += fmt::format("  {:<12}{:>13.6g}{:>11.3g}{}{}{}{}\n", e.name, e.value, e.standard_error,
-                                number(s.held_error, k), number(s.mask_spread, k), number(s.jackknife, k),
-                                number(s.total, k));
-    }
+    std::size_t k = 0;
+    const auto row = [&](const std::string& name, double value, double error, bool wanted) {
+        if (wanted)
+            text += fmt::format("  {:<12}{:>13.6g}{:>11.3g}{}{}{}{}\n", name, value, error, number(s.held_error, k),
+                                number(s.mask_spread, k), number(s.jackknife, k), number(s.total, k));
+        ++k;
+    };
+    for (const fitting::Estimate& e : results.report.estimates)
+        row(e.name, e.value, e.standard_error, e.free);
+    for (const auto& [name, one] : results.derived)
+        row(name, one.value, one.error, true);
     text += "  total: the larger of curvature and jackknife, with held constants and masks in quadrature\n";
     for (const auto& one : s.masks)
         text += fmt::format(

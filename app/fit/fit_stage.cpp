@@ -91,10 +91,17 @@ void log_results(const FitPlan& plan, const FitResults& results, const Logger& l
     log->info("fit: chi2 = {:.4g} for {} degrees of freedom; {} of {} starts ended there; {} ({})", r.chi2,
               r.dof, r.same_optimum, results.fit.starts.size(), to_string(results.fit.termination),
               results.fit.reason);
-    for (std::size_t k = 0; k < results.systematics.total.size(); ++k)
-        if (const fitting::Estimate& e = results.report.estimates[k]; e.free)
-            log->info("fit: {} = {:.6g} +- {:.2g} with what held constants, masks and runs add", e.name,
-                      e.value, results.systematics.total[k]);
+    const auto with_all = [&](const std::string& name, double value) {
+        log->info("fit: {} = {:.6g} +- {:.2g} with what held constants, masks and runs add", name, value,
+                  whole_error(results, name));
+    };
+    if (!results.systematics.total.empty()) {
+        for (const fitting::Estimate& e : results.report.estimates)
+            if (e.free)
+                with_all(e.name, e.value);
+        for (const auto& [name, one] : results.derived)
+            with_all(name, one.value);
+    }
     for (const std::string& line : findings(plan, results))
         log->info("fit: {}", line);
     for (const std::string& remark : r.diagnostics)
@@ -126,7 +133,7 @@ bool add_likelihoods(const FitPlan& plan, const fitting::Method& method, FitResu
 bool add_systematics(const FitPlan& plan, const fitting::Method& method, FitResults& results,
                      const Logger& log) {
     try {
-        auto found = fit_systematics(plan, method, results.fit, results.report);
+        auto found = fit_systematics(plan, method, results);
         if (!found)
             return false;
         results.systematics = std::move(*found);
@@ -165,6 +172,8 @@ std::string fit_key(const scene::Scene& scene, const FitPlan& plan) {
     for (const FitProfileData& p : plan.profiles)
         key += fmt::format("{}\n{}\n{}\n", fmt::join(p.data.place, " "), fmt::join(p.data.value, " "),
                            fmt::join(p.data.sigma, " "));
+    for (const auto& [name, value] : plan.keys.fixed) // with drag_area
+        key += fmt::format("{} {} {}\n", name, value, plan.keys.fixed_errors.contains(name) ? plan.keys.fixed_errors.at(name) : 0.0);
     for (const FitMapData& m : plan.maps)
         key += fmt::format("{} {} {}\n{}\n{}\n{}\n{}\n{}\n{}\n", m.data.lx, m.data.ly, m.data.speed,
                            fmt::join(m.data.x, " "), fmt::join(m.data.y, " "), fmt::join(m.data.Ux, " "),
@@ -228,12 +237,19 @@ struct FittedMedium {
     Estimate eta, xi, alpha, strength; ///< xi in f/mu
 };
 
-FittedMedium medium_of(const fitting::Report& report) {
+FittedMedium medium_of(const FitResults& results) {
+    const fitting::Report& report = results.report;
     const double f = *fitted_value(report, "f_over_mu"), eta = *fitted_value(report, "eta");
     FittedMedium m;
     m.strength = derived(report, f, {{"f_over_mu", 1.0}});
     m.eta = derived(report, eta, {{"eta", 1.0}});
-    if (const auto alpha = fitted_value(report, "alpha")) {
+    if (const auto area = fitted_value(report, "drag_area")) {
+        const Estimate alpha = results.derived.at("alpha");
+        m.alpha = {alpha.value, whole_error(results, "alpha"), alpha.count};
+        m.xi = {1.0 / alpha.value, m.alpha.error / (alpha.value * alpha.value), alpha.count};
+        m.strength.error = whole_error(results, "f_over_mu");
+        m.eta.error = whole_error(results, "eta");
+    } else if (const auto alpha = fitted_value(report, "alpha")) {
         m.alpha = derived(report, *alpha, {{"alpha", 1.0}});
         m.xi = derived(report, 1.0 / *alpha, {{"alpha", -1.0 / (*alpha * *alpha)}});
     } else {
@@ -304,7 +320,7 @@ void warn(const fitting::Report& report, const FitPlan& plan, const Logger& log)
 } // namespace
 
 void take_fitted_medium(Session& session, const FitResults& results, const FitPlan& plan) {
-    const FittedMedium m = medium_of(results.report);
+    const FittedMedium m = medium_of(results);
     require_known(m, results.report);
     session.directory.write("medium.json", medium_json(m, plan.keys.length_unit));
     session.log->info("fitted medium: {}, {} f/mu, {}", with_error("eta", m.eta), with_error("xi", m.xi),

@@ -51,7 +51,7 @@ void roles(const Fit& fit, const Report& report) {
 
 /// Where the physics allows a value: eta > -1; lengths, alpha and moduli > 0.
 double lowest(const std::string& name) {
-    static const std::vector<std::string> positive = {"xi", "alpha", "c11", "c22", "c66"};
+    static const std::vector<std::string> positive = {"xi", "alpha", "c11", "c22", "c66", "drag_area"};
     return name == "eta" ? -1.0 : contains(positive, name) ? 0.0 : -HUGE_VAL;
 }
 
@@ -128,13 +128,18 @@ void likelihood(const Fit& fit, const Report& report) {
 
 void compare(const Fit& fit, const Report& report) {
     const auto known = [&](const std::string& name) {
-        const bool medium =
-            (name == "xi" || name == "alpha") && (fit_has(fit, "xi") || fit_has(fit, "alpha"));
+        const bool medium = (name == "xi" || name == "alpha") && fit_knows_xi(fit);
         return fit_has(fit, name) || medium;
     };
     for (std::size_t i = 0; i < fit.compare.size(); ++i) {
         const auto& values = fit.compare[i].values;
         const std::string path = fmt::format("fit.compare.{}.values", i);
+        if (values.empty() == !fit.compare[i].line.has_value())
+            report(path, "give values, or line: one of them");
+        if (const auto line = fit.compare[i].line; line && !fit_is_isotropic(fit))
+            report(fmt::format("fit.compare.{}.line", i), "line belongs to fits of maps with f_over_mu and eta");
+        else if (line && *line >= std::ssize(fit.profiles))
+            report(fmt::format("fit.compare.{}.line", i), "there is no such profile");
         if (values.contains("xi") && values.contains("alpha"))
             report(path, "give xi or alpha = f_over_mu/xi, not both");
         for (const auto& [name, number] : values)
@@ -152,13 +157,12 @@ void medium(const Scene& scene, const Report& report) {
     if (!scene.fit)
         return report(path, "medium.fitted = true needs [fit], which eta and xi are taken from");
     const Fit& fit = *scene.fit;
-    const bool known =
-        fit_has(fit, "f_over_mu") && fit_has(fit, "eta") && (fit_has(fit, "xi") || fit_has(fit, "alpha"));
+    const bool known = fit_has(fit, "f_over_mu") && fit_has(fit, "eta") && fit_knows_xi(fit);
     if (!known)
         report(path,
                fmt::format(
                    "medium.fitted = true needs f_over_mu, eta and xi or alpha in [fit] (fitted, fixed or "
-                   "tied); it has {}",
+                   "tied; of maps also drag_area); it has {}",
                    comma_list(fit_used(fit))));
 }
 
@@ -187,7 +191,7 @@ void check_fit(const Scene& scene, const Report& report) {
     likelihood(fit, report);
     compare(fit, report);
     check_fit_data(fit, report);
-    check_fit_maps(fit, report);
+    check_fit_maps(scene, report);
 }
 
 namespace {
@@ -212,6 +216,8 @@ std::string lacks(const Fit& fit, const std::string& name) {
     const bool tracks = !fit.trajectories.empty(), maps = !fit.maps.empty();
     if (is_map_parameter(name))
         return maps ? "" : "[[fit.maps]]";
+    if (fit_is_isotropic(fit) && (name == "f_over_mu" || name == "eta" || name == "xi" || name == "alpha"))
+        return "";
     if (maps && (name == "offset" || name == "offset_y"))
         return "";
     if (rods::find_coupling(name))
@@ -259,7 +265,7 @@ void needed(const Fit& fit, const Report& report) {
     need(!tracks || has_coupling(fit), "trajectories need kappa, gamma1 or gamma2");
     if (has_wake(fit) || has_coupling(fit)) {
         need(fit_has(fit, "eta"), "the field needs eta");
-        need(xi || alpha, "the field needs xi or alpha");
+        need(fit_knows_xi(fit), "the field needs xi or alpha");
     }
     need(!(xi && alpha), "give xi or alpha = f_over_mu/xi, not both");
     need(!profiles || !alpha || fit_has(fit, "f_over_mu"), "alpha = f_over_mu/xi needs f_over_mu");
@@ -332,6 +338,19 @@ void needed_by_maps(const Fit& fit, const Report& report) {
         if (!there)
             report("fit.parameters", std::string(text) + " (in fit.parameters, fit.fixed or fit.tied)");
     };
+    if (fit_is_isotropic(fit)) {
+        const auto refuse = [&](const char* name) {
+            need(!fit_has(fit, name), fmt::format("maps with f_over_mu and eta are in units of mu: no {}", name).c_str());
+        };
+        for (const char* name : {"amplitude", "force", "c11", "c22", "c12", "zeta", "rho", "eta_s"})
+            refuse(name);
+        need(fit_has(fit, "f_over_mu"), "maps with eta need f_over_mu");
+        need(fit_has(fit, "xi") + fit_has(fit, "alpha") + fit_has(fit, "drag_area") < 2,
+             "give one of xi, alpha and drag_area");
+        return need(fit.trajectories.empty() && !has_profiles(fit, nullptr, true),
+                    "maps with f_over_mu and eta are fitted by themselves: profiles may be predicted");
+    }
+    need(!fit_has(fit, "drag_area"), "drag_area belongs to maps with f_over_mu and eta");
     constexpr std::array sources = {"force", "p_xx", "p_yy", "q_xxx", "q_xyy", "q_yxy"};
     need(std::ranges::any_of(sources, [&](const char* name) { return fit_has(fit, name); }),
          "maps need force, p_xx, p_yy, q_xxx, q_xyy or q_yxy: without a source there is no displacement");
@@ -339,6 +358,18 @@ void needed_by_maps(const Fit& fit, const Report& report) {
          "amplitude is the monopole over its prediction: it needs force, which it multiplies");
     for (const char* name : {"c11", "c22", "c12", "c66"})
         need(fit_has(fit, name), fmt::format("maps need {}", name).c_str());
+}
+
+/// What the run measures of itself.
+void measured_by_run(const Scene& scene, const Report& report) {
+    const Fit& fit = *scene.fit;
+    const std::string path = "fit.measured_drag", name = "drag_area";
+    if (!fit.measured_drag)
+        return;
+    if (fit_is_free(fit, name) || fit.fixed.contains(name) || fit.tied.contains(name))
+        report(path, name + " is measured and also fitted, fixed or tied: leave it out of one of them");
+    if (!scene.measure || !scene.measure->mechanics)
+        report(path, name + " is measured by measure.mechanics, which this scene does not ask for");
 }
 
 void fixed_errors(const Fit& fit, const Report& report) {
@@ -374,7 +405,9 @@ void map(const FitMap& one, const std::string& path, const Report& report) {
 
 } // namespace
 
-void check_fit_maps(const Fit& fit, const Report& report) {
+void check_fit_maps(const Scene& scene, const Report& report) {
+    const Fit& fit = *scene.fit;
+    measured_by_run(scene, report);
     belongs_to_maps(fit, report);
     needed_by_maps(fit, report);
     fixed_errors(fit, report);

@@ -53,6 +53,12 @@ void parameter_fields(Visitor& v, Fit& fit) {
           .doc("parameters that are a factor times a fitted one: [name, factor]")
           .example("{ f2d_over_mu = [\"f_over_mu\", 0.5] }"),
       fit.tied);
+    v(key("measured_drag")
+          .written_if(fit.measured_drag)
+          .doc("drag_area is held at what measure.mechanics of this run found, with its error (as in fixed and "
+               "fixed_errors): drift of the bed over the speed of the rod through it, times the area of the box")
+          .example("true"),
+      fit.measured_drag);
     v(key("log")
           .one_of(names)
           .items(0, names.size())
@@ -292,11 +298,19 @@ void fields(Visitor& v, FitTrajectory& t, const FitUnits& units) {
 void fields(Visitor& v, FitCompare& c) {
     v(key("name").required().doc("name in reports").example("\"paper\""), c.name);
     v(key("values")
-          .required()
           .one_of(fit_parameter_names())
-          .doc("values of parameters of this fit; those not named are as fitted")
+          .absent("with line: what it gives")
+          .doc("values of parameters of this fit; those not named are as fitted. Where maps are fitted with "
+               "f_over_mu and eta: of a point force, so that moments are 0")
           .example("{ f_over_mu = 2.2, eta = 1.3, xi = 22.0 }"),
       c.values);
+    v(key("line")
+          .within(0, 99)
+          .absent("values are given")
+          .doc("the profile, from 0, that a point force is fitted to by itself, with f_over_mu, eta and xi: "
+               "what this line would say of the medium. Of fits of maps with f_over_mu and eta")
+          .example("0"),
+      c.line);
 }
 
 void fields(Visitor& v, Fit& fit, FitUnits units) {

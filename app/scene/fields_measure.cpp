@@ -208,6 +208,12 @@ void displacement_fields(Visitor& v, Measure& m) {
           .doc("average U with its mirror image across the rod: U_x even, U_y odd in y")
           .example("true"),
       m.mirror);
+    v(key("run_maps")
+          .written_if(m.run_maps)
+          .doc("measure.h5 holds the displacement of each run besides that of all, as /runs/<k>; fits of such a "
+               "file take them for maps of runs alike, which gives errors by the jackknife")
+          .example("true"),
+      m.run_maps);
     v(key("profile_offset")
           .unit(length)
           .within(0.0, 1e3)

@@ -23,6 +23,7 @@ const std::vector<FitParameter>& fit_parameter_list() {
         {"eta", "\\eta", "(lambda_L + mu)/mu of the medium"},
         {"xi", "\\xi", "screening length mu/(zeta v0) of the medium"},
         {"alpha", "\\alpha", "f_over_mu/xi, in place of xi"},
+        {"drag_area", "f/\\zeta v", "f_over_mu times xi, in place of xi: force over drag and speed, an area"},
         {"x0", "x_0", "where the force acts, ahead of the rod's centre"},
         {"amplitude", "A", "of maps: the monopole over its prediction, which force is"},
         {"force", "f", "of maps: force of the rod on the medium along its heading"},
@@ -31,6 +32,10 @@ const std::vector<FitParameter>& fit_parameter_list() {
         {"q_xxx", "Q_{xxx}", "of maps: second moment of the force along the rod, by x^2"},
         {"q_xyy", "Q_{xyy}", "of maps: second moment of the force along the rod, by y^2"},
         {"q_yxy", "Q_{yxy}", "of maps: second moment of the force across the rod, by xy"},
+        {"t_xxxx", "T_{xxxx}", "of maps: third moment of the force along the rod, by x^3"},
+        {"t_xxyy", "T_{xxyy}", "of maps: third moment of the force along the rod, by x y^2"},
+        {"h_xxxxx", "H_{xxxxx}", "of maps: fourth moment of the force along the rod, by x^4"},
+        {"h_xxxyy", "H_{xxxyy}", "of maps: fourth moment of the force along the rod, by x^2 y^2"},
         {"c11", "C_{11}", "of maps: elastic constant along the heading"},
         {"c22", "C_{22}", "of maps: elastic constant across the heading"},
         {"c12", "C_{12}", "of maps: elastic constant that couples both"},
@@ -59,8 +64,10 @@ std::span<const std::string_view> fit_parameter_names() {
 
 bool is_map_parameter(std::string_view parameter) {
     static const std::vector<std::string_view> names = {"amplitude", "force", "p_xx", "p_yy", "q_xxx",
-                                                        "q_xyy",     "q_yxy", "c11",  "c22",  "c12",
-                                                        "c66",       "zeta",  "rho",  "eta_s"};
+                                                        "q_xyy",     "q_yxy", "t_xxxx", "t_xxyy", "h_xxxxx",
+                                                        "h_xxxyy", "c11",
+                                                        "c22",       "c12",   "c66",  "zeta", "rho",
+                                                        "eta_s",     "drag_area"};
     return std::ranges::find(names, parameter) != names.end();
 }
 
@@ -68,7 +75,7 @@ double fit_default_start(const Fit& fit, const std::string& parameter) {
     if (parameter == "xi" && fit.profiles.empty()) // tracks alone: in f/mu, so 1/alpha
         return 1.0;
     static const std::map<std::string, double> starts = {
-        {"f_over_mu", 1.0}, {"eta", 1.0},   {"xi", 10.0}, {"alpha", 1.0}, {"kappa", 1.0},
+        {"f_over_mu", 1.0}, {"eta", 1.0},   {"xi", 10.0}, {"alpha", 1.0}, {"drag_area", 1e3}, {"kappa", 1.0},
         {"amplitude", 1.0}, {"force", 1.0}, {"c11", 1.0}, {"c22", 1.0},   {"c66", 1.0}};
     const auto it = starts.find(parameter);
     return it == starts.end() ? 0.0 : it->second;
@@ -88,7 +95,14 @@ bool fit_in_log(const Fit& fit, const std::string& parameter) {
 bool fit_is_free(const Fit& fit, const std::string& parameter) { return contains(fit.parameters, parameter); }
 
 bool fit_has(const Fit& fit, const std::string& parameter) {
-    return fit_is_free(fit, parameter) || fit.fixed.contains(parameter) || fit.tied.contains(parameter);
+    return fit_is_free(fit, parameter) || fit.fixed.contains(parameter) || fit.tied.contains(parameter) ||
+           (fit.measured_drag && parameter == "drag_area");
+}
+
+bool fit_is_isotropic(const Fit& fit) { return !fit.maps.empty() && !fit_has(fit, "c66") && fit_has(fit, "eta"); }
+
+bool fit_knows_xi(const Fit& fit) {
+    return fit_has(fit, "xi") || fit_has(fit, "alpha") || fit_has(fit, "drag_area");
 }
 
 std::vector<std::string> fit_used(const Fit& fit) {

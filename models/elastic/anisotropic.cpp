@@ -58,19 +58,22 @@ OrthotropicMedium unit_constant(OrthotropicParameter parameter) {
     return m;
 }
 
-bool is_source(OrthotropicParameter p) { return p <= OrthotropicParameter::q_yxy; }
+bool is_source(OrthotropicParameter p) { return p <= OrthotropicParameter::h_xxxyy; }
 
 RodSource unit_source(OrthotropicParameter p) {
     using enum OrthotropicParameter;
     const auto one = [p](OrthotropicParameter name) { return p == name ? 1.0 : 0.0; };
-    return {one(force), one(p_xx), one(p_yy), one(q_xxx), one(q_xyy), one(q_yxy)};
+    return {one(force), one(p_xx),   one(p_yy),   one(q_xxx),   one(q_xyy),
+            one(q_yxy), one(t_xxxx), one(t_xxyy), one(h_xxxxx), one(h_xxxyy)};
 }
 
 Mode driving(const RodSource& source, const RodFrame& frame, double qx, double qy) {
     const double half = 0.5 * qx * frame.length, sinc = half == 0.0 ? 1.0 : std::sin(half) / half;
     const double smooth = std::exp(-0.5 * (qx * qx + qy * qy) * frame.width * frame.width);
-    const double along = source.force * sinc - source.q_xxx * qx * qx - source.q_xyy * qy * qy;
-    return {smooth * Complex(along, -source.p_xx * qx),
+    const double fourth = qx * qx * (source.h_xxxxx * qx * qx + 6.0 * source.h_xxxyy * qy * qy),
+                 along = source.force * sinc - source.q_xxx * qx * qx - source.q_xyy * qy * qy + fourth;
+    const double third = source.t_xxxx * qx * qx + 3.0 * source.t_xxyy * qy * qy;
+    return {smooth * Complex(along, (third - source.p_xx) * qx),
             Complex(0.0 - 2.0 * smooth * source.q_yxy * qx * qy, -smooth * source.p_yy * qy)};
 }
 
@@ -188,13 +191,17 @@ DisplacementMap AnisotropicField::derivative(const OrthotropicMedium& medium, co
                                              OrthotropicParameter by) const {
     if (is_source(by))
         return displacement(medium, unit_source(by));
+    return derivative(medium, source, unit_constant(by));
+}
+
+DisplacementMap AnisotropicField::derivative(const OrthotropicMedium& medium, const RodSource& source,
+                                             const OrthotropicMedium& change) const {
     const RodFrame& frame = impl_->frame;
     validate(medium, frame.speed);
-    const OrthotropicMedium unit = unit_constant(by);
     return impl_->sum([&](double qx, double qy) {
         const Stiffness whole = stiffness(medium, frame.speed, qx, qy);
         const Mode u = whole.solve(driving(source, frame, qx, qy)),
-                   less = whole.solve(stiffness(unit, frame.speed, qx, qy).times(u));
+                   less = whole.solve(stiffness(change, frame.speed, qx, qy).times(u));
         return Mode{-less.x, -less.y};
     });
 }

@@ -122,7 +122,7 @@ def draw_panel(axes, fit, view, window):
     shade_core(axes, fit)
     for index, values in enumerate(curve.compared):
         draw_line(axes, fit, *broken(fit, view, values), color=COMPARED[index % 5], linestyle=DASHES[index % 3], linewidth=1.2, zorder=2.5)
-    x, model = broken(fit, view, curve.model)
+    x, model = modelled(fit, view)
     band = broken(fit, view, curve.band)[1]
     axes.fill_between(x, model - band, model + band, color=style.LINE, alpha=0.25, linewidth=0, zorder=2)
     draw_line(axes, fit, x, model, color=style.LINE, linewidth=1.5, zorder=4)
@@ -166,6 +166,12 @@ def broken(fit, view, values):
     split = np.searchsorted(x, at)
     values = np.where(np.abs(x - at) < 0.2 * fit.number(fit.told, "core", 0.0), np.nan, values)
     return np.insert(x, split, at), np.insert(values, split, np.nan)
+
+
+def modelled(fit, view):
+    """The fitted curve; of maps with moments, which tell nothing near the rod, beyond the core alone."""
+    x, model = broken(fit, view, view.curve.model)
+    return x, np.where(np.abs(x) < fit.number(fit.told, "core", 0.0), np.nan, model) if fit.maps else model
 
 
 def force_at(fit, view):
@@ -242,7 +248,7 @@ def caption_of(fit, views, spec):
 def fitted_to(fit):
     """Which profiles the parameters come from."""
     names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)]
-    return "Fitted to " + words.listed(names or ["trajectories"])
+    return "Fitted to " + words.listed(names or ["maps" if fit.maps else "trajectories"])
 
 
 def panel_told(index, view, count, unit):
@@ -270,6 +276,8 @@ def compared(fit, one):
 
 
 def unit_of(fit, name):
+    if name in fit.derived:
+        return fit_words.unit_html(fit.derived[name][2])
     return fit_words.unit_html(fit.parameters[name].unit) if name in fit.parameters else ""
 
 

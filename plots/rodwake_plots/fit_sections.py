@@ -36,7 +36,7 @@ def named(name, heads, rows):
 def headline(run):
     """One line under the title."""
     fit = run.fit
-    told = fit_words.values(fit.free)
+    told = fit_words.medium_values(fit) or fit_words.values(fit.free)
     return f'<p class="outcome"><span class="tag">fit</span>{told or "no free parameter"}; {chi2_words(fit)}.</p>'
 
 
@@ -50,6 +50,8 @@ def chi2_words(fit):
 def models(fit):
     """Which medium the numbers belong to."""
     told = []
+    if fit.maps and fit.maps[0].get("medium") == "isotropic":
+        return "<p>Fitted: maps by the steady field of an <b>isotropic</b> medium outside the mask; lines are predicted by it.</p>"
     if fit.profiles:
         told.append("profiles by the steady field of an <b>isotropic</b> medium along a line")
     if fit.maps:

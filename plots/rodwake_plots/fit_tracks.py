@@ -72,7 +72,8 @@ def hatch(axes, x, y, used):
 def caption_fit_map(run, spec):
     count, total = read_maps(run.fit)[-1], len(run.fit.maps)
     told = [f"{fit_words.symbol_html(one.name)} = {fit_words.value(one)}" for one in run.fit.free]
-    text = "Measured displacement around the rod, which heads along +<i>x</i>; the fitted steady field of an orthotropic medium in the periodic box; "
+    text = "Measured displacement around the rod, which heads along +<i>x</i>; the fitted steady field of an "
+    text += f"{run.fit.maps[0].get('medium') or 'orthotropic'} medium in the periodic box; "
     text += "and what is left, in the same colours. Hatched: not fitted, masked or without data. "
     if total > 1:
         text += f"Means of {words.number(count)} maps. " if count == total else f"Means of {count} of the {total} maps, those on one grid. "

@@ -95,6 +95,16 @@ def values(parameters):
     return ", ".join(f'<span class="eq">{symbol_html(one.name)} = {value(one)}</span>' for one in parameters)
 
 
+def medium_values(fit):
+    """What maps say of the medium, with errors of every cause; nothing of other fits."""
+    units = {name: one.unit for name, one in fit.parameters.items()} | {name: unit for name, (_, _, unit) in fit.derived.items()}
+    known = {name: fit.systematics.get(name) or {} for name in ("f_over_mu", "eta", "xi")}
+    if not all(words.is_number(one.get("total")) for one in known.values()):
+        return ""
+    return ", ".join(f'<span class="eq">{symbol_html(name)} = {with_unit(words.with_error(one["value"], one["total"]), units[name])}</span>'
+                     for name, one in known.items())
+
+
 def with_unit(text, unit):
     unit = unit_html(unit)
     return f"({text}) {unit}" if unit and "±" in text and not text.startswith("(") else f"{text} {unit}".strip()

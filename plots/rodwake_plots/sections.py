@@ -153,7 +153,7 @@ def sentences(run):
 def verdict(fit):
     """Of the data that were fitted; without known errors there is no yes or no."""
     chi2, dof, chance = (fit.number(fit.told, key) for key in ("chi2", "dof", "probability"))
-    names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)] or ["the trajectories"]
+    names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)] or ["the maps" if fit.maps else "the trajectories"]
     data = words.listed(names)
     told = f"{words.equation('<i>χ</i>²', chi2)} for {words.number(int(dof))} degrees of freedom" if dof > 0 else words.equation("<i>χ</i>²", chi2)
     if not (dof > 0 and math.isfinite(chance)) or fit.number(fit.told, "error_factor", 1.0) != 1.0:
@@ -193,7 +193,26 @@ def misfit(fit, profile):
     return f"{words.equation('<i>χ</i>²', chi2)} for {words.number(round(count))} independent points"
 
 
+def by_itself(fit, one):
+    """What a line alone would say, and how far that is from the fit of the maps."""
+    found, units = one["line"].get("parameters") or {}, {"f_over_mu": fit.unit, "xi": fit.unit}
+    told = words.listed([f'<span class="eq">{fit_words.symbol_html(name)} = '
+                         f'{fit_words.with_unit(words.with_error(value["value"], value["stderr"]), units.get(name, ""))}</span>'
+                         if words.is_number(value.get("stderr")) else f"{fit_words.symbol_html(name)} at its bound"
+                         for name, value in found.items()])
+    line = fit_words.line_html(fit.profiles[int(one["line"]["profile"])], fit.unit)
+    off = [name for name, value in found.items() if name in fit.systematics and words.is_number(value.get("stderr"))
+           and abs(value["value"] - fit.systematics[name]["value"])
+           > 2 * math.hypot(value["stderr"], fit.systematics[name].get("total") or 0.0)]
+    bound = len([name for name, value in found.items() if not words.is_number(value.get("stderr"))])
+    verdict = "which is not the medium of the maps" if off or bound else "which agrees with the maps"
+    chi2 = words.equation("<i>χ</i>²", fit.number(one["line"], "chi2"))
+    return f"A point force fitted to {line} alone would say {told} ({chi2} for {one['line'].get('dof')}), {verdict}."
+
+
 def other_values(fit, one):
+    if isinstance(one.get("line"), dict):
+        return by_itself(fit, one)
     chi2 = fit.number(one, "chi2")
     if not math.isfinite(chi2):
         return ""

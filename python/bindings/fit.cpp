@@ -77,7 +77,7 @@ using MapTuple = std::tuple<std::vector<Array>, std::pair<double, double>, doubl
 app::FitMapData map_of(const std::string& name, std::size_t table, const MapTuple& given,
                        std::optional<double> independent_spacing) {
     const auto& [arrays, box, speed] = given;
-    app::FitMapData out{name, name, table, {}, 0, false};
+    app::FitMapData out{name, name, table, {}, 0, false, 0};
     fitting::Map& map = out.data;
     map.name = name;
     map.lx = box.first;

@@ -176,10 +176,11 @@ def fit_rods(tracks: Sequence[Track], parameters: Sequence[str], **options: Any)
 
 
 def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> FitResult:
-    """Fits an orthotropic medium and the sources of a rod to maps of displacement (docs/fitting.md, section 8).
+    """Fits a medium and the sources of a rod to maps of displacement (docs/fitting.md, section 8).
 
-    parameters  amplitude, force, p_xx, p_yy, q_xxx, q_xyy, q_yxy (two of these three at most), c11, c22, c12, c66, zeta, rho, eta_s,
-                offset, offset_y; the rest in `fixed`
+    parameters  of an isotropic medium: f_over_mu, eta, and xi, alpha or drag_area; of an orthotropic one: amplitude, force, c11, c22,
+                c12, c66, zeta, rho, eta_s. Of both p_xx, p_yy, q_xxx, q_xyy, q_yxy (two of these three at most), t_xxxx, t_xxyy,
+                h_xxxxx, h_xxxyy, offset, offset_y; the rest in `fixed`
     options     as for fit_wake; besides rod_length, source_width, and masks = [{strip, radius, sector}] (one at most)
 
     Lengths are in the unit of the maps, angles in rad, times in s. The value, error and chi2 are those of `rodwake fit` for the same

@@ -132,17 +132,23 @@ class RealRunsTest(ReportCase):
         self.assert_good(self.page_of("out"), 5, "Fit")
 
     def test_the_quick_start(self):
-        """The pipeline of tools/quickstart: bed, wake, fit, rods in the fitted medium; shorter, so its numbers mean nothing."""
+        """The pipeline of tools/quickstart: bed, map, medium, rods in it; shorter, so its numbers mean nothing."""
         shorter = [f"-s{key}={value}" for key, value in
                    (("granular.duration", 4), ("granular.equilibrate", 0.1), ("granular.runs", 2), ("granular.output.frames", 1),
-                    ("measure.from", 0), ("measure.block", 0.5), ("fit.starts", 3))]
+                    ("measure.from", 0), ("measure.block", 0.5))]
         self.expect(0, "run", rodwake.SCENES / "quickstart.toml", "-o", "out", "--quiet", "-j", "2", *shorter)
         page = self.page_of("out")
-        self.assert_good(page, 7, "Granular bed", "Fit", "Solver", "Provenance")
-        for name, one in json.loads((self.folder / "out/fit.json").read_text())["parameters"].items():
-            if one["stderr"] is not None:
+        self.assert_good(page, 8, "Granular bed", "Fit", "Solver", "Provenance")
+        found = json.loads((self.folder / "out/fit.json").read_text())
+        for name, one in found["parameters"].items():
+            if one["free"] and one["stderr"] is not None:
                 self.assertIn(words.with_error(one["value"], one["stderr"]), page, name)
+        for name in ("f_over_mu", "eta", "xi"):  # the abstract has errors of every cause
+            one = found["systematics"]["errors"][name]
+            self.assertGreaterEqual(one["total"], one["jackknife"])
+            self.assertIn(words.with_error(one["value"], one["total"]), page, name)
         self.assertIn("fitted medium", page)
+        self.assertIn("alone would say", page)
 
 
 class BrokenReportsTest(ReportCase):

@@ -220,7 +220,13 @@ TEST_CASE("the example of every key is legal") {
             overrides.insert(overrides.end(), {"figures.0.kind=series", "measure.microrheology=true"});
         if (info.name == "restart_from")
             overrides.push_back("granular.start=restart");
-        if (info.table == "fit")
+        if (full_name(info) == "fit.measured_drag" || full_name(info) == "fit.compare[].line")
+            overrides.insert(overrides.begin(),
+                             {"fit.trajectories=[]", info.name == "line" ? "fit.fixed={ xi = 500.0 }" : "fit.fixed={}",
+                              "fit.likelihood=[]", "measure.mechanics=true",
+                              R"(fit.parameters=["f_over_mu", "eta"])", R"(fit.compare=[{ name = "l", line = 0 }])",
+                              R"(fit.profiles=[{ file = "u.csv", role = "predict" }])"});
+        else if (info.table == "fit")
             overrides.insert(overrides.begin(),
                              {"fit.trajectories=[]",
                               "fit.fixed={ force = 1.0, c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = 1.0 }"});

@@ -35,6 +35,7 @@ void reset_late_keys(Measure& m) {
     m.profile_offset = unset.profile_offset;
     m.reference = unset.reference;
     m.mirror = unset.mirror;
+    m.run_maps = unset.run_maps;
 }
 
 std::string describe(const Scene& scene) {
@@ -72,8 +73,8 @@ MeasureTable profile_table(const DisplacementField& u, const char* component, co
             profile_infos, columns_of(profile_columns, ProfileFound{p, a})};
 }
 
-MeasureGrid grid_of(const DisplacementField& u, double to_a) {
-    return {"/displacement",
+MeasureGrid grid_of(const DisplacementField& u, double to_a, const std::string& group = "/displacement") {
+    return {group,
             u.grid,
             {{"Ux", scaled(u.Ux, to_a), "a"},
              {"Uy", scaled(u.Uy, to_a), "a"},
@@ -138,15 +139,25 @@ constexpr ToldValue<Found> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
+/// That of all runs, and of each by itself if it is wanted.
+std::vector<MeasureGrid> grids_of(const DisplacementField& all, std::span<const DisplacementAccumulator> runs,
+                                  bool each, double to_a) {
+    std::vector<MeasureGrid> grids = {grid_of(all, to_a)};
+    for (std::size_t run = 0; each && run < runs.size(); ++run)
+        grids.push_back(
+            grid_of(measure::reduce(runs.subspan(run, 1)), to_a, fmt::format("/runs/{:04}", run + 1)));
+    return grids;
+}
+
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const double offset = data.scene.measure->profile_offset.value_or(4.0 * a);
-    const DisplacementField u =
-        measure::reduce(measure::take<DisplacementAccumulator>(data.sums, "displacement"));
+    const auto runs = measure::take<DisplacementAccumulator>(data.sums, "displacement");
+    const DisplacementField u = measure::reduce(runs);
     return {.values = values_of(values, Found{u, a}),
             .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
-            .grids = {grid_of(u, to_a)},
+            .grids = grids_of(u, runs, data.scene.measure->run_maps, to_a),
             .images = {image_of(u, to_a)},
             .line = fmt::format("displacement field ({}) from {} frames in {} blocks; {} at {:.3g} a/s",
                                 measure::to_string(u.method), u.frames, u.blocks,

@@ -2,6 +2,7 @@
 // From [fit] and measured data to a problem of the fitting part and how it is solved. Reading the files is
 // not done here (app/fit/fit_data.hpp does).
 
+#include "rodwake/core/estimate.hpp"
 #include "rodwake/fitting/map.hpp"
 #include "rodwake/fitting/method.hpp"
 #include "rodwake/fitting/trajectory.hpp"
@@ -43,6 +44,9 @@ struct FitMapData {
     fitting::Map data;
     std::size_t left_out = 0; ///< bins of unknown sigma beside others of known
     bool mirrored = false;    ///< its halves are the same data: those of y < 0 are left out
+    std::size_t run = 0;      ///< which run of a file that holds several, from 1; 0: all together
+
+    std::string label() const; ///< file and run
 };
 
 /// Settles a track as it was read or given: places go on where they were across the sides of the box,
@@ -60,8 +64,9 @@ struct FitInputs {
     std::vector<std::optional<FitProfileData>> profiles;
     std::vector<std::optional<FitTrackData>> tracks;
     std::vector<std::optional<FitMapData>> maps{}; ///< of all tables, one file after the other
+    std::optional<Estimate> drag_area{};           ///< with fit.measured_drag
 
-    bool complete() const;
+    bool complete() const; ///< but for drag_area
 };
 
 struct FitPlan {
@@ -85,6 +90,9 @@ std::vector<std::string> data_remarks(const FitPlan& plan);
 /// the start are not finite.
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs);
 
+/// Names of the parameters that its maps are fitted with: of an orthotropic or an isotropic medium.
+std::vector<std::string> map_names(const scene::Fit& keys);
+
 /// The problem of the plan's keys and data as they are by now.
 fitting::Problem fit_problem(const FitPlan& plan);
 
@@ -98,7 +106,7 @@ struct FitPart {
     std::vector<double> values(std::span<const double> all) const;
 };
 FitPart wake_part(const fitting::Problem& problem);
-FitPart map_part(const fitting::Problem& problem);
+FitPart map_part(const FitPlan& plan);
 FitPart track_part(const fitting::Problem& problem);
 
 /// The values of a comparison: those named, alpha or xi as the fit has it, the others as fitted.

@@ -52,20 +52,24 @@ struct FitSystematics {
     /// Empty: not asked for. `total`: the larger of the jackknife's error and the curvature's, with the other
     /// two.
     std::vector<double> held_error, mask_spread, jackknife, total;
+    // Behind those of the parameters the lists of numbers have one of each derived quantity, to first order.
 };
 
 struct FitCompareResult {
-    std::vector<double> values; ///< of all parameters
+    std::optional<fitting::Report> line; ///< the fit of one line that the values are from
+    std::vector<double> values = {};     ///< of all parameters
+    std::vector<double> point = {};      ///< beside maps: f_over_mu, eta and xi of a point force
     double chi2 = 0.0;          ///< over the fitted profiles and maps
-    std::vector<double> profile_chi2;
-    std::vector<std::optional<fitting::ScaleFactor>> scale_factor;
+    std::vector<double> profile_chi2 = {};
+    std::vector<std::optional<fitting::ScaleFactor>> scale_factor = {};
 };
 
 struct FitResults {
     fitting::Fit fit;
     fitting::Report report;
     std::map<std::string, fitting::ProfileLikelihood> likelihood;
-    std::map<std::string, Estimate> derived; ///< alpha of a fit of xi, xi of one of alpha
+    std::map<std::string, Estimate> derived; ///< alpha of a fit of xi, xi of one of alpha, both of drag_area
+    std::map<std::string, std::map<std::string, double>> gradients; ///< of these, by the parameters
     std::vector<FitProfileResult> profiles;
     std::vector<FitTrackResult> tracks;
     std::vector<FitMapResult> maps;
@@ -79,5 +83,9 @@ FitResults fit_results(const FitPlan& plan, fitting::Fit fit);
 /// What the report of the fit does not know of, in sentences: intervals by the profile likelihood, and the
 /// factors by which data exceed predictions.
 std::vector<std::string> findings(const FitPlan& plan, const FitResults& results);
+
+/// Standard error of a parameter or a derived quantity with all its causes; of the curvature alone where no
+/// others were asked for.
+double whole_error(const FitResults& results, const std::string& name);
 
 } // namespace rodwake::app

@@ -4,7 +4,9 @@
 // In the frame of a rod that moves along +x at speed v against the medium, with e^{+i q.r},
 //
 //   [C(q) - i zeta v q_x - rho v^2 q_x^2 - i eta_s v q_x q^2] U_q = g(q) F(q)
-//   F_x = f sinc(q_x l/2) - i p_xx q_x - q_xxx q_x^2 - q_xyy q_y^2,   F_y = - i p_yy q_y - 2 q_yxy q_x q_y
+//   F_x = f sinc(q_x l/2) - i p_xx q_x - q_xxx q_x^2 - q_xyy q_y^2 + i t_xxxx q_x^3 + 3 i t_xxyy q_x q_y^2
+//         + h_xxxxx q_x^4 + 6 h_xxxyy q_x^2 q_y^2
+//   F_y = - i p_yy q_y - 2 q_yxy q_x q_y
 //   C_xx = c11 q_x^2 + c66 q_y^2,   C_yy = c66 q_x^2 + c22 q_y^2,   C_xy = (c12 + c66) q_x q_y
 //   U(r) = 1/(Lx Ly) sum over q of U_q e^{i q.r},   q = 2 pi (m/Lx, n/Ly),   q = 0 left out
 //
@@ -12,7 +14,9 @@
 // d_x. F is the multipole expansion of a force density f_i(r) that is mirror symmetric in y, about the
 // origin: the force f, spread evenly over the rod's length l; the dipoles p_ii = int f_i r_i d2r (an
 // inclusion), positive if they push outward; the second moments q_ijk = 1/2 int f_i r_j r_k d2r, of which
-// symmetry leaves three, q_yxy = q_yyx. q_xxx comes on top of the f l^2/24 that sinc has. g = exp(-q^2 w^2/2)
+// symmetry leaves three, q_yxy = q_yyx; of the third ones t_ijkl = 1/6 int f_i r_j r_k r_l d2r and the fourth ones
+// h_ijklm = 1/24 int f_i r_j r_k r_l r_m d2r two each, along x, which is all that shows of them outside: C times
+// q_x xhat, q_y yhat and so on is a source that hides the others. q_xxx comes on top of the f l^2/24 that sinc has. g = exp(-q^2 w^2/2)
 // smooths every source, and so the field, by a Gaussian of width w. The zero mode is the drift of the medium
 // as a whole: U is relative to its mean over the box, as in elastic/periodic.hpp, which this is for c11 = c22
 // = mu + lambda, c66 = mu, c12 + c66 = lambda, rho = eta_s = 0, l = w = 0 and zeta v = mu/xi.
@@ -26,7 +30,8 @@
 // is the Gaussian g alone, and a constant for the zero mode. Hold one of q_xxx, q_xyy, q_yxy in a fit.
 //
 // Units: any coherent ones. c: force/length; zeta: force time/length^3; rho: mass/length^2; eta_s: force
-// time/length; p: force length; q_ijk: force length^2. Only ratios matter, so with c/rho = (sound speed)^2,
+// time/length; p: force length; q_ijk: force length^2; t_ijkl, h_ijklm: force
+// length^3, length^4. Only ratios matter, so with c/rho = (sound speed)^2,
 // zeta/rho = drag rate and f/rho the density may be 1.
 //
 // Degenerate input (tests/elastic/test_anisotropic.cpp): no places give an empty map, no source a map of 0,
@@ -62,7 +67,8 @@ struct OrthotropicMedium {
 void validate(const OrthotropicMedium& medium, double speed);
 
 struct RodSource {
-    double force = 0.0, p_xx = 0.0, p_yy = 0.0, q_xxx = 0.0, q_xyy = 0.0, q_yxy = 0.0;
+    double force = 0.0, p_xx = 0.0, p_yy = 0.0, q_xxx = 0.0, q_xyy = 0.0, q_yxy = 0.0, t_xxxx = 0.0, t_xxyy = 0.0,
+           h_xxxxx = 0.0, h_xxxyy = 0.0;
 };
 
 /// Box, rod and smoothing: what stays as the medium is varied.
@@ -81,6 +87,10 @@ enum class OrthotropicParameter {
     q_xxx,
     q_xyy,
     q_yxy,
+    t_xxxx,
+    t_xxyy,
+    h_xxxxx,
+    h_xxxyy,
     c11,
     c22,
     c12,
@@ -106,6 +116,9 @@ public:
     /// which is the basis that U is a linear combination of.
     DisplacementMap derivative(const OrthotropicMedium& medium, const RodSource& source,
                                OrthotropicParameter by) const;
+    /// Along a change of the constants: the sum of d U/d constant times its change.
+    DisplacementMap derivative(const OrthotropicMedium& medium, const RodSource& source,
+                               const OrthotropicMedium& change) const;
 
     const RodFrame& frame() const;
 

@@ -91,10 +91,12 @@ struct FitMask {
     bool operator==(const FitMask&) const = default;
 };
 
-/// [[fit.compare]]: other values, drawn and scored beside the fit; parameters not named are as fitted.
+/// [[fit.compare]]: other values, drawn and scored beside the fit; parameters not named are as fitted. Of a fit
+/// of maps with an isotropic medium: the wake of a point force with these values, without moments.
 struct FitCompare {
     std::string name;
     std::map<std::string, double> values;
+    std::optional<long> line; ///< the profile, from 0, of which a fit by itself gives f_over_mu, eta and xi
 
     bool operator==(const FitCompare&) const = default;
 };
@@ -106,6 +108,7 @@ struct Fit {
     std::map<std::string, double> fixed;
     std::map<std::string, double> fixed_errors; ///< standard errors of some of `fixed`
     std::map<std::string, Tie> tied;
+    bool measured_drag = false; ///< drag_area is fixed at what the run measured, with its error
     std::vector<std::string> log = {"eta", "xi", "alpha"};
     std::optional<PeriodicBox> box; ///< absent: infinite plane
     double heading = 0.0;           ///< rad
@@ -142,6 +145,10 @@ bool fit_in_log(const Fit& fit, const std::string& parameter);
 /// Whether it is free, fixed or tied.
 bool fit_has(const Fit& fit, const std::string& parameter);
 bool fit_is_free(const Fit& fit, const std::string& parameter);
+/// Whether its maps are fitted with an isotropic medium: by the parameters of the theory, f_over_mu and eta.
+bool fit_is_isotropic(const Fit& fit);
+/// Whether it has the screening length in one of its forms.
+bool fit_knows_xi(const Fit& fit);
 /// The parameters of the fit, free, fixed and tied, in the order of fit_parameter_names.
 std::vector<std::string> fit_used(const Fit& fit);
 
