@@ -72,7 +72,8 @@ Blocks blocks_of(std::span<const HeadingTrack> runs, const DeviationOptions& opt
 std::vector<std::size_t> lags_of(double step, double lag) {
     std::vector<std::size_t> lags;
     for (int k = halvings; k >= 0; --k) {
-        const auto steps = static_cast<std::size_t>(lag * std::pow(0.5, k) / step * (1.0 + 1e-9) + 0.5);
+        const auto steps =
+            static_cast<std::size_t>(std::llround(lag * std::pow(0.5, k) / step * (1.0 + 1e-9)));
         if (steps > 0 && (lags.empty() || steps > lags.back()))
             lags.push_back(steps);
     }

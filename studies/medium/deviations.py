@@ -8,7 +8,7 @@ from lab import columns, estimate, table, text, told
 
 from .bed import bed, rod
 
-RUNS = {0.70: 8, 0.80: 8}
+RUNS = {0.70: 8, 0.80: 20}
 SECONDS, SETTLE, LAG = 20.0, 4.0, 0.32  # s
 BEADS = 1450
 

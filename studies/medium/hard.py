@@ -49,6 +49,10 @@ def cost():
     return fluids + beds + FAST * ORDER_BEADS * (sum(TIMES[True]) + COOLING[1] + ORDER_RUNS * LARGE[1] * sum(LARGE[3]) * 1e-4 / LARGE[2])
 
 
+def brief(lab, seconds):
+    return seconds / 10 if lab.quick else seconds  # these runs are shorter than those of Lab.seconds
+
+
 def scene(keys, seconds, settle, runs, tables, frames=0.5):
     return (f'{HEAD}{keys}start_speed = {SPEED}\noverlap_limit = 0.3\nequilibrate = "{settle:.6g} s"\nduration = "{seconds:.6g} s"\n'
             f'runs = {runs}\n{tables}[granular.output]\nformats = []\nlast_period = false\nframes = "{frames} s"\n'
@@ -119,7 +123,7 @@ def fluid(lab, phi, step):
     side = np.sqrt(BEADS * np.pi / phi)
     keys = f'beads = {BEADS}\nbox = "{side:.12g} a"\nstart = "lattice"\ntime_step = {step}\n{STILL[0]}'
     return kept(lab, f"fluid_{phi:g}_{step:g}",
-                scene(keys, lab.seconds(SECONDS), SETTLE, lab.count(RUNS), STILL[1].format(2.02), frames=0.05))
+                scene(keys, brief(lab, SECONDS), SETTLE, lab.count(RUNS), STILL[1].format(2.02), frames=0.05))
 
 
 def steps(phi):
@@ -159,14 +163,14 @@ def fluid_tables(lab):
 def bed_scene(lab, name, phi, runs):
     keys, tables, _ = BEDS[name]
     settle, seconds = TIMES[keys == STILL[0]]
-    return scene(f'phi_b = {phi}\nbox = "78 a"\nstart = "lattice"\n{keys}', lab.seconds(seconds), settle, runs, tables, frames=0.1)
+    return scene(f'phi_b = {phi}\nbox = "78 a"\nstart = "lattice"\n{keys}', brief(lab, seconds), settle, runs, tables, frames=0.1)
 
 
 def large(lab):
     """Hard discs in a box where liquid and hexatic find room beside each other."""
     phi, times, step, (settle, seconds) = LARGE
     keys = f'phi_b = {phi}\nbox = "{78 * (1 if lab.quick else times)**0.5:g} a"\nstart = "lattice"\ntime_step = {step}\n{STILL[0]}'
-    return kept(lab, "large", scene(keys, lab.seconds(seconds), settle, lab.count(ORDER_RUNS), STILL[1].format(2.02), frames=0.1))
+    return kept(lab, "large", scene(keys, brief(lab, seconds), settle, lab.count(ORDER_RUNS), STILL[1].format(2.02), frames=0.1))
 
 
 def ordered(lab, name, phi):
