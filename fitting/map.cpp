@@ -138,16 +138,18 @@ void evaluate(const std::vector<Fitted>& all, const MapTerms& terms, const std::
         const auto for_each = [&](const elastic::DisplacementMap& u, auto visit) {
             for (const Fitted& f : all)
                 if (f.like == i)
-                    for_each_residual(f, [&](Eigen::Index row, std::size_t bin, std::size_t component, double weight) {
-                        visit(row, weight, component == 0 ? u.Ux[bin] : u.Uy[bin],
-                              component == 0 ? f.map.Ux[bin] : f.map.Uy[bin]);
-                    });
+                    for_each_residual(
+                        f, [&](Eigen::Index row, std::size_t bin, std::size_t component, double weight) {
+                            visit(row, weight, component == 0 ? u.Ux[bin] : u.Uy[bin],
+                                  component == 0 ? f.map.Ux[bin] : f.map.Uy[bin]);
+                        });
         };
         for_each(all[i].field.at(p), [&](Eigen::Index row, double weight, double model, double data) {
             r[row] = weight * (model - data);
         });
         for (std::size_t term = 0; jacobian && term < terms.index.size(); ++term)
-            if (const long column = terms.index[term]; column >= 0 && wanted[static_cast<std::size_t>(column)])
+            if (const long column = terms.index[term];
+                column >= 0 && wanted[static_cast<std::size_t>(column)])
                 for_each(all[i].field.derivative(p, term),
                          [&](Eigen::Index row, double weight, double slope, double) {
                              (*jacobian)(row, column) = weight * slope;
@@ -166,8 +168,8 @@ std::string residual_name(const std::vector<Fitted>& all, std::size_t i) {
 
 /// Whether every constant of the medium is fixed. With alpha and drag_area the drag goes with the force.
 bool medium_is_fixed(const std::vector<Parameter>& parameters) {
-    static const std::vector<std::string> constants = {"c11", "c22", "c12", "c66", "zeta", "rho",
-                                                       "eta_s", "eta", "xi", "alpha", "drag_area"};
+    static const std::vector<std::string> constants = {"c11",   "c22", "c12", "c66",   "zeta",     "rho",
+                                                       "eta_s", "eta", "xi",  "alpha", "drag_area"};
     const bool by_force = std::ranges::any_of(
         parameters, [](const Parameter& p) { return p.name == "alpha" || p.name == "drag_area"; });
     return std::ranges::all_of(parameters, [&](const Parameter& p) {
@@ -212,7 +214,8 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
         all->push_back(fitted(model, map, mask, terms));
         all->back().first = problem.residuals;
         all->back().like = static_cast<std::size_t>(
-            std::ranges::find_if(*all, [&](const Fitted& f) { return same_model(f.map, map, isotropic(terms)); }) -
+            std::ranges::find_if(*all,
+                                 [&](const Fitted& f) { return same_model(f.map, map, isotropic(terms)); }) -
             all->begin());
         problem.residuals += 2 * all->back().bins.size();
         values += map.independent * 2.0 * static_cast<double>(all->back().bins.size());
@@ -230,9 +233,7 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
     problem.independent = values / static_cast<double>(problem.residuals);
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                           Eigen::MatrixXd* jacobian) {
-        evaluate(*all, terms, wanted, p, r, jacobian);
-    };
+                           Eigen::MatrixXd* jacobian) { evaluate(*all, terms, wanted, p, r, jacobian); };
     problem.residual_name = [all](std::size_t i) { return residual_name(*all, i); };
     validate(problem);
     return problem;
@@ -243,16 +244,23 @@ elastic::DisplacementMap predict(const MapModel& model, const Map& map,
     return MapField(model, map, map_terms(parameters)).at(values);
 }
 
-Prediction predict_line(const MapModel& model, const Map& map, const Profile& line, std::span<const double> places,
-                        const std::vector<Parameter>& parameters, std::span<const double> values) {
+Prediction predict_line(const MapModel& model, const Map& map, const Profile& line,
+                        std::span<const double> places, const std::vector<Parameter>& parameters,
+                        std::span<const double> values) {
     const MapTerms terms = map_terms(parameters);
     const bool along_x = line.along == Axis::x;
     const std::vector<double> along(places.begin(), places.end()), across = {line.at};
-    const Map grid{.lx = map.lx, .ly = map.ly, .speed = map.speed, .x = along_x ? along : across, .y = along_x ? across : along};
+    const Map grid{.lx = map.lx,
+                   .ly = map.ly,
+                   .speed = map.speed,
+                   .x = along_x ? along : across,
+                   .y = along_x ? across : along};
     const MapField field(model, grid, terms);
-    const auto part = [&](elastic::DisplacementMap u) { return line.component == Component::Ux ? u.Ux : u.Uy; };
+    const auto part = [&](elastic::DisplacementMap u) {
+        return line.component == Component::Ux ? u.Ux : u.Uy;
+    };
     Prediction out{part(field.at(values)), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(places.size()),
-                                                                static_cast<Eigen::Index>(values.size()))};
+                                                                 static_cast<Eigen::Index>(values.size()))};
     for (std::size_t term = 0; term < terms.index.size(); ++term)
         if (terms.has(term)) {
             const std::vector<double> slope = part(field.derivative(values, term));
@@ -295,10 +303,10 @@ enum Term : std::size_t {
 };
 
 /// In the order of the terms from force on.
-constexpr std::array unit_sources = {OrthotropicParameter::force, OrthotropicParameter::p_xx,
-                                     OrthotropicParameter::p_yy,  OrthotropicParameter::q_xxx,
-                                     OrthotropicParameter::q_xyy, OrthotropicParameter::q_yxy,
-                                     OrthotropicParameter::t_xxxx, OrthotropicParameter::t_xxyy,
+constexpr std::array unit_sources = {OrthotropicParameter::force,   OrthotropicParameter::p_xx,
+                                     OrthotropicParameter::p_yy,    OrthotropicParameter::q_xxx,
+                                     OrthotropicParameter::q_xyy,   OrthotropicParameter::q_yxy,
+                                     OrthotropicParameter::t_xxxx,  OrthotropicParameter::t_xxyy,
                                      OrthotropicParameter::h_xxxxx, OrthotropicParameter::h_xxxyy};
 
 /// Of the terms from c11 to eta_s.
@@ -313,7 +321,8 @@ OrthotropicParameter constant(std::size_t term) {
 
 /// Of a rod at unit speed, d zeta/d(term) with `by`, else zeta itself: 1/xi, in one of its forms.
 double screening(const MapTerms& t, std::span<const double> p, std::optional<std::size_t> by = {}) {
-    const double f = std::abs(t.value(p, f_over_mu, 0.0)), sign = t.value(p, f_over_mu, 0.0) < 0.0 ? -1.0 : 1.0;
+    const double f = std::abs(t.value(p, f_over_mu, 0.0)),
+                 sign = t.value(p, f_over_mu, 0.0) < 0.0 ? -1.0 : 1.0;
     if (t.has(xi)) {
         const double length = t.value(p, xi, 0.0);
         return !by ? 1.0 / length : *by == xi ? -1.0 / (length * length) : 0.0;
@@ -358,10 +367,12 @@ void scale(DisplacementMap& map, double factor) {
 void require(const MapTerms& t) {
     const auto has = [&](std::size_t term) { return t.index[term] >= 0; };
     if (!has(eta) && (!has(c11) || !has(c22) || !has(c12) || !has(c66)))
-        throw InputError("a map needs c11, c22, c12 and c66, or f_over_mu and eta, as parameters or with fixed "
-                         "values");
+        throw InputError(
+            "a map needs c11, c22, c12 and c66, or f_over_mu and eta, as parameters or with fixed "
+            "values");
     const auto asked = [](auto parameter) { return parameter >= 0; };
-    if (has(eta) && (!has(f_over_mu) || has(force) || std::any_of(t.index.begin() + c11, t.index.begin() + offset, asked)))
+    if (has(eta) && (!has(f_over_mu) || has(force) ||
+                     std::any_of(t.index.begin() + c11, t.index.begin() + offset, asked)))
         throw InputError("an isotropic map has f_over_mu and eta in place of force and constants");
     if (has(xi) + has(alpha) + has(drag_area) > 1)
         throw InputError("give one of xi, alpha and drag_area");
@@ -375,9 +386,9 @@ void require(const MapTerms& t) {
 } // namespace
 
 std::vector<std::string> map_parameter_names() {
-    return {"amplitude", "force", "p_xx", "p_yy", "q_xxx",  "q_xyy",    "q_yxy",     "t_xxxx",
-            "t_xxyy",    "h_xxxxx", "h_xxxyy", "c11",   "c22",  "c12",  "c66",    "zeta",     "rho",       "eta_s",
-            "offset",    "offset_y", "f_over_mu", "eta", "xi", "alpha", "drag_area"};
+    return {"amplitude", "force",    "p_xx",      "p_yy", "q_xxx", "q_xyy", "q_yxy",    "t_xxxx", "t_xxyy",
+            "h_xxxxx",   "h_xxxyy",  "c11",       "c22",  "c12",   "c66",   "zeta",     "rho",    "eta_s",
+            "offset",    "offset_y", "f_over_mu", "eta",  "xi",    "alpha", "drag_area"};
 }
 
 MapTerms map_terms(const std::vector<Parameter>& parameters) {
@@ -415,8 +426,16 @@ MapField::Basis MapField::basis(std::span<const double> p) const {
 RodSource MapField::source(std::span<const double> p) const {
     const auto value = [&](std::size_t term) { return terms_.value(p, term, 0.0); };
     const double monopole = value(terms_.has(eta) ? f_over_mu : force);
-    return {terms_.value(p, amplitude, 1.0) * monopole, value(p_xx), value(p_yy), value(q_xxx), value(q_xyy),
-            value(q_yxy), value(t_xxxx), value(t_xxyy), value(h_xxxxx), value(h_xxxyy)};
+    return {terms_.value(p, amplitude, 1.0) * monopole,
+            value(p_xx),
+            value(p_yy),
+            value(q_xxx),
+            value(q_xyy),
+            value(q_yxy),
+            value(t_xxxx),
+            value(t_xxyy),
+            value(h_xxxxx),
+            value(h_xxxyy)};
 }
 
 DisplacementMap MapField::unit(std::span<const double> p, std::size_t k) const {
@@ -426,7 +445,8 @@ DisplacementMap MapField::unit(std::span<const double> p, std::size_t k) const {
 DisplacementMap MapField::at(std::span<const double> p) const {
     DisplacementMap out = constants(bins_, terms_.value(p, offset, 0.0), terms_.value(p, offset_y, 0.0));
     const RodSource s = source(p);
-    const double strength[] = {s.force, s.p_xx, s.p_yy, s.q_xxx, s.q_xyy, s.q_yxy, s.t_xxxx, s.t_xxyy, s.h_xxxxx, s.h_xxxyy};
+    const double strength[] = {s.force, s.p_xx,   s.p_yy,   s.q_xxx,   s.q_xyy,
+                               s.q_yxy, s.t_xxxx, s.t_xxyy, s.h_xxxxx, s.h_xxxyy};
     Basis whole;
     if (!held_)
         whole[0] = field_.displacement(medium(terms_, p), s);

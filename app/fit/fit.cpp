@@ -341,7 +341,8 @@ std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare
             *at = value;
     if (scene::fit_is_isotropic(plan.keys)) // a point force
         for (std::size_t i = 0; i < all.size(); ++i)
-            if (all[i].name.starts_with("p_") || all[i].name.starts_with("q_") || all[i].name.starts_with("t_") || all[i].name.starts_with("h_"))
+            if (all[i].name.starts_with("p_") || all[i].name.starts_with("q_") ||
+                all[i].name.starts_with("t_") || all[i].name.starts_with("h_"))
                 out[i] = 0.0;
     const double* strength = slot("f_over_mu");
     const auto given = [&](const char* name) {
@@ -364,14 +365,15 @@ namespace {
 
 /// F and T: whatever force and time the scene's constants are given in.
 std::string map_unit(const scene::Fit& keys, const std::string& parameter, const std::string& length) {
-    static const std::map<std::string, int> powers = {{"drag_area", 2}, {"p_xx", 2},  {"p_yy", 2},   {"q_xxx", 3},
-                                                      {"q_xyy", 3},     {"q_yxy", 3}, {"t_xxxx", 4}, {"t_xxyy", 4},
-                                                      {"h_xxxxx", 5},   {"h_xxxyy", 5}};
+    static const std::map<std::string, int> powers = {
+        {"drag_area", 2}, {"p_xx", 2},   {"p_yy", 2},   {"q_xxx", 3},   {"q_xyy", 3},
+        {"q_yxy", 3},     {"t_xxxx", 4}, {"t_xxyy", 4}, {"h_xxxxx", 5}, {"h_xxxyy", 5}};
     if (const auto power = powers.find(parameter); scene::fit_is_isotropic(keys) && power != powers.end())
         return fmt::format("{}^{}", length, power->second);
     static const std::map<std::string, std::string> units = {
-        {"amplitude", "1"},     {"force", "F"},       {"p_xx", "F {0}"},    {"p_yy", "F {0}"},
-        {"q_xxx", "F {0}^2"},   {"q_xyy", "F {0}^2"}, {"q_yxy", "F {0}^2"}, {"t_xxxx", "F {0}^3"}, {"t_xxyy", "F {0}^3"}, {"h_xxxxx", "F {0}^4"}, {"h_xxxyy", "F {0}^4"}, {"zeta", "F T/{0}^3"},
+        {"amplitude", "1"},     {"force", "F"},         {"p_xx", "F {0}"},      {"p_yy", "F {0}"},
+        {"q_xxx", "F {0}^2"},   {"q_xyy", "F {0}^2"},   {"q_yxy", "F {0}^2"},   {"t_xxxx", "F {0}^3"},
+        {"t_xxyy", "F {0}^3"},  {"h_xxxxx", "F {0}^4"}, {"h_xxxyy", "F {0}^4"}, {"zeta", "F T/{0}^3"},
         {"rho", "F T^2/{0}^3"}, {"eta_s", "F T/{0}"}};
     const auto at = units.find(parameter);
     return fmt::format(fmt::runtime(at == units.end() ? "F/{0}" : at->second), length);

@@ -218,18 +218,21 @@ Estimate read_drag_area(const fs::path& run_directory, const fitting::Map& map) 
     const auto told = nlohmann::json::parse(in, nullptr, false);
     const auto mechanics = [&](const char* name) {
         const auto at = nlohmann::json::json_pointer(fmt::format("/mechanics/{}", name));
-        if (told.is_discarded() || !told.contains(at) || !told[at].is_object() || !told[at]["value"].is_number())
+        if (told.is_discarded() || !told.contains(at) || !told[at].is_object() ||
+            !told[at]["value"].is_number())
             throw InputError(
                 fmt::format("{}: has no mechanics.{}, which fit.measured_drag needs", file.string(), name));
         const auto& one = told[at];
-        return Estimate{one["value"].get<double>(), one["error"].is_number() ? one["error"].get<double>() : 0.0, 1};
+        return Estimate{one["value"].get<double>(),
+                        one["error"].is_number() ? one["error"].get<double>() : 0.0, 1};
     };
     const Estimate drift = mechanics("drift"), speed = mechanics("speed");
     const double area = map.lx * map.ly * drift.value / speed.value;
     if (!(area > 0.0) || !std::isfinite(area))
-        throw InputError(fmt::format("{}: the bed drifts at {:.3g} a/s and the rod goes at {:.3g} a/s, which gives "
-                                     "no drag_area (fit.measured_drag): a longer run is needed",
-                                     file.string(), drift.value, speed.value));
+        throw InputError(
+            fmt::format("{}: the bed drifts at {:.3g} a/s and the rod goes at {:.3g} a/s, which gives "
+                        "no drag_area (fit.measured_drag): a longer run is needed",
+                        file.string(), drift.value, speed.value));
     return {area, area * std::hypot(drift.error / drift.value, speed.error / speed.value), 1};
 }
 

@@ -32,9 +32,9 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const std::filesy
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const std::filesystem::path& file,
                             std::optional<PeriodicBox> box = {});
 
-/// f/(zeta v), from the measure.json of a run that such a map is of: the box's area times the drift of the bed
-/// over the speed of the rod, as the force of the rod is the drag on the whole bed. Throws InputError naming
-/// what is missing.
+/// f/(zeta v), from the measure.json of a run that such a map is of: the box's area times the drift of the
+/// bed over the speed of the rod, as the force of the rod is the drag on the whole bed. Throws InputError
+/// naming what is missing.
 Estimate read_drag_area(const std::filesystem::path& run_directory, const fitting::Map& map);
 
 /// The maps of a file: measure.h5, of all runs together or, where it has them, of each; or a table of a full

@@ -43,16 +43,13 @@ ordered_json estimates_json(const fitting::Report& report) {
     return out;
 }
 
-ordered_json errors_json(const FitSystematics& s, std::size_t i, double value, const ordered_json& curvature) {
+ordered_json errors_json(const FitSystematics& s, std::size_t i, double value,
+                         const ordered_json& curvature) {
     const auto part = [&](const std::vector<double>& errors) {
         return errors.empty() ? ordered_json(nullptr) : finite_or_null(errors[i]);
     };
-    return {{"value", finite_or_null(value)},
-            {"curvature", curvature},
-            {"held", part(s.held_error)},
-            {"masks", part(s.mask_spread)},
-            {"jackknife", part(s.jackknife)},
-            {"total", part(s.total)}};
+    return {{"value", finite_or_null(value)}, {"curvature", curvature},         {"held", part(s.held_error)},
+            {"masks", part(s.mask_spread)},   {"jackknife", part(s.jackknife)}, {"total", part(s.total)}};
 }
 
 ordered_json map_json(const FitPlan& plan, const FitResults& results, std::size_t i) {
@@ -79,8 +76,9 @@ ordered_json systematics_json(const FitPlan& plan, const FitResults& results) {
     ordered_json out = {{"errors", ordered_json::object()}};
     for (const std::size_t i : results.report.free) {
         const fitting::Estimate& e = results.report.estimates[i];
-        out["errors"][e.name] = errors_json(
-            s, i, e.value, has_error(results.report, e) ? finite_or_null(e.standard_error) : ordered_json(nullptr));
+        out["errors"][e.name] = errors_json(s, i, e.value,
+                                            has_error(results.report, e) ? finite_or_null(e.standard_error)
+                                                                         : ordered_json(nullptr));
     }
     std::size_t place = results.report.estimates.size();
     for (const auto& [name, one] : results.derived)
@@ -99,8 +97,8 @@ ordered_json systematics_json(const FitPlan& plan, const FitResults& results) {
         out["masks"].push_back(mask);
     }
     for (const auto& one : s.runs)
-        out["runs"].push_back({{"without", plan.maps[one.map].label()},
-                               {"parameters", of_free(results.report, one.values)}});
+        out["runs"].push_back(
+            {{"without", plan.maps[one.map].label()}, {"parameters", of_free(results.report, one.values)}});
     return out;
 }
 
@@ -228,7 +226,8 @@ ordered_json compare_json(const scene::FitCompare& keys, const FitResults& resul
     ordered_json values = named(results.report, all_of(results.report), r.values);
     if (!r.point.empty())
         values = {{"f_over_mu", r.point[0]}, {"eta", r.point[1]}, {"xi", r.point[2]}};
-    ordered_json out = {{"name", keys.name}, {"values", values}, {"chi2", finite_or_null(r.chi2)}, {"profiles", profiles}};
+    ordered_json out = {
+        {"name", keys.name}, {"values", values}, {"chi2", finite_or_null(r.chi2)}, {"profiles", profiles}};
     if (r.line)
         out["line"] = {{"profile", *keys.line},
                        {"parameters", estimates_json(*r.line)},

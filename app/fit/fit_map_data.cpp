@@ -90,8 +90,8 @@ Column even(const fs::path& file, Column places, const char* axis) {
     return places;
 }
 
-Column layer(const store::Hdf5Reader& h5, const fs::path& file, const std::string& path, const fitting::Map& map,
-             bool or_unknown) {
+Column layer(const store::Hdf5Reader& h5, const fs::path& file, const std::string& path,
+             const fitting::Map& map, bool or_unknown) {
     if (!h5.has(path))
         refuse(file, "has no " + path);
     store::Hdf5Dataset data = h5.dataset(path, or_unknown);
@@ -230,7 +230,8 @@ std::vector<FitMapData> read_fit_maps(const scene::FitMap& keys, const fs::path&
                    "it is in bead radii and fit.length_unit = \"{}\" is the unit of all lengths here: leave "
                    "length_unit out, strings with a unit are converted to bead radii then",
                    length_unit));
-    const std::vector<fitting::Map> maps = table ? std::vector{of_table(file, keys.columns)} : of_measure(file);
+    const std::vector<fitting::Map> maps =
+        table ? std::vector{of_table(file, keys.columns)} : of_measure(file);
     if (table && keys.box.empty())
         refuse(file, "a table does not say how large its periodic box is: give fit.maps.box = [Lx, Ly]");
     if (table && needs_speed && !keys.speed)

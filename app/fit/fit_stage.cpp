@@ -173,7 +173,8 @@ std::string fit_key(const scene::Scene& scene, const FitPlan& plan) {
         key += fmt::format("{}\n{}\n{}\n", fmt::join(p.data.place, " "), fmt::join(p.data.value, " "),
                            fmt::join(p.data.sigma, " "));
     for (const auto& [name, value] : plan.keys.fixed) // with drag_area
-        key += fmt::format("{} {} {}\n", name, value, plan.keys.fixed_errors.contains(name) ? plan.keys.fixed_errors.at(name) : 0.0);
+        key += fmt::format("{} {} {}\n", name, value,
+                           plan.keys.fixed_errors.contains(name) ? plan.keys.fixed_errors.at(name) : 0.0);
     for (const FitMapData& m : plan.maps)
         key += fmt::format("{} {} {}\n{}\n{}\n{}\n{}\n{}\n{}\n", m.data.lx, m.data.ly, m.data.speed,
                            fmt::join(m.data.x, " "), fmt::join(m.data.y, " "), fmt::join(m.data.Ux, " "),

@@ -137,7 +137,8 @@ void compare(const Fit& fit, const Report& report) {
         if (values.empty() == !fit.compare[i].line.has_value())
             report(path, "give values, or line: one of them");
         if (const auto line = fit.compare[i].line; line && !fit_is_isotropic(fit))
-            report(fmt::format("fit.compare.{}.line", i), "line belongs to fits of maps with f_over_mu and eta");
+            report(fmt::format("fit.compare.{}.line", i),
+                   "line belongs to fits of maps with f_over_mu and eta");
         else if (line && *line >= std::ssize(fit.profiles))
             report(fmt::format("fit.compare.{}.line", i), "there is no such profile");
         if (values.contains("xi") && values.contains("alpha"))
@@ -340,7 +341,8 @@ void needed_by_maps(const Fit& fit, const Report& report) {
     };
     if (fit_is_isotropic(fit)) {
         const auto refuse = [&](const char* name) {
-            need(!fit_has(fit, name), fmt::format("maps with f_over_mu and eta are in units of mu: no {}", name).c_str());
+            need(!fit_has(fit, name),
+                 fmt::format("maps with f_over_mu and eta are in units of mu: no {}", name).c_str());
         };
         for (const char* name : {"amplitude", "force", "c11", "c22", "c12", "zeta", "rho", "eta_s"})
             refuse(name);

@@ -55,8 +55,10 @@ void parameter_fields(Visitor& v, Fit& fit) {
       fit.tied);
     v(key("measured_drag")
           .written_if(fit.measured_drag)
-          .doc("drag_area is held at what measure.mechanics of this run found, with its error (as in fixed and "
-               "fixed_errors): drift of the bed over the speed of the rod through it, times the area of the box")
+          .doc("drag_area is held at what measure.mechanics of this run found, with its error (as in fixed "
+               "and "
+               "fixed_errors): drift of the bed over the speed of the rod through it, times the area of the "
+               "box")
           .example("true"),
       fit.measured_drag);
     v(key("log")

@@ -63,11 +63,9 @@ std::span<const std::string_view> fit_parameter_names() {
 }
 
 bool is_map_parameter(std::string_view parameter) {
-    static const std::vector<std::string_view> names = {"amplitude", "force", "p_xx", "p_yy", "q_xxx",
-                                                        "q_xyy",     "q_yxy", "t_xxxx", "t_xxyy", "h_xxxxx",
-                                                        "h_xxxyy", "c11",
-                                                        "c22",       "c12",   "c66",  "zeta", "rho",
-                                                        "eta_s",     "drag_area"};
+    static const std::vector<std::string_view> names = {
+        "amplitude", "force", "p_xx", "p_yy", "q_xxx", "q_xyy", "q_yxy", "t_xxxx", "t_xxyy",   "h_xxxxx",
+        "h_xxxyy",   "c11",   "c22",  "c12",  "c66",   "zeta",  "rho",   "eta_s",  "drag_area"};
     return std::ranges::find(names, parameter) != names.end();
 }
 
@@ -99,7 +97,9 @@ bool fit_has(const Fit& fit, const std::string& parameter) {
            (fit.measured_drag && parameter == "drag_area");
 }
 
-bool fit_is_isotropic(const Fit& fit) { return !fit.maps.empty() && !fit_has(fit, "c66") && fit_has(fit, "eta"); }
+bool fit_is_isotropic(const Fit& fit) {
+    return !fit.maps.empty() && !fit_has(fit, "c66") && fit_has(fit, "eta");
+}
 
 bool fit_knows_xi(const Fit& fit) {
     return fit_has(fit, "xi") || fit_has(fit, "alpha") || fit_has(fit, "drag_area");

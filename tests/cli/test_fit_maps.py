@@ -70,6 +70,26 @@ class MapTest(FitTest):
 
 
 class RecoveryTest(MapTest):
+    def test_an_isotropic_medium_comes_back_with_errors_of_what_follows_from_it(self):
+        f, eta, area = 1.5, 2.0, 200.0
+        medium = {"amplitude": 1.0, "force": f, "c11": 1 + eta, "c22": 1 + eta, "c12": eta - 1, "c66": 1.0, "zeta": f / area / SPEED, "rho": 0.0,
+                  "eta_s": 0.0}
+        for index in range(3):
+            self.make_run(f"run{index}.csv", index, **medium)
+        self.write("line.csv", "x,value,sigma\n" + "".join(f"{x},{0.5 / (1 + abs(x) / 20):.6f},0.02\n" for x in range(-30, 31, 2)))
+        found, _ = self.fit(KEYS.replace('"amplitude", "p_xx"', '"f_over_mu", "eta", "p_xx"').replace(FIXED, f"drag_area = {area}")
+                            + "fixed_errors = { drag_area = 10.0 }\ncore = 4.0\n" + MAPS + MASKS
+                            + '[[fit.profiles]]\nfile = "line.csv"\nrole = "predict"\n[[fit.compare]]\nname = "line"\nline = 0\n')
+        errors, parameters = found["systematics"]["errors"], found["parameters"]
+        for name, truth in (("f_over_mu", f), ("eta", eta), ("xi", area / f)):
+            self.assertLess(abs(errors[name]["value"] - truth), 4 * errors[name]["total"], name)  # by chance once in 16 000
+        self.assertAlmostEqual(found["derived"]["xi"]["value"], area / parameters["f_over_mu"]["value"])
+        self.assertAlmostEqual(errors["xi"]["held"] * parameters["f_over_mu"]["value"], 10.0, delta=1.0)  # f/mu hardly depends on it
+        self.assertGreaterEqual(errors["xi"]["total"], errors["xi"]["held"])
+        line, = found["compare"]
+        self.assertEqual(line["values"]["f_over_mu"], line["line"]["parameters"]["f_over_mu"]["value"])
+        self.assertEqual((found["maps"][0]["medium"], parameters["p_yy"]["unit"]), ("isotropic", "a^2"))
+
     def test_maps_give_back_amplitude_and_dipoles_with_errors_by_cause(self):
         self.make_runs()
         text = KEYS + "fixed_errors = { c66 = 0.05, force = 0.1 }\n" + MAPS + MASKS

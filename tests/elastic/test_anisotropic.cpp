@@ -195,8 +195,16 @@ TEST_CASE("maps are linear in the sources, and derivatives those of differences"
     const DisplacementMap whole = field.displacement(crystal, source);
     using enum OrthotropicParameter;
     DisplacementMap sum{std::vector<double>(whole.Ux.size()), std::vector<double>(whole.Uy.size())};
-    for (const auto& [by, strength] :
-         {std::pair{force, 1.4}, {p_xx, 0.7}, {p_yy, -2.2}, {q_xxx, 13.0}, {q_xyy, -9.0}, {q_yxy, 5.0}, {t_xxxx, 31.0}, {t_xxyy, -17.0}, {h_xxxxx, 90.0}, {h_xxxyy, -70.0}})
+    for (const auto& [by, strength] : {std::pair{force, 1.4},
+                                       {p_xx, 0.7},
+                                       {p_yy, -2.2},
+                                       {q_xxx, 13.0},
+                                       {q_xyy, -9.0},
+                                       {q_yxy, 5.0},
+                                       {t_xxxx, 31.0},
+                                       {t_xxyy, -17.0},
+                                       {h_xxxxx, 90.0},
+                                       {h_xxxyy, -70.0}})
         add(sum, field.derivative(crystal, source, by), strength);
     for (std::size_t i = 0; i < whole.Ux.size(); ++i) {
         CHECK(whole.Ux[i] == Approx(sum.Ux[i]).margin(1e-13));
@@ -260,8 +268,9 @@ TEST_CASE("second moments are those of point sources close together") {
 }
 
 TEST_CASE("third and fourth moments are those of point sources close together") {
-    // -1/2, 1, -1, 1/2 at -2h, -h, h, 2h have sum f x = sum f x^2 = 0 and sum f x^3 = 6 h^3, so t_xxxx = 1 over h^3;
-    // forces +-3/(2 h^3) at x = +-h times 1, -2, 1 at y = -h, 0, h have sum f x y^2 = 6, so t_xxyy = 1.
+    // -1/2, 1, -1, 1/2 at -2h, -h, h, 2h have sum f x = sum f x^2 = 0 and sum f x^3 = 6 h^3, so t_xxxx = 1
+    // over h^3; forces +-3/(2 h^3) at x = +-h times 1, -2, 1 at y = -h, 0, h have sum f x y^2 = 6, so t_xxyy
+    // = 1.
     const auto along = [](double h) {
         const double f = 1.0 / (h * h * h);
         return relative_difference({.t_xxxx = 1.0}, {{{.force = -0.5 * f}, -2 * h, 0.0},
@@ -276,8 +285,8 @@ TEST_CASE("third and fourth moments are those of point sources close together") 
                 all.push_back({{.force = 1.5 * weight * x / std::pow(h, 4)}, x, y});
         return relative_difference({.t_xxyy = 1.0}, all);
     };
-    // 1, -4, 6, -4, 1 at -2h to 2h have sum f x^4 = 24 h^4; 1, -2, 1 in x times the same in y have sum f x^2 y^2 =
-    // 4 h^4, so h_xxxyy = 1/6.
+    // 1, -4, 6, -4, 1 at -2h to 2h have sum f x^4 = 24 h^4; 1, -2, 1 in x times the same in y have sum f x^2
+    // y^2 = 4 h^4, so h_xxxyy = 1/6.
     const auto squares = [](double h) {
         std::vector<PointSource> all;
         for (const auto& [x, along_x] : {std::pair{-h, 1.0}, {0.0, -2.0}, {h, 1.0}})

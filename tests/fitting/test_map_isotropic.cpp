@@ -12,11 +12,12 @@ namespace {
 /// A bed at rest with a rod's moments (docs/validation_bed.md); f/(zeta v) in place of the screening length.
 std::vector<Parameter> bed(const std::vector<std::string>& free, const std::string& drag = "drag_area",
                            double strength = 860.0) {
-    std::vector<Parameter> out = {
-        {.name = "f_over_mu", .start = 1.48}, {.name = "eta", .start = 2.0},     {.name = drag, .start = strength},
-        {.name = "p_xx", .start = 55.0},      {.name = "p_yy", .start = 80.0},   {.name = "q_xxx", .start = -300.0},
-        {.name = "q_xyy", .start = -230.0},   {.name = "t_xxxx", .start = -500.0}, {.name = "t_xxyy", .start = -500.0},
-        {.name = "h_xxxxx", .start = -5e3},   {.name = "h_xxxyy", .start = -4e3}, {.name = "offset", .start = 0.01}};
+    std::vector<Parameter> out = {{.name = "f_over_mu", .start = 1.48}, {.name = "eta", .start = 2.0},
+                                  {.name = drag, .start = strength},    {.name = "p_xx", .start = 55.0},
+                                  {.name = "p_yy", .start = 80.0},      {.name = "q_xxx", .start = -300.0},
+                                  {.name = "q_xyy", .start = -230.0},   {.name = "t_xxxx", .start = -500.0},
+                                  {.name = "t_xxyy", .start = -500.0},  {.name = "h_xxxxx", .start = -5e3},
+                                  {.name = "h_xxxyy", .start = -4e3},   {.name = "offset", .start = 0.01}};
     for (Parameter& p : out)
         p.fixed = std::ranges::find(free, p.name) == free.end();
     return out;
@@ -37,8 +38,8 @@ Map map_of_bed(double sigma, const std::vector<Parameter>& truth) {
     return map;
 }
 
-const std::vector<std::string> fitted = {"f_over_mu", "eta",    "p_xx",   "p_yy",  "q_xxx",
-                                         "q_xyy",     "t_xxxx", "t_xxyy", "h_xxxxx", "h_xxxyy", "offset"};
+const std::vector<std::string> fitted = {"f_over_mu", "eta",    "p_xx",    "p_yy",    "q_xxx", "q_xyy",
+                                         "t_xxxx",    "t_xxyy", "h_xxxxx", "h_xxxyy", "offset"};
 const MapMask beyond{.strip = 8.0, .radius = 15.0};
 
 } // namespace
@@ -47,9 +48,10 @@ TEST_CASE("an isotropic map is the orthotropic one in units of the shear modulus
     const double v = 1.7, mu = 3.0, f = 1.48, xi = 860.0 / f;
     const auto parameters = bed({});
     const Map map = map_of_bed(0.01, parameters);
-    std::vector<Parameter> same = {{.name = "force", .start = f * mu}, {.name = "c11", .start = 3.0 * mu},
-                                   {.name = "c22", .start = 3.0 * mu}, {.name = "c12", .start = mu},
-                                   {.name = "c66", .start = mu},       {.name = "zeta", .start = mu / (xi * v)}};
+    std::vector<Parameter> same = {
+        {.name = "force", .start = f * mu}, {.name = "c11", .start = 3.0 * mu},
+        {.name = "c22", .start = 3.0 * mu}, {.name = "c12", .start = mu},
+        {.name = "c66", .start = mu},       {.name = "zeta", .start = mu / (xi * v)}};
     for (Parameter p : parameters)
         if (p.name != "f_over_mu" && p.name != "eta" && p.name != "drag_area") {
             p.start *= p.name == "offset" ? 1.0 : mu;
@@ -78,7 +80,9 @@ TEST_CASE("derivatives of an isotropic map are those of differences, on the grid
         Eigen::VectorXd r(rows), up(rows), down(rows);
         Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(parameters.size()));
         problem.evaluate(starts(parameters), r, &slopes);
-        const auto of_line = [&](const std::vector<double>& p) { return predict_line(model, map, line, map.x, parameters, p); };
+        const auto of_line = [&](const std::vector<double>& p) {
+            return predict_line(model, map, line, map.x, parameters, p);
+        };
         const Prediction along = of_line(starts(parameters));
         for (std::size_t k = 0; k < parameters.size(); ++k) {
             CAPTURE(parameters[k].name, drag);
@@ -101,7 +105,8 @@ TEST_CASE("derivatives of an isotropic map are those of differences, on the grid
     }
 }
 
-TEST_CASE("force and eta of a made-up bed come back within their errors, and eta needs more than second moments") {
+TEST_CASE(
+    "force and eta of a made-up bed come back within their errors, and eta needs more than second moments") {
     rodwake::RandomStream random(11, 4);
     std::vector<Map> runs; // of a noise like that of the quick start's six runs
     for (int run = 0; run < 6; ++run)

@@ -68,8 +68,10 @@ TEST_CASE("errors belong to values that are held, and sectors go upwards") {
 }
 
 TEST_CASE("maps by the theory's own parameters are in units of the shear modulus") {
-    const std::string theory = "\"f_over_mu\", \"eta\"", bed = "[granular]\nphi_b = 0.8\nbox = \"fit\"\nduration = 9.0\n[[granular.rods]]\nkind = \"motile\"\n"
-                                                               "position = [0.008, 0.016]\n[measure]\n";
+    const std::string
+        theory = "\"f_over_mu\", \"eta\"",
+        bed = "[granular]\nphi_b = 0.8\nbox = \"fit\"\nduration = 9.0\n[[granular.rods]]\nkind = \"motile\"\n"
+              "position = [0.008, 0.016]\n[measure]\n";
     const auto text = [&](const std::string& keys, const std::string& fixed = "drag_area = 860.0",
                           const std::string& more = "") { return fitted(keys, maps + more, theory, fixed); };
     CHECK_NOTHROW(parse(text("")));
@@ -80,11 +82,13 @@ TEST_CASE("maps by the theory's own parameters are in units of the shear modulus
     says(text("measured_drag = true\n"), "drag_area is measured and also fitted, fixed or tied");
     says(text("measured_drag = true\n", ""), "measured by measure.mechanics");
     says(text("", "drag_area = 860.0", "[[fit.profiles]]\nfile = \"ux.csv\"\n"), "are fitted by themselves");
-    const std::string line = "[[fit.profiles]]\nfile = \"ux.csv\"\nrole = \"predict\"\n[[fit.compare]]\nname = \"line\"\n";
+    const std::string line =
+        "[[fit.profiles]]\nfile = \"ux.csv\"\nrole = \"predict\"\n[[fit.compare]]\nname = \"line\"\n";
     CHECK_NOTHROW(parse(text("", "drag_area = 860.0", line + "line = 0\n")));
     says(text("", "drag_area = 860.0", line), "give values, or line");
     says(text("", "drag_area = 860.0", line + "line = 1\n"), "there is no such profile");
-    const Scene measured = parse(text("measured_drag = true\n", "", bed + "displacement = \"phase\"\nmechanics = true\nrun_maps = true\n"));
+    const Scene measured = parse(text("measured_drag = true\n", "",
+                                      bed + "displacement = \"phase\"\nmechanics = true\nrun_maps = true\n"));
     CHECK(rodwake::scene::fit_is_isotropic(*measured.fit));
     CHECK(parse(rodwake::scene::to_toml(measured)) == measured);
 }

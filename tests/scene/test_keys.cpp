@@ -221,11 +221,12 @@ TEST_CASE("the example of every key is legal") {
         if (info.name == "restart_from")
             overrides.push_back("granular.start=restart");
         if (full_name(info) == "fit.measured_drag" || full_name(info) == "fit.compare[].line")
-            overrides.insert(overrides.begin(),
-                             {"fit.trajectories=[]", info.name == "line" ? "fit.fixed={ xi = 500.0 }" : "fit.fixed={}",
-                              "fit.likelihood=[]", "measure.mechanics=true",
-                              R"(fit.parameters=["f_over_mu", "eta"])", R"(fit.compare=[{ name = "l", line = 0 }])",
-                              R"(fit.profiles=[{ file = "u.csv", role = "predict" }])"});
+            overrides.insert(
+                overrides.begin(),
+                {"fit.trajectories=[]", info.name == "line" ? "fit.fixed={ xi = 500.0 }" : "fit.fixed={}",
+                 "fit.likelihood=[]", "measure.mechanics=true", R"(fit.parameters=["f_over_mu", "eta"])",
+                 R"(fit.compare=[{ name = "l", line = 0 }])",
+                 R"(fit.profiles=[{ file = "u.csv", role = "predict" }])"});
         else if (info.table == "fit")
             overrides.insert(overrides.begin(),
                              {"fit.trajectories=[]",

@@ -59,7 +59,7 @@ struct FitCompareResult {
     std::optional<fitting::Report> line; ///< the fit of one line that the values are from
     std::vector<double> values = {};     ///< of all parameters
     std::vector<double> point = {};      ///< beside maps: f_over_mu, eta and xi of a point force
-    double chi2 = 0.0;          ///< over the fitted profiles and maps
+    double chi2 = 0.0;                   ///< over the fitted profiles and maps
     std::vector<double> profile_chi2 = {};
     std::vector<std::optional<fitting::ScaleFactor>> scale_factor = {};
 };

@@ -14,12 +14,13 @@
 // d_x. F is the multipole expansion of a force density f_i(r) that is mirror symmetric in y, about the
 // origin: the force f, spread evenly over the rod's length l; the dipoles p_ii = int f_i r_i d2r (an
 // inclusion), positive if they push outward; the second moments q_ijk = 1/2 int f_i r_j r_k d2r, of which
-// symmetry leaves three, q_yxy = q_yyx; of the third ones t_ijkl = 1/6 int f_i r_j r_k r_l d2r and the fourth ones
-// h_ijklm = 1/24 int f_i r_j r_k r_l r_m d2r two each, along x, which is all that shows of them outside: C times
-// q_x xhat, q_y yhat and so on is a source that hides the others. q_xxx comes on top of the f l^2/24 that sinc has. g = exp(-q^2 w^2/2)
-// smooths every source, and so the field, by a Gaussian of width w. The zero mode is the drift of the medium
-// as a whole: U is relative to its mean over the box, as in elastic/periodic.hpp, which this is for c11 = c22
-// = mu + lambda, c66 = mu, c12 + c66 = lambda, rho = eta_s = 0, l = w = 0 and zeta v = mu/xi.
+// symmetry leaves three, q_yxy = q_yyx; of the third ones t_ijkl = 1/6 int f_i r_j r_k r_l d2r and the fourth
+// ones h_ijklm = 1/24 int f_i r_j r_k r_l r_m d2r two each, along x, which is all that shows of them outside:
+// C times q_x xhat, q_y yhat and so on is a source that hides the others. q_xxx comes on top of the f l^2/24
+// that sinc has. g = exp(-q^2 w^2/2) smooths every source, and so the field, by a Gaussian of width w. The
+// zero mode is the drift of the medium as a whole: U is relative to its mean over the box, as in
+// elastic/periodic.hpp, which this is for c11 = c22 = mu + lambda, c66 = mu, c12 + c66 = lambda, rho = eta_s
+// = 0, l = w = 0 and zeta v = mu/xi.
 //
 // The axes of the crystal are those of the box and of the rod: c11 is the constant along the heading
 // whichever row of the crystal that is. For a crystal turned by 90 degrees swap c11 with c22 and Lx with Ly.
@@ -67,8 +68,8 @@ struct OrthotropicMedium {
 void validate(const OrthotropicMedium& medium, double speed);
 
 struct RodSource {
-    double force = 0.0, p_xx = 0.0, p_yy = 0.0, q_xxx = 0.0, q_xyy = 0.0, q_yxy = 0.0, t_xxxx = 0.0, t_xxyy = 0.0,
-           h_xxxxx = 0.0, h_xxxyy = 0.0;
+    double force = 0.0, p_xx = 0.0, p_yy = 0.0, q_xxx = 0.0, q_xyy = 0.0, q_yxy = 0.0, t_xxxx = 0.0,
+           t_xxyy = 0.0, h_xxxxx = 0.0, h_xxxyy = 0.0;
 };
 
 /// Box, rod and smoothing: what stays as the medium is varied.

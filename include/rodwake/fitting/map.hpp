@@ -76,11 +76,11 @@ std::vector<std::string> map_parameter_names();
 /// Bins that are fitted.
 std::vector<std::size_t> used_bins(const Map& map, const MapMask& mask);
 
-/// Throws InputError for unknown or missing parameters (the four constants and a source, or f_over_mu and eta;
-/// force with an amplitude), lists of wrong length, numbers that are not finite, sigma <= 0, maps with and without
-/// sigma, a mask that leaves a map no bin, fewer data than free parameters, an illegal box, length or width.
-/// Constants that are all fixed are worked out once, so that the problem is linear and an evaluation costs a
-/// pass over the bins; a medium that has no steady field then throws here.
+/// Throws InputError for unknown or missing parameters (the four constants and a source, or f_over_mu and
+/// eta; force with an amplitude), lists of wrong length, numbers that are not finite, sigma <= 0, maps with
+/// and without sigma, a mask that leaves a map no bin, fewer data than free parameters, an illegal box,
+/// length or width. Constants that are all fixed are worked out once, so that the problem is linear and an
+/// evaluation costs a pass over the bins; a medium that has no steady field then throws here.
 Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const MapMask& mask,
                     std::vector<Parameter> parameters);
 
@@ -90,7 +90,8 @@ elastic::DisplacementMap predict(const MapModel& model, const Map& map,
 
 /// The model at places along a line of the rod's frame, in the box and at the speed of the map, with
 /// derivatives by all parameters.
-Prediction predict_line(const MapModel& model, const Map& map, const Profile& line, std::span<const double> places,
-                        const std::vector<Parameter>& parameters, std::span<const double> values);
+Prediction predict_line(const MapModel& model, const Map& map, const Profile& line,
+                        std::span<const double> places, const std::vector<Parameter>& parameters,
+                        std::span<const double> values);
 
 } // namespace rodwake::fitting

@@ -91,8 +91,8 @@ struct FitMask {
     bool operator==(const FitMask&) const = default;
 };
 
-/// [[fit.compare]]: other values, drawn and scored beside the fit; parameters not named are as fitted. Of a fit
-/// of maps with an isotropic medium: the wake of a point force with these values, without moments.
+/// [[fit.compare]]: other values, drawn and scored beside the fit; parameters not named are as fitted. Of a
+/// fit of maps with an isotropic medium: the wake of a point force with these values, without moments.
 struct FitCompare {
     std::string name;
     std::map<std::string, double> values;

@@ -32,7 +32,7 @@ struct Measure {
     measure::Reference reference = measure::Reference::box;
     std::optional<double> far_from; ///< m; absent: 0.3 L
     bool mirror = false;
-    bool run_maps = false; ///< the displacement of each run as well
+    bool run_maps = false;                  ///< the displacement of each run as well
     std::optional<double> profile_offset;   ///< y of the profile of U_y along x, m; absent: 4 a
     std::optional<double> contact_distance; ///< of a pair, m; absent: half a rod's length
     std::optional<double> phonon_interval;  ///< between the frames of currents, s; absent: at most 5 ms
