@@ -313,7 +313,7 @@ def note_line(units, axes, cut, corner, more=()):
     other = "y" if cut.along == "x" else "x"
     axis = units.length(other, abs(cut.at))
     text = units.equals(axis, other, cut.at)
-    note = axes.legend([Line2D([], [], linewidth=0)], ["\n".join([text, *more])], loc=corner, frameon=False, handlelength=0, handletextpad=0)
+    note = axes.legend([Line2D([], [], linewidth=0)], ["\n".join([text, *more])], loc=corner, frameon=False, handlelength=0, handletextpad=0, fontsize=9)
     note.get_texts()[0].set_linespacing(1.4)
 
 
