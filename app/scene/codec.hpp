@@ -1,6 +1,6 @@
 #pragma once
 // How a type of value stands in a scene: each has one codec, from which it is read, written, documented and
-// set. The visitors know of no type; a new one takes a codec in codecs.cpp and its name in the list below.
+// set. The visitors know of no type; a new one takes a codec.
 
 #include "key.hpp"
 #include "node.hpp"
@@ -102,7 +102,7 @@ public:
     virtual bool set(const Input& input, void* value, std::span<const Segment> path) const = 0;
 };
 
-/// Of a type that a scene may hold: those instantiated at the end of codecs.cpp.
+/// Of a type that a scene may hold: those instantiated at the ends of codecs.cpp and codec_lists.cpp.
 template<class T>
 const Codec& codec_of();
 
