@@ -101,7 +101,8 @@ TEST_CASE("without gravity a bed starts at its temperature, shares it among all 
         run.advance(100);
         ratio += run.temperatures().z / run.temperatures().xy / 200.0;
     }
-    // one instant scatters by 6 %, some 20 are independent; steps of 2e-5 s make it 1 to 2 % too small, of 1e-4 s 6 %
+    // one instant scatters by 6 %, some 20 are independent; steps of 2e-5 s make it 1 to 2 % too small, of
+    // 1e-4 s 6 %
     CHECK(ratio == Approx(1.0).epsilon(0.05));
     CHECK(run.energy().potential == 0.0);
 }
