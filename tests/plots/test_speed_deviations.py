@@ -8,6 +8,7 @@ from made_up_granular import SCENE
 from made_up_measured import RATE, variants, write_measured
 from plot_case import PlotCase
 from rodwake_plots import draw, run_dir
+from rodwake_plots.errors import PlotError
 
 FIGURE = '[[figures]]\nname = "fig"\nkind = "speed_deviations"\n'
 
@@ -33,6 +34,22 @@ class SpeedDeviationsTest(PlotCase):
         width = np.sqrt(2 / (RATE * 0.32)) / 3
         np.testing.assert_allclose(marks[4][0], [width / 2, RATE / 4 * (width / 2 - 1)**2 - np.log(RATE * 0.32 / (4 * np.pi)) / 0.64], rtol=1e-12)
         self.assertIn("at 0.16 s slope −20.00 ± 0.40 1/s (a Gaussian of that variance −20), kink at 0 0.30 ± 0.50 1/s", caption)
+
+    def emptied(self, *columns):
+        """The table of the run without its values in these columns."""
+        path = self.folder / "deviations.csv"
+        head, *rows = path.read_text().splitlines()
+        names = head.split(",")
+        kept = [",".join("" if name in columns else value for name, value in zip(names, row.split(","))) for row in rows]
+        path.write_text("\n".join([head, *kept]) + "\n")
+
+    def test_a_run_too_short_is_told_and_no_empty_figure_drawn(self):
+        write_measured(self.folder, rods=1)
+        self.emptied("A", "A_error")
+        self.assertIn("too few displacements backwards", [text.get_text() for text in self.draw()[0].axes[1].texts])
+        self.emptied("F_plus", "F_minus")
+        with self.assertRaisesRegex(PlotError, "no bin with enough displacements"):
+            self.draw()
 
     def test_of_several_cases_the_lag_that_is_told(self):
         write_measured(self.folder, phis=(0.8, 0.7), rods=1)
