@@ -256,7 +256,7 @@ Prediction predict_line(const MapModel& model, const Map& map, const Profile& li
                    .x = along_x ? along : across,
                    .y = along_x ? across : along};
     const MapField field(model, grid, terms);
-    const auto part = [&](elastic::DisplacementMap u) {
+    const auto part = [&](const elastic::DisplacementMap& u) {
         return line.component == Component::Ux ? u.Ux : u.Uy;
     };
     Prediction out{part(field.at(values)), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(places.size()),
