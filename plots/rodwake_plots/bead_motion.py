@@ -252,16 +252,15 @@ DEVIATION_COLUMNS = ("lag", "W", "F_plus", "F_plus_error", "F_minus", "F_minus_e
 
 def draw_speed_deviations(run, spec):
     shown = [(part, lag) for part in bed_run.holders(run, DEVIATIONS) for lag in drawn_lags(run, part)]
-    if not any(np.isfinite(part.table(DEVIATIONS, "F_plus")[0]).any() for part, _ in shown):
-        raise PlotError(f"{run.path}: {DEVIATIONS} holds no bin with enough displacements: run for longer")
     figure = canvas.figure(style.WIDE, 3.0)
     panels = figure.subplots(1, 2)
     for (part, lag), colour in zip(shown, canvas.colours(len(shown))):
         draw_deviations(part, lag, panels, colour, style.safe(part.label) or f"{lag:.3g} s")
     panels[0].set(xlabel="$W$", ylabel=r"$F(W) = -\ln P(W)/\tau$ (1/s)")
     panels[1].set(xlabel="$W$", ylabel="$F(W) - F(-W)$ (1/s)", xlim=(0, None))
-    if not any(np.isfinite(part.table(DEVIATIONS, "A")[0]).any() for part, _ in shown):
-        panels[1].text(0.5, 0.5, "too few displacements backwards", ha="center", va="center", transform=panels[1].transAxes)
+    for axes, column, missing in zip(panels, ("F_plus", "A"), ("displacements: run for longer", "displacements backwards")):
+        if not any(np.isfinite(part.table(DEVIATIONS, column)[0]).any() for part, _ in shown):
+            axes.text(0.5, 0.5, f"too few {missing}", ha="center", va="center", transform=axes.transAxes)
     canvas.legend(panels[0], fontsize=7.5)
     for k, axes in enumerate(panels):
         canvas.letter(axes, k)
