@@ -140,7 +140,9 @@ void compare(const Fit& fit, const Report& report) {
             report(fmt::format("fit.compare.{}.line", i),
                    "line belongs to fits of maps with f_over_mu and eta");
         else if (line && *line >= std::ssize(fit.profiles))
-            report(fmt::format("fit.compare.{}.line", i), "there is no such profile");
+            report(fmt::format("fit.compare.{}.line", i),
+                   fmt::format("there is no profile {}: fit.profiles has {} (numbered from 0)", *line,
+                               fit.profiles.size()));
         if (values.contains("xi") && values.contains("alpha"))
             report(path, "give xi or alpha = f_over_mu/xi, not both");
         for (const auto& [name, number] : values)

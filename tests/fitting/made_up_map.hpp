@@ -18,12 +18,14 @@ inline const std::vector<Parameter> truth = {
     {.name = "rho", .start = 0.03},      {.name = "eta_s", .start = 0.15}, {.name = "offset", .start = 0.02},
     {.name = "offset_y", .start = -0.01}};
 
-inline std::vector<double> true_values() {
+inline std::vector<double> starts(const std::vector<Parameter>& parameters) {
     std::vector<double> values;
-    for (const Parameter& p : truth)
+    for (const Parameter& p : parameters)
         values.push_back(p.start);
     return values;
 }
+
+inline std::vector<double> true_values() { return starts(truth); }
 
 /// The parameters with those named free and the others fixed at the truth.
 inline std::vector<Parameter> free_ones(const std::vector<std::string>& names) {

@@ -37,13 +37,6 @@ std::vector<Parameter> with_moments(const std::vector<std::string>& free, double
     return out;
 }
 
-std::vector<double> starts(const std::vector<Parameter>& parameters) {
-    std::vector<double> values;
-    for (const Parameter& p : parameters)
-        values.push_back(p.start);
-    return values;
-}
-
 /// Bins of a map whose source has the moments of `with_moments`.
 Map map_with_moments(std::size_t n, double sigma) {
     Map map = map_of(n, sigma);

@@ -23,13 +23,6 @@ std::vector<Parameter> bed(const std::vector<std::string>& free, const std::stri
     return out;
 }
 
-std::vector<double> starts(const std::vector<Parameter>& parameters) {
-    std::vector<double> values;
-    for (const Parameter& p : parameters)
-        values.push_back(p.start);
-    return values;
-}
-
 Map map_of_bed(double sigma, const std::vector<Parameter>& truth) {
     Map map = map_of(36, sigma);
     auto u = predict(model, map, truth, starts(truth));

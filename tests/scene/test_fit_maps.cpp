@@ -86,7 +86,8 @@ TEST_CASE("maps by the theory's own parameters are in units of the shear modulus
         "[[fit.profiles]]\nfile = \"ux.csv\"\nrole = \"predict\"\n[[fit.compare]]\nname = \"line\"\n";
     CHECK_NOTHROW(parse(text("", "drag_area = 860.0", line + "line = 0\n")));
     says(text("", "drag_area = 860.0", line), "give values, or line");
-    says(text("", "drag_area = 860.0", line + "line = 1\n"), "there is no such profile");
+    says(text("", "drag_area = 860.0", line + "line = 1\n"),
+         "there is no profile 1: fit.profiles has 1 (numbered from 0)");
     const Scene measured = parse(text("measured_drag = true\n", "",
                                       bed + "displacement = \"phase\"\nmechanics = true\nrun_maps = true\n"));
     CHECK(rodwake::scene::fit_is_isotropic(*measured.fit));
