@@ -62,11 +62,12 @@ CLI::App* add_verb(CLI::App& app, Options& options, Verb verb, const std::string
     return sub;
 }
 
-void add_stage_verb(CLI::App& app, Options& options, Verb verb, const std::string& name,
-                    const std::string& does, const std::string& examples) {
+CLI::App* add_stage_verb(CLI::App& app, Options& options, Verb verb, const std::string& name,
+                         const std::string& does, const std::string& examples) {
     CLI::App* sub = add_verb(app, options, verb, name, does, examples);
     add_scene(*sub, options);
     add_run(*sub, options);
+    return sub;
 }
 
 void add_scenes(CLI::App& app, Options& options) {
@@ -202,10 +203,12 @@ void add_stage_verbs(CLI::App& app, Options& options) {
                    "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force");
     add_scan(app, options);
     add_tradeoff(app, options);
-    add_stage_verb(app, options, Verb::run, "run",
-                   "every stage the scene names, then figures and report.html",
-                   "  rodwake run scenes/quickstart.toml\n"
-                   "  rodwake run scenes/attraction.toml -o results/attraction --force");
+    CLI::App* run = add_stage_verb(app, options, Verb::run, "run",
+                                   "every stage the scene names, then figures and report.html",
+                                   "  rodwake run scenes/quickstart.toml\n"
+                                   "  rodwake run scenes/attraction.toml -o results/attraction --force");
+    run->add_flag("--no-figures", options.no_figures,
+                  "results only, as where Python has no matplotlib; rodwake plot draws them later");
 }
 
 void add_verbs(CLI::App& app, Options& options) {

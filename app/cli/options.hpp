@@ -58,6 +58,7 @@ struct Options {
     std::string error_kind;          ///< tradeoff --error; empty: the first there is
     std::string tradeoff_of;         ///< tradeoff --of; empty: what the scene names first
     double limit = 60.0;             ///< tradeoff --limit, s
+    bool no_figures = false;         ///< run --no-figures
     bool pdf = false;                ///< plot --pdf
     bool scene_reference = false;    ///< info --scene-reference
     bool schema = false;             ///< info --schema

@@ -64,13 +64,15 @@ std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene, const std::fi
     return stages;
 }
 
+bool draws(const Options& options) { return options.verb == Verb::run && !options.no_figures; }
+
 int finish(const Options& options, app::StageEnd end) {
     const std::string folder = output_folder(options).string();
     if (end == app::StageEnd::interrupted)
         return signal_exit_code(stop_signal());
     if (end == app::StageEnd::failed)
         return 1;
-    if (options.verb == Verb::run)
+    if (draws(options))
         make_figures(folder, false, options.quiet);
     if (stop_signal())
         return signal_exit_code(stop_signal());
@@ -128,7 +130,7 @@ int verb_stages(const Options& options) {
         return verb_check(options);
     const auto job = job_of(options);
     app::RunContext context = context_of(options, job.get());
-    context.draws = options.verb == Verb::run;
+    context.draws = draws(options);
     if (job && job->rank() > 0)
         return serve(options, scene, stages, context, *job);
     const auto plan = // large for a small stack

@@ -1,10 +1,10 @@
-"""Pairs in unstrained boxes: both orientations, and perpendicular starts."""
+"""Pairs in unstrained boxes: both orientations, and perpendicular starts; these in a polycrystal as well."""
 
 import math
 
 import numpy as np
 
-from lab import estimate, mean, table, told
+from lab import columns, estimate, mean, table, text, told, tracks
 
 
 RUNS = 50
@@ -30,14 +30,6 @@ def part(lab):
            "one goes straight"], rows)
     near = lab.make("pursuit_near", "pursuit_near.toml", *(["granular.runs=2", "granular.duration=1 s"] if lab.quick else []))
     show_near(near)
-
-
-def tracks(folder):
-    for path in sorted(folder.glob("runs/*/tracks.csv")):
-        lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
-        names = lines[0].split(",")
-        values = np.array([[float(x) for x in line.split(",")] for line in lines[1:]])
-        yield {name: values[:, k] for k, name in enumerate(names)}
 
 
 def turns(folder):
@@ -68,3 +60,35 @@ def show_near(folder):
     table(f"Perpendicular starts 26 a apart, phi_b = 0.78: {found['contact']} contacts, {found['pursuit']} pursuits, {found['escape']} escapes, "
           f"{found['undecided']} undecided; {turns(folder)} with one rod straight",
           ["rod", "turns first (by 0.2 rad)", "turn, rad", "its latency, s"], rows)
+
+
+CAPTURES = (0, 1)  # outcomes of pairs.csv: contact, pursuit
+BEDS = {"perfect crystal": ("lattice", "fit"), "polycrystal": ("random", "78 a")}  # start of the bed, box
+
+
+def wilson(many, runs):
+    """Share, and its interval of 68 % (Wilson's, which holds for shares of 0 and 1 as well)."""
+    middle, half = (many + 0.5) / (runs + 1), math.sqrt(many * (runs - many) / runs + 0.25) / (runs + 1)
+    return f"{many} of {runs} ({middle - half:.2f} to {middle + half:.2f})"
+
+
+def polycrystal(lab):
+    """Perpendicular starts 26 a apart where the crystal's rows decide, and where their directions differ from place to place."""
+    lines = []
+    for name, (start, box) in BEDS.items():
+        folder = lab.make(f"pursuit_{start}", "pursuit_near.toml", f"granular.runs={lab.count(RUNS)}", f"granular.start={start}",
+                          f"granular.box={box}", "measure.order=true", "granular.output.frames=1 s",
+                          *(["granular.duration=1 s", "granular.equilibrate=0.1 s"] if lab.quick else []))
+        pair = columns(folder / "pairs.csv")
+        captured, rear = np.isin(pair["outcome"], CAPTURES), pair["non_reciprocity"] > 0
+        order = told(folder, "measure")["order"]
+        runs = len(captured)
+        turned = [mean([abs(track[f"theta{k}"][-1] - track[f"theta{k}"][0]) for track in tracks(folder)]) for k in (0, 1)]
+        lines.append([name, text(estimate(order["psi6"])), wilson(captured.sum(), runs), wilson((captured & rear).sum(), runs),
+                      text(mean(pair["non_reciprocity"])), *map(text, turned)])
+    table("Perpendicular starts 26 a apart, phi_b = 0.78: who captures", ["bed", "psi6", "captured (68 %)", "by the rear rod", "non-reciprocity",
+          "turn of the rod along x, rad", "of the other"], lines)
+
+
+def cost_polycrystal():
+    return RUNS * (30.5 + 47) * 1500

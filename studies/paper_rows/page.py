@@ -60,7 +60,7 @@ def article(one, cache, shown):
     facts = [("Paper", one.row.says), ("rodwake", one.judged.ours), ("Difference" if verdict != judge.UNKNOWN else "Note", one.judged.difference),
              ("Why", table.why(one))]
     listed = "".join(f"<dt>{name}</dt><dd>{typeset(text)}</dd>" for name, text in facts if text)
-    quick = '<span class="few">few runs</span>' if one.quick else ""
+    quick = '<span class="few">few runs</span>' if one.quick else f'<span class="few">kept, version {escape(one.kept)}</span>' if one.kept else ""
     return (f'<article id="{one.row.id}" class="{CLASS[verdict]}">\n<h3>{escape(one.row.place)} <span class="badge">{verdict}</span>{quick}</h3>\n'
             f"<dl>{listed}</dl>\n{figures(one, cache, shown)}{made(one)}</article>")
 

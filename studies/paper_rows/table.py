@@ -1,13 +1,18 @@
 """The verdict of every row, and the Markdown table."""
 
+import csv
+import hashlib
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from . import judge
+from . import judge, results
 from .entry import Row, Subject
+
+KEPT = Path(__file__).with_name("full.csv")  # verdicts of full results of an earlier time
+COLUMNS = ("row", "asked", "version", "verdict", "ours", "difference")
 
 
 @dataclass(frozen=True)
@@ -17,10 +22,42 @@ class Found:
     folders: tuple[Path, ...]   # of the runs that are there
     commands: tuple[str, ...]
     quick: bool                 # made with fewer runs
+    kept: str = ""              # the version whose full results the verdict rests on, if they are not here
 
 
-def judge_all(lab, subjects):
-    return [(subject, [judge_row(lab, row) for row in subject.rows]) for subject in subjects]
+def asked(lab, row):
+    """Of what the row's full results are."""
+    return hashlib.sha256("".join(lab.asked(run, False) for run in row.runs).encode()).hexdigest()[:16]
+
+
+def kept_verdicts(path=KEPT):
+    return {entry["row"]: entry for entry in results.table(path)} if path.is_file() else {}
+
+
+def keep(lab, found, path=KEPT):
+    """Adds the rows whose results are all full, and would not all be made by --quick."""
+    kept = kept_verdicts(path)
+    for one in (one for _, rows in found for one in rows):
+        if one.row.runs and len(one.folders) == len(one.row.runs) and not one.quick and any(run.quick != () for run in one.row.runs):
+            version = results.told(one.folders[0], "provenance")["version"]
+            kept[one.row.id] = dict(zip(COLUMNS, (one.row.id, asked(lab, one.row), version, one.judged.verdict, one.judged.ours, one.judged.difference)))
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(kept.values())
+
+
+def judge_all(lab, subjects, kept=None):
+    kept = kept_verdicts() if kept is None else kept
+    return [(subject, [of_full_results(lab, judge_row(lab, row), kept.get(row.id)) for row in subject.rows]) for subject in subjects]
+
+
+def of_full_results(lab, one, entry):
+    """The verdict kept of full results of the same scenes and settings stands for quick ones and for none."""
+    if not entry or entry["asked"] != asked(lab, one.row) or (len(one.folders) == len(one.row.runs) and not one.quick):
+        return one
+    commands = tuple(shlex.join(lab.command(run, False)) for run in one.row.runs)
+    return Found(one.row, judge.Judged(entry["verdict"], entry["ours"], entry["difference"]), one.folders, commands, False, entry["version"])
 
 
 def judge_row(lab, row):
@@ -46,7 +83,8 @@ def counts(found):
 
 def markdown(found):
     """One table a subject; a row that holds quick results is marked."""
-    lines = [", ".join(f"{number} {verdict}" for verdict, number in counts(found).items()) + "; q: few runs (`--quick`)."]
+    lines = [", ".join(f"{number} {verdict}" for verdict, number in counts(found).items()) +
+             "; q: few runs (`--quick`); f: full results of an earlier time (`studies/paper_rows/full.csv`)."]
     for subject, rows in found:
         lines += ["", f"### {subject.title}", "", "| row | paper | says | ours | difference | verdict |", "|---|---|---|---|---|---|"]
         lines += [markdown_row(one) for one in rows]
@@ -59,6 +97,6 @@ def why(one):
 
 
 def markdown_row(one):
-    cells = (one.row.id + (" (q)" if one.quick else ""), one.row.place, one.row.says, one.judged.ours, one.judged.difference,
+    cells = (one.row.id + (" (q)" if one.quick else " (f)" if one.kept else ""), one.row.place, one.row.says, one.judged.ours, one.judged.difference,
              f"**{one.judged.verdict}**{'. ' + why(one) if why(one) else ''}")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

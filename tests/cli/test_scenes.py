@@ -1,10 +1,14 @@
-"""Every scene of scenes/ is legal, runs, and has the figures it names."""
+"""Every scene of scenes/ is legal, runs, and has the figures it names; these are drawn here, by one process."""
 
+import sys
 import tomllib
 
 import rodwake
-from rodwake import SCENES, ProgramTest
+from rodwake import SCENES, SOURCE, ProgramTest
 from shorter import LONG, shorter
+
+sys.path.insert(0, str(SOURCE / "plots"))
+import rodwake_plot  # noqa: E402
 
 
 class ScenesTest(ProgramTest):
@@ -22,9 +26,11 @@ class ScenesTest(ProgramTest):
     def test_run(self):
         for scene in (scene for scene in self.scenes() if scene.stem not in LONG):
             with self.subTest(scene.name):
-                self.expect(0, "run", scene, "--quiet", *shorter(scene.stem))
+                self.expect(0, "run", scene, "--quiet", "--no-figures", *shorter(scene.stem))
                 out = self.folder / "results" / scene.stem
                 self.assertEqual(self.status(out), "finished")
+                self.assertFalse((out / "figures").exists())
+                self.assertEqual(rodwake_plot.main([str(out), "--quiet"]), 0)
                 named = {figure["name"] + ".png" for figure in tomllib.loads(scene.read_text())["figures"]}
                 films = {figure["name"] for figure in tomllib.loads(scene.read_text())["figures"] if figure["kind"] in ("movie", "rods_movie", "medium_film")}
                 drawn = list((out / "figures").iterdir())
