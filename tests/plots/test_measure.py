@@ -251,9 +251,13 @@ class SeriesTest(MeasureCase):
 
     def test_every_quantity_and_axis(self):
         write_series(self.folder / "series.csv", [0.7, 0.74, 0.78], speeds=[1, 2, 4], distances=[15, 18, 24])
-        for against in ("phi_b", "d0", "imposed_speed"):
-            self.ask(*(figure("series", quantity, quantity=quantity, against=against) for quantity in schema.FIGURES["series"]["quantities"]))
-            self.assert_drawn(*schema.FIGURES["series"]["quantities"])
+        quantities = schema.FIGURES["series"]["quantities"]
+        self.ask(*(figure("series", quantity, quantity=quantity, against="d0") for quantity in quantities))
+        self.assert_drawn(*quantities)
+        for against in ("phi_b", "imposed_speed"):
+            for quantity in quantities:
+                made, _ = self.draw("series", quantity=quantity, against=against)
+                self.assertTrue(made.axes[0].lines, (quantity, against))
 
     def test_force_and_its_two_fits(self):
         write_series(self.folder / "series.csv", [0.8] * 4, speeds=self.SPEEDS)

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import shutil
 import signal
 import subprocess
 import sys
@@ -194,6 +195,32 @@ class LabTest(LabCase):
         self.lab.make(run)
         self.lab.quick = True
         self.assertEqual((self.lab.open([run]), self.lab.found(run)[1]), ([], False))
+
+    def test_a_verdict_of_full_results_is_kept(self):
+        """For whom has quick ones or none, until the scene or its settings change."""
+        file, run = self.folder / "full.csv", self.run_of(0, quick=("runs=2",))
+        row = Row("r", "Fig. 1", "says", lambda folder: judge.holds(True, folder.name), (run,))
+        subjects = [Subject("all", (row, Row("other", "Fig. 1", "says", lambda: judge.unknown("experiment"))))]
+        self.lab.make(run)
+        table.keep(self.lab, table.judge_all(self.lab, subjects, {}), file)
+        self.assertEqual(table.kept_verdicts(file), {})  # it is a quick one
+        self.lab.quick = False
+        self.lab.make(run)
+        (self.folder / "out/runs/one/provenance.json").write_text('{"status": "finished", "version": "1.2"}')
+        table.keep(self.lab, table.judge_all(self.lab, subjects, {}), file)
+        kept = table.kept_verdicts(file)
+        self.assertEqual((list(kept), kept["r"]["ours"], kept["r"]["version"]), (["r"], "one", "1.2"))
+
+        shutil.rmtree(self.folder / "out/runs/one")
+        for there in (True, False):  # the quick run
+            (_, (found, other)), = table.judge_all(self.lab, subjects, kept)
+            self.assertEqual((found.judged, found.quick, found.kept), (judge.Judged(MATCHES, "one"), False, "1.2"), there)
+            self.assertEqual((other.judged.verdict, other.kept), (UNKNOWN, ""))
+            self.assertIn("(f)", table.markdown([(subjects[0], [found])]))
+            shutil.rmtree(self.folder / "out/runs/one.quick", ignore_errors=True)
+        self.lab.scene(run).write_text("# exit 0, and another line\n")
+        (_, (found, _)), = table.judge_all(self.lab, subjects, kept)
+        self.assertEqual(found.judged.verdict, UNKNOWN)
 
     def test_a_failed_run_cannot_tell(self):
         run = self.run_of(1)

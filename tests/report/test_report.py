@@ -135,7 +135,7 @@ class RealRunsTest(ReportCase):
         """The pipeline of tools/quickstart: bed, map, medium, rods in it; shorter, so its numbers mean nothing."""
         shorter = [f"-s{key}={value}" for key, value in
                    (("granular.duration", 4), ("granular.equilibrate", 0.1), ("granular.runs", 2), ("granular.output.frames", 1),
-                    ("measure.from", 0), ("measure.block", 0.5))]
+                    ("measure.from", 0), ("measure.block", 0.5), ("measure.spacing", "2 a"))]
         self.expect(0, "run", rodwake.SCENES / "quickstart.toml", "-o", "out", "--quiet", "-j", "2", *shorter)
         page = self.page_of("out")
         self.assert_good(page, 8, "Granular bed", "Fit", "Solver", "Provenance")
