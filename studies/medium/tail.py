@@ -100,15 +100,25 @@ def bins():
 
 def fields(lab, speed):
     """U [seed, component, row, column]: of stored runs, else made now and kept with the other runs."""
-    found = []
+    files = []
     for seed in range(1, lab.count(SEEDS[speed]) + 1):
         file = STORED / f"{speed}_{seed}.csv"
         if not file.is_file():
             file = lab.folder / file.name
             if not file.is_file():
                 write(file, reduced(lab.make(f"tail_{speed}_{seed}", scene(speed, seed)), speed))
-        found.append(columns(file, "Ux", "Uy"))
-    return np.array(found).reshape(len(found), 2, 2 * ROWS + 1, BINS[0])
+        files.append(file)
+    return read(files)
+
+
+def read(files):
+    return np.array([columns(file, "Ux", "Uy") for file in files]).reshape(len(files), 2, 2 * ROWS + 1, BINS[0])
+
+
+def of_stored_runs(speed):
+    """What told_by tells of them and its errors, and of the theory of their mean: three arrays."""
+    measured = read(sorted(STORED.glob(f"{speed}_*.csv")))
+    return *with_jackknife(measured, lambda u: told_by(u, screening(speed))), told_by(theory(speed), screening(speed))
 
 
 def theory(speed, from_rest=True):
