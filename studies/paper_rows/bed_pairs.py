@@ -115,7 +115,7 @@ def captured(folder):
     return judge.Judged(found.verdict, f"{pairs['contact']} contacts and {pairs['pursuit']} pursuits in {runs} runs", "asked: half and more of the runs")
 
 
-SCATTER = "Single runs scatter widely: --full makes 50."
+SCATTER = "Single runs scatter widely."
 ROWS = "In our crystal the rod that heads across the close-packed rows turns towards them: the rows decide, not the other rod."
 PAIRS = Subject("The bed: two rods", (
     Row("trajectory_c", "Fig. 1 trajectory (c)", "15 a apart at φ_b = 0.78: the rods come together", changes(-1), (CRYSTAL,), ("tracks",), SCATTER),
