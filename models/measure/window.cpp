@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace rodwake::measure {
 
@@ -173,7 +174,9 @@ void Window::shares(double x, double y, double bin, std::span<double> share) con
         const double from = tx * (a.x - x) + ty * (a.y - y), to = from + length;
         take_edge(distance, std::atan2(from, distance), std::atan2(to, distance), bin, share, rest);
     });
-    double taken = 0.0;
+    // In a corner the border is seen in fewer directions than there are: in the others all is outside.
+    double taken = 1.0 - std::accumulate(rest.begin(), rest.end(), 0.0);
+    taken = taken > 1e-9 ? taken : 0.0;
     for (std::size_t k = 0; k < share.size(); ++k) {
         taken += rest[k];
         share[k] -= taken;

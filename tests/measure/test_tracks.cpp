@@ -101,6 +101,7 @@ TEST_CASE("The share of a circle inside a window is exact") {
         double x, y;
     } cases[] = {
         {Window::rectangle(0.0, 0.0, 5.0, 3.0), 1.0, 0.7}, {Window::rectangle(0.0, 0.0, 5.0, 3.0), 2.5, 1.5},
+        {Window::rectangle(0.0, 0.0, 5.0, 3.0), 5.0, 3.0}, // in a corner
         {Window::rectangle(0.0, 0.0, 5.0, 3.0), 0.0, 0.5}, // on the border
         {Window::circle(1.0, 2.0, 3.0), 2.0, 3.5},         {Window::circle(1.0, 2.0, 3.0), 1.0, 2.0},
         {Window::hull(hull_x, hull_y), 3.0, 1.0},          {Window::hull(hull_x, hull_y), 6.0, 1.6}};
