@@ -273,7 +273,9 @@ std::string_view unit_in_file(const ValueInfo& value) {
 std::vector<ColumnInfo> measured_values() {
     std::vector<ColumnInfo> values = {
         {"units.a", "m", "the bead radius"},
-        {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"}};
+        {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"},
+        {"order.at_border", "1",
+         "of tracks in an open window: share of the beads so near its border that psi6 leaves them out"}};
     for (const MeasureKind& kind : measure_kinds())
         for (const ValueInfo& value : kind.values)
             if (!value.is_text)

@@ -90,8 +90,6 @@ constexpr ToldValue<Found> values[] = {
     {{"points", "", "", "of $g_B$ that were fitted"}, [](F f) { return f.r.decay.points; }},
     {{.key = "reason", .meaning = "which numbers decided the class", .is_text = true},
      [](F f) { return f.r.decay.reason; }},
-    {{"at_border", "", "", "share of the beads so near the border of the window that they are left out"},
-     [](F f) { return f.r.at_border; }},
     {{"frames", "", "", "measured"}, [](F f) { return f.r.frames; }},
     {{"blocks", "", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
 };
@@ -136,15 +134,18 @@ MeasureReport report(const MeasuredCase& data) {
     const OrderResult r = measure::reduce(measure::take<OrderAccumulator>(data.sums, "order"));
     const Found f = {r, a};
     Values told = values_of(values, f);
-    if (!r.at_border)
-        std::erase_if(told, [](const NamedValue& value) { return value.name == "at_border"; });
+    std::string border;
+    if (r.at_border) { // of tracks alone, and told of by the stage
+        told.push_back({"at_border", *r.at_border});
+        border = fmt::format("; {:.2g} % of the beads are too near the border", 100.0 * *r.at_border);
+    }
     return {.values = std::move(told),
             .tables = {{"gr.csv", "pair correlation g(r); r in bead radii a", gr_infos,
                         columns_of(gr_columns, f)},
                        {"gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value",
                         gB_infos, columns_of(gB_columns, f)}},
-            .line = fmt::format("psi6 {}, g_B {} ({}); neighbours within {:.3g} a", text(r.psi6),
-                                to_string(r.decay.decay), phase_of(r.decay.decay), r.cutoff / a)};
+            .line = fmt::format("psi6 {}, g_B {} ({}); neighbours within {:.3g} a{}", text(r.psi6),
+                                to_string(r.decay.decay), phase_of(r.decay.decay), r.cutoff / a, border)};
 }
 
 } // namespace
