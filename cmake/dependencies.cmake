@@ -18,7 +18,8 @@ set(RODWAKE_FIND_nlohmann_json nlohmann_json)
 set(RODWAKE_FIND_HDF5C HDF5C)
 set(RODWAKE_FIND_SQLite SQLite3 3.40)
 set(RODWAKE_FIND_hwy hwy) # its run-time part links with the vector kernels
-foreach(package Threads Eigen3 Boost SUNDIALS NLopt tomlplusplus CLI11 fmt spdlog nlohmann_json HDF5C SQLite hwy)
+set(RODWAKE_FIND_pugixml pugixml)
+foreach(package Threads Eigen3 Boost SUNDIALS NLopt tomlplusplus CLI11 fmt spdlog nlohmann_json HDF5C SQLite hwy pugixml)
     find_package(${RODWAKE_FIND_${package}} REQUIRED)
 endforeach()
 

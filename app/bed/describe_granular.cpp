@@ -211,6 +211,8 @@ std::string box_text(const scene::Granular& bed, const GranularProblem& problem)
 }
 
 void describe_granular(const Plan& plan, Lines& lines) {
+    if (plan.scene.tracks)
+        return describe_tracks(plan, lines);
     if (plan.beds.empty()) {
         lines.push_back({false, "granular bed: no [granular] table"});
         return;

@@ -99,6 +99,13 @@ std::int64_t steps_between_frames(const Scene& scene) {
                                  1);
 }
 
+double measured_interval(const Scene& scene) {
+    if (!scene.tracks)
+        return static_cast<double>(steps_between_frames(scene)) * scene::time_step(*scene.granular);
+    const auto& rate = scene.tracks->frames_per_second;
+    return scene.measure->interval.value_or(rate ? 1.0 / *rate : 0.0);
+}
+
 std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem) {
     const auto needs_frames = [&](const MeasureKind& kind) {
         return kind.include && kind.wanted(*scene.measure);
@@ -115,6 +122,18 @@ std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granula
             if (needs_frames(kind))
                 kind.include(scene, plan);
         plan.key_text = key_text(*scene.measure, plan);
+        return plan;
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", scene.path, error.what()));
+    }
+}
+
+MeasurePlan measure_plan(const Scene& scene, const measure::Layout& layout, double interval) {
+    try {
+        MeasurePlan plan{measure::Measures(layout, scene.measure->from), interval, 1, 1, {}};
+        for (const MeasureKind& kind : measure_kinds())
+            if (kind.include && kind.wanted(*scene.measure))
+                kind.include(scene, plan);
         return plan;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", scene.path, error.what()));

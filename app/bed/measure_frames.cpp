@@ -145,10 +145,9 @@ std::string why_no_frames(const measure::Measures& measures) {
         return fmt::format("no frame to measure: the rod travels less than measure.from = {:g} a; run longer "
                            "(granular.duration), or make measure.from shorter",
                            measures.from_travel() / measures.layout().bead_radius);
-    return fmt::format(
-        "no frame to measure from measure.from = {:g} s on; run longer (granular.duration), or make "
-        "measure.from shorter",
-        measures.from());
+    return fmt::format("no frame to measure from measure.from = {:g} s on; {}, or make measure.from shorter",
+                       measures.from(),
+                       measures.layout().velocities ? "run longer (granular.duration)" : "film longer");
 }
 
 std::optional<measure::Measures> measure_trajectory(const std::filesystem::path& file,

@@ -3,11 +3,13 @@
 #include "granular_jobs.hpp"
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
+#include "measured_tracks.hpp"
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/periodic.hpp"
+#include "rodwake/scene/read.hpp"
 #include "run/log.hpp"
 #include "run/stage_kind.hpp"
 #include "run_tables.hpp"
@@ -151,15 +153,19 @@ std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& co
     if (const std::string lacking = names_where(lacks_tables); !lacking.empty())
         log->warn("measure: made from a run's own tables, and so left out with measure.trajectory: {}",
                   lacking);
-    for (const MeasureKind& kind : measure_kinds())
-        if (kind.wanted(m) && !lacks_tables(kind)) {
-            data.earlier = results.reports;
-            report(kind, data, results);
-        }
+    report_measures(std::move(data), results);
     return results;
 }
 
 } // namespace
+
+void report_measures(MeasuredCase data, CaseResults& results) {
+    for (const MeasureKind& kind : measure_kinds())
+        if (kind.wanted(*data.scene.measure) && (kind.include || !data.tables.empty())) {
+            data.earlier = results.reports;
+            report(kind, data, results);
+        }
+}
 
 std::vector<RunFiles> finished_runs(const Case& one, const fs::path& folder, const Logger& log) {
     const std::string foreign = one.scene.measure ? one.scene.measure->trajectory : "";
@@ -198,6 +204,8 @@ void require_recorded(const Plan& plan, const fs::path& folder) {
 }
 
 void require_measurable(const Plan& plan, const fs::path& folder, const RunContext& context) {
+    if (plan.scene.tracks)
+        return require_tracks(plan.scene);
     if (!plan.scene.measure->trajectory.empty())
         return require_trajectory(plan);
     if (!only_measures(plan))
@@ -211,14 +219,13 @@ void require_measurable(const Plan& plan, const fs::path& folder, const RunConte
 
 StageEnd measure_folder(const Plan& plan, const RunContext& context, const fs::path& folder,
                         const Logger& log) {
-    const MeasureOrigin origin{context.command, static_cast<std::uint64_t>(plan.scene.granular->seed)};
+    const auto& bed_table = plan.scene.granular;
+    const MeasureOrigin origin{context.command, bed_table ? static_cast<std::uint64_t>(bed_table->seed) : 0};
     std::vector<CaseResults> all;
     StageEnd end = StageEnd::finished;
-    for (const BedPlan& bed : plan.beds) {
-        const Case& one = bed.of;
-        auto results = measure_case(bed, context, folder, log);
+    const auto take = [&](const Case& one, std::optional<CaseResults> results) {
         if (!results)
-            return StageEnd::interrupted;
+            return false;
         fs::create_directories(folder / one.folder);
         write_measures(folder / one.folder, *results, origin);
         for (const auto& [name, reason] : results->not_measured) {
@@ -228,7 +235,15 @@ StageEnd measure_folder(const Plan& plan, const RunContext& context, const fs::p
         for (const std::string& line : describe(*results))
             log->info("{}", line);
         all.push_back(std::move(*results));
+        return true;
+    };
+    if (plan.scene.tracks) {
+        const Case one{"scene", "", "", plan.scene};
+        return take(one, measure_tracks(one, context, folder, log)) ? end : StageEnd::interrupted;
     }
+    for (const BedPlan& bed : plan.beds)
+        if (!take(bed.of, measure_case(bed, context, folder, log)))
+            return StageEnd::interrupted;
     if (all.size() > 1)
         write_series(folder, all);
     return end;
@@ -258,7 +273,9 @@ std::string_view unit_in_file(const ValueInfo& value) {
 std::vector<ColumnInfo> measured_values() {
     std::vector<ColumnInfo> values = {
         {"units.a", "m", "the bead radius"},
-        {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"}};
+        {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"},
+        {"order.at_border", "1",
+         "of tracks in an open window: share of the beads so near its border that psi6 leaves them out"}};
     for (const MeasureKind& kind : measure_kinds())
         for (const ValueInfo& value : kind.values)
             if (!value.is_text)
@@ -274,7 +291,9 @@ std::vector<FileKind> measure_result_files() {
         {"series.json", Lifetime::result, "fits over the rows of series.csv"},
         {"measure.json", Lifetime::result, "what was measured, with errors; lengths in a, speeds in a/s",
          measured},
-        {"series.csv", Lifetime::result, "a row for the scene and one for each variant", series}};
+        {"series.csv", Lifetime::result, "a row for the scene and one for each variant", series},
+        {"tracks.json", Lifetime::result, "what there is in the file of tracks, and what was left out",
+         tracks_values()}};
     for (const MeasureKind& kind : measure_kinds())
         for (const FileInfo& file : kind.files)
             files.push_back({file.pattern, Lifetime::result, file.what, file.columns});
@@ -291,6 +310,12 @@ StageKind measure_stage() {
             [](const scene::Scene& s) { return s.measure && scan_subject(s) != scene::ScanSubject::beds; },
         .key =
             [](const scene::Scene& s) {
+                if (s.tracks) {
+                    scene::Scene key;
+                    key.tracks = s.tracks;
+                    key.measure = s.measure;
+                    return scene::to_plain_toml(key);
+                }
                 return key_of_beds(
                     s, [](scene::Scene& key, const scene::Scene& of) { key.measure = of.measure; });
             },

@@ -41,6 +41,9 @@ void write_measures(const std::filesystem::path& folder, const CaseResults& resu
 /// Throws RunError.
 void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases);
 
+/// Of each measure that is wanted and can be made of these data: its report, or why it cannot be had.
+void report_measures(MeasuredCase data, CaseResults& results);
+
 /// A few lines for the terminal.
 std::vector<std::string> describe(const CaseResults& results);
 

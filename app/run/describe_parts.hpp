@@ -10,6 +10,7 @@ namespace rodwake::app {
 using Lines = std::vector<PlanLine>;
 
 void describe_granular(const Plan& plan, Lines& lines);
+void describe_tracks(const Plan& plan, Lines& lines);
 void describe_measures(const BedPlan& bed, Lines& lines);
 void describe_fit(const Plan& plan, Lines& lines);
 

@@ -48,7 +48,7 @@ Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInp
     Plan plan{scene, {stages.begin(), stages.end()}, {}, {}, std::move(inputs.fit), {}, {}};
     const bool scans_beds = plan.has(Stage::scan) && scan_subject(scene) == scene::ScanSubject::beds;
     const bool bed_order = plan.has(Stage::order) && order_of_bed(scene);
-    if (plan.has(Stage::granular) || plan.has(Stage::measure) || bed_order || scans_beds)
+    if (plan.has(Stage::granular) || (plan.has(Stage::measure) && scene.granular) || bed_order || scans_beds)
         plan.beds = plan_beds(scene);
     if (plan.has(Stage::rods))
         plan.rods = plan_rods(scene);

@@ -107,7 +107,8 @@ StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context
             "stopped by a signal; what was computed is in {}; the same command goes on from the last "
             "checkpoint, or starts again where there is none yet",
             folder.string());
-    const bool drawn_later = only_measures(plan) || only(plan, Stage::fit) || only(plan, Stage::scan);
+    const bool drawn_later = (only_measures(plan) && !(plan.scene.tracks && context.draws)) ||
+                             only(plan, Stage::fit) || only(plan, Stage::scan);
     if (end == StageEnd::finished || end == StageEnd::incomplete)
         session.log->info("results in {}{}", folder.string(),
                           drawn_later ? "; rodwake plot " + folder.string() + " draws them" : "");

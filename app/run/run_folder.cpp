@@ -81,6 +81,8 @@ std::vector<fs::path> inputs_of(const scene::Scene& scene) {
         names.push_back(scene.measure->trajectory);
     if (scene.granular)
         names.push_back(scene.granular->restart_from);
+    if (scene.tracks)
+        names.push_back(scene.tracks->file);
     if (scene.scan)
         names.push_back(scene.scan->file);
     if (scene.medium && scene.medium->measured)

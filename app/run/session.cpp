@@ -68,7 +68,7 @@ void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const O
     results.attribute("/", "schema", std::int64_t{1});
     results.attribute("/", "rodwake_version", build_info().version);
     results.attribute("/", "title", scene.title);
-    const bool bed_only = scene.granular && !scene.field && !scene.rods_run;
+    const bool bed_only = (scene.granular || scene.tracks) && !scene.field && !scene.rods_run;
     results.attribute("/", "units", bed_only ? "si" : units.system);
     results.attribute("/", "length_unit", bed_only ? "m" : units.length_name);
     results.attribute("/", "time_unit", bed_only ? "s" : units.time_name);

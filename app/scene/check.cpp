@@ -24,6 +24,7 @@ bool has_table(const Scene& scene, std::string_view name) {
                                                         {"rods_run", scene.rods_run.has_value()},
                                                         {"field", scene.field.has_value()},
                                                         {"granular", scene.granular.has_value()},
+                                                        {"tracks", scene.tracks.has_value()},
                                                         {"measure", scene.measure.has_value()},
                                                         {"fit", scene.fit.has_value()},
                                                         {"variants", !scene.variants.empty()}};
@@ -39,9 +40,11 @@ public:
 
     void tables() {
         const bool listed = has("rods"), random = has("rods_random"), rods = listed || random,
-                   run = has("rods_run"), field = has("field"), bed = has("granular");
-        if (!rods && !run && !field && !bed && !has("fit"))
-            add("", "nothing to do: give [[rods]] with [rods_run], or [field], or [granular], or [fit]");
+                   run = has("rods_run"), field = has("field"), bed = has("granular"), tracks = has("tracks");
+        if (!rods && !run && !field && !bed && !tracks && !has("fit"))
+            add("",
+                "nothing to do: give [[rods]] with [rods_run], or [field], or [granular], or [tracks], or "
+                "[fit]");
         if (listed && random)
             add("rods", "[[rods]] and [rods_random] are given: leave one out");
         if (rods && !run)
@@ -57,8 +60,14 @@ public:
             add("coupling", "[coupling] of two or more rods needs [medium]");
         if (has("variants") && !rods && !bed)
             add("variants", "[[variants]] run the rods or the bed again: they need [[rods]] or [granular]");
-        if (has("measure") && !bed)
-            add("measure", "[measure] needs [granular], the bed that is measured");
+        if (has("measure") && !bed && !tracks)
+            add("measure", "[measure] needs [granular], the bed that is measured, or [tracks]");
+        if (tracks && bed)
+            add("tracks",
+                "[tracks] and [granular] are given: what a camera saw stands in place of a bed; leave one "
+                "out");
+        if (tracks && !has("measure"))
+            add("tracks", "[tracks] needs [measure], for example with order = true");
     }
 
     void values() {
@@ -74,6 +83,8 @@ public:
         check_rods(scene_, report);
         check_granular(scene_, report);
         check_measure(scene_, report);
+        check_tracks(scene_, report);
+        check_measured_tracks(scene_, report);
         check_fit(scene_, report);
         check_scan(scene_, report);
         unique_names(scene_.figures, "figures");

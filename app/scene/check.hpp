@@ -30,6 +30,9 @@ void check_figures(const Scene& scene, const Report& report);
 /// What needs the geometry of rods (does it fit?) is left to granular::validate.
 void check_granular(const Scene& scene, const Report& report);
 void check_measure(const Scene& scene, const Report& report); ///< between [measure] and the bed
+void check_tracks(const Scene& scene, const Report& report);  ///< [tracks]
+/// Between [measure] and the tracks.
+void check_measured_tracks(const Scene& scene, const Report& report);
 void check_rods(const Scene& scene, const Report& report); ///< [rods_random], [rods_run], and with the medium
 void check_medium(const Scene& scene, const Report& report); ///< measured or dynamic
 /// Whether axes name keys of the scene is seen when they are looked up (compile_setter).

@@ -274,6 +274,52 @@ struct As<Settings> : Whole<Settings> {
     }
 };
 
+// What a camera sees: a word, or a table of one list.
+
+template<>
+struct As<TracksWindow> : Whole<TracksWindow> {
+    static constexpr std::string_view words[] = {"hull", "periodic"};
+    static bool read(const Input& in, TracksWindow& value) {
+        if (in.node.as<std::string>()) {
+            const auto* word = word_of(in, words);
+            if (word)
+                value = {*word == words[0] ? WindowKind::hull : WindowKind::periodic, {}};
+            return word;
+        }
+        const auto* table = in.node.as<Node::Table>();
+        const std::string name = table && table->size() == 1 ? table->front().key : "";
+        if (name != "circle" && name != "rectangle")
+            return in.wrong_type(
+                "expected a string such as \"hull\", { circle = [x, y, radius] } or { rectangle = "
+                "[x0, y0, x1, y1] }");
+        const bool circle = name == "circle";
+        TracksWindow found{circle ? WindowKind::circle : WindowKind::rectangle, {}};
+        Key sizes = in.key;
+        sizes.unit(Dimension::length);
+        if (!read_list(
+                in.at(table->front().value, "." + name).with(sizes.items(circle ? 3 : 4, circle ? 3 : 4)),
+                sizes, found.sizes))
+            return false;
+        value = std::move(found);
+        return true;
+    }
+    static std::string text(const Key& key, const TracksWindow& value, const Units& units) {
+        if (value.sizes.empty())
+            return in_quotes(words[value.kind == WindowKind::periodic]);
+        Key sizes = key;
+        return fmt::format("{{ {} = {} }}", value.kind == WindowKind::circle ? "circle" : "rectangle",
+                           As<std::vector<double>>::text(sizes.unit(Dimension::length), value.sizes, units));
+    }
+    static Description about(const Key&, const TracksWindow&) {
+        return {"string",
+                in_quotes(words[0]),
+                comma_list(words),
+                false,
+                {std::string(words[0]), std::string(words[1])}};
+    }
+};
+
+template const Codec& codec_of<TracksWindow>();
 template const Codec& codec_of<Settings>();
 template const Codec& codec_of<std::vector<double>>();
 template const Codec& codec_of<std::vector<long>>();

@@ -10,12 +10,12 @@ using enum Dimension;
 
 /// What "a" means in tables of the bed.
 double bed_radius(const Scene& scene) {
-    return scene.granular ? scene.granular->bead_radius : default_bead_radius;
+    return scene.granular || scene.tracks ? measured_radius(scene) : default_bead_radius;
 }
 
 /// What "a" means in [fit].
 double bead_radius(const Scene& scene) {
-    return !scene.granular && scene.scales ? scene.scales->bead_radius : bed_radius(scene);
+    return !scene.granular && !scene.tracks && scene.scales ? scene.scales->bead_radius : bed_radius(scene);
 }
 
 /// What reduced units are in the numbers of rods.csv.
@@ -99,6 +99,9 @@ void fields(Visitor& v, Scene& scene) {
                 .doc("Beads and rods between two vibrating plates, periodic in x and y. SI, with its "
                      "own `a`."),
             scene.granular);
+    v.table(key("tracks").doc(
+                "What a camera saw, in place of [granular]: a file of tracks. SI, with its own `a`."),
+            scene.tracks);
     FigureUnits of_figures{units, si_units(bed_radius(scene)), file_units(bead_radius(scene), "a")};
     v.use_units(scene.granular && !scene.rods_run ? of_figures.bed : units);
     v.table(key("rods_order")
@@ -106,10 +109,10 @@ void fields(Visitor& v, Scene& scene) {
                      "[rods_run] of the motile rods of the bed, then SI with the bed's `a`."),
             scene.rods_order);
     v.use_units(of_figures.bed);
-    v.table(
-        key("measure").doc("What is measured of the granular run; what is absent is not measured. SI, with "
-                           "the bed's `a`."),
-        scene.measure);
+    v.table(key("measure").doc("What is measured of the granular run, or of the tracks; what is absent is "
+                               "not measured. SI, with "
+                               "their `a`."),
+            scene.measure);
     v.use_units(of_figures.fit);
     const FitUnits of_fit{of_figures.fit, si_units(bead_radius(scene)), scales_of_tracks(scene)};
     v.table(key("fit").doc("What is fitted to measured profiles and tracks."), scene.fit,

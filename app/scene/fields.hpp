@@ -29,6 +29,8 @@ void fields(Visitor& v, Contacts& contacts);
 void fields(Visitor& v, GranularOutput& output);
 void fields(Visitor& v, GranularRod& rod);
 void fields(Visitor& v, Granular& granular);
+void fields(Visitor& v, TracksColumns& columns);
+void fields(Visitor& v, Tracks& tracks);
 void fields(Visitor& v, Measure& measure);
 void fields(Visitor& v, FitMask& mask);
 void map_fields(Visitor& v, Fit& fit);

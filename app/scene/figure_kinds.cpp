@@ -29,6 +29,8 @@ constexpr FigureNeed rods_order{"[rods_order]",
                                 [](const Scene& s, const Figure&) { return s.rods_order.has_value(); }};
 constexpr FigureNeed bed_itself{"[granular]",
                                 [](const Scene& s, const Figure&) { return s.granular.has_value(); }};
+constexpr FigureNeed beads{"[granular] or [tracks]",
+                           [](const Scene& s, const Figure&) { return s.granular || s.tracks; }};
 constexpr FigureNeed frames{"\"h5md\" in granular.output.formats", [](const Scene& s, const Figure&) {
                                 return contains(s.granular->output.formats, "h5md");
                             }};
@@ -108,23 +110,13 @@ const std::vector<FigureKind>& figure_kinds() {
          {"trajectory.h5md"},
          {"colour", "fps", "x", "y"}},
         {"granular_table", "temperatures, order and overlap in time", bed, {bed_itself}, {"table.csv"}, {}},
-        {"pair_correlation", "g(r) of the beads", measure, {bed_itself, order}, {"gr.csv"}, {"x"}},
-        {"bond_order",
-         "correlation g_B(r) of the bond order",
-         measure,
-         {bed_itself, order},
-         {"gB.csv"},
-         {"x"}},
-        {"msd",
-         "mean-square displacement of the beads",
-         measure,
-         {bed_itself, microrheology},
-         {"msd.csv"},
-         {}},
+        {"pair_correlation", "g(r) of the beads", measure, {beads, order}, {"gr.csv"}, {"x"}},
+        {"bond_order", "correlation g_B(r) of the bond order", measure, {beads, order}, {"gB.csv"}, {"x"}},
+        {"msd", "mean-square displacement of the beads", measure, {beads, microrheology}, {"msd.csv"}, {}},
         {"stiffness",
          "1/(s MSD~(s)) and its value at s = 0",
          measure,
-         {bed_itself, microrheology},
+         {beads, microrheology},
          {"stiffness.csv"},
          {}},
         {"memory_kernel",

@@ -145,7 +145,7 @@ LagBlock block(const MicrorheologyAccumulator& run, const std::vector<Lag>& lags
     for (std::size_t i = 0; i < lags.size(); ++i)
         for (std::size_t g = first; g < end; ++g) {
             b.sum[i] += run.levels()[lags[i].level].sum[lags[i].channel * groups + g];
-            b.weight[i] += origins(run, lags[i]) * run.group_sizes()[g];
+            b.weight[i] += run.weight(lags[i].level, lags[i].channel, g);
         }
     return b;
 }

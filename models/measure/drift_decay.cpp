@@ -93,12 +93,12 @@ std::string absence_of(std::span<const DriftPath> runs, const Estimate& drag_rat
 }
 
 /// Lags between which the balance is drawn, in intervals.
-struct Window {
+struct LagWindow {
     std::size_t low, high;
 };
 
 /// high = 0: C does not fall to a part 1/e of what it is at the first lag.
-Window window_of(const Row& drift, double interval, double settle) {
+LagWindow window_of(const Row& drift, double interval, double settle) {
     const auto low = static_cast<std::size_t>(std::lround(settle / interval));
     for (std::size_t k = low + 1; k < drift.size() && drift[low] > 0.0; ++k)
         if (drift[k] <= drift[low] / std::exp(1.0))
@@ -106,7 +106,7 @@ Window window_of(const Row& drift, double interval, double settle) {
     return {low, 0};
 }
 
-double trapezoid(const Row& values, const Window& w, double interval) {
+double trapezoid(const Row& values, const LagWindow& w, double interval) {
     double sum = 0.5 * (values[w.low] + values[w.high]);
     for (std::size_t k = w.low + 1; k < w.high; ++k)
         sum += values[k];
@@ -123,7 +123,7 @@ struct Balance {
 };
 
 /// J gains what taking off the mean of a run of `length` s took from it; the rate is found along with it.
-Balance balance_of(const DriftCorrelation& c, const Window& w, double interval, double length, double mass,
+Balance balance_of(const DriftCorrelation& c, const LagWindow& w, double interval, double length, double mass,
                    double drag_rate) {
     constexpr int rounds = 8; // each a tenth of the one before
     const double t1 = interval * static_cast<double>(w.low), t2 = interval * static_cast<double>(w.high);
@@ -174,7 +174,7 @@ DriftDecay drift_decay(std::span<const DriftPath> runs, double mass, const Estim
     const DriftBlocks blocks = drift_blocks(runs, longest_lag, options.block);
     const std::size_t count = blocks.sums.size();
     const DriftCorrelation all = drift_correlation(blocks.sums, count);
-    const Window window = window_of(all.drift, blocks.interval, options.settle);
+    const LagWindow window = window_of(all.drift, blocks.interval, options.settle);
     result.lag_low = blocks.interval * static_cast<double>(window.low);
     result.lag_high = blocks.interval * static_cast<double>(window.high);
     const auto balance = [&](const DriftCorrelation& c) {

@@ -1,7 +1,7 @@
 #include "rodwake/measure/frame.hpp"
 
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/periodic.hpp"
 #include "rodwake/measure/rod_grid.hpp"
 
 #include <fmt/format.h>
@@ -25,14 +25,18 @@ void want_values(const char* what, const std::vector<double>& values, std::size_
         throw RunError(fmt::format("measure: {} that are not finite", what));
 }
 
-void want_inside(const std::vector<double>& places, double box) {
+void want_inside(const std::vector<double>& places, double box, bool with_border) {
     for (const double place : places)
-        if (!(place >= 0.0 && place < box))
+        if (!(place >= 0.0 && (place < box || (with_border && place == box))))
             throw RunError(
                 fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?", place, box));
 }
 
 } // namespace
+
+double seen_area(const Layout& layout) { return layout.window ? layout.window->area() : layout.box.area(); }
+
+PeriodicBox image_box(const Layout& layout) { return layout.window ? layout.box * 2.0 : layout.box; }
 
 PeriodicBox box_seen_by(std::size_t rod, const Layout& layout) {
     const double heading = layout.force                   ? layout.force->heading
@@ -53,7 +57,8 @@ void validate(const Layout& layout) {
     want_positive("side of the box", layout.box.x);
     want_positive("side of the box", layout.box.y);
     want_positive("bead radius", layout.bead_radius);
-    want_positive("bead mass", layout.bead_mass);
+    if (layout.velocities)
+        want_positive("bead mass", layout.bead_mass);
     if (layout.box.shorter() < 8.0 * layout.bead_radius)
         throw InputError(fmt::format("measure: a box of side {:.3g} a: must be at least 8 a",
                                      layout.box.shorter() / layout.bead_radius));
@@ -61,15 +66,32 @@ void validate(const Layout& layout) {
         throw InputError("measure: there are no beads to measure");
 }
 
+namespace {
+
+/// How many beads a frame of tracks has, and that it names them.
+std::size_t named_beads(const Layout& layout, const Frame& frame) {
+    if (frame.bead.size() != frame.x.size())
+        throw RunError(
+            fmt::format("measure: a frame names {} of its {} beads", frame.bead.size(), frame.x.size()));
+    for (std::size_t i = 0; i < frame.bead.size(); ++i)
+        if (frame.bead[i] != untracked &&
+            (frame.bead[i] >= layout.all_beads || (i > 0 && frame.bead[i] <= frame.bead[i - 1])))
+            throw RunError("measure: beads of a frame that are not in the order of their numbers");
+    return frame.x.size();
+}
+
+} // namespace
+
 void check_frame(const Layout& layout, const Frame& frame) {
     if (!std::isfinite(frame.time))
         throw RunError("measure: the time of a frame is not finite");
+    const std::size_t beads = layout.all_beads > 0 ? named_beads(layout, frame) : layout.beads;
     for (const auto* values : {&frame.x, &frame.y, &frame.unwrapped_x, &frame.unwrapped_y})
-        want_values("coordinates of beads", *values, layout.beads);
+        want_values("coordinates of beads", *values, beads);
     for (const auto* values : {&frame.vx, &frame.vy})
-        want_values("velocities of beads", *values, layout.beads);
-    want_inside(frame.x, layout.box.x);
-    want_inside(frame.y, layout.box.y);
+        want_values("velocities of beads", *values, layout.velocities ? beads : 0);
+    want_inside(frame.x, layout.box.x, layout.window.has_value());
+    want_inside(frame.y, layout.box.y, layout.window.has_value());
     if (frame.rods.size() != layout.rods)
         throw RunError(
             fmt::format("measure: {} rods in a frame, expected {}", frame.rods.size(), layout.rods));

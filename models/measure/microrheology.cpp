@@ -128,7 +128,8 @@ void set_spring(MicrorheologyResult& result, Runs runs) {
     }
     result.temperature = sum / static_cast<double>(result.frames);
     const double factor = 4.0 * runs[0].layout().bead_mass * result.temperature;
-    result.spring = result.stiffness_zero.scaled(factor);
+    if (runs[0].layout().velocities)
+        result.spring = result.stiffness_zero.scaled(factor);
 }
 
 } // namespace
@@ -197,7 +198,8 @@ double variance(const Row& values) {
     return sum / n;
 }
 
-void keep_last(std::vector<Row>& frames, const Row& frame) {
+template<class Values>
+void keep_last(std::vector<Values>& frames, const Values& frame) {
     if (frames.size() == channels)
         std::rotate(frames.begin(), frames.begin() + 1, frames.end());
     else
@@ -244,6 +246,12 @@ MicrorheologyAccumulator::MicrorheologyAccumulator(const Layout& layout, const M
             static_cast<double>(first_of(g + 1, layout.beads) - first_of(g, layout.beads)));
 }
 
+double MicrorheologyAccumulator::weight(std::size_t level, std::size_t channel, std::size_t group) const {
+    const Level& of = levels_[level];
+    return layout_.all_beads > 0 ? of.pairs[channel * groups + group]
+                                 : of.origins[channel] * group_sizes_[group];
+}
+
 double MicrorheologyAccumulator::temperature() const {
     return frames() > 0 ? temperature_sum_ / static_cast<double>(frames()) : 0.0;
 }
@@ -261,13 +269,16 @@ void MicrorheologyAccumulator::start(const Frame& frame) {
 void MicrorheologyAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
     times_.next(frame.time, "microrheology");
-    if (times_.frames == 1)
+    if (times_.frames == 1 && layout_.all_beads == 0)
         start(frame);
     if (times_.frames == 2 && options_.longest_lag > 0.0 && !within_longest(1))
         throw InputError(
             fmt::format("measure: microrheology, longest lag {:g} s: is below the {:g} s between frames",
                         options_.longest_lag, times_.interval));
-    temperature_sum_ += (variance(frame.vx) + variance(frame.vy)) / 2.0;
+    if (layout_.velocities)
+        temperature_sum_ += (variance(frame.vx) + variance(frame.vy)) / 2.0;
+    if (layout_.all_beads > 0)
+        return add_named(frame);
     push(0, displacements(frame.unwrapped_x, first_x_, order_),
          displacements(frame.unwrapped_y, first_y_, order_));
 }
@@ -296,17 +307,30 @@ void MicrorheologyAccumulator::correlate(std::size_t number, const Row& x, const
     }
 }
 
-void MicrorheologyAccumulator::push(std::size_t number, const Row& x, const Row& y) {
+void MicrorheologyAccumulator::push(std::size_t number, const Row& x, const Row& y,
+                                    const std::vector<std::uint32_t>& bead) {
+    const bool named = layout_.all_beads > 0;
     if (number == levels_.size())
-        levels_.push_back({{}, {}, Row(channels * groups, 0.0), Row(channels, 0.0), 0.0});
-    correlate(number, x, y);
+        levels_.push_back({{},
+                           {},
+                           Row(channels * groups, 0.0),
+                           Row(channels, 0.0),
+                           0.0,
+                           {},
+                           Row(named ? channels * groups : 0, 0.0)});
+    if (named)
+        correlate_named(number, x, y, bead);
+    else
+        correlate(number, x, y);
     Level& level = levels_[number];
     keep_last(level.x, x);
     keep_last(level.y, y);
+    if (named)
+        keep_last(level.bead, bead);
     level.frames += 1.0;
     const bool second = std::fmod(level.frames, 2.0) == 0.0;
     if (second && within_longest((channels / 2 + 1) << (number + 1)))
-        push(number + 1, x, y);
+        push(number + 1, x, y, bead);
 }
 
 void MicrorheologyAccumulator::save(StateWriter& out) const {

@@ -68,10 +68,11 @@ double decay_from(const Layout& layout) {
 /// finer than those shown. Neighbouring points share pairs. With each block left out in turn. `bin`: of g(r),
 /// m.
 DecayPoints decay_points(const std::vector<Block>& blocks, const Layout& layout, double bin) {
-    const double row =
-        std::sqrt(0.5 * std::sqrt(3.0) / static_cast<double>(layout.beads)) * layout.box.mean_side();
+    const double side = layout.window ? std::sqrt(seen_area(layout)) : layout.box.mean_side(),
+                 row = std::sqrt(0.5 * std::sqrt(3.0) / static_cast<double>(layout.beads)) * side;
     DecayPoints points;
-    points.box = layout.box;
+    if (!layout.window)
+        points.box = layout.box;
     points.without.resize(blocks.size());
     double correlation = 0.0;
     const auto all = groups(blocks.front().pairs.size(), bin, decay_from(layout), 2.0 * row);
@@ -138,6 +139,8 @@ Series series(const std::vector<Block>& blocks, Value value, Weight weight) {
 }
 
 constexpr auto frames_of = [](const Block& block) { return block.frames; };
+/// What g(r) is over: as many frames of all beads as would have as many pairs.
+constexpr auto full_frames_of = [](const Block& block) { return block.full_frames; };
 
 Estimate estimate(const Series& s, double growth) {
     Estimate e = mean_of_blocks(s.values, s.weights);
@@ -164,13 +167,15 @@ double common_growth(const std::vector<Series>& bins) {
 
 void reduce_g(const std::vector<Block>& blocks, const OrderAccumulator& run, OrderResult& result) {
     const std::size_t bins = blocks.front().pairs.size(), beads = run.layout().beads;
-    const PeriodicBox& box = run.layout().box;
     const double bin = run.options().bin, frames = static_cast<double>(result.frames);
-    const std::vector<double> of_one = pair_correlation(std::vector<double>(bins, 1.0), 1.0, beads, box, bin);
+    const std::vector<double> of_one =
+        pair_correlation(std::vector<double>(bins, 1.0), 1.0, beads, seen_area(run.layout()), bin);
+    const bool weighted = run.layout().window.has_value();
     std::vector<Series> all;
     for (std::size_t k = 0; k < bins; ++k)
         all.push_back(series(
-            blocks, [&](const Block& b) { return b.pairs[k] * of_one[k]; }, frames_of));
+            blocks, [&](const Block& b) { return (weighted ? b.weighted[k] : b.pairs[k]) * of_one[k]; },
+            full_frames_of));
     const double growth = common_growth(all);
     result.r = middles(bins, bin);
     for (std::size_t k = 0; k < bins; ++k) {
@@ -227,6 +232,8 @@ OrderResult reduce(std::span<const OrderAccumulator> runs) {
     result.psi6 = over_blocks(blocks, &Block::psi6);
     result.local_psi6 = over_blocks(blocks, &Block::local);
     result.neighbours = over_blocks(blocks, &Block::neighbours);
+    if (run.layout().window)
+        result.at_border = over_blocks(blocks, &Block::at_border).value;
     reduce_g(blocks, run, result);
     reduce_order(blocks, run, result);
     reduce_cutoff(runs, result);
@@ -260,12 +267,20 @@ void want_bins(const Layout& layout, const OrderOptions& options) {
                      options.order_bin, options.bin));
 }
 
+/// 1.4 spacings of the perfect triangular lattice of this density: between its first two shells, 1 and 1.73.
+double cutoff_by_spacing(const Layout& layout) {
+    const double area = seen_area(layout) / static_cast<double>(layout.beads);
+    return std::min(1.4 * std::sqrt(2.0 / std::sqrt(3.0) * area), 0.5 * layout.box.shorter());
+}
+
 /// Throws InputError for options outside their domain, a layout that is none, or fewer than 2 beads.
 void validate(const Layout& layout, const OrderOptions& options) {
     validate(layout);
     want(layout.beads >= 2, fmt::format("{} bead: order needs at least 2", layout.beads));
     want_bins(layout, options);
     want(positive(options.block), fmt::format("blocks of {:g} s: must be above 0", options.block));
+    want(!layout.window || options.neighbours == Neighbours::cutoff,
+         "Delaunay neighbours need a periodic box: with a window leave measure.order_neighbours out");
     want(options.cutoff_frames >= 1, "cut-off from 0 frames: must be at least 1");
     want(!options.cutoff || (positive(*options.cutoff) && *options.cutoff <= 0.5 * layout.box.shorter()),
          fmt::format("cut-off {:g} m for neighbours: must be above 0 and at most half the box, {:g} m",
@@ -277,15 +292,34 @@ std::size_t bins_of_order_bin(const OrderOptions& options) {
     return static_cast<std::size_t>(std::round(options.order_bin / options.bin));
 }
 
-/// 1.4 spacings of the perfect triangular lattice of this density: between its first two shells, 1 and 1.73.
-double cutoff_by_spacing(const Layout& layout) {
-    const double area = layout.box.area() / static_cast<double>(layout.beads);
-    return std::min(1.4 * std::sqrt(2.0 / std::sqrt(3.0) * area), 0.5 * layout.box.shorter());
-}
-
 void add_to(std::vector<double>& sums, const std::vector<double>& values, std::size_t together) {
     for (std::size_t k = 0; k < sums.size() * together; ++k)
         sums[k / together] += values[k];
+}
+
+/// Pairs of so many beads over those of a frame that has as many as the layout.
+double share_of_all_pairs(const Layout& layout, std::size_t beads) {
+    const double n = static_cast<double>(beads), all = static_cast<double>(layout.beads);
+    return n * (n - 1.0) / (all * (all - 1.0));
+}
+
+/// Which beads are farther than this from the border; all, where there is none.
+std::vector<std::size_t> inner_beads(const Layout& layout, double distance, const std::vector<double>& x,
+                                     const std::vector<double>& y) {
+    std::vector<std::size_t> inner;
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (!layout.window || layout.window->inside_by(x[i], y[i]) > distance)
+            inner.push_back(i);
+    return inner;
+}
+
+template<class T>
+std::vector<T> only(const std::vector<T>& values, const std::vector<std::size_t>& which) {
+    std::vector<T> kept;
+    kept.reserve(which.size());
+    for (const std::size_t i : which)
+        kept.push_back(values[i]);
+    return kept;
 }
 
 } // namespace
@@ -303,6 +337,8 @@ bool OrderAccumulator::waits() const {
 
 void OrderAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
+    if (frame.x.size() < 2) // of tracks: nobody there
+        return;
     if (!waits())
         return count(frame.time, frame.x, frame.y);
     waiting_.push_back({frame.time, frame.x, frame.y});
@@ -315,10 +351,13 @@ Cutoff OrderAccumulator::settled_cutoff() const {
         return cutoff_;
     const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin);
     std::vector<double> pairs(bins, 0.0);
-    for (const Waiting& frame : waiting_)
-        add_to(pairs, count_pairs(frame.x, frame.y, {}, layout_.box, options_.bin, bins).pairs, 1);
-    const std::vector<double> g = pair_correlation(pairs, static_cast<double>(waiting_.size()), layout_.beads,
-                                                   layout_.box, options_.bin);
+    double frames = 0.0;
+    for (const Waiting& frame : waiting_) {
+        add_to(pairs, pairs_for_g(frame.x, frame.y), 1);
+        frames += share_of_all_pairs(layout_, frame.x.size());
+    }
+    const std::vector<double> g =
+        pair_correlation(pairs, frames, layout_.beads, seen_area(layout_), options_.bin);
     const auto minimum = first_minimum(middles(bins, options_.bin), g, layout_.bead_radius);
     if (minimum && *minimum <= 0.5 * layout_.box.shorter())
         return {*minimum, false};
@@ -339,27 +378,48 @@ OrderAccumulator::Block& OrderAccumulator::block_at(double time) {
                           together = bins_of_order_bin(options_);
         blocks_.push_back({std::vector<double>(bins, 0.0), std::vector<double>(bins / together, 0.0),
                            std::vector<double>(bins / together, 0.0), std::vector<double>(bins, 0.0)});
+        if (layout_.window)
+            blocks_.back().weighted.assign(bins, 0.0);
         block_number_.push_back(number);
     }
     return blocks_.back();
 }
 
 void OrderAccumulator::count(double time, const std::vector<double>& x, const std::vector<double>& y) {
-    const LocalOrder order = options_.neighbours == Neighbours::delaunay
-                                 ? order_by_delaunay(x, y, layout_.box)
-                                 : order_by_cutoff(x, y, layout_.box, cutoff_.value);
+    const PeriodicBox box = image_box(layout_);
+    LocalOrder order = options_.neighbours == Neighbours::delaunay
+                           ? order_by_delaunay(x, y, box)
+                           : order_by_cutoff(x, y, box, cutoff_.value);
+    const std::vector<std::size_t> inner = inner_beads(layout_, cutoff_.value, x, y);
+    if (inner.empty())
+        throw InputError(fmt::format("measure: order: no bead is farther than the cut-off of {:.3g} a from "
+                                     "the border of the window; a larger window, or a smaller "
+                                     "measure.order_cutoff, is needed",
+                                     cutoff_.value / layout_.bead_radius));
+    order = {only(order.psi, inner), only(order.neighbours, inner)};
     const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
                       together = bins_of_order_bin(options_);
-    const PairSums sums = count_pairs(x, y, order.psi, layout_.box, options_.bin, bins);
+    const PairSums sums = count_pairs(only(x, inner), only(y, inner), order.psi, box, options_.bin, bins);
     Block& block = block_at(time);
     add_to(block.pairs, sums.pairs, 1);
     add_to(block.order_pairs, sums.pairs, together);
     add_to(block.order, sums.order, together);
     add_to(block.fine_order, sums.order, 1);
+    if (layout_.window)
+        add_to(block.weighted, pairs_for_g(x, y), 1);
     block.psi6 += order.global();
     block.local += order.mean_size();
     block.neighbours += order.mean_neighbours();
     block.frames += 1.0;
+    block.full_frames += share_of_all_pairs(layout_, x.size());
+    block.at_border += static_cast<double>(x.size() - inner.size()) / static_cast<double>(x.size());
+}
+
+std::vector<double> OrderAccumulator::pairs_for_g(const std::vector<double>& x,
+                                                  const std::vector<double>& y) const {
+    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin);
+    return layout_.window ? count_pairs_in(*layout_.window, x, y, layout_.box, options_.bin, bins)
+                          : count_pairs(x, y, {}, layout_.box, options_.bin, bins).pairs;
 }
 
 std::vector<OrderAccumulator::Block> OrderAccumulator::blocks() const {
@@ -406,6 +466,7 @@ void OrderAccumulator::load(StateReader& in) {
         Block block{in.array(bins), in.array(order_bins), in.array(order_bins), in.array(bins)};
         for (double* value : {&block.psi6, &block.local, &block.neighbours, &block.frames})
             *value = in.get();
+        block.full_frames = block.frames;
         blocks_.push_back(std::move(block));
         block_number_.push_back(in.get());
     }

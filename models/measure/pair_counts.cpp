@@ -69,17 +69,48 @@ PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
     return split(slots, bins);
 }
 
+std::vector<double> count_pairs_in(const Window& window, const std::vector<double>& x,
+                                   const std::vector<double>& y, const PeriodicBox& box, double bin,
+                                   std::size_t bins) {
+    constexpr double least_share = 1e-3; // less is a corner's tip, and rounding at the end of the range
+    const std::size_t n = x.size();
+    // The first place is that of the bead which looks at all the others: itself, at distance 0, is taken off.
+    std::vector<double> all_x(n + 1 + padding, 0.0), all_y = all_x, none = all_x;
+    std::ranges::copy(x, all_x.begin() + 1);
+    std::ranges::copy(y, all_y.begin() + 1);
+    const PairColumns columns{all_x.data(), all_y.data(), none.data(), none.data()};
+    const PeriodicBox without_images{2.0 * box.x, 2.0 * box.y};
+    std::vector<std::int32_t> at(n + padding);
+    std::vector<double> order(n + padding), share(bins), sums(bins, 0.0);
+    std::vector<std::int32_t> seen(static_cast<std::size_t>(1.0001 * std::hypot(box.x, box.y) / bin) + 2);
+    seen.resize(std::max(seen.size(), bins));
+    for (std::size_t i = 0; i < n; ++i) {
+        all_x[0] = x[i];
+        all_y[0] = y[i];
+        fill_pair_row(columns, 0, n, without_images, 1.0 / bin, at.data(), order.data());
+        std::ranges::fill(seen, 0);
+        for (std::size_t k = 0; k < n; ++k)
+            ++seen[static_cast<std::size_t>(at[k])];
+        --seen[0];
+        window.shares(x[i], y[i], bin, share);
+        for (std::size_t k = 0; k < bins; ++k)
+            if (share[k] > least_share)
+                sums[k] += 0.5 * seen[k] / share[k];
+    }
+    return sums;
+}
+
 std::size_t whole_bins(double side, double bin) {
     return static_cast<std::size_t>(side / (2.0 * bin) * (1.0 + 1e-12));
 }
 
 std::vector<double> pair_correlation(const std::vector<double>& pairs, double frames, std::size_t beads,
-                                     const PeriodicBox& box, double bin) {
+                                     double area, double bin) {
     const double n = static_cast<double>(beads), all = frames * n * (n - 1.0) / 2.0;
     std::vector<double> g(pairs.size(), 0.0);
     for (std::size_t k = 0; k < g.size() && all > 0.0; ++k) {
         const double ring = M_PI * bin * bin * (2.0 * static_cast<double>(k) + 1.0);
-        g[k] = pairs[k] / (all * ring / box.area());
+        g[k] = pairs[k] / (all * ring / area);
     }
     return g;
 }

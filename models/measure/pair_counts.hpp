@@ -3,6 +3,7 @@
 // one pair after the other, so that no vector width changes a bit.
 
 #include "rodwake/core/periodic.hpp"
+#include "rodwake/measure/window.hpp"
 
 #include <complex>
 #include <cstddef>
@@ -22,12 +23,19 @@ PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
                      const std::vector<std::complex<double>>& psi, const PeriodicBox& box, double bin,
                      std::size_t bins);
 
+/// Of beads in a window: pairs, each weighted by the mean of 1/(share of the circle through the other that
+/// lies inside), as seen from the one and from the other. So an ideal gas has as many at r as without a
+/// border. Places in the window's box, bins * bin <= half its shorter side.
+std::vector<double> count_pairs_in(const Window& window, const std::vector<double>& x,
+                                   const std::vector<double>& y, const PeriodicBox& box, double bin,
+                                   std::size_t bins);
+
 /// floor(side/2/bin), where a quotient within rounding of a whole number is that number.
 std::size_t whole_bins(double side, double bin);
 
 /// g(r) in each bin from the sums over so many frames of so many beads: pairs over those of an ideal gas.
 std::vector<double> pair_correlation(const std::vector<double>& pairs, double frames, std::size_t beads,
-                                     const PeriodicBox& box, double bin);
+                                     double area, double bin);
 std::vector<double> middles(std::size_t bins, double bin);
 
 // Distances of one bead to many, as bins: the part of the pair loop that is vectorised.

@@ -25,7 +25,7 @@ def draw_pair_correlation(run, spec):
 
 
 def window_of(run, spec):
-    return tuple(edge / run.granular.a for edge in spec.x)
+    return tuple(edge / bed_run.bead_radius(run) for edge in spec.x)
 
 
 def draw_one(axes, part, colour, window):
@@ -75,7 +75,7 @@ def draw_bond_order(run, spec):
         canvas.band(axes, r, g, sigma, colour, decay_label(part), lowest=lowest / 10)
     hexatic_guide(axes, tables)
     axes.set(xscale="log", yscale="log", ylim=(lowest, 1.3), xlabel=r"$r/a$", ylabel=r"$g_B(r)$")
-    window = tuple(edge / run.granular.a for edge in spec.x)
+    window = tuple(edge / bed_run.bead_radius(run) for edge in spec.x)
     axes.set_xlim(window or (min(r[0] for r, _, _ in tables), max(r[-1] for r, _, _ in tables)))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(canvas.LogLocator(subs=(1, 2, 5)))

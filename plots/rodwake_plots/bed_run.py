@@ -225,6 +225,11 @@ def of_measure(key, unit, factor=1.0, measure="microrheology"):
     return tell
 
 
+def bead_radius(run):
+    """In m, of a bed or of tracks."""
+    return run.scene["tracks"]["bead_radius"] if run.has_tracks else run.granular.a
+
+
 def mm_per_s(run):
     """What a speed in a/s, as the files of measures have it, is multiplied by to be in mm/s, as figures have it."""
     return 1e3 * run.granular.a

@@ -26,6 +26,16 @@ def bed_headline(run):
     return f'<p class="outcome"><span class="tag">granular</span>{text}.</p>'
 
 
+def tracks_headline(run):
+    """The same of what a camera saw, with what was left out."""
+    tracks = run.tracks
+    text = (f"{words.number(tracks['frames'])} frames of {words.number(tracks['beads_per_frame'], 4)} beads, "
+            f"{words.number(tracks['particles'])} tracks of {words.number(tracks['mean_length'], 4)} frames on average, "
+            f"{words.number(100 * tracks['lost_share'], 2)} % lost; {words.equation('<i>φ<sub>b</sub></i>', tracks['phi_b'], digits=3)}")
+    text += "".join(f"; {words.number(one['rows'])} {words.escape(one['why'])}" for one in tracks["left_out"])
+    return f'<p class="outcome"><span class="tag">tracks</span>{text}.</p>'
+
+
 def modelled_rows(run):
     """Rows (what, value) of what was simulated, from the resolved scene and the summary."""
     bed, scene = run.granular, run.scene.get("granular", {})
@@ -153,11 +163,11 @@ def number_row(parts, told):
 def measure_cell(part, told):
     """Speeds are in mm/s all over the report, whatever the file has."""
     table, key, factor, unit = told["measure"], told["key"], told["factor"], fit_words.unit_html(told["unit"])
-    if told["unit"] == "a/s":
-        factor, unit = 1e3 * part.granular.a, "mm/s"
     found = part.told(table, key)
     if found is None:
         return ""
+    if told["unit"] == "a/s":
+        factor, unit = 1e3 * part.granular.a, "mm/s"
     if not isinstance(found, dict):
         value = part.number(table, key)
         return f"{words.number(value * factor if isinstance(value, float) else value)} {unit}".strip()

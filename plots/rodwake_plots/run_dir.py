@@ -33,7 +33,8 @@ class RunDir:
         self.medium = self._json("medium.json")  # of the rods, where it was fitted
         self.tradeoff = self._json("tradeoff.json")
         self.rods_order = self._json("rods_order.json")
-        alone = (self._granular or self._fit or self._scan or self.tradeoff) and not (self.path / "result.h5").is_file()
+        self.tracks = self._json("tracks.json")
+        alone = (self._granular or self.tracks or self._fit or self._scan or self.tradeoff) and not (self.path / "result.h5").is_file()
         self._result = None if alone else Result(self.path / "result.h5")
         if self.has_result and self.result.has("/rods") and self.outcome is None:
             self.result.close()
@@ -53,6 +54,11 @@ class RunDir:
     @property
     def has_granular(self):
         return self._granular is not None
+
+    @property
+    def has_tracks(self):
+        """Measures of what a camera saw, without a bed."""
+        return self.tracks is not None
 
     @property
     def result(self):
@@ -98,7 +104,7 @@ class RunDir:
     def units(self):
         if self.has_result:
             return self.result.units
-        return Units("si" if self.has_granular else self.scene.get("units", "reduced"))
+        return Units("si" if self.has_granular or self.has_tracks else self.scene.get("units", "reduced"))
 
     @property
     def version(self):

@@ -39,7 +39,7 @@ def header(run):
 
 def abstract(run, sentences):
     """What was done and came out, and whether the theory fits."""
-    told = bed_sections.bed_headline(run) if run.has_granular else ""
+    told = bed_sections.bed_headline(run) if run.has_granular else bed_sections.tracks_headline(run) if run.has_tracks else ""
     told += fit_sections.headline(run) if run.has_fit else ""
     told += scan_words.scan_headline(run) if run.has_scan else ""
     told += outcome(run) if has_theory(run) else ""
@@ -109,7 +109,7 @@ def granular(run):
 
 def measures(run):
     """measure.json in words, of the scene and of its variants side by side."""
-    return table(*bed_sections.measures_table(run)) if run.has_granular else ""
+    return table(*bed_sections.measures_table(run)) if run.has_granular or run.has_tracks else ""
 
 
 def parameters(run):

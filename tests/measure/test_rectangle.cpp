@@ -143,7 +143,7 @@ TEST_CASE("pairs in a rectangle are counted as all pairs are, and a gas has g = 
                 counted[k] += 1.0;
     const Row pairs = count_pairs(p.x, p.y, {}, box, bin, bins).pairs;
     CHECK(pairs == counted);
-    const Row g = pair_correlation(pairs, 1.0, p.x.size(), box, bin);
+    const Row g = pair_correlation(pairs, 1.0, p.x.size(), box.area(), bin);
     double sum = 0.0, all = 0.0;
     for (std::size_t k = 0; k < bins; ++k) {
         sum += pairs[k];

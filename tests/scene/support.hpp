@@ -121,8 +121,20 @@ inline const std::string crowded = complete.substr(0, complete.find("[[rods]]"))
                                    "[rods_random]\ncount = 10\nextent = 40.0\nmin_separation = 0.5\n" +
                                    complete.substr(complete.find("[rods_run]"));
 
+/// Tracks of a camera in place of a bed.
+inline const std::string filmed = R"(schema = 1
+[tracks]
+file = "tracks.csv"
+frames_per_second = 50.0
+pixel = "12.4 um"
+[measure]
+order = true
+)";
+
 /// The scene in which the key may stand.
 inline const std::string& complete_for(const KeyInfo& info) {
+    if (info.table.starts_with("tracks"))
+        return filmed;
     if (info.table == "rods_random")
         return crowded;
     return info.table.starts_with("scan") ? scanned : complete;

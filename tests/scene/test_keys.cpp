@@ -68,6 +68,10 @@ std::string scene_for_example(const KeyInfo& info) {
         return replaced(scanned_grid, range, "");
     if (full_name(info) == "scan.file")
         return replaced(scanned.substr(0, scanned.find("[[scan.axes]]")), "adaptive", "list");
+    if (full_name(info) == "tracks.time_column")
+        return replaced(filmed, "frames_per_second = 50.0\n", "");
+    if (full_name(info) == "tracks.box")
+        return replaced(filmed, "pixel", "window = \"periodic\"\npixel");
     for (const char* name : {"cells", "boundary", "slices", "column"})
         if (full_name(info) == std::string("figures[].") + name)
             return scanned;

@@ -147,7 +147,11 @@ const std::vector<std::string> bases{
     "[\"m.h5\"]\n"
     "[[fit.profiles]]\nfile = \"u.csv\"\nrole = \"predict\"\n[[fit.compare]]\nname = \"l\"\nline = 0\n",
     bed("[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n"
-        "position = [0.001, 0.002]\n")};
+        "position = [0.001, 0.002]\n"),
+    filmed,
+    replaced(filmed, "frames_per_second = 50.0\npixel = \"12.4 um\"\n",
+             "time_column = \"t\"\nwindow = \"periodic\"\nbox = \"30 a\"\npixel = \"12.4 "
+             "um\"\n[tracks.columns]\nid = \"n\"\n")};
 
 /// What numbers mean is settled when the scene is read; a single modulus says nothing.
 const std::vector<std::string> never{"units",
@@ -157,6 +161,7 @@ const std::vector<std::string> never{"units",
                                      "medium.lame_lambda",
                                      "medium.bulk_modulus",
                                      "medium.mu",
+                                     "tracks.window",
                                      "fit.maps[].place_unit",
                                      "fit.maps[].value_unit",
                                      "fit.profiles[].place_unit",

@@ -40,7 +40,7 @@ std::optional<Estimate> drag_of(const Measure& m) {
 
 /// Of all that resists at the upper end of the range, how much is the inertia that is taken off.
 Value inertia_share(const StiffnessSpectrum& spectrum, const MemoryKernel& kernel) {
-    if (!spectrum.high)
+    if (!spectrum.high || kernel.s.empty())
         return {};
     const auto at = std::ranges::find(kernel.s, *spectrum.high) - kernel.s.begin();
     return 1.0 - kernel.with_drag[at] / kernel.total[at];
@@ -51,12 +51,14 @@ std::string line_of(const MicrorheologyResult& r, const Estimate& stiffness, boo
                                                            drag ? "memory kernel" : "kernel with drag",
                                                            *r.spectrum.low, *r.spectrum.high)
                                              : "memory kernel at no s within 2 %";
+    if (r.spring.count == 0)
+        return fmt::format("stiffness {} /a^2", text(stiffness));
     return fmt::format("stiffness {} /a^2, spring {} N/m, {}", text(stiffness), text(r.spring), range);
 }
 
 MicrorheologyResult reduced(const MeasuredCase& data, std::span<const MicrorheologyAccumulator> runs) {
     MicrorheologyResult r = measure::reduce(runs);
-    if (!data.tables.empty())
+    if (!data.tables.empty() && runs[0].layout().velocities)
         r.use_temperature(mean_of(of_summaries(data, "T_xy", "T_xy")).value);
     return r;
 }
@@ -83,7 +85,8 @@ constexpr ToldValue<Found> values[] = {
     {{"s_high", "Extrapolated to", "1/s", "highest $s$ used"}, [](F f) { return f.r.s_high; }},
     {{"window_narrowed", "", "", "whether there were too few lags for the wanted window"},
      [](F f) { return f.r.window_narrowed; }},
-    {{"temperature", "$T_{xy}$", "m^2/s^2", "of the measured frames"}, [](F f) { return f.r.temperature; }},
+    {{"temperature", "$T_{xy}$", "m^2/s^2", "of the measured frames"},
+     [](F f) { return f.r.spring.count > 0 ? Value(f.r.temperature) : Value(); }},
     {{"frames", "", "", "measured"}, [](F f) { return f.r.frames; }},
     {{"kernel_low", "Memory kernel from", "1/s", "lowest $s$ at which the run is long enough for 2 %"},
      [](F f) { return f.r.spectrum.low; }},
@@ -130,17 +133,23 @@ MeasureReport report(const MeasuredCase& data) {
     const MicrorheologyResult r = reduced(data, runs);
     const Estimate stiffness = r.stiffness_zero.scaled(a * a);
     const std::optional<Estimate> drag = drag_of(*data.scene.measure);
+    const bool warm = runs[0].layout().velocities; // else nothing is known of forces
     const MemoryKernel kernel =
-        measure::memory_kernel(r.spectrum, runs[0].layout().bead_mass, r.temperature, drag);
+        warm ? measure::memory_kernel(r.spectrum, runs[0].layout().bead_mass, r.temperature, drag)
+             : MemoryKernel{};
     const Found f = {r, kernel, drag, a};
-    return {.values = values_of(values, f),
-            .tables = {{"msd.csv", "mean-square displacement, drift removed; lag in s, msd in a^2", msd_infos,
-                        columns_of(msd_columns, f)},
-                       {"stiffness.csv", "1/(s MSD~(s)) in 1/a^2; s in 1/s", stiffness_infos,
-                        columns_of(stiffness_columns, f)},
-                       {"memory_kernel.csv", "memory kernel of what holds a bead in N/m against s in 1/s",
-                        kernel_infos, columns_of(kernel_columns, f)}},
-            .line = line_of(r, stiffness, drag.has_value())};
+    MeasureReport told = {
+        .values = values_of(values, f),
+        .tables = {{"msd.csv", "mean-square displacement, drift removed; lag in s, msd in a^2", msd_infos,
+                    columns_of(msd_columns, f)},
+                   {"stiffness.csv", "1/(s MSD~(s)) in 1/a^2; s in 1/s", stiffness_infos,
+                    columns_of(stiffness_columns, f)},
+                   {"memory_kernel.csv", "memory kernel of what holds a bead in N/m against s in 1/s",
+                    kernel_infos, columns_of(kernel_columns, f)}},
+        .line = line_of(r, stiffness, drag.has_value())};
+    if (!warm)
+        told.tables.pop_back();
+    return told;
 }
 
 } // namespace

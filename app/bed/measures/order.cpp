@@ -33,20 +33,20 @@ std::size_t stride(const Measure& m, double interval) {
 }
 
 void include(const Scene& scene, MeasurePlan& plan) {
-    include_sums<OrderAccumulator>(plan, "order", options_of(*scene.measure, scene.granular->bead_radius),
+    include_sums<OrderAccumulator>(plan, "order", options_of(*scene.measure, scene::measured_radius(scene)),
                                    stride(*scene.measure, plan.interval * static_cast<double>(plan.stride)));
 }
 
 std::string describe(const Scene& scene) {
     const Measure& m = *scene.measure;
-    const double interval =
-        static_cast<double>(steps_between_frames(scene)) * scene::time_step(*scene.granular);
+    const double interval = measured_interval(scene);
     const std::string rule = m.order_neighbours == measure::Neighbours::delaunay ? "Delaunay neighbours"
                              : m.order_cutoff ? fmt::format("neighbours within {:.3g} a",
-                                                            *m.order_cutoff / scene.granular->bead_radius)
+                                                            *m.order_cutoff / scene::measured_radius(scene))
                                               : "neighbours within the first minimum of g(r)";
-    return fmt::format("g(r), psi6 and g_B(r), {}, every {:g} s", rule,
-                       interval * static_cast<double>(stride(m, interval)));
+    const double every = interval > 0.0 ? interval * static_cast<double>(stride(m, interval))
+                                        : m.order_interval.value_or(0.5); // or the next frame's time
+    return fmt::format("g(r), psi6 and g_B(r), {}, every {:g} s", rule, every);
 }
 
 struct Found {
@@ -133,13 +133,19 @@ MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
     const OrderResult r = measure::reduce(measure::take<OrderAccumulator>(data.sums, "order"));
     const Found f = {r, a};
-    return {.values = values_of(values, f),
+    Values told = values_of(values, f);
+    std::string border;
+    if (r.at_border) { // of tracks alone, and told of by the stage
+        told.push_back({"at_border", *r.at_border});
+        border = fmt::format("; {:.2g} % of the beads are too near the border", 100.0 * *r.at_border);
+    }
+    return {.values = std::move(told),
             .tables = {{"gr.csv", "pair correlation g(r); r in bead radii a", gr_infos,
                         columns_of(gr_columns, f)},
                        {"gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value",
                         gB_infos, columns_of(gB_columns, f)}},
-            .line = fmt::format("psi6 {}, g_B {} ({}); neighbours within {:.3g} a", text(r.psi6),
-                                to_string(r.decay.decay), phase_of(r.decay.decay), r.cutoff / a)};
+            .line = fmt::format("psi6 {}, g_B {} ({}); neighbours within {:.3g} a{}", text(r.psi6),
+                                to_string(r.decay.decay), phase_of(r.decay.decay), r.cutoff / a, border)};
 }
 
 } // namespace

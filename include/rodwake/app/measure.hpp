@@ -27,6 +27,13 @@ measure::Layout layout_of(const granular::GranularProblem& problem);
 /// Nothing without [measure], or if no frame is needed for what it names. Throws InputError.
 std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem);
 
+/// The same for tracks, of this layout and with frames so far apart, s. Throws InputError.
+MeasurePlan measure_plan(const scene::Scene& scene, const measure::Layout& layout, double interval);
+
+/// Between the frames that are measured, s; of tracks with a column of times as far as the scene tells, 0 if
+/// it does not.
+double measured_interval(const scene::Scene& scene);
+
 /// Steps of measure.interval.
 std::int64_t steps_between_frames(const scene::Scene& scene);
 

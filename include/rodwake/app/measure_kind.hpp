@@ -32,7 +32,7 @@ struct MeasuredCase {
     /// Name and report of the measures before this one in the list.
     std::span<const std::pair<std::string, MeasureReport>> earlier = {};
 
-    double bead_radius() const { return scene.granular->bead_radius; } ///< m
+    double bead_radius() const { return scene::measured_radius(scene); } ///< m
 };
 
 /// What a case has in the columns of this name of series.csv.

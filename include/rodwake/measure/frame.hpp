@@ -5,6 +5,7 @@
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/measure/state_io.hpp"
+#include "rodwake/measure/window.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -31,15 +32,28 @@ struct Layout {
     std::size_t beads = 0, rods = 0;
     std::vector<double> headings = {};     ///< of the rods as they start, rad from +x; none: along x
     std::optional<MovingForce> force = {}; ///< of a bed without rods: stands for rod 0
+    // Of tracks of a camera.
+    std::optional<Window> window =
+        {};                 ///< what is seen, in place of a periodic box; `box` holds it, from 0 on
+    bool velocities = true; ///< false: frames have places alone
+    /// Beads come and go: frames name those they have, of so many in all, and `beads` is how many they have
+    /// on average. 0: every frame has all beads.
+    std::size_t all_beads = 0;
 
     bool operator==(const Layout&) const = default;
 };
 
+/// Of the window, or of the box, m^2.
+double seen_area(const Layout& layout);
+
+/// In which differences to nearest images are those in the plane: around a window nobody has an image.
+PeriodicBox image_box(const Layout& layout);
+
 /// The box as rod `rod` (or the force) sees it: the side nearest to its first heading lies along its x.
 PeriodicBox box_seen_by(std::size_t rod, const Layout& layout);
 
-/// Throws InputError unless the box, the radius and the mass are finite and positive, the box is at least 8 a
-/// and there are beads.
+/// Throws InputError unless the box, the radius and, with velocities, the mass are finite and positive, the
+/// box is at least 8 a and there are beads.
 void validate(const Layout& layout);
 
 /// Centre of mass of a rod.
@@ -54,7 +68,13 @@ struct Frame {
     std::vector<double> unwrapped_x, unwrapped_y; ///< [beads], m, unwrapped: x + L_x * image index
     std::vector<double> vx, vy;                   ///< [beads], m/s
     std::vector<RodPlace> rods;                   ///< [rods]
+    /// [beads], rising: which of all beads they are; `untracked` of those seen once only. Empty: all of the
+    /// layout.
+    std::vector<std::uint32_t> bead = {};
 };
+
+/// A bead of which nothing is known in other frames; behind all others of its frame.
+inline constexpr std::uint32_t untracked = 0xFFFFFFFF;
 
 /// Of rod `rod`, or of the force.
 RodPlace place_of(std::size_t rod, const Layout& layout, const Frame& frame);

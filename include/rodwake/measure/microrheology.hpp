@@ -9,6 +9,10 @@
 //
 // Multi-tau: lags 1..16 frames, then 8 more an octave; each octave uses every second frame of the one before
 // (no averaging: that would bias Delta). Frames must be evenly spaced.
+//
+// Beads that come and go (tracks, frame.hpp): every two frames of one bead at a lag count, and the drift is
+// summed up from frame to frame, over the beads that are in both. `origins` is then the number of pairs over
+// that of beads in a frame.
 
 #include "rodwake/measure/frame.hpp"
 #include "rodwake/measure/memory_kernel.hpp"
@@ -54,15 +58,25 @@ public:
         std::vector<double> sum;     ///< [channels][groups], of |dx|^2 over beads and origins
         std::vector<double> origins; ///< [channels]
         double frames = 0.0;         ///< that came to this octave
+        // Where beads come and go:
+        std::vector<std::vector<std::uint32_t>> bead; ///< which they are, of x and y, rising
+        std::vector<double> pairs;                    ///< [channels][groups], what `sum` is over
     };
     const std::vector<Level>& levels() const { return levels_; }
-    const std::vector<double>& group_sizes() const { return group_sizes_; }
+    /// What the sum of a lag and group is over: beads times origins.
+    double weight(std::size_t level, std::size_t channel, std::size_t group) const;
 
 private:
     void start(const Frame& frame);
     bool within_longest(std::size_t lag) const;
     void correlate(std::size_t level, const std::vector<double>& x, const std::vector<double>& y);
-    void push(std::size_t level, const std::vector<double>& x, const std::vector<double>& y);
+    void push(std::size_t level, const std::vector<double>& x, const std::vector<double>& y,
+              const std::vector<std::uint32_t>& bead = {});
+    void correlate_named(std::size_t level, const std::vector<double>& x, const std::vector<double>& y,
+                         const std::vector<std::uint32_t>& bead);
+    void follow_drift(const std::vector<double>& x, const std::vector<double>& y,
+                      const std::vector<std::uint32_t>& bead);
+    void add_named(const Frame& frame);
 
     Layout layout_;
     MicrorheologyOptions options_;
@@ -72,6 +86,16 @@ private:
     std::vector<std::size_t> order_;        ///< the beads by group
     std::vector<double> group_sizes_;
     std::vector<Level> levels_;
+
+    /// Of beads that come and go, [all beads]: first place without the drift until then, and group.
+    struct Named {
+        std::vector<double> start_x, start_y; ///< m; NaN: not seen yet
+        std::vector<std::uint8_t> group;
+        double drift_x = 0.0, drift_y = 0.0;  ///< m
+        std::vector<std::uint32_t> last_bead; ///< of the last frame that has beads
+        std::vector<double> last_x, last_y;   ///< unwrapped, m
+    };
+    Named named_;
 };
 
 struct MicrorheologyResult {

@@ -9,6 +9,11 @@
 // Normalisation: N(N-1)/2 pairs over the box's area L_x L_y, so an ideal gas has g = 1 without a finite-size
 // term. Distances to nearest images, up to L/2. Angles from +x. Rods are no beads: they are holes here.
 //
+// In a window (frame.hpp) the area is the window's, there are no images, and g(r) weights a pair by the share
+// of the circle about either that lies inside (Ripley's correction), up to half the shorter side of the box
+// that holds the window. Beads within a cut-off of the border may have neighbours that are not seen: they are
+// left out of psi_6 and g_B(r).
+//
 // Neighbours: beads nearer than a cut-off, by default the first minimum of g(r) of the first frames
 // (cutoff_frames of them; the frames wait until it is known), or those that share an edge of the Delaunay
 // triangulation.
@@ -71,6 +76,9 @@ public:
         double local = 0.0;              ///< sum over frames of the mean |psi_6,i|
         double neighbours = 0.0;         ///< sum over frames of the mean N_i
         double frames = 0.0;
+        double full_frames = 0.0; ///< sum over frames of N(N-1), N beads seen, over that of the layout
+        double at_border = 0.0;   ///< sum over frames of the share of beads left out of psi_6
+        std::vector<double> weighted = {}; ///< pairs for g(r) per bin; empty: `pairs`, as without a window
     };
     const Layout& layout() const { return layout_; }
     const OrderOptions& options() const { return options_; }
@@ -89,6 +97,7 @@ private:
     bool waits() const;
     void count_waiting();
     void count(double time, const std::vector<double>& x, const std::vector<double>& y);
+    std::vector<double> pairs_for_g(const std::vector<double>& x, const std::vector<double>& y) const;
     Block& block_at(double time);
 
     Layout layout_;
@@ -120,6 +129,7 @@ struct OrderResult {
     std::vector<double> order_r, g_B, g_B_error; ///< bins with pairs only
     std::vector<double> order_pairs;             ///< how many stand behind g_B
     Estimate psi6, local_psi6, neighbours;
+    std::optional<double> at_border;    ///< of a window: share of beads left out of psi_6 and g_B
     double cutoff = 0.0;                ///< mean over runs, m; 0 with Delaunay neighbours
     std::size_t cutoffs_by_spacing = 0; ///< runs whose g(r) had no minimum to take it from
     std::optional<double> g_minimum;    ///< first minimum of the mean g(r), m

@@ -17,6 +17,7 @@
 #include "rodwake/scene/granular.hpp"
 #include "rodwake/scene/measure.hpp"
 #include "rodwake/scene/scan.hpp"
+#include "rodwake/scene/tracks.hpp"
 
 #include <optional>
 #include <string>
@@ -226,6 +227,7 @@ struct Scene {
     std::optional<RodsOrder> rods_order;
     std::optional<Field> field;
     std::optional<Granular> granular;
+    std::optional<Tracks> tracks; ///< in place of granular
     std::optional<Measure> measure;
     std::optional<Fit> fit;
     std::optional<Scan> scan;
@@ -234,6 +236,11 @@ struct Scene {
 
     bool operator==(const Scene&) const = default;
 };
+
+/// Of the beads that are measured, a, m: of [granular] or of [tracks].
+inline double measured_radius(const Scene& scene) {
+    return scene.tracks ? scene.tracks->bead_radius : scene.granular->bead_radius;
+}
 
 /// Whether the rods diffuse.
 inline bool noisy(const Scene& scene) {

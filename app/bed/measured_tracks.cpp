@@ -1,0 +1,237 @@
+#include "measured_tracks.hpp"
+
+#include "fit/fit_data.hpp"
+#include "measure_frames.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/measure/tracks.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "rodwake/store/track_file.hpp"
+#include "run/log.hpp"
+#include "run/record_json.hpp"
+#include "run/record_table.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+using scene::Scene, scene::WindowKind;
+
+/// Rows that could not be used for everything.
+struct RowsLeftOut {
+    std::string why;
+    std::size_t rows = 0;
+
+    static constexpr auto fields() {
+        using R = RowsLeftOut;
+        return std::tuple{field("why", &R::why, {"", "why rows, or places, are missing in the measures"}),
+                          field("rows", &R::rows, {"1", "how many"})};
+    }
+};
+
+/// tracks.json
+struct TracksReport {
+    std::string file, window, length_unit;
+    std::size_t rows = 0, frames = 0, particles = 0, rods = 0;
+    double beads_per_frame = 0.0, mean_length = 0.0, lost_share = 0.0, interval = 0.0, duration = 0.0,
+           area = 0.0, phi_b = 0.0;
+    std::vector<RowsLeftOut> left_out = {};
+
+    static constexpr auto fields() {
+        using R = TracksReport;
+        return std::tuple{
+            field("file", &R::file, {"", "of the tracks"}),
+            field("window", &R::window, {"", "what is seen: hull, periodic, circle or rectangle"}),
+            field("length_unit", &R::length_unit, {"", "as the file names it; empty: it does not"}),
+            field("rows", &R::rows, {"1", "of the file, with places and without"}),
+            field("frames", &R::frames, {"1", "from the first to the last"}),
+            field("particles", &R::particles, {"1", "different beads that are tracked"}),
+            field("rods", &R::rods, {"1", "different rods"}),
+            field("beads_per_frame", &R::beads_per_frame, {"1", "mean"}),
+            field("mean_length", &R::mean_length,
+                  {"1", "frames from where a bead is first seen to where last"}),
+            field("lost_share", &R::lost_share, {"1", "of these frames, those in which it is not seen"}),
+            field("interval", &R::interval, {"s", "between frames"}),
+            field("duration", &R::duration, {"s", "from the first frame to the last"}),
+            field("area", &R::area, {"a^2", "of the window"}),
+            field("phi_b", &R::phi_b, {"1", "area fraction of the beads in the window"}),
+            field("left_out", &R::left_out, {"", "what was left out, and why"})};
+    }
+};
+
+fs::path file_of(const Scene& scene) {
+    std::string looked;
+    for (const fs::path& place : data_file_places(scene.tracks->file, scene, {})) {
+        if (fs::is_regular_file(place))
+            return place;
+        looked += (looked.empty() ? "" : ", ") + fs::absolute(place).lexically_normal().string();
+    }
+    throw InputError(fmt::format("{}: tracks.file = \"{}\": no such file; looked for {}", scene.path,
+                                 scene.tracks->file, looked));
+}
+
+store::TrackFormat format_of(scene::TracksFormat format) {
+    switch (format) {
+    case scene::TracksFormat::csv:
+        return store::TrackFormat::csv;
+    case scene::TracksFormat::trackmate:
+        return store::TrackFormat::trackmate;
+    default:
+        return store::TrackFormat::automatic;
+    }
+}
+
+measure::TrackScale scale_of(const scene::Tracks& keys) {
+    measure::TrackScale scale{
+        keys.pixel, keys.frames_per_second.value_or(1.0), keys.bead_radius, keys.box, {}};
+    const std::vector<double>& s = keys.window.sizes;
+    if (keys.window.kind == WindowKind::circle)
+        scale.window = measure::Window::circle(s[0], s[1], s[2]);
+    if (keys.window.kind == WindowKind::rectangle)
+        scale.window = measure::Window::rectangle(s[0], s[1], s[2], s[3]);
+    return scale;
+}
+
+const char* name_of(WindowKind kind) {
+    constexpr const char* names[] = {"hull", "periodic", "circle", "rectangle"};
+    return names[static_cast<std::size_t>(kind)];
+}
+
+/// Everything that is missing, most of it first told by whoever met it.
+std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::TrackCounts& counts) {
+    std::vector<RowsLeftOut> all;
+    const auto add = [&](std::size_t rows, std::string why) {
+        if (rows > 0)
+            all.push_back({std::move(why), rows});
+    };
+    add(file.without_place, "rows without a place, the first at " + file.first_without_place);
+    add(file.hidden, "spots hidden by TrackMate's filters");
+    add(file.branches, "links cut where tracks split or merge");
+    add(counts.repeated, "rows of a particle that the frame has already");
+    add(counts.outside, "rows outside of the window");
+    add(counts.restarts, "tracks cut where they jump: their number goes on elsewhere");
+    add(counts.untracked, "rows in no track, used where one frame is enough");
+    add(counts.empty_frames, "frames without any row");
+    return all;
+}
+
+TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const TrackRows& kept,
+                       const measure::Tracks& tracks) {
+    const double a = keys.bead_radius, area = seen_area(measure::layout_of(tracks)) / (a * a);
+    TracksReport r{file.filename().string(), name_of(keys.window.kind), kept.length_unit};
+    r.rows = tracks.counts.rows + kept.without_place + kept.hidden;
+    r.frames = tracks.frames();
+    r.particles = tracks.beads;
+    r.rods = tracks.rods.size();
+    r.beads_per_frame = tracks.beads_per_frame();
+    r.mean_length = tracks.mean_length();
+    r.lost_share = tracks.lost_share();
+    r.interval = tracks.time[1] - tracks.time[0];
+    r.duration = tracks.time.back() - tracks.time.front();
+    r.area = area;
+    r.phi_b = r.beads_per_frame * std::numbers::pi / area;
+    r.left_out = left_out(kept, tracks.counts);
+    return r;
+}
+
+std::string line_of(const TracksReport& r) {
+    std::string text =
+        fmt::format("tracks: {} frames, {} particles, {:.1f} frames long on average, {:.2g} % lost", r.frames,
+                    r.particles, r.mean_length, 100.0 * r.lost_share);
+    if (r.rods > 0)
+        text += fmt::format(", {} rods", r.rods);
+    for (const RowsLeftOut& one : r.left_out)
+        text += fmt::format("; {} {}", one.rows, one.why);
+    return text;
+}
+
+/// Every how many frames are measured.
+std::size_t stride_of(const scene::Measure& m, double interval, const std::string& path) {
+    const double ratio = m.interval.value_or(interval) / interval;
+    if (ratio < 0.999 || std::abs(ratio - std::round(ratio)) > 1e-4 * ratio)
+        throw InputError(
+            fmt::format("{}: frames are {:g} s apart; measure.interval = {:g} s is no whole multiple "
+                        "of that",
+                        path, interval, *m.interval));
+    return static_cast<std::size_t>(std::round(ratio));
+}
+
+/// Nothing if it was stopped.
+std::optional<measure::Tracks> read(const Scene& scene, const RunContext& context, const fs::path& folder,
+                                    Progress& progress, const Logger& log) {
+    const scene::Tracks& keys = *scene.tracks;
+    const fs::path file = file_of(scene);
+    const auto& c = keys.columns;
+    TrackRows rows =
+        store::read_tracks(file, format_of(keys.format),
+                           {c.frame, c.id, c.x, c.y, c.heading, c.kind, keys.time_column}, [&](double part) {
+                               progress.update(0.5 * part);
+                               return !context.stopped();
+                           });
+    if (context.stopped())
+        return std::nullopt;
+    TrackRows facts; // what the reader left out; the rows themselves are given away
+    facts.without_place = rows.without_place;
+    facts.first_without_place = rows.first_without_place;
+    facts.branches = rows.branches;
+    facts.hidden = rows.hidden;
+    facts.length_unit = rows.length_unit;
+    measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale_of(keys), file.string());
+    const TracksReport report = report_of(keys, file, facts, tracks);
+    store::write_atomically(folder / "tracks.json", record_json(report).dump(2) + "\n");
+    log->info("{}", line_of(report));
+    return tracks;
+}
+
+} // namespace
+
+void require_tracks(const Scene& scene) { file_of(scene); }
+
+std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
+
+std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& context, const fs::path& folder,
+                                          const Logger& log) {
+    const Scene& scene = one.scene;
+    Progress progress(context, "measure", 1.0, "film");
+    const auto tracks = read(scene, context, folder, progress, log);
+    if (!tracks)
+        return std::nullopt;
+    const double interval = tracks->time[1] - tracks->time[0];
+    const std::size_t stride = stride_of(*scene.measure, interval, scene.path);
+    MeasurePlan plan =
+        measure_plan(scene, measure::layout_of(*tracks), static_cast<double>(stride) * interval);
+    measure::for_each_frame(*tracks, stride, [&](const measure::Frame& frame, double part) {
+        plan.sums.add(frame);
+        progress.update(0.5 + 0.5 * part);
+        return !context.stopped();
+    });
+    if (context.stopped())
+        return std::nullopt;
+    CaseResults results;
+    results.name = one.name;
+    results.bead_radius = tracks->bead_radius;
+    results.phi_b = tracks->beads_per_frame() * std::numbers::pi * std::pow(tracks->bead_radius, 2) /
+                    seen_area(plan.sums.layout());
+    results.runs = 1;
+    report_measures({scene, std::span(&plan.sums, 1), {}}, results);
+    return results;
+}
+
+void describe_tracks(const Plan& plan, Lines& lines) {
+    const scene::Tracks& keys = *plan.scene.tracks;
+    lines.push_back(
+        {true, fmt::format("tracks of {} in place of a bed; 1 of the file is {:.4g} a; window: {}", keys.file,
+                           keys.pixel / keys.bead_radius, name_of(keys.window.kind))});
+    for (const MeasureKind& kind : measure_kinds()) {
+        const bool wanted = kind.wanted(*plan.scene.measure);
+        lines.push_back({wanted, fmt::format("measure {}: {}", kind.name,
+                                             wanted ? kind.describe(plan.scene) : "not named in [measure]")});
+    }
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,153 @@
+// Field list of [tracks], and what must hold between its values and beside them. SI (fields(Tracks) says so).
+
+#include "check.hpp"
+#include "fields.hpp"
+
+#include <fmt/format.h>
+
+namespace rodwake::scene {
+
+namespace {
+
+using enum Dimension;
+
+void file_fields(Visitor& v, Tracks& tracks) {
+    v(key("file")
+          .required()
+          .doc("tracks: CSV of trackpy, pandas or TrackMate, or TrackMate's XML; seen from the scene's "
+               "folder, or "
+               "from where the program runs")
+          .example("\"tracks.csv\""),
+      tracks.file);
+    v(key("format").doc("of the file; automatic: XML by its first character, else CSV").example("\"csv\""),
+      choice(tracks.format, {{"automatic", TracksFormat::automatic},
+                             {"csv", TracksFormat::csv},
+                             {"trackmate", TracksFormat::trackmate}}));
+    v(key("frames_per_second")
+          .unit(rate)
+          .above(0.0, 1e6)
+          .absent("times are in time_column")
+          .doc("of the film, if rows have frame numbers")
+          .example("50.0"),
+      tracks.frames_per_second);
+    v(key("time_column")
+          .absent("times follow from frames_per_second")
+          .doc("column of the times in s, in place of frame numbers")
+          .example("\"t\""),
+      tracks.time_column);
+}
+
+} // namespace
+
+void fields(Visitor& v, TracksColumns& columns) {
+    const auto name = [&](const char* of, const char* doc, const char* example, std::string& value) {
+        v(key(of).absent("the usual one").doc(doc).example(example), value);
+    };
+    name("frame", "number of the frame, a whole number", "\"frame\"", columns.frame);
+    name("id", "number of the particle; without such a column every row is a particle of its own",
+         "\"particle\"", columns.id);
+    name("x", "first coordinate", "\"x\"", columns.x);
+    name("y", "second coordinate", "\"y\"", columns.y);
+    name("heading", "of a rod, rad from +x", "\"theta\"", columns.heading);
+    name("kind", "bead or rod (0 or 1); without such a column all are beads", "\"kind\"", columns.kind);
+}
+
+void fields(Visitor& v, Tracks& tracks) {
+    Units units = si_units(tracks.bead_radius);
+    units.bead_words = false;
+    v.use_units(units);
+    v(key("bead_radius")
+          .symbol("a")
+          .unit(length)
+          .above(0.0, 1.0)
+          .doc("a; what \"a\" means here and in [measure]")
+          .example("\"0.4 mm\""),
+      tracks.bead_radius);
+    v.use_units(si_units(tracks.bead_radius));
+    file_fields(v, tracks);
+    v(key("pixel")
+          .required()
+          .unit(length)
+          .above(0.0, 1e3)
+          .doc("what 1 of the file's x and y is worth")
+          .example("\"12.4 um\""),
+      tracks.pixel);
+    v(key("window")
+          .doc("what the camera sees: hull, the convex hull of all particles; periodic, the whole of a box "
+               "(then box); or in the file's coordinates { circle = [x, y, radius] } or { rectangle = [x0, "
+               "y0, x1, y1] }")
+          .example("\"hull\""),
+      tracks.window);
+    v(key("box")
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("only with window = \"periodic\"")
+          .doc("the periodic box, from 0 on: its side, or two sides")
+          .example("\"78 a\""),
+      tracks.box);
+    v.table(
+        key("columns").doc("Names of the columns of a CSV file. Absent: the usual ones, whatever the case "
+                           "of their letters: frame; particle or track_id; x, y or position_x, "
+                           "position_y; theta or heading; kind."),
+        tracks.columns);
+}
+
+void check_tracks(const Scene& scene, const Report& report) {
+    if (!scene.tracks)
+        return;
+    const Tracks& t = *scene.tracks;
+    if (t.frames_per_second.has_value() == !t.time_column.empty())
+        report("tracks.frames_per_second",
+               t.time_column.empty() ? "give frames_per_second, or time_column where the file has "
+                                       "times"
+                                     : "frames_per_second and time_column are given: leave one out");
+    if (t.format == TracksFormat::trackmate && !t.time_column.empty())
+        report("tracks.time_column", "TrackMate's XML has frames: give frames_per_second");
+    if ((t.window.kind == WindowKind::periodic) != t.box.has_value())
+        report("tracks.box", t.box ? "box belongs to window = \"periodic\" only"
+                                   : "window = \"periodic\" needs box, for example box = \"78 a\"");
+    const std::vector<double>& sizes = t.window.sizes;
+    if (t.window.kind == WindowKind::circle && !(sizes[2] > 0.0))
+        report("tracks.window", "the radius of the circle must be above 0");
+    if (t.window.kind == WindowKind::rectangle && !(sizes[0] < sizes[2] && sizes[1] < sizes[3]))
+        report("tracks.window", "a rectangle is [x0, y0, x1, y1] with x0 below x1 and y0 below y1");
+}
+
+namespace {
+
+/// Of [measure], what cannot be had of tracks.
+struct OfBedsOnly {
+    const char* key;
+    bool (*is_asked)(const Measure&);
+};
+constexpr OfBedsOnly of_beds_only[] = {
+    {"displacement", [](const Measure& m) { return m.displacement.has_value(); }},
+    {"flow", [](const Measure& m) { return m.flow; }},
+    {"pairs", [](const Measure& m) { return m.pairs; }},
+    {"force", [](const Measure& m) { return m.force; }},
+    {"phonons", [](const Measure& m) { return m.phonons; }},
+    {"mechanics", [](const Measure& m) { return m.mechanics; }},
+    {"heading_diffusion", [](const Measure& m) { return m.heading_diffusion; }},
+    {"speed_deviations", [](const Measure& m) { return m.speed_deviations; }},
+    {"from_travel", [](const Measure& m) { return m.from_travel.has_value(); }},
+    {"trajectory", [](const Measure& m) { return !m.trajectory.empty(); }}};
+
+} // namespace
+
+void check_measured_tracks(const Scene& scene, const Report& report) {
+    if (!scene.measure || !scene.tracks)
+        return;
+    const Measure& m = *scene.measure;
+    for (const OfBedsOnly& of : of_beds_only)
+        if (of.is_asked(m))
+            report(
+                std::string("measure.") + of.key,
+                fmt::format("{} needs a bed ([granular]): of [tracks] order and microrheology are measured; "
+                            "leave it out",
+                            of.key));
+    if (!m.order && !m.microrheology)
+        report("measure", "[measure] asks for nothing that tracks have: give order = true or microrheology = "
+                          "true");
+}
+
+} // namespace rodwake::scene

@@ -1,0 +1,32 @@
+#pragma once
+// Rows of a file of tracks: which particle was seen where in which frame of a film.
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace rodwake {
+
+/// The id of a spot that belongs to no track.
+inline constexpr std::int64_t no_track = std::numeric_limits<std::int64_t>::min();
+
+/// As the file has them, column by column, in any order.
+struct TrackRows {
+    std::vector<std::int64_t> frame; ///< empty with times
+    std::vector<double> time;        ///< s; empty with frames
+    std::vector<std::int64_t> id;
+    std::vector<double> x, y;         ///< in units of the file, finite
+    std::vector<double> heading;      ///< rad; empty: no such column; NaN: not known
+    std::vector<std::uint8_t> is_rod; ///< empty: no column of kinds, all are beads
+    std::size_t without_place = 0;    ///< rows that were left out
+    std::string first_without_place;  ///< where: "file:line"
+    std::size_t branches = 0;         ///< links cut where a track splits or merges
+    std::size_t hidden = 0;           ///< spots that TrackMate's filters took out
+    std::string length_unit;          ///< as the file names it; empty: it does not
+
+    std::size_t size() const { return x.size(); }
+};
+
+} // namespace rodwake

@@ -1,0 +1,75 @@
+#pragma once
+// Tracks of particles in a film, put in order: frame by frame, each particle under one number from where it
+// comes to where it goes, in metres and seconds, with what could not be used counted.
+
+#include "rodwake/core/periodic.hpp"
+#include "rodwake/core/track_rows.hpp"
+#include "rodwake/measure/frame.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::measure {
+
+struct TrackScale {
+    double pixel = 1.0;             ///< what 1 of the file is worth, m
+    double frames_per_second = 1.0; ///< where rows have frames and no times
+    double bead_radius = 0.0;       ///< a, m
+    std::optional<PeriodicBox> box; ///< periodic, from 0 on, m; absent: a window
+    std::optional<Window> window;   ///< m, in the coordinates of the file; absent: the hull of all particles
+};
+
+/// What happened to the rows. A row is used, or counted once here.
+struct TrackCounts {
+    std::size_t rows = 0;      ///< with a place
+    std::size_t repeated = 0;  ///< of a particle and frame that stand there before
+    std::size_t outside = 0;   ///< of the window
+    std::size_t untracked = 0; ///< used, but in no track: they count where one frame is enough
+    std::size_t missing = 0;   ///< places within tracks at which the particle was not seen
+    /// Where a track was cut: its number goes on, after a gap more than a spacing of the particles away, or
+    /// three spacings from one frame to the next.
+    std::size_t restarts = 0;
+    std::size_t empty_frames = 0; ///< between the first and the last, without any row
+};
+
+/// Of one particle.
+struct RodTrack {
+    std::vector<std::size_t> frame;
+    std::vector<double> x, y;    ///< m, unwrapped
+    std::vector<double> heading; ///< rad, as in the file; empty: none there
+};
+
+struct Tracks {
+    std::vector<double> time;        ///< [frames], s, evenly spaced
+    std::vector<std::size_t> start;  ///< [frames + 1]: rows of a frame
+    std::vector<std::uint32_t> bead; ///< [rows], rising within a frame, `untracked` behind
+    std::vector<double> x, y;        ///< [rows], m, in the layout's box
+    std::size_t beads = 0;           ///< different ones
+    std::vector<RodTrack> rods;
+    TrackCounts counts;
+    std::optional<Window> window; ///< with its box beginning at 0
+    PeriodicBox box;
+    double bead_radius = 0.0;
+
+    std::size_t frames() const { return time.size(); }
+    /// Frames between which a bead is known, on average over the beads.
+    double mean_length() const;
+    /// Of the places between where tracks begin and end, how many are missing.
+    double lost_share() const;
+    double beads_per_frame() const { return static_cast<double>(x.size()) / static_cast<double>(frames()); }
+};
+
+/// Throws InputError ("<file>: ...") for rows that are no film: no two frames, times that are not evenly
+/// spaced, a box or window that does not hold the particles.
+Tracks ordered_tracks(TrackRows rows, const TrackScale& scale, const std::string& file);
+
+/// What the frames of the tracks have.
+Layout layout_of(const Tracks& tracks);
+
+/// Every `stride`-th frame from the first, with the fraction done; `use` may return false to stop.
+void for_each_frame(const Tracks& tracks, std::size_t stride,
+                    const std::function<bool(const Frame&, double)>& use);
+
+} // namespace rodwake::measure

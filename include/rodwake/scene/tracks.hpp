@@ -1,0 +1,48 @@
+#pragma once
+// The [tracks] table of a scene, after units are resolved and every value is checked: what a camera saw, in
+// place of a granular run. SI, with its own `a`. What is absent and follows from other keys stays absent
+// here.
+
+#include "rodwake/core/periodic.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rodwake::scene {
+
+enum class TracksFormat { automatic, csv, trackmate };
+
+/// tracks.columns: names in a CSV file; empty: the usual ones.
+struct TracksColumns {
+    std::string frame, id, x, y, heading, kind;
+
+    bool operator==(const TracksColumns&) const = default;
+};
+
+enum class WindowKind { hull, periodic, circle, rectangle };
+
+/// tracks.window, in the coordinates of the file, m.
+struct TracksWindow {
+    WindowKind kind = WindowKind::hull;
+    std::vector<double> sizes; ///< of a circle: x, y, radius; of a rectangle: x0, y0, x1, y1
+
+    bool operator==(const TracksWindow&) const = default;
+};
+
+/// [tracks]
+struct Tracks {
+    std::string file;
+    TracksFormat format = TracksFormat::automatic;
+    std::optional<double> frames_per_second; ///< 1/s; either this or time_column
+    std::string time_column;
+    double pixel = 0.0;          ///< what 1 of the file is worth, m
+    double bead_radius = 0.4e-3; ///< a, m
+    TracksColumns columns;
+    TracksWindow window;
+    std::optional<PeriodicBox> box; ///< m; with a periodic window
+
+    bool operator==(const Tracks&) const = default;
+};
+
+} // namespace rodwake::scene

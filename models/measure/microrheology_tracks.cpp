@@ -1,0 +1,99 @@
+// Mean-square displacement of beads that come and go.
+
+#include "rodwake/measure/microrheology.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::measure {
+
+namespace {
+
+using Row = std::vector<double>;
+using Names = std::vector<std::uint32_t>;
+
+/// Calls use(i, j) for each name that is in both rising lists.
+template<class Use>
+void for_each_common(const Names& now, const Names& before, const Use& use) {
+    for (std::size_t i = 0, j = 0; i < now.size() && j < before.size();) {
+        const std::uint32_t at = now[i], past = before[j];
+        if (at == past)
+            use(i, j);
+        i += at <= past;
+        j += past <= at;
+    }
+}
+
+/// Those that are tracked.
+Names names_of(const Frame& frame) {
+    Names bead = frame.bead;
+    while (!bead.empty() && bead.back() == untracked)
+        bead.pop_back();
+    return bead;
+}
+
+Row first(const Row& values, std::size_t count) {
+    return {values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+} // namespace
+
+void MicrorheologyAccumulator::correlate_named(std::size_t number, const Row& x, const Row& y,
+                                               const Names& bead) {
+    constexpr std::size_t half = channels / 2;
+    Level& level = levels_[number];
+    const std::size_t stored = level.x.size();
+    for (std::size_t c = number == 0 ? 1 : half + 1; c <= stored && within_longest(c << number); ++c) {
+        const Row &past_x = level.x[stored - c], &past_y = level.y[stored - c];
+        double *const sum = &level.sum[(c - 1) * groups], *const pairs = &level.pairs[(c - 1) * groups];
+        double found = 0.0;
+        for_each_common(bead, level.bead[stored - c], [&](std::size_t i, std::size_t j) {
+            const double dx = x[i] - past_x[j], dy = y[i] - past_y[j];
+            const std::size_t group = named_.group[bead[i]];
+            sum[group] += dx * dx + dy * dy;
+            pairs[group] += 1.0;
+            found += 1.0;
+        });
+        level.origins[c - 1] += found / static_cast<double>(layout_.beads);
+    }
+}
+
+void MicrorheologyAccumulator::follow_drift(const Row& x, const Row& y, const Names& bead) {
+    double step_x = 0.0, step_y = 0.0, both = 0.0;
+    for_each_common(bead, named_.last_bead, [&](std::size_t i, std::size_t j) {
+        step_x += x[i] - named_.last_x[j];
+        step_y += y[i] - named_.last_y[j];
+        both += 1.0;
+    });
+    named_.drift_x += both > 0.0 ? step_x / both : 0.0;
+    named_.drift_y += both > 0.0 ? step_y / both : 0.0;
+    if (bead.empty())
+        return;
+    named_.last_bead = bead;
+    named_.last_x = x;
+    named_.last_y = y;
+}
+
+void MicrorheologyAccumulator::add_named(const Frame& frame) {
+    Named& n = named_;
+    n.start_x.resize(layout_.all_beads, std::nan(""));
+    n.start_y.resize(layout_.all_beads, 0.0);
+    n.group.resize(layout_.all_beads, 0);
+    const Names bead = names_of(frame);
+    Row x = first(frame.unwrapped_x, bead.size()), y = first(frame.unwrapped_y, bead.size());
+    follow_drift(x, y, bead);
+    for (std::size_t i = 0; i < bead.size(); ++i) {
+        const std::uint32_t b = bead[i];
+        if (std::isnan(n.start_x[b])) {
+            n.start_x[b] = x[i] - n.drift_x;
+            n.start_y[b] = y[i] - n.drift_y;
+            const double group = frame.y[i] / layout_.box.y * static_cast<double>(groups);
+            n.group[b] = static_cast<std::uint8_t>(std::min(static_cast<double>(groups - 1), group));
+        }
+        x[i] -= n.start_x[b] + n.drift_x;
+        y[i] -= n.start_y[b] + n.drift_y;
+    }
+    push(0, x, y, bead);
+}
+
+} // namespace rodwake::measure

@@ -1,0 +1,389 @@
+// Tracks from CSV in one pass: blocks of the file, no copy of a cell.
+
+#include "track_formats.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <span>
+
+namespace rodwake::store {
+
+namespace {
+
+/// Lines of a file that is read block by block; they end with LF, CR LF, or, in a file without LF, with CR.
+class LinesOfBlocks {
+public:
+    explicit LinesOfBlocks(const std::filesystem::path& path)
+        : file_(path, std::ios::binary), size_(static_cast<double>(std::filesystem::file_size(path))) {
+        if (!file_.is_open())
+            throw InputError(path.string() + ": cannot be read");
+        fill();
+        if (text_.starts_with("\xEF\xBB\xBF"))
+            at_ = 3;
+        const std::size_t break_at = text_.find_first_of("\r\n");
+        if (break_at != std::string::npos && text_.find('\n') == std::string::npos)
+            end_of_line_ = '\r';
+    }
+
+    bool next(std::string_view& line) {
+        std::size_t end = text_.find(end_of_line_, at_);
+        while (end == std::string::npos && fill())
+            end = text_.find(end_of_line_, at_);
+        if (at_ >= text_.size())
+            return false;
+        end = std::min(end, text_.size());
+        line = std::string_view(text_).substr(at_, end - at_);
+        if (line.ends_with('\r'))
+            line.remove_suffix(1);
+        at_ = end + 1;
+        ++number_;
+        return true;
+    }
+
+    std::size_t number() const { return number_; }
+    /// Of the file that has been read.
+    double part() const { return size_ > 0.0 ? std::min(1.0, read_ / size_) : 1.0; }
+    double bytes() const { return size_; }
+
+private:
+    /// Another block behind what is not used yet; false at the end of the file.
+    bool fill() {
+        constexpr std::size_t block = std::size_t{1} << 22;
+        text_.erase(0, std::min(at_, text_.size()));
+        at_ = 0;
+        const std::size_t kept = text_.size();
+        text_.resize(kept + block);
+        file_.read(text_.data() + kept, static_cast<std::streamsize>(block));
+        const auto found = static_cast<std::size_t>(file_.gcount());
+        text_.resize(kept + found);
+        read_ += static_cast<double>(found);
+        return found > 0;
+    }
+
+    std::ifstream file_;
+    std::string text_;
+    std::size_t at_ = 0, number_ = 0;
+    double size_, read_ = 0.0;
+    char end_of_line_ = '\n';
+};
+
+std::string_view without_blanks(std::string_view text) {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t'))
+        text.remove_prefix(1);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\t'))
+        text.remove_suffix(1);
+    return text;
+}
+
+/// Without the quotes around it.
+std::string_view bare(std::string_view cell) {
+    cell = without_blanks(cell);
+    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+        cell = without_blanks(cell.substr(1, cell.size() - 2));
+    return cell;
+}
+
+/// Calls use(index, cell) for each field of a line until it returns false; separators in quotes are text.
+template<class Use>
+void cells_of(std::string_view line, char separator, const Use& use) {
+    const char *at = line.data(), *const end = at + line.size();
+    for (std::size_t index = 0;; ++index) {
+        const char* const start = at;
+        bool quoted = false;
+        while (at != end && (*at != separator || quoted)) {
+            quoted ^= *at == '"';
+            ++at;
+        }
+        if (!use(index, std::string_view(start, static_cast<std::size_t>(at - start))) || at == end)
+            return;
+        ++at;
+    }
+}
+
+char separator_in(std::string_view header) {
+    constexpr std::string_view known = ",;\t";
+    const auto count = [&](char c) { return std::ranges::count(header, c); };
+    return *std::ranges::max_element(known, {}, count);
+}
+
+bool alike(std::string_view a, std::string_view b) {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+    return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+/// What a row says of a particle.
+enum Role : std::size_t { frame, id, x, y, heading, kind, time, roles };
+
+struct RoleNames {
+    const char* key; ///< of tracks.columns
+    std::string TrackColumns::*given;
+    std::array<std::string_view, 5> usual; ///< the first that is there, whatever the case of its letters
+    bool needed;
+};
+constexpr RoleNames role_names[roles] = {
+    {"frame", &TrackColumns::frame, {"frame", "frame_number", "slice"}, true},
+    {"id", &TrackColumns::id, {"particle", "track_id", "trackid", "track", "id"}, false},
+    {"x", &TrackColumns::x, {"x", "position_x"}, true},
+    {"y", &TrackColumns::y, {"y", "position_y"}, true},
+    {"heading", &TrackColumns::heading, {"theta", "heading"}, false},
+    {"kind", &TrackColumns::kind, {"kind"}, false},
+    {"time", &TrackColumns::time, {}, false}};
+
+constexpr std::size_t no_column = static_cast<std::size_t>(-1);
+
+struct Columns {
+    char separator = ',';
+    std::array<std::size_t, roles> at{};   ///< which column has it
+    std::vector<std::uint8_t> role_of;     ///< of the columns up to the last that is used
+    std::array<std::string, roles> name{}; ///< as in the file
+    bool of_trackmate = false;             ///< three more header lines
+};
+
+bool begins_a_number(std::string_view cell) {
+    return !cell.empty() &&
+           ((cell[0] >= '0' && cell[0] <= '9') || cell[0] == '-' || cell[0] == '+' || cell[0] == '.');
+}
+
+std::optional<double> number_in(std::string_view cell) {
+    double value = 0.0;
+    if (cell.starts_with('+'))
+        cell.remove_prefix(1);
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (error != std::errc{} || end != cell.data() + cell.size())
+        return std::nullopt;
+    return value;
+}
+
+class CsvTracks {
+public:
+    CsvTracks(const std::filesystem::path& path, const TrackColumns& columns)
+        : path_(path.string()), given_(columns), lines_(path) {}
+
+    TrackRows read(const TrackProgress& on_progress) {
+        read_header();
+        std::string_view line;
+        constexpr std::size_t some = 65536; // rows between two reports
+        while (lines_.next(line)) {
+            if (line.empty() || line.front() == '#' || without_blanks(line).empty())
+                continue;
+            row(line);
+            if (rows_.size() % some == 1 && !on_progress(lines_.part()))
+                break;
+        }
+        if (rows_.size() == 0)
+            throw InputError(fmt::format("{}: has no row with a place: x and y of all {} rows are empty or "
+                                         "not numbers",
+                                         path_, rows_.without_place));
+        return std::move(rows_);
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(fmt::format("{}:{}: {}", path_, lines_.number(), what));
+    }
+
+    void read_header() {
+        std::string_view line;
+        do {
+            if (!lines_.next(line))
+                throw InputError(path_ + ": is empty; expected a header line such as frame,particle,x,y");
+        } while (without_blanks(line).empty() || line.front() == '#');
+        columns_.separator = separator_in(line);
+        std::vector<std::string> names;
+        cells_of(line, columns_.separator, [&](std::size_t, std::string_view cell) {
+            names.emplace_back(bare(cell));
+            return true;
+        });
+        if (std::ranges::all_of(names, [](const std::string& n) { return number_in(n).has_value(); }))
+            fail("the first line holds numbers and no names; put a line such as frame,particle,x,y before "
+                 "it");
+        columns_.at.fill(no_column);
+        for (std::size_t role = 0; role < roles; ++role)
+            find(static_cast<Role>(role), names);
+        std::size_t last = 0;
+        for (const std::size_t at : columns_.at)
+            last = at == no_column ? last : std::max(last, at);
+        columns_.role_of.assign(last + 1, roles);
+        for (std::size_t role = 0; role < roles; ++role)
+            if (columns_.at[role] != no_column)
+                columns_.role_of[columns_.at[role]] = static_cast<std::uint8_t>(role);
+        columns_.of_trackmate = std::ranges::find(names, "POSITION_X") != names.end();
+    }
+
+    void find(Role role, const std::vector<std::string>& names) {
+        const RoleNames& of = role_names[role];
+        const std::string& given = given_.*of.given;
+        const auto take = [&](std::string_view wanted, bool exactly) {
+            const auto is_it = [&](const std::string& n) { return exactly ? n == wanted : alike(n, wanted); };
+            const auto found = std::ranges::find_if(names, is_it);
+            if (found == names.end())
+                return false;
+            if (std::find(found + 1, names.end(), *found) != names.end())
+                fail(fmt::format("column \"{}\" stands twice in the header; rename one of them", *found));
+            columns_.at[role] = static_cast<std::size_t>(found - names.begin());
+            columns_.name[role] = *found;
+            return true;
+        };
+        if (!given.empty()) {
+            if (!take(given, true))
+                fail(missing(fmt::format("no column \"{}\"", given), role, names));
+            return;
+        }
+        for (const std::string_view usual : of.usual)
+            if (!usual.empty() && take(usual, false))
+                return;
+        if (of.needed && !(role == frame && !given_.time.empty()))
+            fail(missing(fmt::format("no column for {} (usual: {})", of.key, of.usual[0]), role, names));
+    }
+
+    static std::string missing(const std::string& what, Role role, const std::vector<std::string>& names) {
+        const std::string key =
+            role == time ? "tracks.time_column"
+                         : fmt::format("tracks.columns = {{ {} = \"...\" }}", role_names[role].key);
+        return fmt::format("{}; the file has {}; name it in {}{}", what, fmt::join(names, ", "), key,
+                           role == frame ? ", or the times in tracks.time_column" : "");
+    }
+
+    void row(std::string_view line) {
+        std::size_t found = 0;
+        cells_of(line, columns_.separator, [&](std::size_t index, std::string_view cell) {
+            const std::size_t role = columns_.role_of[index];
+            if (role != roles)
+                cells_[role] = bare(cell);
+            found = index + 1;
+            return found < columns_.role_of.size();
+        });
+        if (found < columns_.role_of.size())
+            fail(fmt::format("has {} fields, and column \"{}\" would be number {}: is the line cut short?",
+                             found, columns_.name[columns_.role_of.back()], columns_.role_of.size()));
+        if (columns_.of_trackmate && rows_.size() == 0 && !begins_a_number(cells_[x]) &&
+            !begins_a_number(cells_[y]) && skipped_ < 3) {
+            ++skipped_;
+            return;
+        }
+        add();
+    }
+
+    void add() {
+        double at_x = 0.0, at_y = 0.0;
+        const bool has_x = place(x, at_x), has_y = place(y, at_y);
+        if (!has_x || !has_y) {
+            if (rows_.without_place++ == 0)
+                rows_.first_without_place = fmt::format("{}:{}", path_, lines_.number());
+            return;
+        }
+        if (rows_.size() == 0)
+            reserve();
+        if (given_.time.empty())
+            rows_.frame.push_back(whole(frame));
+        else
+            rows_.time.push_back(real(time));
+        rows_.id.push_back(columns_.at[id] == no_column || is_nothing(cells_[id]) ? no_track : whole(id));
+        rows_.x.push_back(at_x);
+        rows_.y.push_back(at_y);
+        if (columns_.at[heading] != no_column)
+            rows_.heading.push_back(is_nothing(cells_[heading]) ? std::nan("") : real(heading));
+        if (columns_.at[kind] != no_column)
+            rows_.is_rod.push_back(rod(cells_[kind]));
+    }
+
+    /// Room for as many rows as the file seems to have.
+    void reserve() {
+        std::size_t bytes = 0;
+        for (const std::string_view cell : cells_)
+            bytes += cell.size() + 1;
+        const double most = lines_.bytes() / static_cast<double>(std::max<std::size_t>(bytes, 8));
+        const auto count = static_cast<std::size_t>(std::min(most, 1e9));
+        (given_.time.empty() ? (rows_.frame.reserve(count)) : (rows_.time.reserve(count)));
+        rows_.id.reserve(count);
+        rows_.x.reserve(count);
+        rows_.y.reserve(count);
+    }
+
+    static bool is_nothing(std::string_view cell) {
+        return cell.empty() || alike(cell, "nan") || alike(cell, "none") || alike(cell, "na") ||
+               alike(cell, "n/a") || alike(cell, "null") || cell == "-";
+    }
+
+    /// False for a place that is none.
+    bool place(Role role, double& value) const {
+        const std::string_view cell = cells_[role];
+        const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+        if (error == std::errc{} && end == cell.data() + cell.size())
+            return std::isfinite(value);
+        if (is_nothing(cell))
+            return false;
+        value = real(role);
+        return std::isfinite(value);
+    }
+
+    double real(Role role) const {
+        const auto value = number_in(cells_[role]);
+        if (!value)
+            wrong(role, "expected a number");
+        if (role == time && !std::isfinite(*value))
+            wrong(role, "expected a time in seconds; take rows without one out");
+        return *value;
+    }
+
+    /// A whole number, perhaps written as 12.0.
+    std::int64_t whole(Role role) const {
+        const std::string_view cell = cells_[role];
+        std::int64_t value = 0;
+        const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+        constexpr std::int64_t most = std::int64_t{1} << 53;
+        if (error == std::errc{} && end == cell.data() + cell.size() && value > -most && value < most)
+            return value;
+        const auto number = number_in(cell);
+        if (!number || *number != std::floor(*number) || std::abs(*number) > 0x1p53)
+            wrong(role, role == frame
+                            ? "expected a whole number; name a column of times in tracks.time_column"
+                            : "expected a whole number; number the particles, or leave the cell empty for a "
+                              "spot of no track");
+        return static_cast<std::int64_t>(*number);
+    }
+
+    std::uint8_t rod(std::string_view cell) const {
+        if (is_nothing(cell) || cell == "0" || cell == "0.0" || alike(cell, "bead"))
+            return 0;
+        if (cell == "1" || cell == "1.0" || alike(cell, "rod") || alike(cell, "motile") ||
+            alike(cell, "apolar"))
+            return 1;
+        wrong(kind, "expected bead or rod, 0 or 1");
+    }
+
+    [[noreturn]] void wrong(Role role, const std::string& expected) const {
+        std::string text(cells_[role]), better = text;
+        std::ranges::replace(better, ',', '.');
+        const bool comma = better != text && number_in(better);
+        fail(fmt::format("{} = \"{}\": {}{}", columns_.name[role], shown(text), expected,
+                         comma ? "; write it as " + better : ""));
+    }
+
+    std::string path_;
+    const TrackColumns& given_;
+    LinesOfBlocks lines_;
+    Columns columns_;
+    std::array<std::string_view, roles> cells_{};
+    std::size_t skipped_ = 0;
+    TrackRows rows_;
+};
+
+} // namespace
+
+TrackRows read_track_csv(const std::filesystem::path& file, const TrackColumns& columns,
+                         const TrackProgress& on_progress) {
+    return CsvTracks(file, columns).read(on_progress);
+}
+
+} // namespace rodwake::store

@@ -1,0 +1,62 @@
+// [tracks]: windows in all their forms, there and back, and what does not fit beside each other.
+
+#include "support.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace scene_test;
+using rodwake::scene::WindowKind;
+
+TEST_CASE("a window is a word or a table of lengths, and is written as it is read") {
+    CHECK(parse(filmed).tracks->window.kind == WindowKind::hull);
+    const struct {
+        std::string text;
+        WindowKind kind;
+        std::vector<double> sizes;
+    } cases[] = {
+        {"\"hull\"", WindowKind::hull, {}},
+        {"{ circle = [\"20 mm\", 0.01, \"40 a\"] }", WindowKind::circle, {0.02, 0.01, 0.016}},
+        {"{ rectangle = [0.0, 0.0, \"2 cm\", 0.03] }", WindowKind::rectangle, {0.0, 0.0, 0.02, 0.03}}};
+    for (const auto& one : cases) {
+        const Scene scene = parse(filmed, {"tracks.window=" + one.text});
+        CHECK(scene.tracks->window.kind == one.kind);
+        CHECK(scene.tracks->window.sizes == one.sizes);
+        CHECK(parse(rodwake::scene::to_toml(scene)).tracks == scene.tracks);
+    }
+}
+
+TEST_CASE("a wrong window is told with what is expected") {
+    const struct {
+        std::string window, said;
+    } cases[] = {{"{ ring = [1.0, 2.0] }", "expected a string such as \"hull\", { circle = [x, y, radius] }"},
+                 {"\"hul\"", "must be one of hull, periodic (did you mean \"hull\"?)"},
+                 {"{ circle = [1.0, 2.0] }", "expected 3 numbers, found 2"},
+                 {"{ circle = [1.0, 2.0, 0.0] }", "the radius of the circle must be above 0"},
+                 {"{ circle = [1.0, 2.0, \"3 s\"] }", "expected a length"},
+                 {"{ rectangle = [1.0, 0.0, 1.0, 1.0] }", "x0 below x1"},
+                 {"\"periodic\"", "needs box, for example box = \"78 a\""}};
+    for (const auto& one : cases) {
+        const std::string text = error_text(filmed, {"tracks.window=" + one.window});
+        INFO(text);
+        CHECK(text.find(one.said) != std::string::npos);
+    }
+}
+
+TEST_CASE("what tracks do not go with is refused") {
+    const std::string alone = filmed.substr(0, filmed.find("[measure]"));
+    CHECK(mentions(problems_of(alone), "tracks", "needs [measure]"));
+    CHECK(mentions(problems_of(filmed + "[granular]\nphi_b = 0.7\nbox = \"30 a\"\nduration = 1.0\n"),
+                   "tracks", "in place of a bed"));
+    CHECK(
+        mentions(problems_of(filmed, {"tracks.time_column=t"}), "tracks.frames_per_second", "leave one out"));
+    CHECK(mentions(problems_of(filmed, {"tracks.frames_per_second="}), "tracks.frames_per_second",
+                   "time_column where the file has times"));
+    CHECK(mentions(problems_of(filmed, {"tracks.box=30 a"}), "tracks.box", "belongs to window"));
+    CHECK(mentions(problems_of(filmed, {"measure.order=false"}), "measure", "nothing that tracks have"));
+    for (const char* key :
+         {"flow", "pairs", "force", "phonons", "mechanics", "heading_diffusion", "speed_deviations"})
+        CHECK(mentions(problems_of(filmed, {std::string("measure.") + key + "=true"}),
+                       std::string("measure.") + key, "needs a bed"));
+    CHECK(parse(filmed, {"tracks.bead_radius=1 mm", "measure.order_cutoff=3 a"}).measure->order_cutoff ==
+          3e-3);
+}

@@ -1,0 +1,194 @@
+// Files of tracks: what programs for films write is read, and what is wrong is told with its place.
+
+#include "rodwake/store/track_file.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/rng.hpp"
+#include "scratch.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <random>
+
+using namespace rodwake;
+using namespace store_test;
+
+namespace {
+
+bool go_on(double) { return true; }
+
+TrackRows read(const std::string& text, const store::TrackColumns& columns = {},
+               const std::string& name = "t.csv") {
+    const Scratch scratch;
+    return store::read_tracks(scratch.file(name, text), store::TrackFormat::automatic, columns, go_on);
+}
+
+/// The error's text from the file's name on.
+std::string error(const std::string& text, const store::TrackColumns& columns = {},
+                  const std::string& name = "t.csv") {
+    const std::string what = error_of<InputError>([&] { read(text, columns, name); });
+    const auto at = what.find(name);
+    return at == std::string::npos ? what : what.substr(at);
+}
+
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+/// Three rows, the same whatever the file looks like.
+void check_three(const TrackRows& rows) {
+    CHECK(rows.frame == std::vector<std::int64_t>{0, 0, 1});
+    CHECK(rows.id == std::vector<std::int64_t>{7, 8, 7});
+    CHECK(rows.x == std::vector<double>{1.5, 2.0, 1.25});
+    CHECK(rows.y == std::vector<double>{-0.5, 3.0, 4e-3});
+}
+
+const std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>
+<TrackMate version="7.11.1"><Log>text</Log><Model spatialunits="µm" timeunits="sec"><AllSpots nspots="6">
+<SpotsInFrame frame="0"><Spot ID="10" FRAME="0" POSITION_X="1.0" POSITION_Y="2.0" POSITION_Z="0.0" VISIBILITY="1"/>
+<Spot ID="20" FRAME="0" POSITION_X="9.0" POSITION_Y="9.0" POSITION_Z="0.0" VISIBILITY="1"/></SpotsInFrame>
+<SpotsInFrame frame="1"><Spot ID="11" FRAME="1" POSITION_X="1.5" POSITION_Y="2.0" POSITION_Z="0.0"/>
+<Spot ID="30" FRAME="1" POSITION_X="0.0" POSITION_Y="0.0" POSITION_Z="0.0" VISIBILITY="0"/></SpotsInFrame>
+<SpotsInFrame frame="2"><Spot ID="12" FRAME="2" POSITION_X="2.0" POSITION_Y="2.0" POSITION_Z="0.0"/>
+<Spot ID="13" FRAME="2" POSITION_X="2.0" POSITION_Y="3.0" POSITION_Z="0.0"/></SpotsInFrame></AllSpots>
+<AllTracks><Track TRACK_ID="0"><Edge SPOT_SOURCE_ID="10" SPOT_TARGET_ID="11"/>EDGES</Track>
+<Track TRACK_ID="5"><Edge SPOT_SOURCE_ID="20" SPOT_TARGET_ID="13"/></Track></AllTracks>
+<FilteredTracks><TrackID TRACK_ID="0"/></FilteredTracks></Model></TrackMate>)";
+
+std::string with_edges(const std::string& edges) {
+    std::string text = xml;
+    return text.replace(text.find("EDGES"), 5, edges);
+}
+
+} // namespace
+
+TEST_CASE("Tracks of trackpy and pandas, whatever the separator, the index and the order of columns") {
+    for (const std::string text :
+         {"frame,particle,x,y\n0,7,1.5,-0.5\n0,8,2,3\n1,7,1.25,4e-3\n",
+          "\xEF\xBB\xBF;y;x;mass;particle;frame\r\n0;-0.5;1.5;9;7.0;0.0\r\n1;3;2;;8.0;0\r\n2;4e-3;1.25;a "
+          "b;7;1\r\n",
+          "# a comment\nX\tY\tFrame\tTRACK_ID\n1.5\t-0.5\t0\t7\n\n2\t3\t0\t8\n1.25\t0.004\t1\t7",
+          "\"x\",\"note\",\"y\",\"frame\",\"particle\"\n1.5,\"a,b\",-0.5,0,\"7\"\n2,c,3,0,8\n1.25,\"\",4e-3,"
+          "1,7\n",
+          "frame,particle,x,y\r0,7,1.5,-0.5\r0,8,+2,3\r1,7,1.25,4e-3\r"})
+        check_three(read(text));
+    CHECK_THROWS_AS(check_three(read("frame,x,y\n0,1,2\nno,1,2\n")), InputError); // the check can fail
+}
+
+TEST_CASE("TrackMate's CSV has three more header lines") {
+    const std::string head =
+        "LABEL,ID,TRACK_ID,QUALITY,POSITION_X,POSITION_Y,POSITION_T,FRAME\n"
+        "Label,Spot ID,Track ID,Quality,X,Y,T,Frame\nLabel,Spot ID,Track ID,Quality,X,Y,T,Frame\n"
+        ",,,(quality),(micron),(micron),(sec),\n";
+    check_three(read(head + "ID1,1,7,1,1.5,-0.5,0,0\nID2,2,8,1,2,3,0,0\nID3,3,7,1,1.25,0.004,1,1\n"));
+    CHECK(contains(error(head + head), "t.csv:5: POSITION_X = \"POSITION_X\": expected a number"));
+}
+
+TEST_CASE("Places that are none are counted, spots of no track are kept") {
+    const TrackRows rows =
+        read("frame,particle,x,y\n0,1,nan,2\n0,2,,2\n0,,1,2\n0,nan,3,4\n1,None,inf,1\n1,1,5,6\n");
+    CHECK(rows.size() == 3);
+    CHECK(rows.without_place == 3);
+    CHECK(contains(rows.first_without_place, "t.csv:2"));
+    CHECK(rows.id == std::vector<std::int64_t>{no_track, no_track, 1});
+    CHECK(read("frame,x,y\n0,1,2\n").id == std::vector<std::int64_t>{no_track});
+}
+
+TEST_CASE("Columns by name: times, headings and kinds") {
+    store::TrackColumns columns;
+    columns.time = "t (s)";
+    columns.x = "px";
+    columns.heading = "phi";
+    const TrackRows rows = read("t (s),id,px,y,phi,kind\n0.02,3,1,2,0.5,rod\n0.04,3,1,2,,bead\n", columns);
+    CHECK(rows.frame.empty());
+    CHECK(rows.time == std::vector<double>{0.02, 0.04});
+    CHECK(rows.heading[0] == 0.5);
+    CHECK(std::isnan(rows.heading[1]));
+    CHECK(rows.is_rod == std::vector<std::uint8_t>{1, 0});
+}
+
+TEST_CASE("What is wrong in a file of tracks is told with line, column and remedy") {
+    const std::string head = "frame,particle,x,y\n";
+    store::TrackColumns named;
+    named.id = "trajectory";
+    const struct {
+        std::string text, said;
+        store::TrackColumns columns = {};
+    } cases[] = {
+        {"", "t.csv: is empty; expected a header line such as frame,particle,x,y"},
+        {"# only\n", "t.csv: is empty"},
+        {"0,1,2,3\n", "t.csv:1: the first line holds numbers and no names; put a line such as"},
+        {"frame,particle,a,y\n0,1,2,3\n",
+         "t.csv:1: no column for x (usual: x); the file has frame, particle, a, "
+         "y; name it in tracks.columns = { x = \"...\" }"},
+        {"t,particle,x,y\n0,1,2,3\n", "name it in tracks.columns = { frame = \"...\" }, or the times in "
+                                      "tracks.time_column"},
+        {head, "t.csv: has no row with a place"},
+        {head + "0,1,2,3\n", "t.csv:1: no column \"trajectory\"", named},
+        {"frame,x,x,y\n0,1,2,3\n", "t.csv:1: column \"x\" stands twice in the header"},
+        {head + "0,1,2\n",
+         "t.csv:2: has 3 fields, and column \"y\" would be number 4: is the line cut short?"},
+        {head + "0,1,2,3\n0,1,abc,3\n", "t.csv:3: x = \"abc\": expected a number"},
+        {head + "0.5,1,2,3\n", "t.csv:2: frame = \"0.5\": expected a whole number; name a column of times in "
+                               "tracks.time_column"},
+        {head + "0,p1,2,3\n", "t.csv:2: particle = \"p1\": expected a whole number; number the particles"},
+        {head + ",1,2,3\n", "t.csv:2: frame = \"\": expected a whole number"},
+        {"frame;particle;x;y\n0;1;2,5;3\n", "t.csv:2: x = \"2,5\": expected a number; write it as 2.5"},
+        {"frame,particle,x,y,kind\n0,1,2,3,fish\n", "t.csv:2: kind = \"fish\": expected bead or rod, 0 or 1"},
+        {head + "99999999999999999999,1,2,3\n", "expected a whole number"}};
+    for (const auto& one : cases) {
+        INFO(one.text);
+        const std::string told = error(one.text, one.columns);
+        CAPTURE(told);
+        CHECK(contains(told, one.said));
+    }
+}
+
+TEST_CASE("TrackMate's XML: links make tracks, filters count, splits are cut") {
+    const TrackRows rows =
+        read(with_edges("<Edge SPOT_SOURCE_ID=\"12\" SPOT_TARGET_ID=\"11\"/>"), {}, "t.xml");
+    CHECK(rows.frame == std::vector<std::int64_t>{0, 0, 1, 2, 2});
+    CHECK(rows.x == std::vector<double>{1.0, 9.0, 1.5, 2.0, 2.0});
+    CHECK(rows.id == std::vector<std::int64_t>{0, no_track, 0, 0, no_track}); // track 5 is filtered out
+    CHECK(rows.hidden == 1);
+    CHECK(rows.length_unit == "\xC2\xB5m");
+    const TrackRows split = read(with_edges("<Edge SPOT_SOURCE_ID=\"11\" SPOT_TARGET_ID=\"12\"/>"
+                                            "<Edge SPOT_SOURCE_ID=\"11\" SPOT_TARGET_ID=\"13\"/>"),
+                                 {}, "t.xml");
+    CHECK(split.branches == 2);
+    CHECK(split.id == std::vector<std::int64_t>{0, no_track, 0, 1, 2});
+    CHECK(contains(error(with_edges("").substr(0, 900), {}, "t.xml"), "no XML"));
+    CHECK(contains(error("<a/>", {}, "t.xml"), "is this TrackMate's file?"));
+    CHECK(contains(error(std::string(xml).replace(xml.find("POSITION_X"), 10, "POSITION_Q"), {}, "t.xml"),
+                   "t.xml:3: <Spot> without POSITION_X"));
+}
+
+TEST_CASE("A damaged file of tracks is read or refused, and nothing else") {
+    const std::string head = "frame,particle,x,y\n";
+    std::string text = head;
+    for (int f = 0; f < 5; ++f)
+        for (int p = 0; p < 4; ++p)
+            text += std::to_string(f) + "," + std::to_string(p) + ",1.5,2.25\n";
+    std::mt19937 random(1);
+    const Scratch scratch;
+    std::size_t refused = 0, read_as_it_is = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const bool is_xml = k % 4 == 0;
+        std::string damaged = is_xml ? with_edges("") : text;
+        for (unsigned n = 1 + random() % 3; n > 0; --n)
+            damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
+        if (k % 5 == 0)
+            damaged.resize(random() % damaged.size());
+        try {
+            const TrackRows rows =
+                store::read_tracks(scratch.file("d", damaged), store::TrackFormat::automatic, {}, go_on);
+            REQUIRE(rows.id.size() == rows.x.size());
+            ++read_as_it_is;
+        } catch (const InputError&) {
+            ++refused;
+        }
+    }
+    CHECK(refused > 100);
+    CHECK(read_as_it_is > 100);
+}
