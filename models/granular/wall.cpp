@@ -17,16 +17,51 @@ constexpr double short_hop = 0.05; // of a step: shorter hops along a curved wal
 
 Vector2d middle(const Container& c) { return {0.5 * c.sides.x, 0.5 * c.sides.y}; }
 
-/// How long ago a sphere that is through the wall now passed the line `allowed` behind it; infinite: never.
-double since_touch(const Container& c, const Vector2d& centre, const Vector2d& v, double radius,
-                   double allowed, const WallPoint& now) {
-    if (c.kind == ContainerKind::rectangle)
-        return (now.depth - allowed) / v.dot(now.normal);
+/// The point of this wall that a sphere is nearest to; a circle has one wall only.
+WallPoint point_of(const Container& c, const Vector2d& normal, const Vector2d& centre, double radius) {
+    if (c.kind == ContainerKind::circle)
+        return nearest_wall(c, centre, radius);
+    const Vector2d half(0.5 * c.sides.x, 0.5 * c.sides.y);
+    return {(centre - middle(c)).dot(normal) - half.dot(normal.cwiseAbs()) + radius, normal};
+}
+
+/// A sphere that is through a wall now and goes on: how long ago it passed it, how deep it is.
+struct WallTouch {
+    double back; ///< s; infinite: it never did
+    WallPoint now;
+    double allowed; ///< how deep it was at the start, m: from there on the wall acts
+};
+
+double since_circle(const Container& c, const Vector2d& centre, const Vector2d& v, double reach) {
     const Vector2d r = centre - middle(c);
-    const double reach = c.radius() - radius + allowed, distance = r.norm(),
-                 excess = (distance - reach) * (distance + reach), along = r.dot(v),
+    const double distance = r.norm(), excess = (distance - reach) * (distance + reach), along = r.dot(v),
                  square = along * along - v.squaredNorm() * excess;
     return square >= 0.0 ? excess / (along + std::sqrt(square)) : std::numeric_limits<double>::infinity();
+}
+
+/// The first wall that it passed.
+std::optional<WallTouch> touch_of(const Container& c, const Vector2d& start, const Vector2d& centre,
+                                  const Vector2d& v, double radius) {
+    std::optional<WallTouch> first;
+    const auto consider = [&](const WallPoint& now) {
+        const double leaving = v.dot(now.normal);
+        if (!(now.depth > 0.0 && leaving > 0.0))
+            return;
+        const double allowed = std::clamp(point_of(c, now.normal, start, radius).depth, 0.0, now.depth);
+        const double back = c.kind == ContainerKind::circle
+                                ? since_circle(c, centre, v, c.radius() - radius + allowed)
+                                : (now.depth - allowed) / leaving;
+        if (!first || back > first->back)
+            first = {back, now, allowed};
+    };
+    if (c.kind == ContainerKind::circle) {
+        consider(nearest_wall(c, centre, radius));
+    } else {
+        const Vector2d r = centre - middle(c);
+        consider(point_of(c, {std::copysign(1.0, r.x()), 0.0}, centre, radius));
+        consider(point_of(c, {0.0, std::copysign(1.0, r.y())}, centre, radius));
+    }
+    return first;
 }
 
 /// On a bead whose centre is there, from the wall behind `outwards`.
@@ -58,21 +93,21 @@ void note_wall_depth(WallTally& tally, double radii, std::size_t sphere) {
 /// Of the spheres of a rod that are through the wall and go on, the first to touch it.
 struct RodTouch {
     std::size_t sphere;
-    double back, depth; ///< s, not before the time that counts; m
+    WallTouch touch;
 };
 
 std::optional<RodTouch> first_touch_of_wall(const Container& container, const MovingRod& rod, double left) {
     std::optional<RodTouch> first;
     const Clump& clump = rod.clump();
     for (const std::size_t k : rod.outline()) {
-        const Vector2d centre = rod.centre(k).head<2>(),
-                       v = rod.velocity_at(clump.offset[k] * rod.axis()).head<2>();
-        const WallPoint at = nearest_wall(container, centre, clump.radius[k]);
-        if (!(at.depth > 0.0 && v.dot(at.normal) > 0.0))
+        const Vector2d v = rod.velocity_at(clump.offset[k] * rod.axis()).head<2>();
+        auto touch = touch_of(container, middle(container), rod.centre(k).head<2>(), v, clump.radius[k]);
+        if (!touch)
             continue;
-        const double back = std::min(since_touch(container, centre, v, clump.radius[k], 0.0, at), left);
-        if (!first || back > first->back || (back == first->back && at.depth > first->depth))
-            first = {k, back, at.depth};
+        touch->back = std::min(touch->back, left);
+        if (!first || touch->back > first->touch.back ||
+            (touch->back == first->touch.back && touch->now.depth > first->touch.now.depth))
+            first = {k, *touch};
     }
     return first;
 }
@@ -132,27 +167,28 @@ void Wall::bead(Bodies& bodies, std::size_t bead, Range& velocities, WallTally& 
     const Surface& surface = container_.beads;
     const Surface dead{surface.friction, 0.0};
     const double a = bodies.bead_radius;
-    double left = time_step_, allowed = 0.0;
+    const Vector2d start = (position - time_step_ * v).head<2>();
+    double left = time_step_;
     bool slides = false;
+    int settled = 0;
     for (int bounces = 0;; ++bounces) {
-        const WallPoint at = nearest_wall(container_, position.head<2>(), a);
-        if (!(at.depth > 0.0 && v.head<2>().dot(at.normal) > 0.0))
+        const auto touch = touch_of(container_, start, position.head<2>(), v.head<2>(), a);
+        if (!touch)
             return;
         // What pushed it in before the step, it leaves by itself: it may not get deeper.
-        if (bounces == 0) {
-            const Vector2d before = (position - left * v).head<2>();
-            allowed = std::clamp(nearest_wall(container_, before, a).depth, 0.0, at.depth);
-            note_wall_depth(tally, allowed / a, bead);
-        }
-        if (slides || bounces == most_in_a_step) {
-            push_bead_from_wall(bodies, bead, at.normal, surface.restitution < 1.0 ? dead : surface, tally);
-            position.head<2>() -= std::max(at.depth - allowed, 0.0) * at.normal;
+        note_wall_depth(tally, touch->allowed / a, bead);
+        const WallPoint& now = touch->now;
+        if (slides || bounces >= most_in_a_step) {
+            push_bead_from_wall(bodies, bead, now.normal, surface.restitution < 1.0 ? dead : surface, tally);
+            position.head<2>() -= (now.depth - touch->allowed) * now.normal;
             velocities.include(&bodies.velocity[4 * bead]);
-            return;
+            if (++settled == 2) // walls of a corner
+                return;
+            continue;
         }
-        left = std::min(since_touch(container_, position.head<2>(), v.head<2>(), a, allowed, at), left);
+        left = std::min(touch->back, left);
         position -= left * v;
-        const Vector2d normal = nearest_wall(container_, position.head<2>(), a).normal;
+        const Vector2d normal = point_of(container_, now.normal, position.head<2>(), a).normal;
         const double towards = v.head<2>().dot(normal),
                      along2 = v.head<2>().squaredNorm() - towards * towards,
                      pressing = container_.kind == ContainerKind::circle ? along2 / container_.radius() : 0.0;
@@ -173,15 +209,17 @@ void Wall::rod(Bodies& bodies, std::size_t index, WallTally& tally) const {
         return;
     double left = time_step_;
     for (int impulses = 0; impulses < most_of_rod; ++impulses) {
-        const auto touch = first_touch_of_wall(container_, rod, left);
-        if (!touch)
+        const auto found = first_touch_of_wall(container_, rod, left);
+        if (!found)
             break;
-        left = touch->back;
+        const std::size_t sphere = found->sphere;
+        left = found->touch.back;
         rod.move(-left, gravity_);
-        const double radius = clump.radius[touch->sphere];
-        const WallPoint at = nearest_wall(container_, rod.centre(touch->sphere).head<2>(), radius);
+        const double radius = clump.radius[sphere];
+        const WallPoint at =
+            point_of(container_, found->touch.now.normal, rod.centre(sphere).head<2>(), radius);
         const Vector3 inwards(-at.normal.x(), -at.normal.y(), 0.0),
-            arm = clump.offset[touch->sphere] * rod.axis() - (radius - at.depth) * inwards;
+            arm = clump.offset[sphere] * rod.axis() - (radius - at.depth) * inwards;
         const Vector3 relative = rod.velocity_at(arm);
         if (relative.dot(inwards) < 0.0) {
             const Vector3 impulse =
@@ -191,7 +229,7 @@ void Wall::rod(Bodies& bodies, std::size_t index, WallTally& tally) const {
             ++tally.rods;
         }
         if (at.depth > 0.0) { // it was in the wall before; without this it would creep along a curved one
-            note_wall_depth(tally, at.depth / radius, bodies.first_sphere[index] + touch->sphere);
+            note_wall_depth(tally, at.depth / radius, bodies.first_sphere[index] + sphere);
             rod.shift(at.depth * inwards);
             tally.shift = std::max(tally.shift, at.depth);
         }

@@ -112,6 +112,23 @@ TEST_CASE("a bead in a smooth dish flies along chords of one length, at one angl
     CHECK(s.tallies().bead_wall == static_cast<std::int64_t>(chords));
 }
 
+TEST_CASE("a bead in a smooth rectangle flies as its image does straight on, corners and all") {
+    const double x = 10.0 * a, y = 7.0 * a, speed = GENERATE(0.3, 1e2, 3e2); // up to 3 bounces a step
+    const GranularProblem problem = in_rectangle(x, y);
+    const Vector2d start(0.3 * a, -0.2 * a), v = speed * Vector2d(0.8, 0.6);
+    Simulation s(problem, bead_at(problem, start, {v.x(), v.y(), 0.0}));
+    const int steps = 1000;
+    s.advance(steps);
+    const Vector2d image = start + steps * problem.time_step * v;
+    const auto folded = [](double place, double side) { // into [-side/2, side/2], to and fro
+        const double phase = place / (2.0 * side) + 0.25, turn = phase - std::floor(phase);
+        return side * (turn < 0.5 ? 2.0 * turn - 0.5 : 1.5 - 2.0 * turn);
+    };
+    const Vector2d expected(folded(image.x(), x - 2.0 * a), folded(image.y(), y - 2.0 * a));
+    const double rounding = 1e-14 * image.norm();
+    CHECK((from_middle(s) - expected).norm() < 10.0 * rounding);
+}
+
 TEST_CASE("one impact of a bead on the wall follows the closed form, spin included") {
     // a solid sphere on a plane: K_t = 7/2 K_n; sticks if the friction suffices, else slips all the way
     const auto [friction, restitution] = GENERATE(std::pair{0.5, 0.6}, std::pair{0.02, 0.3});
@@ -355,6 +372,7 @@ TEST_CASE("no bead is lost in a thousand million bounces off the wall", "[.][lon
         const double before = s.energy().kinetic;
         for (int part = 0; part < 20; ++part) {
             s.advance(10'000);
+            INFO("round " << round << ": " << (s.failure() ? s.failure()->message : ""));
             REQUIRE_FALSE(s.failure());
             deepest = std::max(deepest, deepest_bead(s.state(), problem) / a);
         }
