@@ -68,6 +68,17 @@ std::string contacts_text(const granular::ContactTable& c) {
                        contact_text("rod-wall", c.rod_plate));
 }
 
+std::string container_text(const granular::Container& c, double a) {
+    const std::string size =
+        c.kind == granular::ContainerKind::circle
+            ? fmt::format("dish of radius {:.6g} a = {:g} mm, its middle at ({:.6g} a, {:.6g} a)",
+                          c.radius() / a, 1e3 * c.radius(), c.radius() / a, c.radius() / a)
+            : fmt::format("rectangle of {:.6g} a x {:.6g} a = {:g} mm x {:g} mm", c.sides.x / a,
+                          c.sides.y / a, 1e3 * c.sides.x, 1e3 * c.sides.y);
+    return fmt::format("vertical wall around the bed, a {}; friction/restitution: {}, {}", size,
+                       contact_text("beads", c.beads), contact_text("rods", c.rods));
+}
+
 PlanLine plates_line(const GranularProblem& problem) {
     const granular::Plates& plates = problem.plates;
     if (plates.gamma == 0.0)
@@ -117,11 +128,13 @@ void add_unused_lines(const scene::Granular& bed, Lines& lines) {
 }
 
 /// What the bed leaves out, whatever the scene says, and why.
-void add_idealisations(Lines& lines) {
+void add_idealisations(const GranularProblem& problem, Lines& lines) {
     lines.push_back(
         {false, "duration and elasticity of contacts: bodies are rigid, impacts instantaneous and in pairs"});
     lines.push_back({false, "rolling friction, cohesion, charge, air: no such force in the contact law"});
-    lines.push_back({false, "side walls: the box is periodic in x and y"});
+    if (!problem.container)
+        lines.push_back(
+            {false, "side walls: the box is periodic in x and y; [granular.container] has a wall"});
 }
 
 /// Of the stored frames of a run in all their formats.
@@ -197,6 +210,8 @@ PlanLine body_force_line(const GranularProblem& problem) {
 
 std::string box_text(const scene::Granular& bed, const GranularProblem& problem) {
     const double a = problem.bead_radius;
+    if (problem.container)
+        return container_text(*problem.container, a);
     const PeriodicBox& box = problem.box;
     if (box.square())
         return fmt::format("periodic box of {:.4g} a = {:g} mm", box.x / a, 1e3 * box.x);
@@ -234,7 +249,7 @@ void describe_granular(const Plan& plan, Lines& lines) {
     add_unused_lines(bed, lines);
     if (plan.has(Stage::granular) || plan.has(Stage::measure)) // else a scan varies the bed
         describe_measures(plan.beds.front(), lines);
-    add_idealisations(lines);
+    add_idealisations(problem, lines);
 }
 
 } // namespace rodwake::app

@@ -31,6 +31,18 @@ granular::RodSpec rod_spec(const scene::GranularRod& rod) {
     return {rod.shape, {rod.position[0], rod.position[1]}, rod.heading, rod.imposed_speed};
 }
 
+std::optional<granular::Container> container_of(const scene::Granular& bed) {
+    if (!bed.container)
+        return {};
+    const scene::BedContainer& wall = *bed.container;
+    const scene::SurfaceChange change{wall.friction, wall.restitution};
+    const PeriodicBox sides = wall.kind == granular::ContainerKind::circle
+                                  ? PeriodicBox(2.0 * *wall.radius)
+                                  : PeriodicBox(wall.sides[0], wall.sides[1]);
+    return granular::Container{wall.kind, sides, surface(bed.contacts.bead_wall, change),
+                               surface(bed.contacts.rod_wall, change)};
+}
+
 /// Area of the shadow of a rod; what is no rod is named as validate() would.
 double shadow(const granular::RodShape& shape, std::size_t index) {
     try {
@@ -47,30 +59,30 @@ double shadows_of(const scene::Granular& bed) {
     return shadows;
 }
 
-/// N of N pi a^2 = phi_b L_x L_y, from which the shadows of the rods are taken off if they count.
-std::size_t bead_count(const scene::Granular& bed, const PeriodicBox& box) {
+/// N of N pi a^2 = phi_b A, from which the shadows of the rods are taken off if they count.
+std::size_t bead_count(const scene::Granular& bed, double area) {
     if (bed.beads)
         return static_cast<std::size_t>(*bed.beads);
-    const double wanted = *bed.phi_b * box.x * box.y;
+    const double wanted = *bed.phi_b * area;
     const double shadows = bed.count_rod_area ? shadows_of(bed) : 0.0;
     if (shadows > wanted)
         throw InputError(fmt::format(
             "phi_b = {} with count_rod_area leaves no room for beads: the rods alone cover {:.4f} "
-            "of the box; raise phi_b or the box, or set count_rod_area = false",
-            *bed.phi_b, shadows / box.area()));
+            "of the bed; raise phi_b or the bed's size, or set count_rod_area = false",
+            *bed.phi_b, shadows / area));
     const double count =
         std::round((wanted - shadows) / (std::numbers::pi * bed.bead_radius * bed.bead_radius));
     constexpr double most = 1e7; // as for the key beads
     if (count > most)
-        throw InputError(fmt::format("phi_b = {} in a box of {} m is {:.3g} beads; at most {:g}", *bed.phi_b,
-                                     box.x, count, most));
+        throw InputError(fmt::format("phi_b = {} on {:.4g} m^2 is {:.3g} beads; at most {:g}", *bed.phi_b,
+                                     area, count, most));
     return static_cast<std::size_t>(count);
 }
 
 /// The lattice's sites are those that a start asks for: beads, and what the rods cover, as dense.
 BedSize fitted_size(const scene::Granular& bed) {
     const double size = bed.box.x * bed.box.x, covered = shadows_of(bed);
-    const auto beads = static_cast<double>(bead_count(bed, PeriodicBox(bed.box.x)));
+    const auto beads = static_cast<double>(bead_count(bed, size));
     if (!(2.0 * covered < size) || !(beads >= 1.0))
         throw InputError(
             "box = \"fit\" needs more room for beads than for rods: give a larger size, \"fit 155 a\"");
@@ -105,6 +117,7 @@ granular::GranularProblem translate(const scene::Granular& bed) {
     problem.bead_density = bed.bead_density;
     problem.gravity = bed.gravity;
     problem.box = size.box;
+    problem.container = container_of(bed);
     problem.plates = bed.plates;
     problem.contacts = contact_table(bed.contacts);
     problem.body_force = bed.body_force;
@@ -137,8 +150,10 @@ granular::GranularProblem granular_problem(const scene::Scene& scene) {
 BedSize bed_size(const scene::Granular& bed) {
     if (bed.box.fit)
         return fitted_size(bed);
+    if (const auto container = container_of(bed))
+        return {container->box(), bead_count(bed, container->area()), {}};
     const PeriodicBox box{bed.box.x, bed.box.y};
-    return {box, bead_count(bed, box), {}};
+    return {box, bead_count(bed, box.x * box.y), {}};
 }
 
 double equilibration_time(const scene::Granular& bed, double phi_b) {

@@ -22,13 +22,13 @@ inline constexpr auto parts<RodBody> = parts_of("position velocity orientation a
 template<>
 inline constexpr auto parts<State> = parts_of("step beads rods", &State::step, &State::beads, &State::rods);
 template<>
-inline constexpr auto
-    parts<Tallies> = parts_of("floor_impulse lid_impulse bead_bead bead_plate bead_rod rod_plate rod_rod "
-                              "overlaps max_overlap virial impulse_on_beads impulse_from_plates",
-                              &Tallies::floor_impulse, &Tallies::lid_impulse, &Tallies::bead_bead,
-                              &Tallies::bead_plate, &Tallies::bead_rod, &Tallies::rod_plate,
-                              &Tallies::rod_rod, &Tallies::overlaps, &Tallies::max_overlap, &Tallies::virial,
-                              &Tallies::impulse_on_beads, &Tallies::impulse_from_plates);
+inline constexpr auto parts<Tallies> = parts_of(
+    "floor_impulse lid_impulse bead_bead bead_plate bead_rod rod_plate rod_rod "
+    "wall_impulse bead_wall rod_wall overlaps max_overlap virial impulse_on_beads impulse_from_plates",
+    &Tallies::floor_impulse, &Tallies::lid_impulse, &Tallies::bead_bead, &Tallies::bead_plate,
+    &Tallies::bead_rod, &Tallies::rod_plate, &Tallies::rod_rod, &Tallies::wall_impulse, &Tallies::bead_wall,
+    &Tallies::rod_wall, &Tallies::overlaps, &Tallies::max_overlap, &Tallies::virial,
+    &Tallies::impulse_on_beads, &Tallies::impulse_from_plates);
 template<>
 inline constexpr auto parts<SampleSums> = parts_of("T_xy T_z count", &SampleSums::T_xy, &SampleSums::T_z,
                                                    &SampleSums::count);

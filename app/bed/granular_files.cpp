@@ -30,7 +30,10 @@ store::FrameLayout layout_of(const granular::GranularProblem& p, const std::vect
                              std::size_t every_bead) {
     store::FrameLayout layout;
     const double height = p.plates.gap + 2.0 * p.plates.amplitude(p.gravity);
-    layout.box = {p.box.x, p.box.y, height};
+    const PeriodicBox& sides = granular::bed_sides(p);
+    layout.box = {sides.x, sides.y, height};
+    if (p.container)
+        layout.periodic = {false, false, false};
     for (std::size_t i = 0; i < p.beads; i += every_bead)
         add_particle(layout, 0, i, granular::bead_mass(p), p.bead_radius);
     std::size_t sphere = p.beads;

@@ -312,13 +312,14 @@ private:
 
     store::H5mdInfo h5md_info() const {
         const granular::GranularProblem& p = bed_.problem;
+        const PeriodicBox& sides = granular::bed_sides(p);
         store::H5mdInfo info;
         info.author = "rodwake";
         info.version = build_info().version;
         info.command = context_.command;
         info.seed = p.seed;
         info.parameters = {{"bead_radius", p.bead_radius},
-                           {"box", p.box.x},
+                           {"box", sides.x},
                            {"gap", p.plates.gap},
                            {"frequency", p.plates.frequency},
                            {"gamma", p.plates.gamma},
@@ -329,8 +330,8 @@ private:
                            {"beads_fraction", granular::bead_area_fraction(p)},
                            {"order_cutoff", bed_.schedule.order_cutoff},
                            {"run", static_cast<double>(task_.run + 1)}};
-        if (!p.box.square())
-            info.parameters.emplace_back("box_y", p.box.y);
+        if (!sides.square())
+            info.parameters.emplace_back("box_y", sides.y);
         return info;
     }
 

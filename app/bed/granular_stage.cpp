@@ -154,16 +154,22 @@ std::string text_of(const granular::RodShape& s) {
 /// A stored bed goes on in its own box only, and where its rods were it has holes of their shape.
 void require_like(const std::string& file, const granular::GranularProblem& stored,
                   const granular::GranularProblem& wanted) {
-    const auto require = [&](bool alike, const char* what, const auto& there, const auto& here) {
+    const auto require = [&](bool alike, const char* what, const auto& stands, const auto& asked) {
         if (!alike)
             throw InputError(fmt::format(
                 "{}: granular.start = \"restart\": {} {} there and {} in the scene: make the scene like "
                 "the stored bed, or take another one or start = \"lattice\" or \"random\"",
-                file, what, there, here));
+                file, what, stands, asked));
     };
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
-    require(near(stored.box.x, wanted.box.x) && near(stored.box.y, wanted.box.y), "the box is",
-            text_of(stored.box), text_of(wanted.box));
+    const PeriodicBox &there = granular::bed_sides(stored), &here = granular::bed_sides(wanted);
+    require(near(there.x, here.x) && near(there.y, here.y), "the box is", text_of(there), text_of(here));
+    const auto room = [](const granular::GranularProblem& p) {
+        return !p.container                                           ? "a periodic box"
+               : p.container->kind == granular::ContainerKind::circle ? "a circle"
+                                                                      : "a rectangle";
+    };
+    require(std::string_view(room(stored)) == room(wanted), "the bed is in", room(stored), room(wanted));
     require(near(stored.bead_radius, wanted.bead_radius), "bead_radius is",
             fmt::format("{:.10g} m", stored.bead_radius), fmt::format("{:.10g} m", wanted.bead_radius));
     const std::size_t rods = stored.rods.size();

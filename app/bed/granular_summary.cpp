@@ -26,6 +26,7 @@ struct BedHeader {
     std::size_t beads;
     double phi_b, beads_fraction, bead_radius;
     std::variant<double, std::array<double, 2>> box;
+    std::optional<std::string> container;
     double time_step, gamma, frequency, gap, orientation;
     std::uint64_t seed;
 
@@ -38,7 +39,9 @@ struct BedHeader {
             field("beads_fraction", &R::beads_fraction,
                   {"1", "area fraction of the beads alone, N pi a^2/(Lx Ly)"}),
             field("bead_radius", &R::bead_radius, {"m", "a"}),
-            field("box", &R::box, {"m", "side of the periodic box, or both"}),
+            field("box", &R::box,
+                  {"m", "side of the periodic box, or both; of a container: of what it fits into"}),
+            field("container", &R::container, {"", "circle or rectangle; absent: the bed is periodic"}),
             field("time_step", &R::time_step, {"s", "of the simulation"}),
             field("gamma", &R::gamma, {"1", "largest acceleration of the plates over gravity"}),
             field("frequency", &R::frequency, {"Hz", "of the plates"}),
@@ -50,19 +53,15 @@ struct BedHeader {
 
 ordered_json header(const BedPlan& bed) {
     const granular::GranularProblem& p = bed.problem;
-    BedHeader h{p.beads,
-                phi_b(bed),
-                granular::bead_area_fraction(p),
-                p.bead_radius,
-                p.box.x,
-                p.time_step,
-                p.plates.gamma,
-                p.plates.frequency,
-                p.plates.gap,
-                p.orientation,
-                p.seed};
-    if (!p.box.square())
-        h.box = std::array{p.box.x, p.box.y};
+    const PeriodicBox& sides = granular::bed_sides(p);
+    BedHeader h{p.beads,       phi_b(bed),     granular::bead_area_fraction(p),
+                p.bead_radius, sides.x,        {},
+                p.time_step,   p.plates.gamma, p.plates.frequency,
+                p.plates.gap,  p.orientation,  p.seed};
+    if (!sides.square())
+        h.box = std::array{sides.x, sides.y};
+    if (p.container)
+        h.container = p.container->kind == granular::ContainerKind::circle ? "circle" : "rectangle";
     return record_json(h);
 }
 

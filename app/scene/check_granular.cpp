@@ -29,6 +29,28 @@ void start(const Granular& bed, const Report& report) {
         report("granular.stop_at_travel", "stop_at_travel needs [[granular.rods]]: it is their travel");
 }
 
+void room(const Granular& bed, const Report& report) {
+    if (!bed.container) {
+        if (!(bed.box.x > 0.0))
+            report("granular.box", "granular needs the key box, for example box = \"78 a\", or a table "
+                                   "[granular.container]");
+        return;
+    }
+    if (bed.box.x > 0.0)
+        report("granular.box", "box is that of a periodic bed, and [granular.container] puts a wall around "
+                               "it: leave one of them out");
+    const bool round = bed.container->kind == granular::ContainerKind::circle;
+    if (round && !bed.container->radius)
+        report("granular.container.radius", "kind = \"circle\" needs radius, for example radius = \"40 a\"");
+    if (!round && bed.container->sides.empty())
+        report("granular.container.sides",
+               "kind = \"rectangle\" needs sides, for example sides = [\"80 a\", \"60 a\"]");
+    if (!round && bed.container->radius)
+        report("granular.container.radius", "radius belongs to kind = \"circle\" only");
+    if (round && !bed.container->sides.empty())
+        report("granular.container.sides", "sides belong to kind = \"rectangle\" only");
+}
+
 void times(const Granular& bed, const Report& report) {
     const double step = time_step(bed), steps = (bed.equilibrate.value_or(0.0) + bed.duration) / step;
     if (steps > max_steps)
@@ -94,6 +116,7 @@ void check_granular(const Scene& scene, const Report& report) {
     if (!scene.granular)
         return;
     start(*scene.granular, report);
+    room(*scene.granular, report);
     times(*scene.granular, report);
     rods(*scene.granular, report);
     body_force(*scene.granular, report);
@@ -242,6 +265,23 @@ void deviations(const Measure& m, const Granular& bed, const Report& report) {
                            lag, measured));
 }
 
+/// What is measured by nearest images and wave vectors of the box, or as if the bed had no edge.
+void periodic_only(const Measure& m, const Report& report) {
+    const std::pair<const char*, bool> keys[] = {{"displacement", m.displacement.has_value()},
+                                                 {"order", m.order},
+                                                 {"microrheology", m.microrheology},
+                                                 {"flow", m.flow},
+                                                 {"mechanics", m.mechanics},
+                                                 {"phonons", m.phonons}};
+    for (const auto& [key, wanted] : keys)
+        if (wanted)
+            report(std::string("measure.") + key,
+                   fmt::format("{} is measured in a periodic box, and this bed has a wall: leave {} out, or "
+                               "give granular.box in place of [granular.container]; psi6 away from the wall "
+                               "is in table.csv and summary.json",
+                               key, key));
+}
+
 void lengths(const Measure& m, const Granular& bed, const Report& report) {
     const auto want_below = [&](const std::optional<double>& value, const char* key, double most,
                                 const char* why) {
@@ -270,7 +310,10 @@ void check_measure(const Scene& scene, const Report& report) {
     currents(*scene.measure, *scene.granular, report);
     headings(*scene.measure, *scene.granular, report);
     deviations(*scene.measure, *scene.granular, report);
-    lengths(*scene.measure, *scene.granular, report);
+    if (scene.granular->container)
+        periodic_only(*scene.measure, report);
+    else
+        lengths(*scene.measure, *scene.granular, report);
 }
 
 } // namespace rodwake::scene

@@ -95,6 +95,10 @@ void order_of_rods(const Scene& scene, const Report& report) {
     else if (order.block && *order.block > counts)
         report("rods_order.block", fmt::format("rods_order.block = {} {} is longer than what counts, {}",
                                                *order.block, time, counts));
+    if (bed && scene.granular->container)
+        return report("rods_order",
+                      "rods_order links rods in a periodic box, and this bed has a wall: leave "
+                      "[rods_order] out, or give granular.box in place of [granular.container]");
     const std::optional<PeriodicBox> box = bed            ? PeriodicBox(scene.granular->box.shorter())
                                            : scene.medium ? scene.medium->box()
                                                           : std::nullopt;

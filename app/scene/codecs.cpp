@@ -257,7 +257,7 @@ struct As<BoxSize> : Quantified<BoxSize> {
                          : sides_text(key, value.x, value.y, units);
     }
     static Description about(const Key& key, const BoxSize&) {
-        return {number_type(key), "required", "", true};
+        return {number_type(key), std::string(key.absent_text), "", true};
     }
 };
 

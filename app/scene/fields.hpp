@@ -25,6 +25,7 @@ void fields(Visitor& v, granular::Plates& plates);
 void fields(Visitor& v, granular::Surface& surface);
 void fields(Visitor& v, granular::BodyForce& force);
 void fields(Visitor& v, SurfaceChange& change);
+void fields(Visitor& v, BedContainer& container);
 void fields(Visitor& v, Contacts& contacts);
 void fields(Visitor& v, GranularOutput& output);
 void fields(Visitor& v, GranularRod& rod);

@@ -43,7 +43,8 @@ void bead_fields(Visitor& v, Granular& bed) {
       bed.gravity);
     v(key("box")
           .symbol("L")
-          .required()
+          .absent("needed without [granular.container]")
+          .written_if(bed.box.x > 0.0)
           .unit(length)
           .above(0.0, 1e3)
           .doc("the periodic box: its side L; or two sides, [\"78 a\", \"77.0 a\"]; or \"fit\", \"fit 155 "
@@ -199,6 +200,43 @@ void fields(Visitor& v, Contacts& contacts) {
             contacts.rod_rod);
 }
 
+void fields(Visitor& v, BedContainer& container) {
+    using enum granular::ContainerKind;
+    const bool round = container.kind == circle;
+    const char* absent = "beads: that of contacts.bead_wall; rods: of contacts.rod_wall";
+    v(key("kind")
+          .doc("circle: a dish, the circle that touches the sides of [0, 2 radius] x [0, 2 radius]; "
+               "rectangle: [0, sides.0] x [0, sides.1]")
+          .example("\"rectangle\""),
+      choice(container.kind, {{"circle", circle}, {"rectangle", rectangle}}));
+    v(key("radius")
+          .symbol("R")
+          .written_if(round)
+          .unit(length)
+          .above(0.0, 1e3)
+          .absent("needed with kind = \"circle\"")
+          .doc("circle: radius of the wall; its middle is at x = y = radius")
+          .example("\"40 a\""),
+      container.radius);
+    v(key("sides")
+          .written_if(!round)
+          .unit(length)
+          .above(0.0, 1e3)
+          .items(2, 2)
+          .absent("needed with kind = \"rectangle\"")
+          .doc("rectangle: along x and y, from wall to wall")
+          .example("[\"80 a\", \"60 a\"]"),
+      container.sides);
+    v(key("friction").within(0.0, 1e3).absent(absent).doc("Coulomb coefficient of the wall").example("0.2"),
+      container.friction);
+    v(key("restitution")
+          .within(0.0, 1.0)
+          .absent(absent)
+          .doc("energetic coefficient of the wall")
+          .example("0.3"),
+      container.restitution);
+}
+
 void fields(Visitor& v, granular::BodyForce& force) {
     using enum granular::BodyForceKind;
     v(key("kind")
@@ -308,6 +346,11 @@ void fields(Visitor& v, Granular& bed) {
     v.table(key("contacts")
                 .doc("What happens when two things touch. Absent: the defaults, which are the paper's."),
             bed.contacts);
+    v.table(
+        key("container")
+            .doc("A vertical wall around the bed, which beads and rods hit; phi_b is then the share of the "
+                 "area within. Absent: the bed is periodic in x and y."),
+        bed.container);
     v.table(key("body_force")
                 .doc("A force on the beads in the plane, from t = 0 on, with a rod or without. "
                      "Absent: there is none."),

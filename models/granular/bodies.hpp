@@ -57,6 +57,16 @@ Energy total_energy(const Bodies& bodies, double gravity);
 Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix3d& inverse_mass,
                               const Eigen::Vector3d& relative_velocity, const Surface& surface);
 
+/// The same for spheres, on which the normal impulse does not turn the slip: of the slip the law needs only
+/// the size. approach: normal part of the velocity.
+inline Vector3 uncoupled_along(const Vector3& n, const Vector3& relative, double approach, double k_t,
+                               double k_n, const Surface& surface) {
+    const Vector3 slip = relative - approach * n;
+    const double speed = slip.norm();
+    const Vector3 p = uncoupled_impact(k_t, k_n, Vector3(speed, 0.0, approach), surface).impulse;
+    return p.z() * n + (speed > 0.0 ? Vector3(p.x() / speed * slip) : Vector3(Vector3::Zero()));
+}
+
 // Kicks by a body force.
 
 /// Beads get what the force of this time gives them over the duration, where they are. Each on its own: the

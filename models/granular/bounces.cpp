@@ -334,7 +334,7 @@ std::optional<Vector3> bounce(MovingRod& rod, std::size_t sphere, const Plate& p
     const Vector3 impulse = impulse_along(normal, rod.inverse_mass_at(arm), relative, acting);
     rod.push(impulse, arm);
     if (rests && gap < 0.0)
-        rod.lift(-plate.side * gap);
+        rod.shift(-gap * normal);
     plate.impulse(tally) += impulse.z();
     ++tally.impulses;
     return impulse;

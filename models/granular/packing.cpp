@@ -1,7 +1,11 @@
 #include "packing.hpp"
 
 #include "rodwake/core/cell_list.hpp"
+#include "rodwake/core/error.hpp"
 #include "rodwake/core/periodic.hpp"
+#include "wall.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -115,7 +119,19 @@ private:
         double largest = part_beads();
         for (const Near pair : near_.rods)
             largest = std::max(largest, part_from_rod(pair));
+        if (room_.container)
+            keep_inside();
         return largest;
+    }
+
+    /// What this brings together, the next sweep parts.
+    void keep_inside() {
+        for (Place& bead : p_) {
+            const Eigen::Vector2d inside =
+                put_inside(*room_.container, {bead.x, bead.y}, room_.radius * (1.0 + separation));
+            bead.x = inside.x();
+            bead.y = inside.y();
+        }
     }
 
     /// All that is constant is local: the compiler could not know that places are not among the members.
@@ -210,10 +226,46 @@ long sites_needed(const GranularProblem& problem, const Room& room) {
     double covered = 0.0;
     for (const RodSpec& rod : problem.rods)
         covered += make_clump(rod.shape).projected_area();
+    if (room.container)
+        return static_cast<long>(
+            std::ceil(static_cast<double>(problem.beads) / (1.0 - covered / room.container->area())));
     const double free = room.box.area() - covered;
     const double sites = static_cast<double>(problem.beads) * room.box.x * room.box.y / free;
     const double rounding = room.box.square() ? 0.0 : 1e-9; // is no site; squares keep their starts of before
     return static_cast<long>(std::ceil(sites - rounding * sites));
+}
+
+/// Sites of a triangular lattice about the middle of the container, those of beads inside.
+std::vector<Eigen::Vector2d> sites_inside(const Container& container, double spacing, double orientation,
+                                          double radius) {
+    const Eigen::Vector2d middle(0.5 * container.sides.x, 0.5 * container.sides.y),
+        along(spacing * std::cos(orientation), spacing * std::sin(orientation)),
+        up(-std::sqrt(0.75) * along.y(), std::sqrt(0.75) * along.x());
+    const int reach = static_cast<int>(std::ceil(std::hypot(container.sides.x, container.sides.y) / spacing));
+    std::vector<Eigen::Vector2d> sites;
+    for (int j = -reach; j <= reach; ++j)
+        for (int i = -reach; i <= reach; ++i) {
+            const double shifted = i + (j % 2 != 0 ? 0.5 : 0.0);
+            const Eigen::Vector2d site = middle + shifted * along + static_cast<double>(j) * up;
+            if (nearest_wall(container, site, radius * (1.0 + separation)).depth <= 0.0)
+                sites.push_back(site);
+        }
+    return sites;
+}
+
+/// Of the widest lattice that has enough sites in the container.
+std::vector<Eigen::Vector2d> container_sites(const GranularProblem& problem, const Room& room) {
+    constexpr double step = 0.998, closest = 1.6; // bead radii; beads give way upwards too
+    const auto needed = static_cast<std::size_t>(sites_needed(problem, room));
+    const double widest = std::sqrt(2.0 / std::sqrt(3.0) * room.container->area() /
+                                    static_cast<double>(std::max<std::size_t>(needed, 1)));
+    for (double spacing = std::min(1.1 * widest, room.container->sides.longer());
+         spacing > closest * room.radius; spacing *= step)
+        if (auto sites = sites_inside(*room.container, spacing, problem.orientation, room.radius);
+            sites.size() >= needed)
+            return sites;
+    throw RunError(fmt::format(
+        "found no lattice of {} sites in the container: use fewer beads or a larger one", needed));
 }
 
 } // namespace
@@ -245,20 +297,28 @@ Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<s
 }
 
 Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run) {
-    const auto fit = fit_lattice(problem.box, sites_needed(problem, room), problem.orientation);
-    const auto sites = lattice_sites(fit, problem.box);
+    const auto fitted = [&] {
+        return lattice_sites(fit_lattice(problem.box, sites_needed(problem, room), problem.orientation),
+                             problem.box);
+    };
+    const auto sites = room.container ? container_sites(problem, room) : fitted();
     return flat_layer(sites, kept_sites(sites, problem, room, run), problem, room, run);
 }
 
 Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t run) {
     Places places;
+    const PeriodicBox& sides = bed_sides(problem);
+    const auto is_free = [&](double x, double y) {
+        return (!room.container || nearest_wall(*room.container, {x, y}, room.radius).depth <= 0.0) &&
+               (room.rods.empty() || cover(x, y, room) < 0.0);
+    };
     for (std::size_t i = 0; i < problem.beads; ++i) {
         auto random = stream_for(Purpose::place, problem.seed, run, i);
         double x = 0.0, y = 0.0;
         for (int attempt = 0; attempt < most_attempts; ++attempt) {
-            x = random.uniform(0.0, room.box.x);
-            y = random.uniform(0.0, room.box.y);
-            if (room.rods.empty() || cover(x, y, room) < 0.0)
+            x = random.uniform(0.0, sides.x);
+            y = random.uniform(0.0, sides.y);
+            if (is_free(x, y))
                 break;
         }
         places.x.push_back(x);

@@ -1,6 +1,6 @@
 #pragma once
 // Moves beads that overlap apart until none does: between two plates, beside rods that stay, periodic in x
-// and y.
+// and y or within the wall of a container.
 
 #include "rodwake/core/rng.hpp"
 #include "rodwake/granular/problem.hpp"
@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace rodwake::granular {
@@ -33,6 +34,7 @@ struct Room {
     double radius;          ///< of the beads, m
     double height;          ///< bead centres keep to |z| <= height, m
     std::vector<Disc> rods; ///< spheres of all rods
+    std::optional<Container> container = {};
 };
 
 struct Places {
@@ -65,7 +67,7 @@ std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites, c
 Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
                   const GranularProblem& problem, const Room& room, std::uint32_t run);
 
-/// On the lattice that fits best.
+/// On the lattice that fits best; in a container on a perfect one, as wide as the beads allow.
 Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run);
 
 /// Uniform in the room outside the rods.

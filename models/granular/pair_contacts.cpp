@@ -36,14 +36,11 @@ void fly(Bodies& bodies, std::size_t bead, double time, double gravity) {
     v.z() -= gravity * time;
 }
 
-/// On the first of two beads that touch along n; of the slip the law needs only the size.
+/// On the first of two beads that touch along n.
 Vector3 impulse_of_beads(const Bodies& bodies, const Vector3& n, const Vector3& relative, double arm,
                          double approach, const Surface& surface) {
     const double k_n = 2.0 / bodies.bead_mass, k_t = k_n + 2.0 * arm * arm / bodies.bead_inertia;
-    const Vector3 slip = relative - approach * n;
-    const double speed = slip.norm();
-    const Vector3 p = uncoupled_impact(k_t, k_n, Vector3(speed, 0.0, approach), surface).impulse;
-    return p.z() * n + (speed > 0.0 ? Vector3(p.x() / speed * slip) : Vector3(Vector3::Zero()));
+    return uncoupled_along(n, relative, approach, k_t, k_n, surface);
 }
 
 /// Where two spheres touch, in the middle of their overlap: normal, and arms from the centres of their

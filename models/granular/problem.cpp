@@ -2,6 +2,7 @@
 
 #include "checks.hpp"
 #include "packing.hpp"
+#include "wall.hpp"
 
 #include <algorithm>
 
@@ -107,6 +108,8 @@ std::vector<Clump> check_rods(const GranularProblem& problem, Checks& checks) {
 void check_box(const GranularProblem& problem, Checks& checks) {
     // a rod turns: its image along the shorter side is the near one
     const double a = problem.bead_radius, box = problem.box.shorter();
+    if (problem.container)
+        return; // no images
     checks.require(problem.beads == 0 || box >= least_box * a,
                    fmt::format("box = {} m: {}must be at least {} bead radii, {} m", box,
                                problem.box.square() ? "" : "its shorter side ", least_box, least_box * a));
@@ -121,10 +124,57 @@ void check_box(const GranularProblem& problem, Checks& checks) {
     }
 }
 
+/// Of a rod in the container, its discs moved by `way`.
+void check_inside(const Container& container, const RodSpec& rod, const Clump& clump,
+                  const Eigen::Vector2d& way, std::string_view what, Checks& checks) {
+    double deepest = 0.0;
+    for (const Disc& disc : rod_discs(rod, clump))
+        deepest = std::max(deepest,
+                           nearest_wall(container, Eigen::Vector2d(disc.x, disc.y) + way, disc.radius).depth);
+    checks.require(deepest <= 0.0,
+                   fmt::format("{} is {:.3g} m through the wall of the container, which spans "
+                               "0 to {:g} m along x and 0 to {:g} m along y",
+                               what, deepest, container.sides.x, container.sides.y));
+}
+
+void check_container(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
+    const Container& container = *problem.container;
+    check_surface("container, bead-wall", container.beads, checks);
+    check_surface("container, rod-wall", container.rods, checks);
+    checks.require(problem.box == container.box(),
+                   fmt::format("box = {} m, {} m: must be twice the sides of the container", problem.box.x,
+                               problem.box.y));
+    const double least = 4.0 * problem.bead_radius;
+    checks.require(container.sides.shorter() >= least,
+                   fmt::format("container: its {} {} m must be at least 4 bead radii, {} m",
+                               container.kind == ContainerKind::circle ? "diameter" : "shorter side",
+                               container.sides.shorter(), least));
+    checks.require(container.kind == ContainerKind::rectangle || container.sides.square(),
+                   "container: a circle has one diameter");
+    if (!checks.passed())
+        return;
+    const double time = static_cast<double>(problem.steps) * problem.time_step;
+    for (std::size_t k = 0; k < clumps.size(); ++k) {
+        const RodSpec& rod = problem.rods[k];
+        check_inside(container, rod, clumps[k], {0.0, 0.0},
+                     fmt::format("rod {}: move or turn it; its start", k), checks);
+        if (const double way = time * rod.imposed_speed.value_or(0.0); way != 0.0 && checks.passed())
+            check_inside(
+                container, rod, clumps[k],
+                way * Eigen::Vector2d(std::cos(rod.heading), std::sin(rod.heading)),
+                fmt::format("rod {}: shorten the duration or lower imposed_speed = {:g} m/s; its end", k,
+                            *rod.imposed_speed),
+                checks);
+    }
+}
+
 void check_body_force(const GranularProblem& problem, Checks& checks) {
     if (!problem.body_force)
         return;
     const BodyForce& force = *problem.body_force;
+    checks.require(!problem.container || force.kind == BodyForceKind::uniform,
+                   "body_force: a gaussian moves through a periodic box; in a container use kind = "
+                   "\"uniform\", or leave the container out");
     const double widest = 0.1 * problem.box.shorter();
     checks.require(problem.beads > 0, "body_force: acts on beads, and there are none");
     checks.number(true, "body_force: acceleration", force.acceleration, "finite (m/s^2)");
@@ -157,16 +207,18 @@ void check_gap(const GranularProblem& problem, Checks& checks) {
 
 void check_room(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
     const double beads = bead_area_fraction(problem);
+    const char* room = problem.container ? "container" : "box";
     double rods = 0.0;
     for (const Clump& clump : clumps)
-        rods += clump.projected_area() / problem.box.area();
+        rods += clump.projected_area() / bed_area(problem);
     checks.require(
         beads + rods <= closest_packing,
-        fmt::format("{} beads cover {:.4f} of the box and the rods {:.4f}, together {:.4f}: a layer of discs "
-                    "covers at most {:.4f}; use fewer beads (at most about {}) or a larger box",
-                    problem.beads, beads, rods, beads + rods, closest_packing,
-                    std::max(0L, static_cast<long>((closest_packing - rods) * problem.box.area() /
-                                                   (M_PI * problem.bead_radius * problem.bead_radius)))));
+        fmt::format("{} beads cover {:.4f} of the {} and the rods {:.4f}, together {:.4f}: a layer of discs "
+                    "covers at most {:.4f}; use fewer beads (at most about {}) or a larger {}",
+                    problem.beads, beads, room, rods, beads + rods, closest_packing,
+                    std::max(0L, static_cast<long>((closest_packing - rods) * bed_area(problem) /
+                                                   (M_PI * problem.bead_radius * problem.bead_radius))),
+                    room));
 }
 
 void check_overlaps(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
@@ -200,7 +252,13 @@ double Plates::longest_step(double gravity, double bead_radius) const {
 
 double bead_area_fraction(const GranularProblem& problem) {
     const double a = problem.bead_radius;
+    if (problem.container)
+        return static_cast<double>(problem.beads) * M_PI * a * a / problem.container->area();
     return static_cast<double>(problem.beads) * M_PI * (a / problem.box.x) * (a / problem.box.y);
+}
+
+double bed_area(const GranularProblem& problem) {
+    return problem.container ? problem.container->area() : problem.box.area();
 }
 
 double bead_mass(const GranularProblem& problem) {
@@ -218,6 +276,8 @@ void validate(const GranularProblem& problem) {
     const auto clumps = check_rods(problem, checks);
     checks.finish(); // the rest compares numbers that make sense
     check_box(problem, checks);
+    if (problem.container)
+        check_container(problem, clumps, checks);
     check_body_force(problem, checks);
     check_gap(problem, checks);
     check_room(problem, clumps, checks);

@@ -33,7 +33,7 @@ PlaneTensor pressure_since(const Simulation& simulation, std::int64_t steps, con
         virial[k] -= virial_then[k];
         mean_flux[k] = flux[k] / static_cast<double>(std::max<std::int64_t>(samples, 1));
     }
-    return pressure(mean_flux, virial, static_cast<double>(steps) * p.time_step, p.box.area());
+    return pressure(mean_flux, virial, static_cast<double>(steps) * p.time_step, bed_area(p));
 }
 
 } // namespace
@@ -105,7 +105,8 @@ void Record::follow_pair(const Simulation& simulation) {
         return;
     sums_.pair.change = course.change(a.x - b.x - a.x0 + b.x0, a.y - b.y - a.y0 + b.y0);
     const double advanced = course.ahead(a.x + b.x - a.x0 - b.x0, a.y + b.y - a.y0 - b.y0) / 2.0;
-    if (sums_.pair.half_box_time < 0.0 && advanced >= course.side_along(box) / 2.0) {
+    if (sums_.pair.half_box_time < 0.0 &&
+        advanced >= course.side_along(bed_sides(simulation.problem())) / 2.0) {
         sums_.pair.half_box_time = simulation.time();
         sums_.pair.half_box_change = sums_.pair.change;
     }

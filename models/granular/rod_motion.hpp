@@ -39,7 +39,7 @@ public:
     /// changes no bit.
     void hold(std::optional<double> speed);
     void move(double time, double gravity);
-    void lift(double height) { body_.position.z() += height; }
+    void shift(const Eigen::Vector3d& way) { body_.position += way; }
     void push(const Eigen::Vector3d& impulse, const Eigen::Vector3d& arm);
 
     /// Kinetic and potential (above z = 0), J.

@@ -6,6 +6,7 @@
 #include "pair_finder.hpp"
 #include "rodwake/core/bond_order.hpp"
 #include "rodwake/core/error.hpp"
+#include "wall.hpp"
 
 #include <fmt/format.h>
 
@@ -62,6 +63,15 @@ void check_numbers(const GranularProblem& problem, const State& state) {
     }
 }
 
+/// In a container: a state of another one.
+void check_place(const Container& container, const State& state, double radius) {
+    for (std::size_t i = 0; i < state.beads.size(); ++i)
+        if (nearest_wall(container, {state.beads.x[i], state.beads.y[i]}, radius).depth > radius)
+            throw InputError(fmt::format("the stored state is damaged or of another container: bead {} is "
+                                         "outside the wall; start again or from an older checkpoint",
+                                         i));
+}
+
 void check_fit(const GranularProblem& problem, const State& state) {
     if (state.beads.size() != problem.beads || state.rods.size() != problem.rods.size())
         throw InputError(fmt::format("the stored state has {} beads and {} rods, the scene {} and {}",
@@ -77,6 +87,7 @@ struct Simulation::Impl {
     PlateMotion plates;
     PairFinder finder;
     PairContacts contacts;
+    std::optional<Wall> wall;
     Team team;
     Tallies tallies;
     std::int64_t step;
@@ -89,6 +100,8 @@ struct Simulation::Impl {
           blocks((bodies.beads + beads_per_block - 1) / beads_per_block) {
         for (auto* sums : {&tallies.impulse_on_beads, &tallies.impulse_from_plates})
             sums->resize(problem.rods.size(), Vector3::Zero());
+        if (p.container)
+            wall.emplace(*p.container, p.time_step, p.gravity);
         hold_rods();
     }
 
@@ -159,6 +172,20 @@ struct Simulation::Impl {
         bodies.place_rod_spheres();
     }
 
+    WallTally hit_wall(Range& velocities) {
+        const WallTally tally = wall->act(bodies, velocities.fastest_in_plane(), velocities);
+        include_ends(velocities);
+        for (int axis = 0; axis < 2; ++axis) { // as if rods that were put back had flown there
+            velocities.low[axis] -= tally.shift / problem.time_step;
+            velocities.high[axis] += tally.shift / problem.time_step;
+        }
+        tallies.wall_impulse += tally.impulse;
+        tallies.bead_wall += tally.beads;
+        tallies.rod_wall += tally.rods;
+        tallies.max_overlap = std::max(tallies.max_overlap, tally.worst);
+        return tally;
+    }
+
     void add(const PlateTally& tally, std::int64_t& impulses) {
         tallies.floor_impulse += tally.floor_impulse;
         tallies.lid_impulse += tally.lid_impulse;
@@ -195,9 +222,13 @@ struct Simulation::Impl {
                              top_speed));
     }
 
-    void guard_depths(const WorstOverlap& worst, const PlateTally& rods, const PlateTally& beads) {
+    void guard_depths(const WorstOverlap& worst, const PlateTally& rods, const PlateTally& beads,
+                      const WallTally& at_wall) {
         const double limit =
             equilibrating() ? std::max(problem.overlap_limit, settling_limit) : problem.overlap_limit;
+        if (at_wall.worst > limit)
+            return fail(fmt::format("{} is {:.3g} of its radius deep in the wall, more than {:g}",
+                                    name(at_wall.deepest), at_wall.worst, limit));
         if (worst.radii > limit)
             return fail(fmt::format("{} and {} overlap by {:.3g} of the smaller radius, more than {:g}",
                                     name(worst.pair.first), name(worst.pair.second), worst.radii, limit));
@@ -255,6 +286,7 @@ struct Simulation::Impl {
         PlateTally rods;
         fly_rods(plate, velocities, rods);
         add(rods, tallies.rod_plate);
+        const WallTally at_wall = wall ? hit_wall(velocities) : WallTally{};
         mark(&StepTimes::rods);
         ++step;
         guard_speeds(velocities);
@@ -267,7 +299,7 @@ struct Simulation::Impl {
         if (pushed)
             half_kick(time());
         mark(&StepTimes::impulses);
-        guard_depths(worst, rods, beads);
+        guard_depths(worst, rods, beads, at_wall);
         if (step == problem.equilibration_steps)
             hold_rods();
     }
@@ -286,6 +318,8 @@ Simulation::Simulation(const GranularProblem& problem, const State& state, const
     validate(problem);
     check_fit(problem, state);
     check_numbers(problem, state);
+    if (problem.container)
+        check_place(*problem.container, state, problem.bead_radius);
     impl_ = std::make_unique<Impl>(problem, state, tallies, threads);
 }
 
@@ -339,7 +373,15 @@ double Simulation::psi6(double cutoff) const {
         x[i] = b.position[4 * i];
         y[i] = b.position[4 * i + 1];
     }
-    return bond_order(b.beads, bonds_within(x, y, impl_->problem.box, cutoff)).global();
+    LocalOrder order = bond_order(b.beads, bonds_within(x, y, impl_->problem.box, cutoff));
+    if (const auto& container = impl_->problem.container) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < b.beads; ++i)
+            if (nearest_wall(*container, {x[i], y[i]}, cutoff).depth <= 0.0)
+                order.psi[kept++] = order.psi[i];
+        order.psi.resize(kept);
+    }
+    return order.global();
 }
 
 State Simulation::state() const { return to_state(impl_->bodies, impl_->step); }

@@ -56,7 +56,7 @@ RodStart rod_start(const GranularProblem& problem, std::size_t rod, std::uint32_
 
 Room room_of(const GranularProblem& problem, std::uint32_t run) {
     const double free = 0.5 * problem.plates.gap - problem.bead_radius;
-    Room room{problem.box, problem.bead_radius, (1.0 - height_margin) * free, {}};
+    Room room{problem.box, problem.bead_radius, (1.0 - height_margin) * free, {}, problem.container};
     for (std::size_t k = 0; k < problem.rods.size(); ++k)
         for (Disc disc : rod_discs(problem.rods[k], make_clump(problem.rods[k].shape))) {
             disc.height = rod_start(problem, k, run).height;
@@ -113,10 +113,10 @@ void add_rods(State& state, const GranularProblem& problem, std::uint32_t run) {
 std::string no_packing(const GranularProblem& problem, const char* kind, const char* advice, double overlap) {
     return fmt::format(
         "found no {} of {} beads (phi_b = {:.4f}) {}that is free of overlaps: the best one still overlaps by "
-        "{:.2g} bead radii; {}use fewer beads or a larger box",
+        "{:.2g} bead radii; {}use fewer beads or a larger {}",
         kind, problem.beads, bead_area_fraction(problem),
         problem.rods.empty() ? "" : fmt::format("beside {} rods ", problem.rods.size()),
-        overlap / problem.bead_radius, advice);
+        overlap / problem.bead_radius, advice, problem.container ? "container" : "box");
 }
 
 /// Places of the state's beads: these, moved apart.
@@ -189,7 +189,8 @@ State make_start(const GranularProblem& problem, std::uint32_t run) {
         const bool lattice = problem.start == Start::lattice;
         const Room room = room_of(problem, run);
         const Places places = lattice ? on_lattice(problem, room, run) : at_random(problem, room, run);
-        const double left = set_places(state, numbered_by_place(places, problem.box), problem, room, run);
+        const double left =
+            set_places(state, numbered_by_place(places, bed_sides(problem)), problem, room, run);
         if (left > 0.0)
             throw RunError(no_packing(problem, lattice ? "lattice packing" : "random packing",
                                       lattice ? "" : "try start = \"lattice\", or ", left));

@@ -8,7 +8,7 @@ from matplotlib import patheffects
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import ListedColormap, Normalize
-from matplotlib.patches import FancyArrowPatch
+from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
 from . import canvas, style, words
 from .bed_run import LAST_PERIOD, TRAJECTORY
@@ -69,6 +69,16 @@ def rod_number(axes, number, place):
                      path_effects=[patheffects.withStroke(linewidth=1.2, foreground=RIM)], clip_on=True)
 
 
+def bed_edge(axes, granular, window):
+    """The wall of a container, or the edges of the periodic box."""
+    if not granular.container:
+        return box_edges(axes, granular.sides / granular.a, window)
+    x, y = granular.sides / granular.a
+    wall = Circle((x / 2, y / 2), x / 2) if granular.container == "circle" else Rectangle((0, 0), x, y)
+    wall.set(facecolor="none", edgecolor=RIM, linewidth=1.4, zorder=6)
+    return axes.add_patch(wall)
+
+
 def box_edges(axes, box, window):
     """Broken lines where the box ends, if the window shows more than the box."""
     for line, side, (low, high) in zip((axes.axvline, axes.axhline), box, window):
@@ -80,8 +90,9 @@ def box_edges(axes, box, window):
 def window_of(run, spec):
     """The figure's window (in the resolved scene: m) in bead radii, ((x0, x1), (y0, y1)); the whole box where the scene says nothing."""
     granular = run.granular
-    return tuple(tuple(edge / granular.a for edge in asked) if asked else (0.0, side / granular.a)
-                 for asked, side in zip((spec.x, spec.y), granular.box))
+    edge = 1.0 if granular.container else 0.0  # beside the wall, so that all of its line is seen
+    return tuple(tuple(end / granular.a for end in asked) if asked else (-edge, side / granular.a + edge)
+                 for asked, side in zip((spec.x, spec.y), granular.sides))
 
 
 def density(granular):
@@ -125,7 +136,7 @@ def snapshot_stage(run, spec):
     canvas.window(axes, *window)
     axes.set(xlabel=r"$x/a$", ylabel=r"$y/a$", facecolor="#f4f4f2")
     axes.tick_params(direction="out", top=False, right=False)
-    box_edges(axes, run.granular.box / run.granular.a, window)
+    bed_edge(axes, run.granular, window)
     order_bar(figure, axes, spec)
     return figure, axes
 
@@ -230,11 +241,11 @@ class Plates:
 
 def slice_of(run, spec, frame):
     """(x window, y of the slice's middle) in a: through the first rod, or where the scene's window says."""
-    a, box = run.granular.a, frame.box / run.granular.a
-    centre = frame.rods[0].spheres[:, :2].mean(axis=0) / a if frame.rods else box / 2
+    a, sides = run.granular.a, run.granular.sides / run.granular.a
+    centre = frame.rods[0].spheres[:, :2].mean(axis=0) / a if frame.rods else sides / 2
     x, y = window_of(run, spec)
     if not spec.x:
-        half = min(WIDTH, box[0]) / 2
+        half = min(WIDTH, sides[0]) / 2
         x = (centre[0] - half, centre[0] + half)
     return x, (y[0] + y[1]) / 2 if spec.y else centre[1]
 

@@ -35,7 +35,10 @@ class GranularRun:
         self.members = sorted(path for path in folder.glob("runs/*") if path.is_dir()) or [folder]
         with files.reading(self.summary.path, "bead_radius, phi_b or box"):
             self.a, self.phi_b = self.need("bead_radius") + 0, self.need("phi_b") + 0
-            self.box = np.broadcast_to(np.asarray(self.need("box"), dtype=float).ravel()[:2], 2)
+            self.sides = np.broadcast_to(np.asarray(self.need("box"), dtype=float).ravel()[:2], 2)
+        self.container = self.summary.get("container")
+        # with a wall nothing has images: in a box of twice the sides the nearest image is the thing itself
+        self.box = 2 * self.sides if self.container else self.sides
 
     @property
     def rods(self):

@@ -7,7 +7,7 @@ from . import bed_run, fit_words, schema, words
 PAIRS = (("bead_bead", "bead with bead", "particle_particle"), ("bead_rod", "bead with rod", "particle_particle"),
          ("rod_rod", "rod with rod", "particle_particle"), ("bead_wall", "bead with plate", None), ("rod_wall", "rod with plate", None))
 ROUNDING = 1e-9  # degrees
-TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "pressure", "rods", "beads", "phi_b", "beads_fraction", "bead_radius", "box", "runs"}
+TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "pressure", "rods", "beads", "phi_b", "beads_fraction", "bead_radius", "box", "container", "runs"}
 
 
 def bed_headline(run):
@@ -39,10 +39,12 @@ def tracks_headline(run):
 def modelled_rows(run):
     """Rows (what, value) of what was simulated, from the resolved scene and the summary."""
     bed, scene = run.granular, run.scene.get("granular", {})
-    sides = " × ".join(words.number(float(side / bed.a), 4) for side in bed.box)
+    sides = " × ".join(words.number(float(side / bed.a), 4) for side in bed.sides)
     if bed.need("beads"):
         yield from beads_rows(bed, scene)
-    yield "Box", f"{sides} <i>a</i>, periodic in <i>x</i> and <i>y</i>"
+    dish = f"a dish of diameter {words.number(float(bed.sides[0] / bed.a), 4)} <i>a</i> with a vertical wall"
+    yield ("Container", dish if bed.container == "circle" else f"{sides} <i>a</i>, with a vertical wall") if bed.container else (
+        "Box", f"{sides} <i>a</i>, periodic in <i>x</i> and <i>y</i>")
     if isinstance(scene.get("plates"), dict):
         yield "Plates", plates_told(scene["plates"], scene.get("gravity", 0.0))
     yield from ((f"Rod {number}", rod_told(rod)) for number, rod in enumerate(scene.get("rods", [])))
@@ -53,7 +55,7 @@ def beads_rows(bed, scene):
                     f"{of_density(scene.get('bead_density'))}")
     alone = bed.summary.get("beads_fraction")
     yield "Area fraction asked for", words.equation("<i>φ<sub>b</sub></i>", bed.phi_b) + (
-        f"; the beads alone cover {words.number(alone)} of the box" if words.is_number(alone) else "")
+        f"; the beads alone cover {words.number(alone)} of the {'container' if bed.container else 'box'}" if words.is_number(alone) else "")
 
 
 def of_density(value):

@@ -32,7 +32,7 @@ class Rod:
 @dataclass(frozen=True)
 class Frame:
     time: float
-    box: np.ndarray       # sides in x and y
+    box: np.ndarray       # sides in x and y of the periodic box; with a wall twice those around it, so that nothing has images
     beads: np.ndarray     # [bead][3], x and y inside the box
     velocity: np.ndarray  # of the beads
     radii: np.ndarray     # of the beads
@@ -64,6 +64,8 @@ class Trajectory:
             raise PlotError(f"{self.path}: holds {self.frames} frames at {len(self.time)} times: nothing to draw")
         self.species = np.asarray(files.dataset(self.file, f"{GROUP}/species"))
         self.radius = np.asarray(files.dataset(self.file, f"{GROUP}/radius"), dtype=float)
+        boundary = self.file[f"{GROUP}/box"].attrs.get("boundary", []) if f"{GROUP}/box" in self.file else []
+        self.images = 2 if any(part in (b"none", "none") for part in list(boundary)[:2]) else 1  # with a wall the nearest image is the thing itself
 
     def holds_all_beads(self):
         """Beads are numbered from 0 on; files of others need not number them."""
@@ -86,7 +88,7 @@ class Trajectory:
     def frame(self, number):
         at = self.index(number)
         with files.reading(self.path, f"frame {number}"):
-            box = box_sides(self._value(f"{GROUP}/box/edges/value", at))
+            box = box_sides(self._value(f"{GROUP}/box/edges/value", at)) * self.images
             position, velocity = (self._value(f"{GROUP}/{name}/value", at) for name in ("position", "velocity"))
             bead = self.species == BEAD
             rods = self._rods(at, position[~bead], self.radius[~bead], box) if not bead.all() else ()

@@ -46,7 +46,7 @@ def layout(aspect, alone):
 def window_of(tracks, granular):
     """((left, right), (bottom, top)) in a: along each side the part of the box where rods go, or all of it if they need most of it."""
     found = []
-    for side, name in zip(granular.box, ("x", "y")):
+    for side, name in zip(granular.sides, ("x", "y")):
         places = np.concatenate([getattr(one, name).ravel() for one in tracks]) % side / granular.a
         low, high, whole = places.min() - MARGIN, places.max() + MARGIN, side / granular.a
         found.append((low, high) if high - low < MOST * whole else (0.0, whole))
@@ -75,6 +75,8 @@ def draw_box(axes, tracks, granular, window):
         axes.plot(*wrapped_path(mean.x[:, rod], mean.y[:, rod], box).T / a, color=colour, linewidth=1.1)
         draw_marks(axes, mean, rod, granular)
     note_rods(axes, mean, granular)
+    if granular.container:
+        bed.bed_edge(axes, granular, window)
 
 
 def draw_marks(axes, track, rod, granular):

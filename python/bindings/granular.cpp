@@ -124,7 +124,7 @@ void bind_granular(py::module_& module) {
         .def_property_readonly("time_step", [](const Bed& b) { return b.plan().problem.time_step; })
         .def_property_readonly("box",
                                [](const Bed& b) {
-                                   const PeriodicBox& box = b.plan().problem.box;
+                                   const PeriodicBox& box = granular::bed_sides(b.plan().problem);
                                    return std::pair(box.x, box.y);
                                })
         .def_property_readonly("bead_radius", [](const Bed& b) { return b.plan().problem.bead_radius; })

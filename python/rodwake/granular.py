@@ -64,7 +64,7 @@ class Bed:
 
     @property
     def sides(self) -> tuple[float, float]:
-        """Of the periodic box along x and y, m."""
+        """Of the periodic box along x and y, m; of a container: of the rectangle that it fits into."""
         x, y = self._core.box
         return float(x), float(y)
 

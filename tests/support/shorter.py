@@ -15,7 +15,7 @@ def bed(duration, frames, runs=1, **keys):
     return settings(granular__duration=duration, granular__output__frames=frames, granular__runs=runs, granular__equilibrate=0.05, **keys)
 
 
-SHORTER = {"rod_in_bed": settings(granular__duration=0.5, granular__equilibrate=0.05),  # its film has a hundred pictures
+SHORTER = {"dish": bed(0.3, 0.1), "rod_in_bed": settings(granular__duration=0.5, granular__equilibrate=0.05),  # its film has a hundred pictures
            "order": bed(0.35, 0.01, measure__block=0.1, measure__order_interval=0.05), "memory_kernel": bed(0.35, 0.037), "wake": bed(0.6, 0.05, measure__from=0),
            "quickstart": bed(1.0, 0.1, 2, measure__interval=0.05, measure__from=0, measure__block=0.2, measure__spacing="2 a"), "wake_large": bed(0.2, 0.02, measure__from=0), "bead_drag": bed(0.5, 0.1), "pursuit_bed": bed(0.3, 0.1, 2),
            "crowd": settings(rods_random__count=40, rods_run__t_end=4, rods_order__from=1),

@@ -1,9 +1,10 @@
 #pragma once
 // What a granular run models: beads and rods between two horizontal plates that vibrate in phase, periodic in
-// x and y. SI units throughout. z points up, against gravity.
+// x and y or within the wall of a container. SI units throughout. z points up, against gravity.
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/granular/body_force.hpp"
+#include "rodwake/granular/container.hpp"
 #include "rodwake/granular/impact.hpp"
 #include "rodwake/granular/shape.hpp"
 #include "rodwake/granular/surfaces.hpp"
@@ -31,10 +32,11 @@ enum class Start { lattice, random };
 
 struct GranularProblem {
     std::size_t beads = 0;
-    double bead_radius = 0.4e-3;   ///< a, m
-    double bead_density = 2700.0;  ///< kg/m^3
-    double gravity = 9.81;         ///< m/s^2; 0: none, with plates.gamma = 0 only
-    PeriodicBox box = 78 * 0.4e-3; ///< m
+    double bead_radius = 0.4e-3;        ///< a, m
+    double bead_density = 2700.0;       ///< kg/m^3
+    double gravity = 9.81;              ///< m/s^2; 0: none, with plates.gamma = 0 only
+    PeriodicBox box = 78 * 0.4e-3;      ///< m; of a container: container->box()
+    std::optional<Container> container; ///< absent: periodic
     Plates plates;
     ContactTable contacts;
     std::vector<RodSpec> rods;
@@ -53,7 +55,15 @@ struct GranularProblem {
     bool operator==(const GranularProblem&) const = default;
 };
 
-/// Area fraction N pi a^2/(L_x L_y) of the beads alone.
+/// Sides of the bed, m: of the periodic box, or of the rectangle that its container fits into.
+inline const PeriodicBox& bed_sides(const GranularProblem& problem) {
+    return problem.container ? problem.container->sides : problem.box;
+}
+
+/// m^2.
+double bed_area(const GranularProblem& problem);
+
+/// Share N pi a^2/A of the beads alone in the area of the bed.
 double bead_area_fraction(const GranularProblem& problem);
 
 /// kg.

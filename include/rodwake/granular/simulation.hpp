@@ -25,9 +25,11 @@ namespace rodwake::granular {
 struct Tallies {
     double floor_impulse = 0.0, lid_impulse = 0.0; ///< upward momentum the plates gave, N s (lid: negative)
     std::int64_t bead_bead = 0, bead_plate = 0, bead_rod = 0, rod_plate = 0, rod_rod = 0; ///< impulses given
-    std::int64_t overlaps = 0; ///< pairs found overlapping, summed over steps
-    double max_overlap = 0.0;  ///< of a pair or a rod and a plate, in radii of the smaller sphere
-    PlaneTensor virial{};      ///< sum over impulses between bodies, J: pressure() has the definition
+    double wall_impulse = 0.0; ///< towards the inside, from the wall of a container to all bodies, N s
+    std::int64_t bead_wall = 0, rod_wall = 0; ///< impulses given there
+    std::int64_t overlaps = 0;                ///< pairs found overlapping, summed over steps
+    double max_overlap = 0.0; ///< of a pair or a rod and a plate, in radii of the smaller sphere
+    PlaneTensor virial{};     ///< sum over impulses between bodies, J: pressure() has the definition
     std::vector<Eigen::Vector3d> impulse_on_beads;    ///< momentum each rod gave to the beads, N s
     std::vector<Eigen::Vector3d> impulse_from_plates; ///< momentum each rod got from the plates, N s
 };
@@ -90,6 +92,8 @@ public:
     PlaneTensor momentum_flux() const;
     Energy energy() const;
     /// |mean of psi_6| of the beads, neighbours nearer in the plane than the cut-off (core/bond_order.hpp).
+    /// In a container of the beads further than that from the wall, which have all their neighbours; 0: none
+    /// is.
     double psi6(double cutoff) const;
     SimulationCost cost() const;
 

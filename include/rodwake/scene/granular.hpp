@@ -5,6 +5,7 @@
 // granular.bead_radius. [scales] is not needed. What is absent and follows from other keys stays absent here.
 
 #include "rodwake/granular/body_force.hpp"
+#include "rodwake/granular/container.hpp"
 #include "rodwake/granular/shape.hpp"
 #include "rodwake/granular/surfaces.hpp"
 
@@ -65,16 +66,26 @@ struct BoxSize {
     bool operator==(const BoxSize&) const = default;
 };
 
-/// [granular]: beads and rods between two plates, periodic in x and y.
+/// [granular.container]: a vertical wall in place of the periodic box.
+struct BedContainer {
+    granular::ContainerKind kind = granular::ContainerKind::circle;
+    std::optional<double> radius;                ///< of the circle, m
+    std::vector<double> sides;                   ///< of the rectangle, m
+    std::optional<double> friction, restitution; ///< absent: those of bead_wall and rod_wall
+
+    bool operator==(const BedContainer&) const = default;
+};
+
+/// [granular]: beads and rods between two plates, periodic in x and y or within a wall.
 struct Granular {
-    std::optional<double> phi_b; ///< N pi a^2/(L_x L_y); either this or beads
+    std::optional<double> phi_b; ///< N pi a^2/A, A the area of the bed; either this or beads
     std::optional<long> beads;
     /// Rods take the place of beads: N pi a^2 = phi_b L_x L_y - shadows of the rods.
     bool count_rod_area = true;
     double bead_radius = 0.4e-3;  ///< a, m
     double bead_density = 2700.0; ///< kg/m^3
     double gravity = 9.81;        ///< m/s^2
-    BoxSize box;                  ///< the periodic box
+    BoxSize box;                  ///< the periodic box; 0: there is a container
     GranularStart start = GranularStart::lattice;
     std::string restart_from;          ///< checkpoint file; with start = restart only
     double orientation = 0.0;          ///< of the close-packed rows from +x, rad
@@ -89,6 +100,7 @@ struct Granular {
     std::optional<double> order_cutoff; ///< m; absent: 1.4 lattice spacings
     granular::Plates plates;
     Contacts contacts;
+    std::optional<BedContainer> container;
     std::optional<granular::BodyForce> body_force;
     GranularOutput output;
     std::vector<GranularRod> rods;

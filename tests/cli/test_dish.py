@@ -1,0 +1,117 @@
+"""A bed in a container, as the program runs it: files, resuming, figures, and what is refused."""
+
+import signal
+
+import h5py
+import numpy as np
+import rodwake
+from beds import BedTest, setting
+
+A = 0.4e-3
+DISH = """
+schema = 1
+[granular]
+phi_b = 0.7
+start = "lattice"
+duration = 0.1
+equilibrate = 0.02
+seed = 3
+[granular.container]
+kind = "circle"
+radius = "14 a"
+[granular.output]
+frames = 0.02
+table = 0.01
+[[granular.rods]]
+position = ["10 a", "14 a"]
+heading = 0.0
+[[figures]]
+name = "dish"
+kind = "snapshot"
+[[figures]]
+name = "tracks"
+kind = "rod_tracks"
+"""
+
+
+class DishTest(BedTest):
+    def setUp(self):
+        super().setUp()
+        self.write("dish.toml", DISH)
+
+    def run_dish(self, out, *arguments):
+        return self.expect(0, "dem", "dish.toml", "-o", out, *arguments)
+
+    def test_files(self):
+        self.run_dish("out")
+        summary = self.summary("out")
+        self.assertEqual((summary["container"], summary["box"]), ("circle", 28 * A))
+        beads = summary["beads"]
+        self.assertAlmostEqual(summary["beads_fraction"], beads / 14**2, delta=1e-12)
+        self.assertGreater(summary["psi6"], 0.0)
+        with h5py.File(self.out("out", "trajectory.h5md")) as file:
+            box = file["particles/trajectory/box"]
+            self.assertEqual([part.decode() if isinstance(part, bytes) else part for part in box.attrs["boundary"]], ["none"] * 3)
+            self.assertEqual(box["edges/value"][0][0][0], 28 * A)
+            places = file["particles/trajectory/position/value"][:, :beads, :2] - 14 * A
+            self.assertEqual(np.count_nonzero(file["particles/trajectory/image/value"]), 0)
+        furthest = np.linalg.norm(places, axis=-1).max() / A
+        self.assertLess(furthest, 13.0 + 0.05)  # of the radius, by impulses of other beads
+        self.assertGreater(furthest, 12.8)
+        self.assertIn('pbc="F F F"', self.out("out", "trajectory.xyz").read_text())
+
+    def test_resumed_to_the_bit(self):
+        keys = setting(duration=1.0, output__checkpoint=0.02)
+        self.run_dish("whole", *keys)
+        for _ in range(2):
+            self.interrupt(signal.SIGTERM, 0.3, "dem", "dish.toml", "-o", "parts", *keys)
+        if self.status("parts") != "finished":
+            self.run_dish("parts", *keys)
+        self.run_dish("threads", *keys, "-j", 3)
+        for run in "parts", "threads":
+            self.assert_same(run, "whole")
+
+    def test_restart(self):
+        self.run_dish("first")
+        again = setting(start='"restart"', restart_from='"first/final.rwc"')
+        self.run_dish("second", *again)
+        self.assertEqual(self.summary("second")["beads"], self.summary("first")["beads"])
+        done = self.expect(2, "dem", "dish.toml", "-o", "third", *again, *setting(container__radius='"15 a"'))
+        self.assertRegex(done.stderr, "0.0112 x 0.0112 m there and 0.012 x 0.012 m in the scene")
+
+    def test_told_before_it_runs(self):
+        for command in ("check",), ("dem", "--dry-run"):
+            told = self.expect(0, command[0], "dish.toml", *command[1:]).stdout
+            self.assertIn("vertical wall around the bed, a dish of radius 14 a = 5.6 mm, its middle at (14 a, 14 a); "
+                          "friction/restitution: beads 0.2/0.3, rods 0.03/0.1", told)
+            self.assertNotIn("side walls", told)
+        told = self.expect(0, "check", "dish.toml", *setting(container__friction=0.5)).stdout
+        self.assertIn("beads 0.5/0.3, rods 0.5/0.1", told)
+
+    def test_figures(self):
+        self.run_dish("out")
+        self.expect(0, "plot", "out")
+        for name in "dish", "tracks":
+            self.assertTrue(self.out("out", f"figures/{name}.png").is_file())
+
+    def test_refused(self):
+        for keys, words in ((setting(box='"30 a"'), r"granular.box.*leave one of them out"),
+                            (["-s", 'granular.container={kind="circle"}'], 'kind = "circle" needs radius'),
+                            (["-s", 'granular.container={kind="rectangle"}'], 'kind = "rectangle" needs sides'),
+                            (["-s", 'granular.container={kind="rectangle",sides=["20 a","30 a"],radius=0.01}'], "belongs to kind = \"circle\""),
+                            (setting(container__radius='"1 a"'), "at least 4 bead radii|no room"),
+                            (setting(container__radius=-1), "radius"),
+                            (["-s", 'granular.rods.0.position=["2 a","14 a"]'], "through the wall of the container"),
+                            (["-s", "granular.rods.0.imposed_speed=0.5"], "shorten the duration"),
+                            (["-s", "measure.order=true"], "measure.order.*periodic box.*this bed has a wall"),
+                            (["-s", 'measure.displacement="phase"'], "measure.displacement.*wall"),
+                            (["-s", 'granular.body_force={kind="gaussian",acceleration=1,width="1 a"}'], "gaussian")):
+            with self.subTest(keys=keys):
+                self.refuse(2, words, "check", "dish.toml", *keys)
+        head, tail = DISH.split("[granular.container]")
+        self.write("none.toml", head + "[granular.output]" + tail.split("[granular.output]")[1])
+        self.refuse(2, "needs the key box", "check", "none.toml")
+
+
+if __name__ == "__main__":
+    rodwake.main()
