@@ -211,6 +211,35 @@ void add_stage_verbs(CLI::App& app, Options& options) {
                   "results only, as where Python has no matplotlib; rodwake plot draws them later");
 }
 
+void add_camera(CLI::App& app, Options& options) {
+    CLI::App* camera = add_verb(
+        app, options, Verb::camera, "camera", "a bed's frames as the tracks that a camera would have of them",
+        "  rodwake camera results/rod_in_bed && rodwake run results/rod_in_bed/camera/camera.toml\n"
+        "  rodwake camera results/bed -o film --pixel \"12.4 um\" --noise \"0.05 a\" --lost 0.1 --view 0.5");
+    measure::Camera& c = options.camera;
+    camera->add_option("RUN", options.target, "run directory with trajectory.h5md, or that file")->required();
+    camera->add_option("-o,--output", options.output, "folder for tracks.csv and camera.toml [RUN/camera]");
+    camera->add_option("--pixel", options.pixel, "what a pixel is worth: \"0.05 a\", \"12.4 um\" [0.05 a]");
+    camera->add_option("--every", c.every, "frames of the run from one picture to the next [1]")
+        ->check(whole_number_from(1, 1000000));
+    camera
+        ->add_option("--exposure", c.exposure, "frames over which a picture is exposed, at most --every [1]")
+        ->check(whole_number_from(1, 1000000));
+    camera->add_option("--view", c.view, "sides of the picture over those of the box, above 0 to 1 [1]");
+    camera->add_option("--turned", c.turned, "by which the camera is turned, anticlockwise, degrees [0]");
+    camera->add_option("--distortion", c.distortion,
+                       "shift at the corners over their distance, -0.1 to 0.1 [0]");
+    camera->add_option("--lost", c.lost, "share of the spots that are not found, 0 to 1 [0]");
+    camera->add_option("--memory", c.memory, "pictures without a particle after which its number changes [3]")
+        ->check(whole_number_from(0, 1000000));
+    camera->add_option("--noise", options.localisation,
+                       "standard deviation of a spot's coordinate, a length [0]");
+    camera->add_option("--seed", options.seed, "of what is lost and of the noise, 0 to 2^63 - 1 [1]")
+        ->check(whole_number_from(0, largest_seed));
+    add_force(*camera, options, "replace what a camera wrote there before");
+    add_quiet(*camera, options);
+}
+
 void add_verbs(CLI::App& app, Options& options) {
     add_scenes(app, options);
     add_new(app, options);
@@ -233,6 +262,7 @@ void add_verbs(CLI::App& app, Options& options) {
                      "Px,Py,Pz,wx,wy,wz go to standard output")
         ->required();
     add_dry_run(*impact, options);
+    add_camera(app, options);
     CLI::App* plot =
         add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
                  "  rodwake plot results/quickstart --pdf\n"

@@ -2,6 +2,7 @@
 // The command line, parsed.
 
 #include "rodwake/app/tradeoff.hpp"
+#include "rodwake/measure/camera.hpp"
 #include "rodwake/scan/run.hpp"
 
 #include <CLI/CLI.hpp>
@@ -29,6 +30,7 @@ enum class Verb {
     scan,
     tradeoff,
     run,
+    camera,
     plot,
     info,
     help
@@ -59,11 +61,13 @@ struct Options {
     std::string tradeoff_of;         ///< tradeoff --of; empty: what the scene names first
     double limit = 60.0;             ///< tradeoff --limit, s
     bool no_figures = false;         ///< run --no-figures
-    bool pdf = false;                ///< plot --pdf
-    bool scene_reference = false;    ///< info --scene-reference
-    bool schema = false;             ///< info --schema
-    bool man = false;                ///< info --man
-    std::string completion;          ///< info --completion
+    measure::Camera camera;          ///< camera; its lengths as they were typed, its angle in degrees
+    std::string pixel = "0.05 a", localisation = "0"; ///< camera --pixel, --noise
+    bool pdf = false;                                 ///< plot --pdf
+    bool scene_reference = false;                     ///< info --scene-reference
+    bool schema = false;                              ///< info --schema
+    bool man = false;                                 ///< info --man
+    std::string completion;                           ///< info --completion
     // look of the figures, as the plotting program takes it
     std::string figure_width; ///< plot --width; empty: each its own
     std::string figure_style; ///< plot --style; empty: paper

@@ -1,0 +1,110 @@
+#include "rodwake/app/camera.hpp"
+
+#include "measure_frames.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/atomic_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path trajectory_of(const fs::path& run) {
+    if (fs::is_regular_file(run))
+        return run;
+    const fs::path file = run / "trajectory.h5md";
+    if (!fs::is_directory(run))
+        throw InputError(run.string() + ": not a run directory; rodwake dem SCENE makes one");
+    if (!fs::is_regular_file(file))
+        throw InputError(fmt::format("{}: holds no frames (trajectory.h5md); run its scene with "
+                                     "granular.output.formats = [\"h5md\"] and one run",
+                                     run.string()));
+    return file;
+}
+
+measure::Layout layout_of(const store::TrajectoryInfo& info) {
+    return {.box = {info.box[0], info.box[1]},
+            .bead_radius = info.bead_radius,
+            .bead_mass = info.bead_mass,
+            .beads = info.beads,
+            .rods = info.rods};
+}
+
+void add_rows(fmt::memory_buffer& out, std::size_t picture, std::span<const measure::Spot> spots) {
+    for (const measure::Spot& spot : spots) {
+        if (std::isnan(spot.heading))
+            fmt::format_to(std::back_inserter(out), "{},{},{},{},,bead\n", picture, spot.particle, spot.x,
+                           spot.y);
+        else
+            fmt::format_to(std::back_inserter(out), "{},{},{},{},{},rod\n", picture, spot.particle, spot.x,
+                           spot.y, spot.heading);
+    }
+}
+
+/// Seconds between pictures.
+double interval_of(const store::TrajectoryInfo& info, std::size_t every, const fs::path& file) {
+    if (info.frames() < every + 1)
+        throw InputError(
+            fmt::format("{}: {} frames are fewer than two pictures", file.string(), info.frames()));
+    return static_cast<double>(every) * (info.time.back() - info.time.front()) /
+           static_cast<double>(info.frames() - 1);
+}
+
+std::string window_text(const measure::Camera& camera, const measure::Layout& layout) {
+    const PeriodicBox picture = measure::picture_of(camera, layout);
+    if (camera.sees_the_box())
+        return fmt::format("window = \"periodic\"           # the whole box\nbox = [{}, {}]\n", picture.x,
+                           picture.y);
+    return fmt::format("window = {{ rectangle = [0.0, 0.0, {}, {}] }}\n", picture.x, picture.y);
+}
+
+std::string scene_text(const measure::Camera& camera, const measure::Layout& layout, double interval,
+                       std::size_t pictures, const std::string& command) {
+    const double between = static_cast<double>(std::max<std::size_t>(1, pictures / 40)) * interval,
+                 length = interval * static_cast<double>(pictures - 1);
+    return fmt::format(
+        "# {}\nschema = 1\ntitle = \"A bed, seen by a camera\"\n\n[tracks]\nfile = \"tracks.csv\"\n"
+        "frames_per_second = {}\npixel = {}                   # m\nbead_radius = {}\n{}\n"
+        "[measure]\norder = true\norder_interval = {}\nmicrorheology = true\nblock = {}\n",
+        command, 1.0 / interval, camera.pixel, layout.bead_radius, window_text(camera, layout), between,
+        0.25 * length);
+}
+
+} // namespace
+
+Filmed film(const fs::path& run, const CameraFor& camera_for, const fs::path& folder,
+            const std::string& command, const std::function<bool()>& stop) {
+    const fs::path file = trajectory_of(run);
+    store::H5mdReader reader(file);
+    const measure::Layout layout = layout_of(reader.info());
+    const measure::Camera camera = camera_for(layout);
+    const double interval = interval_of(reader.info(), camera.every, file);
+    measure::Film film(camera, layout);
+    Filmed filmed{.tracks = folder / "tracks.csv", .scene = folder / "camera.toml"};
+    fmt::memory_buffer rows;
+    rows.append(std::string_view("frame,particle,x,y,theta,kind\n"));
+    store::StoredFrame stored;
+    measure::Frame frame;
+    for (std::size_t i = 0; i < reader.info().frames(); ++i) {
+        if (stop())
+            return filmed;
+        reader.read(i, stored);
+        fill_frame(frame, stored, layout.box);
+        if (!film.expose(frame))
+            continue;
+        add_rows(rows, film.pictures() - 1, film.spots());
+        filmed.spots += film.spots().size();
+    }
+    filmed.pictures = film.pictures();
+    fs::create_directories(folder);
+    store::write_atomically(filmed.tracks, {rows.data(), rows.size()});
+    store::write_atomically(filmed.scene, scene_text(camera, layout, interval, filmed.pictures, command));
+    return filmed;
+}
+
+} // namespace rodwake::app
