@@ -27,8 +27,8 @@ std::string with_figure(const std::string& lines) {
 } // namespace
 
 TEST_CASE("tables that need each other") {
-    says("schema = 1\n",
-         "x.toml:1:1: nothing to do: give [[rods]] with [rods_run], or [field], or [granular], or [fit]");
+    says("schema = 1\n", "x.toml:1:1: nothing to do: give [[rods]] with [rods_run], or [field], or "
+                         "[granular], or [tracks], or [fit]");
     says("schema = 1\n[medium]\neta = 1\nxi = 1\n", "nothing to do");
     says("schema = 1\n[[rods]]\nposition = [0, 0]\n", "[[rods]] need [rods_run] with t_end");
     says("schema = 1\n[rods_run]\nt_end = 1\n", "x.toml:2:1: [rods_run] needs [[rods]]");
