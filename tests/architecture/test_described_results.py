@@ -42,6 +42,7 @@ PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the mea
 QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
+    "container": {"app/scene/fields_granular.cpp"},  # the scene's table
     "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/beds.cpp"},  # of the scan; how long a run takes
     "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_results.cpp", "app/scene/figure_kinds.cpp"},
     "final_separation": {"app/tradeoff/rods.cpp"},

@@ -274,8 +274,8 @@ TEST_CASE("starts in a container: the beads asked for, inside, apart") {
     CHECK(deepest_bead(again, problem) <= 0.0);
 }
 
-TEST_CASE(
-    "a dense bed in a dish: the same bits for any number of threads, and when it goes on from a state") {
+TEST_CASE("a dense bed in a dish: the same bits for any number of threads, and gone on from a state",
+          "[threads]") {
     GranularProblem problem = shaken({ContainerKind::circle, 120.0 * a}, 0.72);
     problem.container->rods = {0.03, 0.1};
     problem.rods = {beds::long_rod(8.0 * a, 60.0 * a, M_PI), beds::long_rod(60.0 * a, 60.0 * a, 0.0)};
@@ -347,6 +347,7 @@ TEST_CASE("containers that cannot be are refused, with what to do") {
     SECTION("a state of another container") {
         const State outside = bead_at(problem, {25.0 * a, 0.0}, Vector3d::Zero());
         problem.beads = 1;
+        CHECK(deepest_bead(outside, problem) == Approx(6.0 * a));
         CHECK_THROWS_WITH(Simulation(problem, outside), Contains("outside the wall"));
     }
 }
@@ -379,6 +380,8 @@ TEST_CASE("no bead is lost in a thousand million bounces off the wall", "[.][lon
         if (lossless)
             worst_energy = std::max(worst_energy, std::abs(s.energy().kinetic / before - 1.0));
         bounces += s.tallies().bead_wall;
+        if (round % 50 == 49)
+            std::fprintf(stderr, "%u dishes, %lld bounces\n", round + 1, static_cast<long long>(bounces));
     }
     std::printf("%lld bounces, deepest %.2g a, energy kept to %.2g\n", static_cast<long long>(bounces),
                 deepest, worst_energy);

@@ -145,6 +145,11 @@ inline std::string bed(const std::string& more = "") {
     return "schema = 1\n[granular]\nphi_b = 0.7\nbox = \"30 a\"\nduration = 1.0\n" + more;
 }
 
+/// Smallest scene of a bed with a wall; keys of the container.
+inline std::string in_container(const std::string& keys) {
+    return "schema = 1\n[granular]\nphi_b = 0.7\nduration = 1.0\n[granular.container]\n" + keys;
+}
+
 /// Smallest scene with two rods; lines are appended.
 inline std::string two_rods(const std::string& more = "") {
     return "schema = 1\n[[rods]]\nposition = [0.0, 0.0]\n[[rods]]\nposition = [0.0, 1.0]\n[rods_run]\nt_end "

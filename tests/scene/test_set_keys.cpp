@@ -146,6 +146,8 @@ const std::vector<std::string> bases{
     "schema = 1\n[fit]\nparameters = [\"f_over_mu\", \"eta\"]\nfixed = { xi = 500.0 }\n[[fit.maps]]\nfiles = "
     "[\"m.h5\"]\n"
     "[[fit.profiles]]\nfile = \"u.csv\"\nrole = \"predict\"\n[[fit.compare]]\nname = \"l\"\nline = 0\n",
+    in_container("radius = \"20 a\"\nfriction = 0.1\nrestitution = 0.5\n"),
+    in_container("kind = \"rectangle\"\nsides = [0.01, 0.02]\n"),
     bed("[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n"
         "position = [0.001, 0.002]\n"),
     filmed,
