@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t fewest_for_stiffness = 32;
+
 fs::path trajectory_of(const fs::path& run) {
     if (fs::is_regular_file(run))
         return run;
@@ -70,9 +72,9 @@ std::string scene_text(const measure::Camera& camera, const measure::Layout& lay
     return fmt::format(
         "# {}\nschema = 1\ntitle = \"A bed, seen by a camera\"\n\n[tracks]\nfile = \"tracks.csv\"\n"
         "frames_per_second = {}\npixel = {}                   # m\nbead_radius = {}\n{}\n"
-        "[measure]\norder = true\norder_interval = {}\nmicrorheology = true\nblock = {}\n",
+        "[measure]\norder = true\norder_interval = {}\nmicrorheology = {}\nblock = {}\n",
         command, 1.0 / interval, camera.pixel, layout.bead_radius, window_text(camera, layout), between,
-        0.25 * length);
+        pictures >= fewest_for_stiffness ? "true" : "false     # of 32 pictures and more", 0.25 * length);
 }
 
 } // namespace

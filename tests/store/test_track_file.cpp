@@ -176,7 +176,7 @@ TEST_CASE("A damaged file of tracks is read or refused, and nothing else") {
     for (int k = 0; k < 2000; ++k) {
         const bool is_xml = k % 4 == 0;
         std::string damaged = is_xml ? with_edges("") : text;
-        for (unsigned n = 1 + random() % 3; n > 0; --n)
+        for (auto n = 1 + random() % 3; n > 0; --n)
             damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
         if (k % 5 == 0)
             damaged.resize(random() % damaged.size());
