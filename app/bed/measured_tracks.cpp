@@ -52,7 +52,7 @@ struct TracksReport {
             field("frames", &R::frames, {"1", "from the first to the last"}),
             field("particles", &R::particles, {"1", "different beads that are tracked"}),
             field("rods", &R::rods, {"1", "different rods"}),
-            field("beads_per_frame", &R::beads_per_frame, {"1", "mean"}),
+            field("beads_per_frame", &R::beads_per_frame, {"1", "on average"}),
             field("mean_length", &R::mean_length,
                   {"1", "frames from where a bead is first seen to where last"}),
             field("lost_share", &R::lost_share, {"1", "of these frames, those in which it is not seen"}),

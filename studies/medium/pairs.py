@@ -63,7 +63,7 @@ def show_near(folder):
 
 
 CAPTURES = (0, 1)  # outcomes of pairs.csv: contact, pursuit
-BEDS = {"perfect crystal": ("lattice", "fit"), "polycrystal": ("random", "78 a")}  # start of the bed, box
+BEDS = {"perfect crystal": ("lattice", "fit"), "random": ("random", "78 a")}  # start of the bed, box
 
 
 def wilson(many, runs):
@@ -86,7 +86,7 @@ def polycrystal(lab):
         turned = [mean([abs(track[f"theta{k}"][-1] - track[f"theta{k}"][0]) for track in tracks(folder)]) for k in (0, 1)]
         lines.append([name, text(estimate(order["psi6"])), wilson(captured.sum(), runs), wilson((captured & rear).sum(), runs),
                       text(mean(pair["non_reciprocity"])), *map(text, turned)])
-    table("Perpendicular starts 26 a apart, phi_b = 0.78: who captures", ["bed", "psi6", "captured (68 %)", "by the rear rod", "non-reciprocity",
+    table("Perpendicular starts 26 a apart, phi_b = 0.78: who captures", ["start of the bed", "psi6", "captured (68 %)", "by the rear rod", "non-reciprocity",
           "turn of the rod along x, rad", "of the other"], lines)
 
 

@@ -35,14 +35,14 @@ inline constexpr auto rodwake::store::parts<R> = rodwake::store::parts_of({});
 int main() {{ return static_cast<int>(rodwake::store::Kept<R>::layout().size()); }}
 """
 # Words that files of several kinds have in common.
-GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model outcome pair path pressure pursuit reason rods run "
+GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model outcome pair particles path pressure pursuit reason rods rows run "
               "scale scatter seconds share sigma status steps theta time times turn undecided unit used value".split())
 # Names of described results that other C++ files quote, and why these may; to grow shorter.
 PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure
 QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
-    "container": {"app/scene/fields_granular.cpp"},  # the scene's table
+    "container": {"app/scene/fields_granular.cpp", "models/granular/problem.cpp", "models/granular/start.cpp"},  # the scene's table, in messages too
     "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/beds.cpp"},  # of the scan; how long a run takes
     "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_results.cpp", "app/scene/figure_kinds.cpp"},
     "final_separation": {"app/tradeoff/rods.cpp"},
@@ -114,6 +114,7 @@ class DescribedResultsTest(unittest.TestCase):
         schema = json.loads((rodwake.SOURCE / "plots/rodwake_plots/schema.json").read_text())
         common = {key["key"] for key in schema["keys"]} | {name for text in files.values() for name in DESCRIBED.findall(text) if len(name) < 3}
         common |= {parameter["name"] for parameter in schema["fit_parameters"]} | GENERAL
+        self.maxDiff = None
         self.assertEqual(quoted_elsewhere(files, common), QUOTED)
 
     def test_a_name_quoted_elsewhere_is_seen(self):

@@ -14,7 +14,7 @@ rodwake Run my.toml
 rodwake my.toml
     my.toml: a verb comes first, for example rodwake run my.toml
 rodwake frobnicate
-    frobnicate: no such verb; there are scenes, new, check, field, rods, dem, measure, fit, scan, tradeoff, run, impact, plot, info, help
+    frobnicate: no such verb; there are scenes, new, check, field, rods, dem, measure, fit, scan, tradeoff, run, impact, camera, plot, info, help
 rodwake -j 2 run my.toml
     -j: comes after the verb: rodwake run -j
 rodwake --quiet
@@ -66,7 +66,7 @@ rodwake rods my.toml -s nonsense
 rodwake rods my.toml -s coupling.kapa=1
     -s coupling.kapa=1: [coupling] unknown key "kapa" (did you mean "kappa"?). Known keys: kappa, gamma1, gamma2, polar_basis
 rodwake rods my.toml -s kappa=1
-    -s kappa=1: unknown table or key "kappa" ([coupling] has it). Known keys: schema, units, title, scales, medium, coupling, noise, rods_random, rods, rods_run, field, granular, rods_order, measure, fit, figures, variants, scan
+    -s kappa=1: unknown table or key "kappa" ([coupling] has it). Known keys: schema, units, title, scales, medium, coupling, noise, rods_random, rods, rods_run, field, granular, tracks, rods_order, measure, fit, figures, variants, scan
 rodwake rods my.toml -s coupling.kappa=1e400
     -s coupling.kappa=1e400: 1e400 is too large for a number, which ends at 1.8e308
 rodwake rods my.toml -s coupling.kappa = 1e400
