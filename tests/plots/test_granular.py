@@ -171,7 +171,7 @@ class GranularPlotsTest(PlotCase):
                 self.assertFalse(np.any(np.abs(np.diff(path, axis=0)) > 0.5 * box))
 
     def test_the_panel_of_paths_is_where_the_paths_are(self):
-        granular = SimpleNamespace(a=1.0, box=np.array([78.0, 78.0]))
+        granular = SimpleNamespace(a=1.0, sides=np.array([78.0, 78.0]))
         across = SimpleNamespace(x=np.array([[20.0, 60.0], [40.0, 130.0]]), y=np.array([[31.0, 47.0], [32.0, 46.0]]))
         self.assertEqual(rod_tracks.window_of([across], granular), ((0.0, 78.0), (23.0, 55.0)))
         self.assertEqual(rod_tracks.window_of([SimpleNamespace(x=across.x, y=across.x)], granular), ((0.0, 78.0), (0.0, 78.0)))
