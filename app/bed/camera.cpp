@@ -19,7 +19,7 @@ constexpr std::size_t fewest_for_stiffness = 32;
 fs::path trajectory_of(const fs::path& run) {
     if (fs::is_regular_file(run))
         return run;
-    const fs::path file = run / "trajectory.h5md";
+    fs::path file = run / "trajectory.h5md";
     if (!fs::is_directory(run))
         throw InputError(run.string() + ": not a run directory; rodwake dem SCENE makes one");
     if (!fs::is_regular_file(file))
