@@ -39,7 +39,7 @@ class CameraTest(ProgramTest):
         self.assertIn("camera/tracks.csv: 41 pictures", told)
         self.expect(0, "measure", "bed/camera/camera.toml", "-o", "film", "--quiet")
         bed, film = self.measured("bed"), self.measured("film")
-        self.assertAlmostEqual(bed["order"]["psi6"]["value"], film["order"]["psi6"]["value"], delta=1e-13)
+        self.assertAlmostEqual(bed["order"]["psi6"]["value"], film["order"]["psi6"]["value"], delta=1e-13)  # pixels and back: rounding
         tracks = json.loads((self.folder / "film/tracks.json").read_text())
         self.assertEqual((tracks["frames"], tracks["rods"]), (41, 1))
 
