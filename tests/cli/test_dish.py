@@ -64,8 +64,9 @@ class DishTest(BedTest):
         keys = setting(duration=1.0, output__checkpoint=0.02)
         self.run_dish("whole", *keys)
         for _ in range(2):
-            self.interrupt(signal.SIGTERM, 0.3, "dem", "dish.toml", "-o", "parts", *keys)
-        if self.status("parts") != "finished":
+            if self.status_of("parts") != "finished":
+                self.interrupt(signal.SIGTERM, 0.3, "dem", "dish.toml", "-o", "parts", *keys)
+        if self.status_of("parts") != "finished":
             self.run_dish("parts", *keys)
         self.run_dish("threads", *keys, "-j", 3)
         for run in "parts", "threads":
