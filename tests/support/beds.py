@@ -83,6 +83,9 @@ class BedTest(ProgramTest):
     def out(self, run, name):
         return self.folder / run / name
 
+    def status_of(self, run):
+        return self.status(run) if self.out(run, "provenance.json").exists() else ""
+
     def summary(self, run):
         return json.loads(self.out(run, "summary.json").read_text())
 
@@ -144,6 +147,3 @@ class InterruptionTest(BedTest):
             self.dem(run, *self.SETTINGS)
         self.assert_same(run, "whole")
         return stopped
-
-    def status_of(self, run):
-        return self.status(run) if self.out(run, "provenance.json").exists() else ""
