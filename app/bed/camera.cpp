@@ -30,11 +30,16 @@ fs::path trajectory_of(const fs::path& run) {
 }
 
 measure::Layout layout_of(const store::TrajectoryInfo& info) {
-    return {.box = {info.box[0], info.box[1]},
-            .bead_radius = info.bead_radius,
-            .bead_mass = info.bead_mass,
-            .beads = info.beads,
-            .rods = info.rods};
+    const PeriodicBox sides{info.box[0], info.box[1]};
+    measure::Layout layout{.box = sides,
+                           .bead_radius = info.bead_radius,
+                           .bead_mass = info.bead_mass,
+                           .beads = info.beads,
+                           .rods = info.rods};
+    if (!info.periodic)
+        layout.window =
+            measure::room_within(info.parameters.contains("wall_radius"), sides, info.bead_radius);
+    return layout;
 }
 
 void add_rows(fmt::memory_buffer& out, std::size_t picture, std::span<const measure::Spot> spots) {
@@ -58,11 +63,15 @@ double interval_of(const store::TrajectoryInfo& info, std::size_t every, const f
 }
 
 std::string window_text(const measure::Camera& camera, const measure::Layout& layout) {
-    const PeriodicBox picture = measure::picture_of(camera, layout);
-    if (camera.sees_the_box())
-        return fmt::format("window = \"periodic\"           # the whole box\nbox = [{}, {}]\n", picture.x,
-                           picture.y);
-    return fmt::format("window = {{ rectangle = [0.0, 0.0, {}, {}] }}\n", picture.x, picture.y);
+    const std::optional<measure::Window> seen = measure::seen_by(camera, layout);
+    if (!seen)
+        return fmt::format("window = \"periodic\"           # the whole box\nbox = [{}, {}]\n", layout.box.x,
+                           layout.box.y);
+    if (seen->corners.empty())
+        return fmt::format("window = {{ circle = [{}, {}, {}] }}\n", seen->centre.x, seen->centre.y,
+                           seen->radius);
+    const measure::Corner low = seen->low(), high = seen->high();
+    return fmt::format("window = {{ rectangle = [{}, {}, {}, {}] }}\n", low.x, low.y, high.x, high.y);
 }
 
 std::string scene_text(const measure::Camera& camera, const measure::Layout& layout, double interval,

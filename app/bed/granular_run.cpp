@@ -332,6 +332,8 @@ private:
                            {"run", static_cast<double>(task_.run + 1)}};
         if (!sides.square())
             info.parameters.emplace_back("box_y", sides.y);
+        if (p.container && p.container->kind == granular::ContainerKind::circle)
+            info.parameters.emplace_back("wall_radius", 0.5 * sides.x);
         return info;
     }
 

@@ -85,8 +85,22 @@ std::optional<measure::MovingForce> force_of(const granular::GranularProblem& p)
 
 } // namespace
 
+namespace {
+
+/// Where the centres of beads may be.
+std::optional<measure::Window> window_of(const granular::GranularProblem& p) {
+    if (!p.container)
+        return {};
+    const PeriodicBox& sides = p.container->sides;
+    return measure::room_within(p.container->kind == granular::ContainerKind::circle, sides, p.bead_radius);
+}
+
+} // namespace
+
 measure::Layout layout_of(const granular::GranularProblem& p) {
-    measure::Layout layout{p.box, p.bead_radius, granular::bead_mass(p), p.beads, p.rods.size()};
+    measure::Layout layout{granular::bed_sides(p), p.bead_radius, granular::bead_mass(p), p.beads,
+                           p.rods.size()};
+    layout.window = window_of(p);
     for (const granular::RodSpec& rod : p.rods)
         layout.headings.push_back(rod.heading);
     layout.force = force_of(p);

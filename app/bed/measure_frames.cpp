@@ -43,6 +43,10 @@ void check_bed(const std::filesystem::path& file, const store::TrajectoryInfo& i
     want_equal(file, "the side of the box along x in m", info.box[0], layout.box.x);
     want_equal(file, "the side of the box along y in m", info.box[1], layout.box.y);
     want_equal(file, "the bead radius in m", info.bead_radius, layout.bead_radius);
+    if (info.periodic == layout.window.has_value())
+        throw InputError(fmt::format("{}: {} there and {} in the scene: a trajectory of another bed",
+                                     file.string(), info.periodic ? "a periodic box" : "a wall",
+                                     layout.window ? "a wall" : "a periodic box"));
     if (info.rods != layout.rods)
         throw InputError(fmt::format("{}: {} rods there and {} in the scene: a trajectory of another bed",
                                      file.string(), info.rods, layout.rods));

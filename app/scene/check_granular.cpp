@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -268,8 +269,6 @@ void deviations(const Measure& m, const Granular& bed, const Report& report) {
 /// What is measured by nearest images and wave vectors of the box, or as if the bed had no edge.
 void periodic_only(const Measure& m, const Report& report) {
     const std::pair<const char*, bool> keys[] = {{"displacement", m.displacement.has_value()},
-                                                 {"order", m.order},
-                                                 {"microrheology", m.microrheology},
                                                  {"flow", m.flow},
                                                  {"mechanics", m.mechanics},
                                                  {"phonons", m.phonons}};
@@ -277,25 +276,33 @@ void periodic_only(const Measure& m, const Report& report) {
         if (wanted)
             report(std::string("measure.") + key,
                    fmt::format("{} is measured in a periodic box, and this bed has a wall: leave {} out, or "
-                               "give granular.box in place of [granular.container]; psi6 away from the wall "
-                               "is in table.csv and summary.json",
+                               "give granular.box in place of [granular.container]",
                                key, key));
 }
 
+/// Of the box, or of what the container fits into, m; endless where that is not known.
+double shorter_side(const Granular& bed) {
+    if (!bed.container)
+        return bed.box.shorter();
+    if (!bed.container->sides.empty())
+        return std::ranges::min(bed.container->sides);
+    return bed.container->radius ? 2.0 * *bed.container->radius : HUGE_VAL;
+}
+
 void lengths(const Measure& m, const Granular& bed, const Report& report) {
+    const double side = shorter_side(bed);
     const auto want_below = [&](const std::optional<double>& value, const char* key, double most,
                                 const char* why) {
         if (value && *value > most)
             report(std::string("measure.") + key,
                    fmt::format("{} = {:g} m: at most {:g} m, {}", key, *value, most, why));
     };
-    want_below(m.spacing, "spacing", bed.box.shorter() / 4.0, "a quarter of the box");
-    want_below(m.flow_spacing, "flow_spacing", bed.box.shorter() / 4.0, "a quarter of the box");
-    want_below(m.order_cutoff, "order_cutoff", bed.box.shorter() / 4.0, "a quarter of the box");
-    want_below(m.marked_within, "marked_within", bed.box.shorter() / 2.0, "half the box");
-    want_below(m.profile_offset, "profile_offset", bed.box.shorter() / 2.0, "half the box");
-    want_below(m.far_from, "far_from", 0.45 * bed.box.shorter(),
-               "0.45 of the box: beyond it hardly a bead is left");
+    want_below(m.spacing, "spacing", side / 4.0, "a quarter of the box");
+    want_below(m.flow_spacing, "flow_spacing", side / 4.0, "a quarter of the box");
+    want_below(m.order_cutoff, "order_cutoff", side / 4.0, "a quarter of the box");
+    want_below(m.marked_within, "marked_within", side / 2.0, "half the box");
+    want_below(m.profile_offset, "profile_offset", side / 2.0, "half the box");
+    want_below(m.far_from, "far_from", 0.45 * side, "0.45 of the box: beyond it hardly a bead is left");
     if (m.order_cutoff && m.order_neighbours == measure::Neighbours::delaunay)
         report("measure.order_cutoff", "order_cutoff belongs to order_neighbours = \"cutoff\" only");
 }
@@ -312,8 +319,7 @@ void check_measure(const Scene& scene, const Report& report) {
     deviations(*scene.measure, *scene.granular, report);
     if (scene.granular->container)
         periodic_only(*scene.measure, report);
-    else
-        lengths(*scene.measure, *scene.granular, report);
+    lengths(*scene.measure, *scene.granular, report);
 }
 
 } // namespace rodwake::scene

@@ -19,11 +19,24 @@ void require(bool holds, const char* what, double value, const char* range) {
         throw InputError(fmt::format("camera: {} = {:g}: must be {}", what, value, range));
 }
 
-/// The largest view whose corners lie inside the box.
-double widest_view(const Camera& camera, const PeriodicBox& box) {
+bool is_round(const Layout& layout) { return layout.window && layout.window->corners.empty(); }
+
+/// The largest view whose corners lie inside the bed.
+double widest_view(const Camera& camera, const Layout& layout) {
+    const PeriodicBox& box = layout.box;
     const double c = std::abs(std::cos(camera.turned)), s = std::abs(std::sin(camera.turned)),
                  stretch = 1.0 - std::min(camera.distortion, 0.0) * 1.5; // what a barrel draws in
-    return std::min(box.x / (c * box.x + s * box.y), box.y / (s * box.x + c * box.y)) / stretch;
+    if (is_round(layout))
+        return 2.0 * layout.window->radius / std::hypot(box.x, box.y) / stretch;
+    const Corner low = layout.window ? layout.window->low() : Corner{},
+                 high = layout.window ? layout.window->high() : Corner{box.x, box.y};
+    return std::min((high.x - low.x) / (c * box.x + s * box.y), (high.y - low.y) / (s * box.x + c * box.y)) /
+           stretch;
+}
+
+/// A pincushion would draw parts of a dish out of the picture.
+bool sees_all(const Camera& camera, const Layout& layout) {
+    return camera.sees_the_box() || (is_round(layout) && camera.view == 1.0 && camera.distortion <= 0.0);
 }
 
 void validate(const Camera& camera, const Layout& layout) {
@@ -39,12 +52,13 @@ void validate(const Camera& camera, const Layout& layout) {
     require(camera.lost >= 0.0 && camera.lost < 1.0, "lost", camera.lost, "0 or more and below 1");
     require(camera.noise >= 0.0 && camera.noise < layout.box.shorter(), "noise", camera.noise,
             "0 or more and below the side of the box, m");
-    const double widest = widest_view(camera, layout.box);
-    if (!camera.sees_the_box() && camera.view > widest)
+    const double widest = widest_view(camera, layout);
+    if (!sees_all(camera, layout) && camera.view > widest)
         throw InputError(
-            fmt::format("camera: view = {:g}: so turned and distorted the picture reaches beyond the box; "
-                        "take {:.3g} or less",
-                        camera.view, widest));
+            fmt::format("camera: view = {:g}: so turned and distorted the picture reaches beyond the {}; "
+                        "take {:.3g} or less{}",
+                        camera.view, layout.window ? "bed" : "box", widest,
+                        is_round(layout) ? ", or all of the dish: view = 1 and distortion 0 or less" : ""));
 }
 
 /// In [0, side).
@@ -62,6 +76,18 @@ double normal(RandomStream& random) {
 
 PeriodicBox picture_of(const Camera& camera, const Layout& layout) {
     return {camera.view * layout.box.x, camera.view * layout.box.y};
+}
+
+std::optional<Window> seen_by(const Camera& camera, const Layout& layout) {
+    const PeriodicBox picture = picture_of(camera, layout);
+    if (!sees_all(camera, layout))
+        return Window::rectangle(0.0, 0.0, picture.x, picture.y);
+    std::optional<Window> seen = layout.window;
+    if (is_round(layout)) {
+        const double part = 2.0 * seen->radius / std::hypot(picture.x, picture.y);
+        seen->radius *= 1.0 + camera.distortion * part * part;
+    }
+    return seen;
 }
 
 Film::Film(const Camera& camera, const Layout& layout)
@@ -129,7 +155,7 @@ void Film::find(std::size_t body, double x, double y, double heading) {
     if (camera_.noise > 0.0) {
         x += camera_.noise * normal(random);
         y += camera_.noise * normal(random);
-        if (camera_.sees_the_box()) {
+        if (!layout_.window && camera_.sees_the_box()) {
             x = into_box(x, layout_.box.x);
             y = into_box(y, layout_.box.y);
         }

@@ -34,6 +34,13 @@ void want_inside(const std::vector<double>& places, double box, bool with_border
 
 } // namespace
 
+Window room_within(bool round, const PeriodicBox& sides, double bead_radius) {
+    const double away = 0.9 * bead_radius;
+    if (round)
+        return Window::circle(0.5 * sides.x, 0.5 * sides.y, 0.5 * sides.x - away);
+    return Window::rectangle(away, away, sides.x - away, sides.y - away);
+}
+
 double seen_area(const Layout& layout) { return layout.window ? layout.window->area() : layout.box.area(); }
 
 PeriodicBox image_box(const Layout& layout) { return layout.window ? layout.box * 2.0 : layout.box; }

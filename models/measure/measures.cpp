@@ -48,7 +48,7 @@ bool Measures::has_travelled(const Frame& frame) {
 }
 
 std::vector<double> Measures::save() const {
-    if (layout_.window || layout_.all_beads > 0)
+    if (layout_.all_beads > 0)
         throw RunError("measure: sums over tracks are not stored: they are made anew from the file");
     StateWriter out;
     out.put(frames_);

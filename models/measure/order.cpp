@@ -444,6 +444,10 @@ void OrderAccumulator::save(StateWriter& out) const {
         const Block& block = blocks_[b];
         for (const auto* sums : {&block.pairs, &block.order_pairs, &block.order, &block.fine_order})
             out.put(*sums);
+        if (layout_.window) {
+            out.put(block.weighted);
+            out.put(block.at_border);
+        }
         for (const double value : {block.psi6, block.local, block.neighbours, block.frames, block_number_[b]})
             out.put(value);
     }
@@ -464,6 +468,10 @@ void OrderAccumulator::load(StateReader& in) {
                       order_bins = bins / bins_of_order_bin(options_);
     for (std::size_t left = in.count(); left > 0; --left) {
         Block block{in.array(bins), in.array(order_bins), in.array(order_bins), in.array(bins)};
+        if (layout_.window) {
+            block.weighted = in.array(bins);
+            block.at_border = in.get();
+        }
         for (double* value : {&block.psi6, &block.local, &block.neighbours, &block.frames})
             *value = in.get();
         block.full_frames = block.frames;

@@ -51,10 +51,13 @@ void read_moments(const Hdf5Input& file, TrajectoryInfo& info) {
     }
 }
 
-void check_boundary(const Hdf5Input& file) {
+/// Whether the box is periodic in x and y.
+bool is_periodic(const Hdf5Input& file) {
     const auto boundary = text_attribute(file, spheres + "box", "boundary");
-    if (boundary.size() != 3 || boundary[0] != "periodic" || boundary[1] != "periodic")
-        file.refuse("the box is not periodic in x and y");
+    if (boundary.size() != 3 || boundary[0] != boundary[1] ||
+        (boundary[0] != "periodic" && boundary[0] != "none"))
+        file.refuse("the box is not periodic in x and y, nor has it a wall (boundary \"none\") in both");
+    return boundary[0] == "periodic";
 }
 
 std::array<double, 3> sides(const Hdf5Input& file, const Edges& edges) {
@@ -67,7 +70,7 @@ std::array<double, 3> sides(const Hdf5Input& file, const Edges& edges) {
 }
 
 void read_box(const Hdf5Input& file, TrajectoryInfo& info) {
-    check_boundary(file);
+    info.periodic = is_periodic(file);
     const std::string path = spheres + "box/edges/value";
     const Hdf5Table table(file, path, H5T_IEEE_F64LE);
     table.want_shape({info.frames(), 3, 3});

@@ -1,5 +1,6 @@
 """A bed in a container, as the program runs it: files, resuming, figures, and what is refused."""
 
+import json
 import signal
 
 import h5py
@@ -89,6 +90,28 @@ class DishTest(BedTest):
         told = self.expect(0, "check", "dish.toml", *setting(container__friction=0.5)).stdout
         self.assertIn("beads 0.5/0.3, rods 0.5/0.1", told)
 
+    def test_measures(self):
+        """Measured as it runs, from its frames, and from a camera's tracks of the whole dish: the same numbers."""
+        keys = (*setting(duration=0.8, output__checkpoint=0.1), "-s", "measure.order=true", "-s", "measure.order_interval=0.02",
+                "-s", "measure.microrheology=true", "-s", "measure.block=0.2")
+        self.expect(0, "run", "dish.toml", "-o", "out", "--no-figures", *keys)
+        found = json.loads(self.out("out", "measure.json").read_text())
+        self.assertGreater(found["order"]["at_border"], 0.2)
+        self.assertLess(found["order"]["at_border"], 0.6)
+        frames = self.out("out", "trajectory.h5md")
+        self.expect(0, "measure", "dish.toml", *keys, "-s", f'measure.trajectory="{frames}"', "-o", "again")
+        self.assertEqual(json.loads(self.out("again", "measure.json").read_text())["order"]["psi6"], found["order"]["psi6"])
+        self.assertIn("circle = ", self.expect_camera("out"))
+        self.expect(0, "measure", "out/camera/camera.toml", "-s", "measure.order_interval=0.02", "-s", "measure.block=0.2", "-o", "film")
+        film = json.loads(self.out("film", "measure.json").read_text())
+        for name in "psi6", "local_psi6", "neighbours":
+            self.assertAlmostEqual(film["order"][name]["value"], found["order"][name]["value"], delta=1e-12)  # pixels and back
+        self.assertAlmostEqual(film["microrheology"]["stiffness"]["value"] / found["microrheology"]["stiffness"]["value"], 1.0, delta=1e-9)
+
+    def expect_camera(self, run):
+        self.expect(0, "camera", run, "--pixel", "0.1 a")
+        return self.out(run, "camera/camera.toml").read_text()
+
     def test_figures(self):
         self.run_dish("out")
         self.expect(0, "plot", "out")
@@ -104,7 +127,8 @@ class DishTest(BedTest):
                             (setting(container__radius=-1), "radius"),
                             (["-s", 'granular.rods.0.position=["2 a","14 a"]'], "through the wall of the container"),
                             (["-s", "granular.rods.0.imposed_speed=0.5"], "shorten the duration"),
-                            (["-s", "measure.order=true"], "measure.order.*periodic box.*this bed has a wall"),
+                            (["-s", "measure.flow=true"], "measure.flow.*periodic box.*this bed has a wall"),
+                            (["-s", "measure.order_cutoff=0.01", "-s", "measure.order=true"], "order_cutoff.*a quarter of the box"),
                             (["-s", 'measure.displacement="phase"'], "measure.displacement.*wall"),
                             (["-s", 'granular.body_force={kind="gaussian",acceleration=1,width="1 a"}'], "gaussian")):
             with self.subTest(keys=keys):

@@ -133,3 +133,29 @@ TEST_CASE("Cameras that there are not", "[camera]") {
     refused({.pixel = 1.0, .noise = -1.0}, "noise = -1");
     refused({.pixel = 1.0, .view = NAN}, "view");
 }
+
+TEST_CASE("A camera sees all of a dish, or a picture within", "[camera]") {
+    Layout dish = bed(1);
+    dish.window = room_within(true, side, 1.0);
+    CHECK_FALSE(seen_by({.pixel = 1.0}, bed(1)));
+    CHECK(seen_by({.pixel = 1.0, .turned = 0.4}, dish) == Window::circle(10.0, 10.0, 9.1));
+    const Window barrel = *seen_by({.pixel = 1.0, .distortion = -0.1}, dish);
+    CHECK(barrel.radius == Approx(9.1 * (1.0 - 0.1 * 9.1 * 9.1 / 200.0)).epsilon(1e-14)); // rounding
+    CHECK(seen_by({.pixel = 1.0, .view = 0.6}, dish) == Window::rectangle(0.0, 0.0, 12.0, 12.0));
+    CHECK_THROWS_WITH(Film({.pixel = 1.0, .view = 0.7}, dish),
+                      Contains("take 0.643 or less, or all of the dish"));
+    CHECK_THROWS_WITH(Film({.pixel = 1.0, .distortion = 0.1}, dish), Contains("take 0.643 or less"));
+    Layout tray = bed(1);
+    tray.window = room_within(false, side, 1.0);
+    CHECK(seen_by({.pixel = 1.0}, tray) == tray.window);
+    CHECK_THROWS_WITH(Film({.pixel = 1.0, .turned = 0.1}, tray),
+                      Contains("beyond the bed; take 0.831 or less"));
+    Film film({.pixel = 1.0, .noise = 0.5}, dish); // no image beyond the wall
+    double least = 1.0;
+    for (int i = 0; i < 100; ++i) {
+        REQUIRE(film.expose(frame_of({0.95}, {10.0})));
+        least = std::min(least, film.spots()[0].x);
+    }
+    CHECK(least < 0.5);
+    CHECK(least > -2.0); // 5.9 standard deviations
+}

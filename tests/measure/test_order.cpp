@@ -205,6 +205,25 @@ TEST_CASE("moving all beads together changes nothing beyond rounding", "[order]"
     }
 }
 
+TEST_CASE("order in a dish: beads at the wall are left out of psi6, and sums go on from their saved state",
+          "[order]") {
+    const Bed bed = hexagon(13, 2.1 * radius, 0.3, 60.0 * radius);
+    Layout layout = layout_of(bed);
+    layout.window = room_within(true, 60.0 * radius, radius);
+    CHECK(layout.window->radius == Approx(29.1 * radius));
+    OrderOptions k = options();
+    k.cutoff = 2.9 * radius;
+    OrderAccumulator accumulator(layout, k);
+    accumulator.add(frame_of(bed, 0.0));
+    accumulator.add(frame_of(bed, 0.5));
+    CHECK(saved(copy_of(accumulator)) == saved(accumulator));
+    const OrderResult result = reduce(std::span(&accumulator, 1));
+    CHECK(result.at_border.value() > 0.0); // the hexagon's corners
+    const OrderResult again = reduce(std::vector{copy_of(accumulator)});
+    CHECK(again.g == result.g);
+    CHECK(again.at_border == result.at_border);
+}
+
 TEST_CASE("a accumulator goes on from its saved state to the bit, also while frames wait", "[order]") {
     const std::vector<Bed> beds = crystals(12);
     for (const Neighbours rule : {Neighbours::cutoff, Neighbours::delaunay}) {

@@ -154,8 +154,14 @@ TEST_CASE("Moments, boxes and particles that cannot be are refused") {
           [](const Hdf5Edit& f) { f.attribute("rodwake", "seed", H5T_NATIVE_DOUBLE, &not_a_number); }}});
 }
 
-TEST_CASE("Boxes with walls are refused") {
+TEST_CASE("A box has a wall in x and y, or in neither") {
     const Scratch scratch;
+    SampleFrames walled;
+    walled.layout.periodic = {false, false, false};
+    write_h5md(scratch / "walled.h5md", walled);
+    CHECK_FALSE(store::H5mdReader(scratch / "walled.h5md").info().periodic);
+    write_h5md(scratch / "periodic.h5md", SampleFrames());
+    CHECK(store::H5mdReader(scratch / "periodic.h5md").info().periodic);
     for (const std::array<bool, 3> periodic :
          {std::array{true, false, false}, std::array{false, true, false}}) {
         SampleFrames samples;

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace rodwake::measure {
@@ -40,9 +41,14 @@ struct Spot {
 /// Sides of the picture, m.
 PeriodicBox picture_of(const Camera& camera, const Layout& layout);
 
+/// What of the bed is seen, m in the picture; nothing: all of a periodic box. Of a bed with a wall that is
+/// all of it (view = 1; a dish may be turned and distorted), or a picture within.
+std::optional<Window> seen_by(const Camera& camera, const Layout& layout);
+
 class Film {
 public:
-    /// Throws InputError for values out of range and a picture that reaches beyond the box.
+    /// Throws InputError for values out of range and a picture that reaches beyond the bed, unless all of it
+    /// is seen.
     Film(const Camera& camera, const Layout& layout);
 
     /// Takes the frames in order; true when a picture is complete, its spots are in spots(), beads first.

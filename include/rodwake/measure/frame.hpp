@@ -32,16 +32,20 @@ struct Layout {
     std::size_t beads = 0, rods = 0;
     std::vector<double> headings = {};     ///< of the rods as they start, rad from +x; none: along x
     std::optional<MovingForce> force = {}; ///< of a bed without rods: stands for rod 0
-    // Of tracks of a camera.
-    std::optional<Window> window =
-        {};                 ///< what is seen, in place of a periodic box; `box` holds it, from 0 on
-    bool velocities = true; ///< false: frames have places alone
+    /// Of tracks of a camera what is seen, of a bed with a wall where the centres of beads may be, in place
+    /// of a periodic box; `box` holds it, from 0 on.
+    std::optional<Window> window = {};
+    bool velocities = true; ///< false: frames have places alone, as tracks do
     /// Beads come and go: frames name those they have, of so many in all, and `beads` is how many they have
     /// on average. 0: every frame has all beads.
     std::size_t all_beads = 0;
 
     bool operator==(const Layout&) const = default;
 };
+
+/// The window of a bed with a wall, a circle or a rectangle within these sides: centres of beads are 0.9 a
+/// and more from the wall, into which a bead is pressed by less than the tenth of a at which runs stop.
+Window room_within(bool round, const PeriodicBox& sides, double bead_radius);
 
 /// Of the window, or of the box, m^2.
 double seen_area(const Layout& layout);

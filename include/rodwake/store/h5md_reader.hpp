@@ -21,7 +21,8 @@ namespace rodwake::store {
 
 /// What is the same in every frame, and when the frames are. SI.
 struct TrajectoryInfo {
-    std::array<double, 3> box{}; ///< sides, m; x and y are periodic
+    std::array<double, 3> box{}; ///< sides, m
+    bool periodic = true;        ///< in x and y; false: a wall, round if the parameters have wall_radius
     std::size_t particles = 0;   ///< beads and spheres of rods
     std::size_t beads = 0, rods = 0;
     double bead_radius = 0.0; ///< m
