@@ -80,9 +80,10 @@ std::string scene_text(const measure::Camera& camera, const measure::Layout& lay
                  length = interval * static_cast<double>(pictures - 1);
     return fmt::format(
         "# {}\nschema = 1\ntitle = \"A bed, seen by a camera\"\n\n[tracks]\nfile = \"tracks.csv\"\n"
-        "frames_per_second = {}\npixel = {}                   # m\nbead_radius = {}\n{}\n"
+        "frames_per_second = {}\npixel = {}                   # m\nbead_radius = {}\n{}{}\n"
         "[measure]\norder = true\norder_interval = {}\nmicrorheology = {}\nblock = {}\n",
-        command, 1.0 / interval, camera.pixel, layout.bead_radius, window_text(camera, layout), between,
+        command, 1.0 / interval, camera.pixel, layout.bead_radius, window_text(camera, layout),
+        camera.noise > 0.0 ? fmt::format("localisation = {}   # m\n", camera.noise) : "", between,
         pictures >= fewest_for_stiffness ? "true" : "false     # of 32 pictures and more", 0.25 * length);
 }
 

@@ -275,7 +275,12 @@ std::vector<ColumnInfo> measured_values() {
         {"units.a", "m", "the bead radius"},
         {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"},
         {"order.at_border", "1",
-         "of tracks in an open window: share of the beads so near its border that psi6 leaves them out"}};
+         "of tracks in an open window, or a bed with a wall: share of the beads so near its border that psi6 "
+         "leaves them out"},
+        {"microrheology.localisation", "a",
+         "of tracks: standard error of a coordinate, as the first lags of the displacement have it"},
+        {"microrheology.taken_off", "a^2",
+         "of tracks: taken off the mean-square displacement at every lag, for that error"}};
     for (const MeasureKind& kind : measure_kinds())
         for (const ValueInfo& value : kind.values)
             if (!value.is_text)

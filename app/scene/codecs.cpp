@@ -261,6 +261,28 @@ struct As<BoxSize> : Quantified<BoxSize> {
     }
 };
 
+/// A length, or "auto".
+template<>
+struct As<measure::Localisation> : Quantified<measure::Localisation> {
+    static bool read(const Input& in, measure::Localisation& value) {
+        const auto* said = in.node.as<std::string>();
+        if (said && !said->empty() && std::isalpha(static_cast<unsigned char>(said->front()))) {
+            if (*said != "auto")
+                return in.wrong_type("expected a length (\"0.05 a\") or \"auto\"");
+            value = {true, 0.0};
+            return true;
+        }
+        value.find = false;
+        return quantity(in, value.given);
+    }
+    static std::string text(const Key& key, const measure::Localisation& value, const Units& units) {
+        return value.find ? "\"auto\"" : quantity_text(value.given, key.dimension, units);
+    }
+    static Description about(const Key& key, const measure::Localisation&) {
+        return {number_type(key), std::string(key.absent_text), "", true};
+    }
+};
+
 /// A time, or a length as a string with its unit.
 template<>
 struct As<TimeOrTravel> : Quantified<TimeOrTravel> {
@@ -321,6 +343,7 @@ template const Codec& codec_of<std::string>();
 template const Codec& codec_of<Choice>();
 template const Codec& codec_of<TimeOrTravel>();
 template const Codec& codec_of<BoxSize>();
+template const Codec& codec_of<measure::Localisation>();
 template const Codec& codec_of<Value>();
 template const Codec& codec_of<std::optional<double>>();
 template const Codec& codec_of<std::optional<long>>();

@@ -85,6 +85,14 @@ void fields(Visitor& v, Tracks& tracks) {
           .doc("the periodic box, from 0 on: its side, or two sides")
           .example("\"78 a\""),
       tracks.box);
+    v(key("localisation")
+          .unit(length)
+          .within(0.0, 1.0)
+          .absent("nothing is taken off")
+          .doc("standard error of a coordinate as the camera finds it, which is taken off the mean-square "
+               "displacement; auto: as the shortest lags have it")
+          .example("\"auto\""),
+      tracks.localisation);
     v.table(
         key("columns").doc("Names of the columns of a CSV file. Absent: the usual ones, whatever the case "
                            "of their letters: frame; particle or track_id; x, y or position_x, "

@@ -7,6 +7,7 @@
 #include "rodwake/measure/microrheology.hpp"
 #include "rodwake/measure/state_io.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -128,6 +129,13 @@ struct Jackknife {
     double error(std::size_t i) const;
     std::vector<double> errors() const;
 };
+
+/// What a camera's errors add to every displacement, m^2 (microrheology.hpp); nothing where the first six
+/// lags, of which the blocks' first six are those, do not tell it from the beads' own motion.
+std::optional<Estimate> camera_noise(const std::vector<LagBlock>& blocks);
+
+/// So much of every displacement, m^2.
+void take_off(std::vector<LagBlock>& blocks, double added);
 
 /// Evenly spaced in the logarithm, both ends included.
 std::vector<double> log_range(double low, double high, std::size_t points);

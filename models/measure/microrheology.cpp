@@ -37,14 +37,16 @@ void check(Runs runs) {
     }
 }
 
-void set_msd(MicrorheologyResult& result, Runs runs, const std::vector<Lag>& lags,
-             const std::vector<LagBlock>& blocks) {
+void set_lags(MicrorheologyResult& result, Runs runs, const std::vector<Lag>& lags) {
     for (const Lag lag : lags) {
         result.lag.push_back(static_cast<double>(lag.frames()) * runs[0].interval());
         result.origins.push_back(0.0);
         for (const MicrorheologyAccumulator& run : runs)
             result.origins.back() += origins(run, lag);
     }
+}
+
+void set_msd(MicrorheologyResult& result, const std::vector<LagBlock>& blocks) {
     const Jackknife msd = Jackknife::of(blocks, [](const Row& curve) { return curve; });
     result.msd = msd.all;
     result.msd_error = msd.errors();
@@ -139,18 +141,81 @@ void MicrorheologyResult::use_temperature(double T) {
     temperature = T;
 }
 
+namespace {
+
+/// All that the displacements of these blocks give.
+void set_curves(MicrorheologyResult& result, const std::vector<LagBlock>& blocks, const Row& lag,
+                double interval) {
+    set_msd(result, blocks);
+    set_stiffness(result, blocks, lag, interval);
+    set_stiffness_zero(result, blocks, lag);
+    if (std::ranges::all_of(result.msd, [](double v) { return v > 0.0; })) // beads at rest have no kernel
+        result.spectrum = stiffness_spectrum(blocks, lag);
+}
+
+/// Adds to the errors how far another result lies away.
+void widen(MicrorheologyResult& result, const MicrorheologyResult& other) {
+    const auto widen_row = [](Row& errors, const Row& values, const Row& others) {
+        for (std::size_t i = 0; i < std::min(errors.size(), others.size()); ++i)
+            errors[i] = std::hypot(errors[i], values[i] - others[i]);
+    };
+    widen_row(result.msd_error, result.msd, other.msd);
+    widen_row(result.stiffness_error, result.stiffness, other.stiffness);
+    widen_row(result.spectrum.error, result.spectrum.value, other.spectrum.value);
+    result.scatter = std::hypot(result.scatter, result.stiffness_zero.value - other.stiffness_zero.value);
+    result.stiffness_zero.error = std::hypot(result.scatter, result.bend);
+}
+
+/// What the camera adds, m^2, with its error; 0 without one.
+Estimate to_take_off(MicrorheologyResult& result, const std::vector<LagBlock>& blocks,
+                     const MicrorheologyOptions& options) {
+    const std::optional<Estimate> found = camera_noise(blocks);
+    if (found) {
+        const double b = std::max(found->value, 0.0), sigma = 0.5 * std::sqrt(b);
+        result.localisation = {sigma, 0.5 * std::sqrt(b + found->error) - sigma, found->count};
+    }
+    if (options.localisation.find)
+        return found.value_or(Estimate{0.0, 0.0, 1});
+    return {4.0 * std::pow(options.localisation.given, 2), 0.0, 1};
+}
+
+/// Without what the camera adds.
+void set_tracked_curves(MicrorheologyResult& result, std::vector<LagBlock> blocks, const Row& lag,
+                        const MicrorheologyAccumulator& run) {
+    const Estimate b = to_take_off(result, blocks, run.options());
+    result.taken_off = b.value;
+    take_off(blocks, b.value);
+    const Row left = pooled(blocks, blocks.size());
+    const auto least = std::ranges::min_element(left.begin(), left.begin() + std::ssize(lag));
+    if (b.value > 0.0 && *least <= 0.0)
+        throw InputError(fmt::format(
+            "measure: microrheology: localisation of {:.3g} a adds as much to the displacement over {:.3g} s "
+            "as there is: nothing of the beads is left; correct tracks.localisation, or leave microrheology "
+            "out",
+            0.5 * std::sqrt(b.value) / run.layout().bead_radius, lag[least - left.begin()]));
+    set_curves(result, blocks, lag, run.interval());
+    if (b.error == 0.0)
+        return;
+    MicrorheologyResult other = result;
+    take_off(blocks, std::min(b.error, 0.5 * *least));
+    set_curves(other, blocks, lag, run.interval());
+    widen(result, other);
+}
+
+} // namespace
+
 MicrorheologyResult reduce(Runs runs) {
     check(runs);
     const std::vector<Lag> lags = common_lags(runs);
     const std::vector<LagBlock> blocks = all_blocks(runs, lags);
     MicrorheologyResult result;
-    set_msd(result, runs, lags, blocks);
+    set_lags(result, runs, lags);
     const Row lag = well_known(runs, lags, result.lag);
     set_window(result, runs[0].options(), lag.back(), runs[0].interval());
-    set_stiffness(result, blocks, lag, runs[0].interval());
-    set_stiffness_zero(result, blocks, lag);
-    if (std::ranges::all_of(result.msd, [](double v) { return v > 0.0; })) // beads at rest have no kernel
-        result.spectrum = stiffness_spectrum(blocks, lag);
+    if (runs[0].layout().velocities)
+        set_curves(result, blocks, lag, runs[0].interval());
+    else
+        set_tracked_curves(result, blocks, lag, runs[0]);
     set_spring(result, runs);
     return result;
 }

@@ -1,5 +1,6 @@
-// Mean-square displacement of beads that come and go.
+// Mean-square displacement of beads that come and go, and what a camera adds to it.
 
+#include "blocks.hpp"
 #include "rodwake/measure/microrheology.hpp"
 
 #include <algorithm>
@@ -94,6 +95,41 @@ void MicrorheologyAccumulator::add_named(const Frame& frame) {
         y[i] -= n.start_y[b] + n.drift_y;
     }
     push(0, x, y, bead);
+}
+
+namespace {
+
+constexpr double least_ratio = 0.2; // of the third displacement's growth to the second's
+
+/// Intercept at lag 0 from those at 1, 2 and 3 times so many frames; NaN: they do not tell.
+double intercept(const Row& msd, std::size_t frames) {
+    const double first = msd[frames - 1], d1 = msd[2 * frames - 1] - first,
+                 d2 = msd[3 * frames - 1] - msd[2 * frames - 1];
+    if (!(d1 > 0.0 && d2 >= least_ratio * d1))
+        return std::nan("");
+    return d2 <= d1 ? first - d1 * d1 / d2 : first - 2.0 * d1 + d2;
+}
+
+} // namespace
+
+std::optional<Estimate> camera_noise(const std::vector<LagBlock>& blocks) {
+    if (blocks[0].sum.size() < 6)
+        return std::nullopt;
+    const Jackknife found = Jackknife::of(blocks, [](const Row& msd) {
+        const double near = intercept(msd, 1), far = intercept(msd, 2);
+        return Row{near, std::isnan(far) ? near : near - far};
+    });
+    const double scatter = found.error(0), noise = found.error(1),
+                 differs = std::sqrt(std::max(0.0, found.all[1] * found.all[1] - noise * noise));
+    if (!std::isfinite(scatter) || !std::isfinite(differs))
+        return std::nullopt;
+    return Estimate{found.all[0], std::hypot(scatter, differs), blocks.size()};
+}
+
+void take_off(std::vector<LagBlock>& blocks, double added) {
+    for (LagBlock& block : blocks)
+        for (std::size_t i = 0; i < block.sum.size(); ++i)
+            block.sum[i] -= block.weight[i] * added;
 }
 
 } // namespace rodwake::measure

@@ -49,7 +49,7 @@ class CameraTest(ProgramTest):
         self.assertEqual(rows[0], "frame,particle,x,y,theta,kind")
         self.assertEqual(rows[-1].split(",")[0], "20")
         scene = (self.folder / "eye/camera.toml").read_text()
-        self.assertIn("rectangle = [0.0, 0.0, ", scene)
+        self.assertIn("rectangle = [0, 0, ", scene)
         self.assertIn("--turned 17", scene)
         self.expect(0, "measure", "eye/camera.toml", "-o", "film", "--quiet")
         self.assertGreater(json.loads((self.folder / "film/tracks.json").read_text())["lost_share"], 0.02)

@@ -375,3 +375,52 @@ TEST_CASE("another temperature scales the spring and its error, and leaves the s
     result.use_temperature(3e-4);
     CHECK_FALSE(result.spring.known());
 }
+
+namespace {
+
+/// Of a camera over bound or free beads: 300 of them, 400 pictures.
+MicrorheologyResult filmed(double keep, double noise, const Localisation& localisation) {
+    Bed bed(300, 11);
+    bed.layout.velocities = false;
+    MicrorheologyAccumulator sums(bed.layout, {0.0, {}, {}, localisation});
+    Normal error(5);
+    bed.settle(0.1 * a);
+    for (int f = 0; f < 400; ++f) {
+        Frame frame = bed.frame(0.02 * f);
+        frame.vx.clear();
+        frame.vy.clear();
+        for (auto* row : {&frame.unwrapped_x, &frame.unwrapped_y})
+            for (double& place : *row)
+                place += noise * error();
+        sums.add(frame);
+        keep > 0.0 ? bed.step_bound(0.1 * a, keep) : bed.step_free(0.03 * a);
+    }
+    return reduce(std::span(&sums, 1));
+}
+
+} // namespace
+
+TEST_CASE("a camera's error is found in the first lags and taken off", "[microrheology]") {
+    for (const double keep : {0.0, 0.6, 0.9}) {
+        CAPTURE(keep);
+        const MicrorheologyResult clear = filmed(keep, 0.0, {}), found = filmed(keep, 0.05 * a, {true, 0.0}),
+                                  given = filmed(keep, 0.05 * a, {false, 0.05 * a}),
+                                  blurred = filmed(keep, 0.05 * a, {});
+        REQUIRE(found.localisation);
+        CHECK(std::abs(found.localisation->value - 0.05 * a) < 3.0 * found.localisation->error);
+        CHECK(found.localisation->error < 0.006 * a);
+        CHECK(blurred.localisation->value == found.localisation->value);
+        CHECK(blurred.taken_off == 0.0);
+        CHECK(given.taken_off == Approx(4.0 * 0.0025 * a * a));
+        for (std::size_t i = 0; i < 8; ++i) {
+            CHECK(std::abs(found.msd[i] - clear.msd[i]) < 4.0 * found.msd_error[i]);
+            CHECK(std::abs(given.msd[i] - clear.msd[i]) < 4.0 * (given.msd_error[i] + 1e-4 * a * a));
+            CHECK(blurred.msd[i] - clear.msd[i] > 0.008 * a * a);
+        }
+        CHECK(found.msd_error[0] > given.msd_error[0]); // it knows less
+        const double off = found.stiffness_zero.value - clear.stiffness_zero.value;
+        CHECK(std::abs(off) < 3.0 * std::hypot(found.stiffness_zero.error, clear.stiffness_zero.error));
+    }
+    CHECK_FALSE(filmed(0.1, 0.05 * a, {true, 0.0}).localisation); // round the cage between two pictures
+    CHECK_THROWS_WITH(filmed(0.6, 0.0, {false, 0.1 * a}), Catch::Contains("nothing of the beads is left"));
+}

@@ -29,7 +29,8 @@ void reset_late_keys(Measure& m) {
 void include(const Scene& scene, MeasurePlan& plan) {
     include_sums<MicrorheologyAccumulator>(
         plan, "microrheology",
-        measure::MicrorheologyOptions{0.0, scene.measure->s_low, scene.measure->s_high});
+        measure::MicrorheologyOptions{0.0, scene.measure->s_low, scene.measure->s_high,
+                                      scene.tracks ? scene.tracks->localisation : measure::Localisation{}});
 }
 
 std::optional<Estimate> drag_of(const Measure& m) {
@@ -127,6 +128,26 @@ constexpr FileInfo files[] = {{"msd.csv", "mean-square displacement of the beads
                               {"stiffness.csv", "stiffness from microrheology", stiffness_infos},
                               {"memory_kernel.csv", "memory kernel from microrheology", kernel_infos}};
 
+/// Of tracks alone, and told of by the stage.
+void tell_camera(const MicrorheologyResult& r, const measure::Localisation& asked, double a,
+                 MeasureReport& told) {
+    const bool is_known = r.localisation.has_value();
+    const Estimate found = r.localisation.value_or(Estimate{}).scaled(1.0 / a);
+    told.values.push_back({"localisation", is_known ? Value(found) : Value()});
+    told.values.push_back({"taken_off", r.taken_off / (a * a)});
+    if (r.taken_off != 0.0)
+        told.line +=
+            fmt::format("; localisation {:.3g} a taken off", 0.5 * std::sqrt(std::abs(r.taken_off)) / a);
+    if (asked.find && !is_known)
+        told.line += "; nothing taken off for localisation: frames are too far apart to tell it from the "
+                     "beads' motion";
+    if (!asked.find && asked.given == 0.0 && is_known && found.value > 3.0 * found.error)
+        told.line += fmt::format(
+            "; localisation seems to be {} a: tracks.localisation = \"auto\" takes it off", text(found));
+    if (r.taken_off != 0.0 && !(r.stiffness_zero.error < 0.5 * r.stiffness_zero.value))
+        told.line += "; the camera's noise hides the stiffness";
+}
+
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
     const auto runs = measure::take<MicrorheologyAccumulator>(data.sums, "microrheology");
@@ -147,8 +168,10 @@ MeasureReport report(const MeasuredCase& data) {
                    {"memory_kernel.csv", "memory kernel of what holds a bead in N/m against s in 1/s",
                     kernel_infos, columns_of(kernel_columns, f)}},
         .line = line_of(r, stiffness, drag.has_value())};
-    if (!warm)
+    if (!warm) {
         told.tables.pop_back();
+        tell_camera(r, runs[0].options().localisation, a, told);
+    }
     return told;
 }
 

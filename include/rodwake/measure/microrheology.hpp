@@ -13,6 +13,18 @@
 // Beads that come and go (tracks, frame.hpp): every two frames of one bead at a lag count, and the drift is
 // summed up from frame to frame, over the beads that are in both. `origins` is then the number of pairs over
 // that of beads in a frame.
+//
+// A camera finds a place with an error of standard deviation sigma_0 in each coordinate, which adds
+// b = 4 sigma_0^2 to Delta at every lag; its exposure takes a constant off. Both are the intercept of Delta
+// at lag 0, as the first lags see it: from Delta_1, Delta_2, Delta_3 at 1, 2 and 3 frames
+//
+//   d_1 = Delta_2 - Delta_1,  d_2 = Delta_3 - Delta_2:  b = Delta_1 - d_1^2/d_2          for d_2 <= d_1
+//                                                       b = Delta_1 - 2 d_1 + d_2        for d_2 >  d_1
+//
+// the former exact for free diffusion and for one time of relaxation, the latter (a parabola) for ballistic
+// motion. Its error is that of the jackknife and what the same from 2, 4 and 6 frames says beyond noise.
+// Where d_2 < d_1/5 beads have gone round their cages between two frames: then noise and cage look alike, and
+// none is found.
 
 #include "rodwake/measure/frame.hpp"
 #include "rodwake/measure/memory_kernel.hpp"
@@ -24,6 +36,14 @@
 
 namespace rodwake::measure {
 
+/// What is done about a camera's errors.
+struct Localisation {
+    bool find = false;  ///< b is taken from the first lags
+    double given = 0.0; ///< else b = 4 given^2, m; 0: nothing is taken off
+
+    bool operator==(const Localisation&) const = default;
+};
+
 struct MicrorheologyOptions {
     double longest_lag = 0.0; ///< s; 0: as long as the run allows
     /// Range of s for the extrapolation s -> 0, 1/s; absent: 2/t_max to 8/t_max with t_max the longest lag
@@ -31,6 +51,7 @@ struct MicrorheologyOptions {
     /// the tail's, not the data's; higher, times are too short to tell a cage that lasts from one that is
     /// left. A liquid gives s/(4 D), a line through 0, a bound bead a plateau.
     std::optional<double> s_low, s_high;
+    Localisation localisation = {}; ///< of tracks
 
     bool operator==(const MicrorheologyOptions&) const = default;
 };
@@ -114,6 +135,9 @@ struct MicrorheologyResult {
     double temperature = 0.0;     ///< T_xy, m^2/s^2
     bool window_narrowed = false; ///< too few lags for the wanted window: the one used is given
     std::size_t frames = 0;
+    // Of tracks:
+    std::optional<Estimate> localisation; ///< sigma_0 as the first lags have it, m; nothing: not to be told
+    double taken_off = 0.0; ///< b, m^2; how well it is known is in the errors of all curves and values
 
     /// Takes the spring from another temperature, T_xy in m^2/s^2, known better than from the frames: those
     /// may all lie at one phase of the plates, a run's own mean is over all phases.
@@ -122,7 +146,8 @@ struct MicrorheologyResult {
 
 /// Errors: jackknife of the whole fit over runs if there are at least 4, else over groups of beads
 /// (neighbouring groups move together a little, which this leaves out). Throws InputError for fewer than 32
-/// frames, or accumulators of different options or intervals.
+/// frames, accumulators of different options or intervals, and where as much is to be taken off for the
+/// camera as beads move.
 MicrorheologyResult reduce(std::span<const MicrorheologyAccumulator> runs);
 
 } // namespace rodwake::measure

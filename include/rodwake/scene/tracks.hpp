@@ -4,6 +4,7 @@
 // here.
 
 #include "rodwake/core/periodic.hpp"
+#include "rodwake/measure/microrheology.hpp"
 
 #include <optional>
 #include <string>
@@ -41,6 +42,7 @@ struct Tracks {
     TracksColumns columns;
     TracksWindow window;
     std::optional<PeriodicBox> box; ///< m; with a periodic window
+    measure::Localisation localisation;
 
     bool operator==(const Tracks&) const = default;
 };
