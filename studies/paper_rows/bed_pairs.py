@@ -2,8 +2,8 @@
 
 from math import nan, sqrt
 
-from . import judge, results
-from .bed import FLOW, drags, experiment, leaves
+from . import dish, judge, results
+from .bed import FLOW, drags, leaves
 from .entry import Row, Run, Subject
 
 CRYSTAL = Run("pair_crystal", "pair_crystal.toml", (), ("granular.runs=16",))
@@ -116,6 +116,7 @@ def captured(folder):
 
 
 SCATTER = "Single runs scatter widely."
+GRAINS = "From a random start the bed is a mosaic of grains, whose borders turn rods as well."
 ROWS = "In our crystal the rod that heads across the close-packed rows turns towards them: the rows decide, not the other rod."
 PAIRS = Subject("The bed: two rods", (
     Row("trajectory_c", "Fig. 1 trajectory (c)", "15 a apart at φ_b = 0.78: the rods come together", changes(-1), (CRYSTAL,), ("tracks",), SCATTER),
@@ -127,7 +128,12 @@ PAIRS = Subject("The bed: two rods", (
     Row("trajectory_d_crystal", "Fig. 1 trajectory (d)", "Δy < 0 for φ_b > 0.74 (d₀ = 18 a and 24 a, pooled)", attract, (DENSITY,), (), SCATTER),
     Row("trajectory_d_change", "Fig. 1 trajectory (d)", "the sign changes at φ_b = 0.74 to 0.75", sign_change, (DENSITY,), (), SCATTER),
     Row("trajectory_d_weak", "text at Fig. 1 trajectory", "possible weakening of the attraction at φ_b = 0.80", weakens, (DENSITY,)),
-    Row("trajectory_ab", "Fig. 1 trajectory (a), (b)", "the same in experiment", experiment("only its simulation can be compared")),
+    Row("trajectory_a", "Fig. 1 trajectory (a)", "in experiment, 15 a apart at φ_b = 0.78: together (here 18 a apart, in a dish of that size)",
+        dish.changes(0.78, -1, 18), why=GRAINS, made=dish.MADE),
+    Row("trajectory_b_fluid", "Fig. 1 trajectory (b)", "in experiment Δy > 0 at φ_b = 0.70 (18 a and 24 a, pooled; the dish)", dish.changes(0.70, +1, 18, 24),
+        why=SCATTER, made=dish.MADE),
+    Row("trajectory_b_crystal", "Fig. 1 trajectory (b)", "in experiment Δy < 0 at φ_b = 0.78 (18 a and 24 a, pooled; the dish)",
+        dish.changes(0.78, -1, 18, 24), why=GRAINS, made=dish.MADE),
     Row("one_straight", "text at Fig. 1 trajectory", "more often one goes straight and the other turns (turns by less than a third of the other)",
         one_straight, (CRYSTAL,), (), SCATTER),
     Row("apolar_pair", "section IV", "apolar rods neither attract nor repel, φ_b = 0.70, 0.80 (less than half of what motile rods do)", no_interaction,
@@ -137,6 +143,9 @@ PAIRS = Subject("The bed: two rods", (
     Row("nonrecip_b_end", "Fig. 12 nonreciptheory (b)", "and captures", captured, (PURSUIT,), (), ROWS),
     Row("nonrecip_c", "Fig. 12 nonreciptheory (c)", "26 a apart (an experiment; here simulated): the rear rod turns", rear_turns, (PURSUIT_26,),
         ("nonreciptheory_b",), ROWS),
+    Row("nonrecip_c_dish", "Fig. 12 nonreciptheory (c)", "in experiment, 26 a apart: the rear rod turns (the dish: by more than the other)",
+        dish.rear_turns, why=GRAINS, made=dish.MADE),
+    Row("nonrecip_c_end", "Fig. 12 nonreciptheory (c)", "and captures", dish.captured, why=GRAINS, made=dish.MADE),
     Row("nonrecip_c_fit", "Fig. 12 nonreciptheory (c)", "the same in a box that does not strain the crystal", rear_turns, (NEAR,), ("tracks",), ROWS),
 ))
 
@@ -154,10 +163,11 @@ def beside_film(judged):
 
 
 FILMS = Subject("The paper's films", (
-    Row("S1", "Movie S1", "two rods 15 a apart at φ_b = 0.78, experiment", experiment("S2 is its simulation")),
+    Row("S1", "Movie S1", "two rods 15 a apart at φ_b = 0.78, experiment: together (here 18 a, the dish)", dish.changes(0.78, -1, 18), why=GRAINS,
+        made=dish.MADE),
     Row("S2", "Movie S2", "two rods 15 a apart at φ_b = 0.78 come together", beside_film(changes(-1)), (film("S2", "pair_film.toml"), CRYSTAL), ("film",),
         SCATTER),
-    Row("S3", "Movie S3", "two rods at φ_b = 0.70, experiment", experiment("S4 is its simulation")),
+    Row("S3", "Movie S3", "two rods at φ_b = 0.70, experiment: they part (the dish)", dish.changes(0.70, +1, 18, 24), why=SCATTER, made=dish.MADE),
     Row("S4", "Movie S4", "two rods at φ_b = 0.70 part", beside_film(changes(+1)), (film("S4", "pair_film.toml", "granular.phi_b=0.70"), FLUID), ("film",),
         SCATTER),
     Row("S5", "Movie S5", "a rod drags the beads around it at φ_b = 0.70", beside_film(drags),
@@ -170,5 +180,5 @@ FILMS = Subject("The paper's films", (
         (film("S8", "pair_film.toml", "granular.phi_b=0.80", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER),
     Row("S9", "Movie S9", "perpendicular start at φ_b = 0.78: the rear rod turns, the front one does not", beside_film(rear_turns),
         (film("S9", "pursuit_film.toml"), PURSUIT), ("film",), ROWS),
-    Row("S10", "Movie S10", "perpendicular start in experiment, 26 a apart", experiment("row nonrecip_c simulates it")),
+    Row("S10", "Movie S10", "perpendicular start in experiment, 26 a apart: the rear rod turns (the dish)", dish.rear_turns, why=GRAINS, made=dish.MADE),
 ))

@@ -224,6 +224,41 @@ TEST_CASE("order in a dish: beads at the wall are left out of psi6, and sums go 
     CHECK(again.at_border == result.at_border);
 }
 
+TEST_CASE("what a camera's errors take from psi6 and g_B is given back", "[order]") {
+    const double sigma = 0.08 * radius;
+    Bed bed = hexagon(20, 2.15 * radius, 0.3, 90.0 * radius);
+    Layout layout = layout_of(bed);
+    layout.window = Window::circle(45.0 * radius, 45.0 * radius, 37.0 * radius);
+    for (std::size_t i = bed.x.size(); i-- > 0;)
+        if (layout.window->inside_by(bed.x[i], bed.y[i]) < sigma * 6.0) {
+            bed.x.erase(bed.x.begin() + static_cast<std::ptrdiff_t>(i));
+            bed.y.erase(bed.y.begin() + static_cast<std::ptrdiff_t>(i));
+        }
+    layout.beads = bed.x.size();
+    RandomStream random(4);
+    const auto normal = [&] {
+        return sigma * std::sqrt(-2.0 * std::log(random.uniform())) *
+               std::cos(6.283185307 * random.uniform());
+    };
+    for (auto* row : {&bed.x, &bed.y})
+        for (double& place : *row)
+            place += normal();
+    OrderOptions k = options();
+    k.cutoff = 2.9 * radius;
+    const auto result_of = [&](double localisation) {
+        k.localisation = localisation;
+        OrderAccumulator accumulator(layout, k);
+        accumulator.add(frame_of(bed, 0.0));
+        return reduce(std::span(&accumulator, 1));
+    };
+    const OrderResult seen = result_of(0.0), given_back = result_of(sigma);
+    CHECK(seen.psi6.value < 0.96); // exp(-36 sigma^2/r^2) = 0.951
+    // About 1000 beads with 6 bonds of scatter 6 sqrt(2) sigma/r = 0.32 in the phase each.
+    CHECK(given_back.psi6.value == Approx(1.0).margin(0.01));
+    CHECK(given_back.g_B.back() == Approx(1.0).margin(0.02));
+    CHECK(given_back.local_psi6.value == seen.local_psi6.value);
+}
+
 TEST_CASE("a accumulator goes on from its saved state to the bit, also while frames wait", "[order]") {
     const std::vector<Bed> beds = crystals(12);
     for (const Neighbours rule : {Neighbours::cutoff, Neighbours::delaunay}) {

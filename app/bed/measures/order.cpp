@@ -16,13 +16,16 @@ namespace {
 using measure::OrderAccumulator, measure::OrderResult;
 using scene::Measure, scene::Scene;
 
-measure::OrderOptions options_of(const Measure& m, double a) {
+measure::OrderOptions options_of(const Scene& scene, double a) {
+    const Measure& m = *scene.measure;
     measure::OrderOptions options;
     options.neighbours = m.order_neighbours;
     options.cutoff = m.order_cutoff;
     options.bin = 0.05 * a;
     options.order_bin = a;
     options.block = m.block;
+    if (scene.tracks)
+        options.localisation = scene.tracks->localisation.given;
     return options;
 }
 
@@ -33,7 +36,7 @@ std::size_t stride(const Measure& m, double interval) {
 }
 
 void include(const Scene& scene, MeasurePlan& plan) {
-    include_sums<OrderAccumulator>(plan, "order", options_of(*scene.measure, scene::measured_radius(scene)),
+    include_sums<OrderAccumulator>(plan, "order", options_of(scene, scene::measured_radius(scene)),
                                    stride(*scene.measure, plan.interval * static_cast<double>(plan.stride)));
 }
 

@@ -14,6 +14,11 @@
 // that holds the window. Beads within a cut-off of the border may have neighbours that are not seen: they are
 // left out of psi_6 and g_B(r).
 //
+// A camera that finds coordinates with a known standard error sigma_0 turns the bond between beads at
+// distance r by an angle of variance 2 sigma_0^2/r^2, so that exp(6 i theta_ij) is exp(-36 sigma_0^2/r^2)
+// times too small on average. The mean of that factor over the neighbours is taken out of psi_6, and twice
+// out of g_B(r), r > 0; good to (6 sigma_0/r)^4. |psi_6,i| is left as it is: its noise adds to it as well.
+//
 // Neighbours: beads nearer than a cut-off, by default the first minimum of g(r) of the first frames
 // (cutoff_frames of them; the frames wait until it is known), or those that share an edge of the Delaunay
 // triangulation.
@@ -36,6 +41,7 @@ struct OrderOptions {
     double bin = 0.0;               ///< of g(r), m; e.g. 0.05 a
     double order_bin = 0.0;         ///< of g_B(r), a whole multiple of bin, m; e.g. 1 a
     double block = 5.0;             ///< s; frames of a block count as one value in the errors
+    double localisation = 0.0;      ///< sigma_0, of tracks, m
 
     bool operator==(const OrderOptions&) const = default;
 };

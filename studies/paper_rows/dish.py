@@ -1,0 +1,57 @@
+"""The paper's experiments, simulated in their dish (studies/validate_dish.py): judged from the runs that it has kept."""
+
+from math import nan, sqrt
+from pathlib import Path
+
+from . import judge, results
+
+KEPT = Path(__file__).parents[1] / "dish.csv"
+MADE = "studies/validate_dish.py"
+CONTACT = 12.0  # a
+FEWEST = 4      # runs, for an error
+
+
+def kept(kind, **where):
+    rows = results.table(KEPT) if KEPT.is_file() else []
+    return [row for row in rows if row["kind"] == kind and all(abs(float(row[key]) - value) < 1e-9 for key, value in where.items())]
+
+
+def mean_of(rows, name):
+    values = [float(row[name]) for row in rows]
+    if len(values) < FEWEST:
+        return nan, nan
+    middle = sum(values) / len(values)
+    return middle, sqrt(sum((value - middle) ** 2 for value in values) / (len(values) - 1) / len(values))
+
+
+def changes(phi, expected, *distances):
+    """Change of the separation over half the dish, distances at the start pooled."""
+    def judged():
+        found = [mean_of(kept("pair", phi=phi, distance=distance), "change") for distance in distances]
+        return judge.sign(*(judge.weighted(*zip(*found)) if all(error > 0 for _, error in found) else (nan, nan)), expected, "a")
+    return judged
+
+
+def rear_turns():
+    """The rod that heads across the other's way is the rear one: it turns more."""
+    rows = [{"more": abs(float(row["turn1"])) - abs(float(row["turn0"]))} for row in kept("pursuit")]
+    return judge.sign(*mean_of(rows, "more"), +1, "rad")
+
+
+def captured():
+    rows = kept("pursuit")
+    if len(rows) < FEWEST:
+        return judge.unknown("no runs at these settings")
+    many, runs = sum(float(row["closest"]) < CONTACT for row in rows), len(rows)
+    share = many / runs
+    found = judge.at_least(share, sqrt(max(share * (1 - share), 1 / runs) / runs), 0.5)
+    return judge.Judged(found.verdict, f"{many} of {runs} runs come to contact", "asked: half and more of the runs")
+
+
+def stiff():
+    """At 0.78; the error holds the bend of the mean square displacement of each run."""
+    rows = kept("still", phi=0.78)
+    if not rows:
+        return judge.unknown("no runs at these settings")
+    error = sum(float(row["stiffness_error"]) for row in rows) / len(rows)
+    return judge.sign(sum(float(row["stiffness"]) for row in rows) / len(rows), error, +1, "1/a²")
