@@ -169,7 +169,7 @@ def measure_cell(part, told):
     if found is None:
         return ""
     if told["unit"] == "a/s":
-        factor, unit = 1e3 * part.granular.a, "mm/s"
+        factor, unit = 1e3 * part.a, "mm/s"
     if not isinstance(found, dict):
         value = part.number(table, key)
         return f"{words.number(value * factor if isinstance(value, float) else value)} {unit}".strip()

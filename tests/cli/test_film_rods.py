@@ -1,0 +1,161 @@
+"""Rods of films: a bed with rods, written as a film and read back, has the bed's own numbers; from a film to a fit."""
+
+import json
+
+import h5py
+import numpy as np
+from beds import columns
+from rodwake import PAIR, SOURCE, ProgramTest
+
+MEASURE = """[measure]
+flow = true
+flow_spacing = "3 a"
+flow_lag = 0.02
+displacement = "METHOD"
+spacing = "2 a"
+far_from = "10 a"
+reference = "far"
+pairs = true
+contact_distance = "8 a"
+heading_diffusion = true
+heading_lag_high = 0.1
+speed_deviations = true
+deviation_lag = 0.05
+block = 0.2
+"""
+BED = """schema = 1
+[granular]
+phi_b = 0.80
+box = "40 a"
+equilibrate = "0.05 s"
+duration = "0.6 s"
+[granular.output]
+frames = "0.01 s"
+table = "0.01 s"
+last_period = false
+[[granular.rods]]
+position = ["18 a", "13 a"]
+[[granular.rods]]
+position = ["18 a", "27 a"]
+"""
+FILM = """schema = 1
+[tracks]
+file = "film.csv"
+time_column = "t"
+pixel = "1 m"
+window = "periodic"
+box = "40 a"
+"""
+
+
+class FilmRods(ProgramTest):
+    def results(self, folder):
+        return json.loads((self.folder / folder / "measure.json").read_text())
+
+    def write_rows(self, header, rows):
+        self.write("film.csv", "\n".join([header, *(",".join("" if v is None else v if isinstance(v, str) else repr(v) for v in row) for row in rows)]) + "\n")
+
+    def film_of_bed(self):
+        """Rows (t, particle, x, y, theta, kind) of the frames, rods as the bed's tracks.csv has them."""
+        side = 40 * 0.4e-3
+        rods = columns(self.folder / "bed/tracks.csv")
+        with h5py.File(self.folder / "bed/trajectory.h5md") as file:
+            beads = file["particles/trajectory"]
+            count = int(np.sum(beads["species"][...] == 0))
+            time, place = beads["position/time"][...], beads["position/value"][...]
+        first = rods["t"].index(0.0)
+        for f, frame in enumerate(place):
+            for bead in range(count):
+                yield float(time[f]), bead, float(frame[bead, 0]), float(frame[bead, 1]), None, "bead"
+            for rod in (0, 1):
+                x, y, theta = (rods[f"{name}{rod}"][first + f] for name in ("x", "y", "theta"))
+                self.assertTrue(0 < x < side and 0 < y < side)
+                yield float(time[f]), count + rod, x, y, theta, "rod"
+
+    def test_a_bed_with_rods_read_back_has_its_own_numbers(self):
+        self.write("bed.toml", BED + MEASURE.replace("METHOD", "phase"))
+        self.expect(0, "run", "bed.toml", "-o", "bed")
+        self.write_rows("t,particle,x,y,theta,kind", self.film_of_bed())
+        self.write("film.toml", FILM + MEASURE.replace("METHOD", "phase"))
+        self.expect(0, "run", "film.toml", "-o", "film")
+        for name in ("pairs.csv", "heading.csv", "deviations.csv", "deviation_lags.csv", "marked.csv", "profile_Ux_x.csv", "profile_Uy_y.csv",
+                     "flow.vti", "displacement.vti"):
+            self.assertEqual((self.folder / "bed" / name).read_bytes(), (self.folder / "film" / name).read_bytes(), name)
+        bed, film = self.results("bed"), self.results("film")
+        for name in ("flow", "displacement", "pairs", "heading_diffusion", "speed_deviations"):
+            self.assertEqual(bed[name], film[name], name)
+        for name in ("displacement_map", "flow", "heading_diffusion", "speed_deviations"):
+            self.assertTrue((self.folder / "film/figures" / f"{name}.png").is_file(), name)
+        for method in ("lagrangian", "density"):
+            for folder, scene in (("bed", BED), ("film", FILM)):
+                self.write(f"{folder}.toml", scene + MEASURE.replace("METHOD", method))
+                self.expect(0, "measure", f"{folder}.toml", "-o", folder, "--force", "--quiet")
+            self.assertEqual(self.results("bed")["displacement"], self.results("film")["displacement"], method)
+            self.assertEqual((self.folder / "bed/displacement.vti").read_bytes(), (self.folder / "film/displacement.vti").read_bytes(), method)
+        told = json.loads((self.folder / "film/tracks.json").read_text())
+        self.assertEqual([(rod["frames"], rod["known"]) for rod in told["rod_tracks"]], [(61, 61), (61, 61)])
+        text = (self.folder / "film.csv").read_text().splitlines()
+        self.write("film.csv", "\n".join(line for k, line in enumerate(text) if k % 11 != 5) + "\n")  # a tenth is lost: numbers differ, and are there
+        self.expect(0, "run", "film.toml", "-o", "gaps", "-s", "measure.displacement=phase")
+        gaps = self.results("gaps")
+        self.assertNotEqual(gaps["flow"], film["flow"])
+        self.assertAlmostEqual(gaps["heading_diffusion"]["speed"]["value"], film["heading_diffusion"]["speed"]["value"], delta=0.1)
+        self.assertIn("\n", (self.folder / "gaps/rod_tracks.csv").read_text())
+
+    def test_ends_and_axes_say_what_headings_say(self):
+        rows = []
+        for f in range(60):
+            x, y, theta = 5 + 0.5 * f, 20 + 2 * np.sin(0.1 * f), float(np.arctan2(0.2 * np.cos(0.1 * f), 0.5))
+            c, s = np.cos(theta), np.sin(theta)
+            rows.append((f, 1, float(x), float(y), theta, float(np.degrees(theta) % 180), float(x + 3 * c), float(y + 3 * s),
+                         float(x - 3 * c), float(y - 3 * s), "rod"))
+        self.write_rows("frame,particle,x,y,theta,angle,x1,y1,x2,y2,kind", rows)
+        film = ('schema = 1\n[tracks]\nfile = "film.csv"\nframes_per_second = 50\npixel = "1 a"\n'
+                'window = { rectangle = ["0 a", "0 a", "60 a", "60 a"] }\n[measure]\nheading_diffusion = true\nblock = 0.4\n')
+        self.write("film.toml", film)
+        self.expect(0, "measure", "film.toml", "-o", "given", "--quiet")
+        theta = columns(self.folder / "given/rod_tracks.csv")["theta0"]
+        np.testing.assert_array_equal(theta, [row[4] for row in rows])
+        for name, keys in (("axis", ("tracks.columns.heading=angle", "tracks.angle=1 deg", "tracks.thin_end=ahead")),
+                           ("ends", ('tracks.columns.ends=["x1","y1","x2","y2"]',)),
+                           ("middle", ('tracks.columns.ends=["x1","y1","x2","y2"]', "tracks.columns.x=")),
+                           ("turned", ('tracks.columns.ends=["x2","y2","x1","y1"]', "tracks.thin_end=ahead"))):
+            self.expect(0, "measure", "film.toml", "-o", name, "--quiet", *(word for key in keys for word in ("-s", key)))
+            np.testing.assert_allclose(columns(self.folder / name / "rod_tracks.csv")["theta0"], theta, atol=1e-12, err_msg=name)
+        self.refuse(2, "ends and heading are given", "check", "film.toml", "-s", "tracks.columns.heading=theta",
+                    "-s", 'tracks.columns.ends=["x1","y1","x2","y2"]')
+        self.refuse(2, "pairs of .tracks. needs contact_distance", "check", "film.toml", "-s", "measure.pairs=true")
+        self.refuse(2, "phonons needs a bed .* places and headings", "check", "film.toml", "-s", "measure.phonons=true")
+        for keys, told in ((("measure.rod=1",), "no rod 1: it has 1, numbered from 0"), (("tracks.columns.kind=nothing",), "no column"),
+                           (("tracks.columns.ends=[\"x1\",\"y1\",\"x2\",\"z\"]",), 'no column "z"')):
+            done = self.expect(2, "measure", "film.toml", "-o", "no", "--force", *(word for key in keys for word in ("-s", key)))
+            self.assertIn(told, done.stderr)
+
+    def test_from_a_film_with_gaps_to_the_couplings(self):
+        self.write("pair.toml", PAIR)
+        self.expect(0, "rods", "pair.toml", "-o", "truth", "--quiet", "-s", "rods_run.output_interval=0.25", "-s", "rods_run.rtol=1e-11")
+        truth = columns(self.folder / "truth/rods.csv")
+        random = np.random.default_rng(4)
+        rows = [(t, rod, truth[f"x{rod}"][f], truth[f"y{rod}"][f], truth[f"theta{rod}"][f], "rod")
+                for f, t in enumerate(truth["t"]) for rod in (0, 1) if f < 2 or random.random() > 0.1]
+        self.write_rows("t,particle,x,y,theta,kind", rows)
+        self.write("film.toml", 'schema = 1\n[tracks]\nfile = "film.csv"\ntime_column = "t"\npixel = 1.0\nbead_radius = 0.1\n'
+                                '[measure]\npairs = true\ncontact_distance = 0.1\n'
+                                '[fit]\nparameters = ["kappa", "alpha"]\nstart = { kappa = 0.3, alpha = 1.5 }\nfixed = { eta = 1.0 }\n'
+                                '[[fit.trajectories]]\nfile = "rod_tracks.csv"\n')
+        done = self.expect(0, "run", "film.toml", "-o", "out")
+        self.assertRegex(done.stderr + done.stdout, r"rod_tracks.csv: \d+ rows in which a rod is not known are left out")
+        found = json.loads((self.folder / "out/fit.json").read_text())["parameters"]
+        self.assertAlmostEqual(found["kappa"]["value"], 0.5, delta=1e-6)  # the film has all digits
+        self.assertAlmostEqual(found["alpha"]["value"], 1.0, delta=1e-6)
+        self.assertIn("rod_tracks", (self.folder / "out/report.html").read_text())
+        self.assertTrue((self.folder / "out/figures/fit_trajectories.png").is_file())
+        self.refuse(2, "names rod 2; there are 2", "fit", "film.toml", "-o", "out", "--force", "-s", "fit.trajectories.0.rods=[0, 2]")
+
+    def test_the_shipped_example(self):
+        self.expect(0, "check", SOURCE / "scenes/tracks.toml")
+
+
+if __name__ == "__main__":
+    import unittest
+    unittest.main()
