@@ -160,7 +160,7 @@ std::string line_of(const TracksReport& r) {
         fmt::format("tracks: {} frames, {} particles, {:.1f} frames long on average, {:.2g} % lost", r.frames,
                     r.particles, r.mean_length, 100.0 * r.lost_share);
     if (r.rods > 0)
-        text += fmt::format(", {} rods", r.rods);
+        text += fmt::format(", {} rod{}", r.rods, r.rods == 1 ? "" : "s");
     for (const RowsLeftOut& one : r.left_out)
         text += fmt::format("; {} {}", one.rows, one.why);
     return text;

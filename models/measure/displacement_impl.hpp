@@ -43,7 +43,8 @@ public:
 
 private:
     bool wait(const Frame& frame);
-    bool take(const Frame& frame, const BraggPeaks& peaks);
+    /// `G`: at the time of the frame.
+    bool take(const Frame& frame, const std::array<Vector2, 3>& G, const BraggPeaks& peaks);
     std::optional<Phases> far_phases(const Frame& frame) const;
     void count(const Seen& now, const Phases& waves, BlockSums& block) const;
 

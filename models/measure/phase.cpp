@@ -1,3 +1,4 @@
+#include "block_strain.hpp"
 #include "blocks.hpp"
 #include "displacement_impl.hpp"
 #include "estimators.hpp"
@@ -171,8 +172,11 @@ BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
     const RodGrid grid = grid_of(runs[0]);
     std::vector<std::vector<double>> smoothed;
     const auto blocks = phase_blocks(runs, smoothed);
-    BinSamples single =
-        of_bins(blocks, first_guess(blocks, grid, DisplacementSums::of(runs[0]).far_from), grid);
+    const double far_from = DisplacementSums::of(runs[0]).far_from;
+    std::vector<Vector2> guess = first_guess(blocks, grid, far_from);
+    if (runs[0].layout().window)
+        take_off_strain(blocks, smoothed, grid, 3.0 * lattice_spacing(runs[0].layout()), far_from, guess);
+    BinSamples single = of_bins(blocks, std::move(guess), grid);
     if (runs[0].options().method == DisplacementMethod::density)
         return single; // has been averaged over a window already
     const double spacing = lattice_spacing(runs[0].layout());
@@ -202,7 +206,7 @@ bool PhaseAccumulator::add(const Frame& frame) {
         return wait(frame);
     if (!peaks_)
         peaks_ = find_peaks(frame.x, frame.y, layout_.box);
-    return take(frame, *peaks_);
+    return take(frame, peaks_->G, *peaks_);
 }
 
 bool PhaseAccumulator::wait(const Frame& frame) {
@@ -222,19 +226,19 @@ bool PhaseAccumulator::wait(const Frame& frame) {
 void PhaseAccumulator::finish() {
     if (waiting_.empty())
         return;
-    const BraggPeaks peaks = far_lattice(waiting_, layout_, options_.far_from);
+    const FarLattice lattice = far_lattice(waiting_, layout_, options_.far_from);
     if (!peaks_)
-        peaks_ = peaks;
+        peaks_ = lattice.peaks;
     for (const Frame& frame : waiting_)
-        take(frame, peaks);
-    block_peaks_.resize(blocks_.all().size(), peaks);
+        take(frame, lattice.at(frame.time), lattice.peaks);
+    block_peaks_.resize(blocks_.all().size(), lattice.peaks);
     waiting_.clear();
 }
 
-bool PhaseAccumulator::take(const Frame& frame, const BraggPeaks& peaks) {
+bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G, const BraggPeaks& peaks) {
     waves_.resize(frame.x.size());
     for (std::size_t i = 0; i < frame.x.size(); ++i)
-        waves_[i] = plane_waves(peaks.G, frame.x[i], frame.y[i]);
+        waves_[i] = plane_waves(G, frame.x[i], frame.y[i]);
     const auto reference = far_phases(frame);
     if (!reference)
         return false;

@@ -274,6 +274,10 @@ std::vector<PhaseBlock> phase_blocks(std::span<const DisplacementAccumulator> ru
             } else {
                 made.g = seen_along(peaks.G, made.heading);
                 made.sums = block.sums;
+                if (run.layout().window) {
+                    smoothed.push_back(block.sums); // what is taken off them is not the accumulator's
+                    made.sums = smoothed.back();
+                }
             }
             blocks.push_back(made);
         }

@@ -76,20 +76,23 @@ MeasureTable profile_table(const DisplacementField& u, const char* component, co
 }
 
 MeasureGrid grid_of(const DisplacementField& u, double to_a, const std::string& group = "/displacement") {
-    return {group,
-            u.grid,
-            {{"Ux", scaled(u.Ux, to_a), "a"},
-             {"Uy", scaled(u.Uy, to_a), "a"},
-             {"sigma_x", scaled(u.sigma_x, to_a), "a"},
-             {"sigma_y", scaled(u.sigma_y, to_a), "a"},
-             {"count", u.count, ""},
-             {"coherence", u.coherence, ""}},
-            {{"method", measure::to_string(u.method)},
-             {"reference", reference_name(u)},
-             {"mean_speed_a_per_s", u.mean_speed * to_a},
-             {"offset_x", u.offset.x * to_a},
-             {"offset_y", u.offset.y * to_a},
-             {"blocks", static_cast<std::int64_t>(u.blocks)}}};
+    MeasureGrid grid{group,
+                     u.grid,
+                     {{"Ux", scaled(u.Ux, to_a), "a"},
+                      {"Uy", scaled(u.Uy, to_a), "a"},
+                      {"sigma_x", scaled(u.sigma_x, to_a), "a"},
+                      {"sigma_y", scaled(u.sigma_y, to_a), "a"},
+                      {"count", u.count, ""},
+                      {"coherence", u.coherence, ""}},
+                     {{"method", measure::to_string(u.method)},
+                      {"reference", reference_name(u)},
+                      {"mean_speed_a_per_s", u.mean_speed * to_a},
+                      {"offset_x", u.offset.x * to_a},
+                      {"offset_y", u.offset.y * to_a},
+                      {"blocks", static_cast<std::int64_t>(u.blocks)}}};
+    if (u.grid.margin > 0.0) // no periodic box: what fits and theories of one must not take it for
+        grid.attributes.push_back({"window_margin", u.grid.margin * to_a});
+    return grid;
 }
 
 MeasureImage image_of(const DisplacementField& u, double to_a) {

@@ -57,8 +57,8 @@ measure::PairOptions options_of_bed(const Scene& scene) {
 measure::PairOptions options_of_film(const MeasuredCase& data) {
     const measure::Layout& layout = data.sums.front().layout();
     return {.box = layout.box,
-            .images = !layout.window,
-            .contact_distance = data.scene.measure->contact_distance.value()};
+            .contact_distance = data.scene.measure->contact_distance.value(),
+            .images = !layout.window};
 }
 
 PairResult pairs_of(const MeasuredCase& data) {
