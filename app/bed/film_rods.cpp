@@ -99,7 +99,8 @@ void require_rods(const scene::Scene& scene, const measure::Tracks& tracks, cons
     const std::string of =
         fmt::format("{}: {} of [measure] goes by rods, and the file has ", file, wanted[0]);
     if (tracks.rods.empty())
-        throw InputError(of + "none: a column kind (bead, rod) tells them; see tracks.columns");
+        throw InputError(
+            of + "none: a column kind (bead, rod) tells them, see tracks.columns, or tracks.rods_file");
     const std::size_t last = std::max(static_cast<std::size_t>(m.rod), std::size_t{m.pairs ? 1U : 0U});
     if (last >= tracks.rods.size())
         throw InputError(

@@ -70,15 +70,45 @@ struct TracksReport {
     }
 };
 
-fs::path file_of(const Scene& scene) {
+/// `key`: file or rods_file.
+fs::path file_of(const Scene& scene, const char* key, const std::string& name) {
     std::string looked;
-    for (const fs::path& place : data_file_places(scene.tracks->file, scene, {})) {
+    for (const fs::path& place : data_file_places(name, scene, {})) {
         if (fs::is_regular_file(place))
             return place;
         looked += (looked.empty() ? "" : ", ") + fs::absolute(place).lexically_normal().string();
     }
-    throw InputError(fmt::format("{}: tracks.file = \"{}\": no such file; looked for {}", scene.path,
-                                 scene.tracks->file, looked));
+    throw InputError(
+        fmt::format("{}: tracks.{} = \"{}\": no such file; looked for {}", scene.path, key, name, looked));
+}
+
+/// With those of rods, where they are not in a file of their own.
+store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods) {
+    const scene::TracksColumns& c = keys.columns;
+    store::TrackColumns columns{c.frame, c.id, c.x, c.y, "", c.kind, keys.time_column, {}};
+    if (of_rods) {
+        columns.heading = c.heading;
+        columns.ends = c.ends;
+    }
+    return columns;
+}
+
+/// Behind the rows of the beads.
+void append_rods(TrackRows& rows, TrackRows rods) {
+    rows.is_rod.resize(rows.size(), 0);
+    rows.is_rod.resize(rows.size() + rods.size(), 1);
+    rows.heading.resize(rows.size(), std::nan(""));
+    rods.heading.resize(rods.size(), std::nan(""));
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(rows.frame, rods.frame);
+    append(rows.time, rods.time);
+    append(rows.id, rods.id);
+    append(rows.y, rods.y);
+    append(rows.heading, rods.heading);
+    append(rows.x, rods.x); // last: it is what the others are as long as
+    if (rows.without_place == 0)
+        rows.first_without_place = rods.first_without_place;
+    rows.without_place += rods.without_place;
 }
 
 store::TrackFormat format_of(scene::TracksFormat format) {
@@ -181,16 +211,18 @@ std::size_t stride_of(const scene::Measure& m, double interval, const std::strin
 std::optional<measure::Tracks> read(const Scene& scene, const RunContext& context, const fs::path& folder,
                                     Progress& progress, const Logger& log) {
     const scene::Tracks& keys = *scene.tracks;
-    const fs::path file = file_of(scene);
-    const auto& c = keys.columns;
-    TrackRows rows = store::read_tracks(
-        file, format_of(keys.format), {c.frame, c.id, c.x, c.y, c.heading, c.kind, keys.time_column, c.ends},
-        [&](double part) {
-            progress.update(0.5 * part);
-            return !context.stopped();
-        });
+    const fs::path file = file_of(scene, "file", keys.file);
+    TrackRows rows = store::read_tracks(file, format_of(keys.format),
+                                        columns_of(keys, keys.rods_file.empty()), [&](double part) {
+                                            progress.update(0.5 * part);
+                                            return !context.stopped();
+                                        });
     if (context.stopped())
         return std::nullopt;
+    if (!keys.rods_file.empty())
+        append_rods(rows, store::read_tracks(file_of(scene, "rods_file", keys.rods_file),
+                                             store::TrackFormat::automatic, columns_of(keys, true),
+                                             [&](double) { return !context.stopped(); }));
     TrackRows facts; // what the reader left out; the rows themselves are given away
     facts.without_place = rows.without_place;
     facts.first_without_place = rows.first_without_place;
@@ -221,7 +253,11 @@ std::optional<measure::Measures> sums_of(const Scene& scene, const measure::Trac
 
 } // namespace
 
-void require_tracks(const Scene& scene) { file_of(scene); }
+void require_tracks(const Scene& scene) {
+    file_of(scene, "file", scene.tracks->file);
+    if (!scene.tracks->rods_file.empty())
+        file_of(scene, "rods_file", scene.tracks->rods_file);
+}
 
 std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
 

@@ -19,6 +19,13 @@ void file_fields(Visitor& v, Tracks& tracks) {
                "from where the program runs")
           .example("\"tracks.csv\""),
       tracks.file);
+    v(key("rods_file")
+          .absent("rods are in file, told by a column kind")
+          .doc("tracks of the rods, where they have a file of their own: every row is a rod; the same "
+               "columns, "
+               "frames and units")
+          .example("\"rods.csv\""),
+      tracks.rods_file);
     v(key("format").doc("of the file; automatic: XML by its first character, else CSV").example("\"csv\""),
       choice(tracks.format, {{"automatic", TracksFormat::automatic},
                              {"csv", TracksFormat::csv},

@@ -207,7 +207,8 @@ private:
         frame_beads_.clear();
         const std::uint32_t* before = nullptr;
         for (const std::uint32_t& row : rows) {
-            const bool again = before && rows_.id[row] != no_track && rows_.id[row] == rows_.id[*before];
+            const bool again = before && rows_.id[row] != no_track && rows_.id[row] == rows_.id[*before] &&
+                               is_rod(row) == is_rod(*before);
             before = &row;
             if (again)
                 ++out_.counts.repeated;
@@ -223,20 +224,22 @@ private:
         }
     }
 
+    bool is_rod(std::uint32_t row) const { return !rows_.is_rod.empty() && rows_.is_rod[row] != 0; }
+
     void take_row(std::size_t frame, std::uint32_t row) {
         double x = rows_.x[row], y = rows_.y[row];
         if (!put_in(x, y)) {
             ++out_.counts.outside;
             return;
         }
-        const bool rod = !rows_.is_rod.empty() && rows_.is_rod[row] != 0;
+        const bool rod = is_rod(row);
         if (rows_.id[row] == no_track) {
             ++out_.counts.untracked;
             if (!rod)
                 frame_beads_.push_back({untracked, x, y});
             return;
         }
-        Trail& trail = trails_[rows_.id[row]];
+        Trail& trail = (rod ? rod_trails_ : trails_)[rows_.id[row]];
         follow(trail, rows_.id[row], frame, x, y, rod);
         if (!rod)
             frame_beads_.push_back({trail.particle, x, y});
@@ -290,7 +293,7 @@ private:
     Corner low_;
     bool hull_ = false;
     double spacing_ = 0.0;
-    std::unordered_map<std::int64_t, Trail> trails_;
+    std::unordered_map<std::int64_t, Trail> trails_, rod_trails_; ///< a bead and a rod may have one number
     std::vector<Seen> frame_beads_;
 };
 

@@ -134,6 +134,12 @@ class FilmRods(ProgramTest):
         self.expect(0, "measure", "film.toml", "-o", "middle", "--quiet", "-s", 'tracks.columns.ends=["x1","y1","x2","y2"]')
         np.testing.assert_allclose(self.poses("middle", "x0"), self.poses("given", "x0"), rtol=1e-12)
         self.write("film.csv", given)
+        self.write("rods.csv", given.replace(",kind", ",note").replace(",rod", ",0"))
+        self.write("film.csv", "frame,particle,x,y\n" + "".join(f"{f},{p},{8 + 10 * p},{8 + 10 * (p % 3)}\n" for f in range(60) for p in range(5)))
+        self.expect(0, "measure", "film.toml", "-o", "apart", "--quiet", "-s", "tracks.rods_file=rods.csv", "-s", "tracks.columns.heading=theta")
+        np.testing.assert_array_equal(self.poses("apart"), theta)  # bead 1 is not rod 1
+        self.assertEqual(json.loads((self.folder / "apart/tracks.json").read_text())["particles"], 5)
+        self.write("film.csv", given)
         self.refuse(2, "ends and heading are given", "check", "film.toml", "-s", "tracks.columns.heading=theta",
                     "-s", 'tracks.columns.ends=["x1","y1","x2","y2"]')
         self.refuse(2, "pairs of .tracks. needs contact_distance", "check", "film.toml", "-s", "measure.pairs=true")

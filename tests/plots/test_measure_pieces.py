@@ -39,7 +39,7 @@ class PiecesTest(unittest.TestCase):
         self.assertAlmostEqual(2 * half.max(), 2.75, delta=1e-3)  # a fine grid may miss the top
         self.assertAlmostEqual(x[0] * A, -2.015811e-3, delta=5e-9)
         self.assertAlmostEqual(x[-1] * A, 2.484189e-3, delta=5e-9)
-        apolar = {"scene": {"granular": {"rods": [{"kind": "apolar"}]}}, "granular": run.granular}
+        apolar = {"has_tracks": False, "scene": {"granular": {"rods": [{"kind": "apolar"}]}}, "granular": run.granular}
         x, half = displacement.rod_outline(type("Run", (), apolar))
         np.testing.assert_allclose(half, half[::-1], atol=1e-6)
         self.assertAlmostEqual(x[0], -x[-1], delta=1e-9)  # the centre of mass is a sum over 1200 points

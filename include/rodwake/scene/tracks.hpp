@@ -37,6 +37,7 @@ struct TracksWindow {
 /// [tracks]
 struct Tracks {
     std::string file;
+    std::string rods_file; ///< of the rods alone; empty: they are in `file`
     TracksFormat format = TracksFormat::automatic;
     std::optional<double> frames_per_second; ///< 1/s; either this or time_column
     std::string time_column;
