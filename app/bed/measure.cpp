@@ -66,9 +66,9 @@ std::int64_t steps_between_currents(const Scene& scene, std::int64_t steps) {
     return steps / parts;
 }
 
-measure::Measures no_sums(const Scene& scene, const granular::GranularProblem& problem) {
+measure::Measures no_sums(const Scene& scene, const measure::Layout& layout) {
     const Measure& m = *scene.measure;
-    return {layout_of(problem), m.from, {static_cast<std::size_t>(m.rod), m.from_travel.value_or(0.0)}};
+    return {layout, m.from, {static_cast<std::size_t>(m.rod), m.from_travel.value_or(0.0)}};
 }
 
 /// Of a bed without rods: what its displacement is seen from.
@@ -120,6 +120,10 @@ double measured_interval(const Scene& scene) {
     return scene.measure->interval.value_or(rate ? 1.0 / *rate : 0.0);
 }
 
+double measured_duration(const Scene& scene, std::optional<double> film) {
+    return (scene.tracks ? film.value_or(HUGE_VAL) : scene.granular->duration) - scene.measure->from;
+}
+
 std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granular::GranularProblem& problem) {
     const auto needs_frames = [&](const MeasureKind& kind) {
         return kind.include && kind.wanted(*scene.measure);
@@ -127,7 +131,7 @@ std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granula
     if (!scene.measure || !scene.granular || std::ranges::none_of(measure_kinds(), needs_frames))
         return std::nullopt;
     try { // says now what cannot be measured
-        MeasurePlan plan{no_sums(scene, problem), 0.0, 1, 1, {}};
+        MeasurePlan plan{no_sums(scene, layout_of(problem)), 0.0, 1, 1, {}};
         const std::int64_t steps = steps_between_frames(scene);
         plan.every = scene.measure->phonons ? steps_between_currents(scene, steps) : steps;
         plan.stride = static_cast<std::size_t>(steps / plan.every);
@@ -144,7 +148,7 @@ std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granula
 
 MeasurePlan measure_plan(const Scene& scene, const measure::Layout& layout, double interval) {
     try {
-        MeasurePlan plan{measure::Measures(layout, scene.measure->from), interval, 1, 1, {}};
+        MeasurePlan plan{no_sums(scene, layout), interval, 1, 1, {}};
         for (const MeasureKind& kind : measure_kinds())
             if (kind.include && kind.wanted(*scene.measure))
                 kind.include(scene, plan);

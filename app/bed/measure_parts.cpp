@@ -27,10 +27,15 @@ measure::HeadingTrack track_of(const scene::Measure& m, const RunTables& run) {
     measure::HeadingTrack track;
     std::size_t start = 0;
     bool travelled = !m.from_travel;
-    while (start < t.size() && t[start] < -1e-12) // the rods are held
+    const auto unknown = [&](std::size_t i) { return std::isnan(x[i]) || std::isnan(theta[i]); };
+    while (start < t.size() && (t[start] < -1e-12 || unknown(start))) // the rods are held, or not seen yet
         ++start;
-    for (std::size_t i = start; i < t.size(); ++i) {
-        travelled = travelled || std::hypot(x[i] - x[start], y[i] - y[start]) >= *m.from_travel;
+    std::size_t end = t.size();
+    while (end > start && unknown(end - 1))
+        --end;
+    for (std::size_t i = start; i < end; ++i) {
+        travelled =
+            travelled || (!unknown(i) && std::hypot(x[i] - x[start], y[i] - y[start]) >= *m.from_travel);
         if (!travelled || t[i] < m.from - 1e-12)
             continue;
         track.time.push_back(t[i]);

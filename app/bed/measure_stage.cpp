@@ -1,5 +1,6 @@
 #include "measure_stage.hpp"
 
+#include "film_rods.hpp"
 #include "granular_jobs.hpp"
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
@@ -297,6 +298,8 @@ std::vector<FileKind> measure_result_files() {
         {"measure.json", Lifetime::result, "what was measured, with errors; lengths in a, speeds in a/s",
          measured},
         {"series.csv", Lifetime::result, "a row for the scene and one for each variant", series},
+        {"rod_tracks.csv", Lifetime::result, "poses of the rods of a film in every frame",
+         film_rod_columns()},
         {"tracks.json", Lifetime::result, "what there is in the file of tracks, and what was left out",
          tracks_values()}};
     for (const MeasureKind& kind : measure_kinds())

@@ -100,6 +100,8 @@ MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {
     const store::Hdf5Reader h5(file);
     if (!h5.has("/displacement/x"))
         refuse(file, fmt::format("has no displacement field (/displacement); {}", how_to_make));
+    if (h5.has_attribute("/displacement", "window_margin"))
+        refuse(file, "was measured in a window of a film, and a measured medium needs a periodic box");
     const std::vector<double> x = h5.dataset("/displacement/x").values,
                               y = h5.dataset("/displacement/y").values;
     const std::size_t side = x.size();

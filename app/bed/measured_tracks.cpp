@@ -1,5 +1,6 @@
 #include "measured_tracks.hpp"
 
+#include "film_rods.hpp"
 #include "fit/fit_data.hpp"
 #include "measure_frames.hpp"
 #include "rodwake/core/error.hpp"
@@ -38,8 +39,10 @@ struct RowsLeftOut {
 struct TracksReport {
     std::string file, window, length_unit;
     std::size_t rows = 0, frames = 0, particles = 0, rods = 0;
-    double beads_per_frame = 0.0, mean_length = 0.0, lost_share = 0.0, interval = 0.0, duration = 0.0,
-           area = 0.0, phi_b = 0.0;
+    double bead_radius = 0.0, beads_per_frame = 0.0, mean_length = 0.0, lost_share = 0.0, interval = 0.0,
+           duration = 0.0, area = 0.0, phi_b = 0.0;
+    std::vector<double> box = {};
+    std::vector<FilmRod> rod_tracks = {};
     std::vector<RowsLeftOut> left_out = {};
 
     static constexpr auto fields() {
@@ -60,19 +63,52 @@ struct TracksReport {
             field("duration", &R::duration, {"s", "from the first frame to the last"}),
             field("area", &R::area, {"a^2", "of the window"}),
             field("phi_b", &R::phi_b, {"1", "area fraction of the beads in the window"}),
+            field("bead_radius", &R::bead_radius, {"m", "a"}),
+            field("box", &R::box, {"m", "sides of the periodic box, or of the rectangle around the window"}),
+            field("rod_tracks", &R::rod_tracks, {"", "of each rod, in the order of their numbers from 0"}),
             field("left_out", &R::left_out, {"", "what was left out, and why"})};
     }
 };
 
-fs::path file_of(const Scene& scene) {
+/// `key`: file or rods_file.
+fs::path file_of(const Scene& scene, const char* key, const std::string& name) {
     std::string looked;
-    for (const fs::path& place : data_file_places(scene.tracks->file, scene, {})) {
+    for (const fs::path& place : data_file_places(name, scene, {})) {
         if (fs::is_regular_file(place))
             return place;
         looked += (looked.empty() ? "" : ", ") + fs::absolute(place).lexically_normal().string();
     }
-    throw InputError(fmt::format("{}: tracks.file = \"{}\": no such file; looked for {}", scene.path,
-                                 scene.tracks->file, looked));
+    throw InputError(
+        fmt::format("{}: tracks.{} = \"{}\": no such file; looked for {}", scene.path, key, name, looked));
+}
+
+/// With those of rods, where they are not in a file of their own.
+store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods) {
+    const scene::TracksColumns& c = keys.columns;
+    store::TrackColumns columns{c.frame, c.id, c.x, c.y, "", c.kind, keys.time_column, {}};
+    if (of_rods) {
+        columns.heading = c.heading;
+        columns.ends = c.ends;
+    }
+    return columns;
+}
+
+/// Behind the rows of the beads.
+void append_rods(TrackRows& rows, TrackRows rods) {
+    rows.is_rod.resize(rows.size(), 0);
+    rows.is_rod.resize(rows.size() + rods.size(), 1);
+    rows.heading.resize(rows.size(), std::nan(""));
+    rods.heading.resize(rods.size(), std::nan(""));
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(rows.frame, rods.frame);
+    append(rows.time, rods.time);
+    append(rows.id, rods.id);
+    append(rows.y, rods.y);
+    append(rows.heading, rods.heading);
+    append(rows.x, rods.x); // last: it is what the others are as long as
+    if (rows.without_place == 0)
+        rows.first_without_place = rods.first_without_place;
+    rows.without_place += rods.without_place;
 }
 
 store::TrackFormat format_of(scene::TracksFormat format) {
@@ -87,8 +123,13 @@ store::TrackFormat format_of(scene::TracksFormat format) {
 }
 
 measure::TrackScale scale_of(const scene::Tracks& keys) {
-    measure::TrackScale scale{
-        keys.pixel, keys.frames_per_second.value_or(1.0), keys.bead_radius, keys.box, {}};
+    measure::TrackScale scale{keys.pixel,
+                              keys.frames_per_second.value_or(1.0),
+                              keys.bead_radius,
+                              keys.box,
+                              {},
+                              keys.columns.ends.empty() ? keys.angle : 1.0,
+                              keys.thin_end == scene::ThinEnd::ahead};
     const std::vector<double>& s = keys.window.sizes;
     if (keys.window.kind == WindowKind::circle)
         scale.window = measure::Window::circle(s[0], s[1], s[2]);
@@ -117,6 +158,8 @@ std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::TrackCou
     add(counts.restarts, "tracks cut where they jump: their number goes on elsewhere");
     add(counts.untracked, "rows in no track, used where one frame is enough");
     add(counts.empty_frames, "frames without any row");
+    add(counts.headless, "rows of rods whose heading is not known");
+    add(counts.joined, "rods that went on under another number, joined");
     return all;
 }
 
@@ -128,6 +171,9 @@ TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const Tr
     r.frames = tracks.frames();
     r.particles = tracks.beads;
     r.rods = tracks.rods.size();
+    r.bead_radius = a;
+    r.box = {tracks.box.x, tracks.box.y};
+    r.rod_tracks = film_rods(tracks);
     r.beads_per_frame = tracks.beads_per_frame();
     r.mean_length = tracks.mean_length();
     r.lost_share = tracks.lost_share();
@@ -144,7 +190,7 @@ std::string line_of(const TracksReport& r) {
         fmt::format("tracks: {} frames, {} particles, {:.1f} frames long on average, {:.2g} % lost", r.frames,
                     r.particles, r.mean_length, 100.0 * r.lost_share);
     if (r.rods > 0)
-        text += fmt::format(", {} rods", r.rods);
+        text += fmt::format(", {} rod{}", r.rods, r.rods == 1 ? "" : "s");
     for (const RowsLeftOut& one : r.left_out)
         text += fmt::format("; {} {}", one.rows, one.why);
     return text;
@@ -165,16 +211,18 @@ std::size_t stride_of(const scene::Measure& m, double interval, const std::strin
 std::optional<measure::Tracks> read(const Scene& scene, const RunContext& context, const fs::path& folder,
                                     Progress& progress, const Logger& log) {
     const scene::Tracks& keys = *scene.tracks;
-    const fs::path file = file_of(scene);
-    const auto& c = keys.columns;
-    TrackRows rows =
-        store::read_tracks(file, format_of(keys.format),
-                           {c.frame, c.id, c.x, c.y, c.heading, c.kind, keys.time_column}, [&](double part) {
-                               progress.update(0.5 * part);
-                               return !context.stopped();
-                           });
+    const fs::path file = file_of(scene, "file", keys.file);
+    TrackRows rows = store::read_tracks(file, format_of(keys.format),
+                                        columns_of(keys, keys.rods_file.empty()), [&](double part) {
+                                            progress.update(0.5 * part);
+                                            return !context.stopped();
+                                        });
     if (context.stopped())
         return std::nullopt;
+    if (!keys.rods_file.empty())
+        append_rods(rows, store::read_tracks(file_of(scene, "rods_file", keys.rods_file),
+                                             store::TrackFormat::automatic, columns_of(keys, true),
+                                             [&](double) { return !context.stopped(); }));
     TrackRows facts; // what the reader left out; the rows themselves are given away
     facts.without_place = rows.without_place;
     facts.first_without_place = rows.first_without_place;
@@ -188,9 +236,28 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
     return tracks;
 }
 
+/// Over its frames; nothing if it was stopped.
+std::optional<measure::Measures> sums_of(const Scene& scene, const measure::Tracks& tracks,
+                                         Progress& progress, const RunContext& context) {
+    const double interval = tracks.time[1] - tracks.time[0];
+    const std::size_t stride = stride_of(*scene.measure, interval, scene.path);
+    MeasurePlan plan =
+        measure_plan(scene, measure::layout_of(tracks), static_cast<double>(stride) * interval);
+    measure::for_each_frame(tracks, stride, [&](const measure::Frame& frame, double part) {
+        plan.sums.add(frame);
+        progress.update(0.5 + 0.5 * part);
+        return !context.stopped();
+    });
+    return context.stopped() ? std::nullopt : std::optional(std::move(plan.sums));
+}
+
 } // namespace
 
-void require_tracks(const Scene& scene) { file_of(scene); }
+void require_tracks(const Scene& scene) {
+    file_of(scene, "file", scene.tracks->file);
+    if (!scene.tracks->rods_file.empty())
+        file_of(scene, "rods_file", scene.tracks->rods_file);
+}
 
 std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
 
@@ -201,24 +268,24 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
     const auto tracks = read(scene, context, folder, progress, log);
     if (!tracks)
         return std::nullopt;
-    const double interval = tracks->time[1] - tracks->time[0];
-    const std::size_t stride = stride_of(*scene.measure, interval, scene.path);
-    MeasurePlan plan =
-        measure_plan(scene, measure::layout_of(*tracks), static_cast<double>(stride) * interval);
-    measure::for_each_frame(*tracks, stride, [&](const measure::Frame& frame, double part) {
-        plan.sums.add(frame);
-        progress.update(0.5 + 0.5 * part);
-        return !context.stopped();
-    });
-    if (context.stopped())
+    require_rods(scene, *tracks, scene.tracks->file);
+    MeasuredCase data{scene, {}, {}, tracks->time.back() - tracks->time.front()};
+    auto sums = sums_of(scene, *tracks, progress, context);
+    if (!sums)
         return std::nullopt;
+    data.sums = std::span(&*sums, 1);
+    if (!tracks->rods.empty()) {
+        const FilmRods rods(*tracks);
+        store::write_atomically(folder / "rod_tracks.csv", rods.csv());
+        data.tables.push_back(rods.tables());
+    }
     CaseResults results;
     results.name = one.name;
     results.bead_radius = tracks->bead_radius;
     results.phi_b = tracks->beads_per_frame() * std::numbers::pi * std::pow(tracks->bead_radius, 2) /
-                    seen_area(plan.sums.layout());
+                    seen_area(sums->layout());
     results.runs = 1;
-    report_measures({scene, std::span(&plan.sums, 1), {}}, results);
+    report_measures(std::move(data), results);
     return results;
 }
 

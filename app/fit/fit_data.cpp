@@ -43,8 +43,10 @@ std::vector<double> times(std::vector<double> values, double factor) {
     return values;
 }
 
+using RodColumns = std::vector<const std::vector<double>*>;
+
 /// Columns x<k>, y<k>, theta<k> of each rod in turn, as far as they go.
-std::vector<const std::vector<double>*> rod_columns(const store::Table& table) {
+RodColumns rod_columns(const store::Table& table) {
     std::vector<const std::vector<double>*> columns;
     for (std::size_t rod = 0; rod < most_rods; ++rod)
         for (const char* name : {"x", "y", "theta"}) {
@@ -56,16 +58,51 @@ std::vector<const std::vector<double>*> rod_columns(const store::Table& table) {
     return columns;
 }
 
-std::vector<std::string> more_rod_names() {
+std::vector<std::string> rod_names() {
     std::vector<std::string> names;
-    for (std::size_t rod = 1; rod < most_rods; ++rod)
+    for (std::size_t rod = 0; rod < most_rods; ++rod)
         for (const char* name : {"x", "y", "theta"})
             names.push_back(name + std::to_string(rod));
     return names;
 }
 
-std::vector<double> state(const std::vector<const std::vector<double>*>& columns, std::size_t row,
-                          double length) {
+/// Those that the keys name, of all.
+RodColumns chosen(const RodColumns& all, const std::vector<long>& rods, const fs::path& file) {
+    if (rods.empty())
+        return all;
+    RodColumns columns;
+    for (const long rod : rods) {
+        const auto first = 3 * static_cast<std::size_t>(rod);
+        if (first >= all.size())
+            throw InputError(
+                fmt::format("{}: fit.trajectories.rods names rod {}; there are {}, numbered from 0",
+                            file.string(), rod, all.size() / 3));
+        for (std::size_t k = 0; k < 3; ++k)
+            columns.push_back(all[first + k]);
+    }
+    return columns;
+}
+
+bool all_known(const RodColumns& columns, std::size_t row) {
+    return std::ranges::none_of(columns, [&](const auto* column) { return std::isnan((*column)[row]); });
+}
+
+/// Of rods that may be missing in some rows, as those of a film.
+store::Table read_rods(const fs::path& file) {
+    static const std::vector<std::string> time = {"t"}, needed = {"t", "x0", "y0", "theta0"},
+                                          rods = rod_names();
+    store::Table table = store::read_csv(file, time, rods);
+    if (!table.find("x0") || !table.find("y0") || !table.find("theta0"))
+        throw InputError(fmt::format("{}:1: no column \"{}\"; the header must have at least {}",
+                                     file.string(),
+                                     !table.find("x0")   ? "x0"
+                                     : !table.find("y0") ? "y0"
+                                                         : "theta0",
+                                     fmt::join(needed, ",")));
+    return table;
+}
+
+std::vector<double> state(const RodColumns& columns, std::size_t row, double length) {
     std::vector<double> values;
     for (std::size_t k = 0; k < columns.size(); ++k)
         values.push_back((*columns[k])[row] / (k % 3 == 2 ? 1.0 : length));
@@ -73,7 +110,7 @@ std::vector<double> state(const std::vector<const std::vector<double>*>& columns
 }
 
 /// Rows before t = 0 in which the rods are held where they are then, as tracks.csv of a bed has them.
-std::size_t held_rows(const std::vector<double>& t, const std::vector<const std::vector<double>*>& columns) {
+std::size_t held_rows(const std::vector<double>& t, const RodColumns& columns) {
     const auto first = std::ranges::find_if(t, [](double time) { return time >= -1e-12; }) - t.begin();
     const auto moves = [&](const std::vector<double>* column) {
         return std::any_of(column->begin(), column->begin() + first,
@@ -136,6 +173,8 @@ bool made_by_run(const std::string& file, const scene::Scene& scene) {
     if (!kind || !kind->stage)
         return false;
     const bool on_top = name == file, of_a_run = file.starts_with("runs/"); // of an ensemble
+    if (name == "rod_tracks.csv")
+        return scene.tracks && on_top;
     return *kind->stage == Stage::measure
                ? scene.measure && scene.measure->displacement && on_top
                : *kind->stage == Stage::granular && scene.granular && (on_top || of_a_run);
@@ -182,9 +221,12 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
 
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& file,
                             std::optional<PeriodicBox> box) {
-    static const std::vector<std::string> required = {"t", "x0", "y0", "theta0"}, optional = more_rod_names();
-    const store::Table table = store::read_csv(file, required, optional);
-    const auto columns = rod_columns(table);
+    const store::Table table = read_rods(file);
+    const RodColumns all = rod_columns(table);
+    if (all.size() % 3 != 0)
+        throw InputError(fmt::format("{0}: rod {1} lacks one of the columns x{1}, y{1}, theta{1}",
+                                     file.string(), all.size() / 3));
+    const RodColumns columns = chosen(all, keys.rods, file);
     FitTrackData out{name_or_stem(keys.name, file),
                      file,
                      columns.size() / 3,
@@ -193,18 +235,21 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
                      false,
                      false,
                      {}};
-    if (columns.size() % 3 != 0)
-        throw InputError(fmt::format("{}: rod {} lacks one of the columns x{}, y{}, theta{}", file.string(),
-                                     out.rods, out.rods, out.rods, out.rods));
     take_keys(keys, out);
     const auto& t = *table.find("t");
     for (std::size_t i = held_rows(t, columns); i < table.rows(); ++i) {
+        if (!all_known(columns, i)) {
+            ++out.left_out;
+            continue;
+        }
         out.data.times.push_back(t[i] / out.time);
         out.data.states.push_back(state(columns, i, out.length));
         out.data.where.push_back(where(file, table.lines[i]));
     }
     if (out.data.times.size() < 2)
-        throw InputError(file.string() + ": a trajectory needs at least two rows");
+        throw InputError(
+            file.string() + ": a trajectory needs at least two rows" +
+            (out.left_out > 0 ? " in which all its rods are known; fit.trajectories.rods chooses some" : ""));
     settle_track(out, box ? std::optional(*box / out.length) : std::nullopt);
     if (keys.independent_time)
         out.data.independent = fitting::mean_worth(

@@ -124,6 +124,9 @@ std::vector<fitting::Map> of_measure(const fs::path& file) {
     if (!h5.has("/displacement/x") || !h5.has("/displacement/y"))
         refuse(file, "has no displacement field (/displacement); rodwake measure writes one with "
                      "measure.displacement = \"phase\"");
+    if (h5.has_attribute("/displacement", "window_margin"))
+        refuse(file,
+               "was measured in a window of a film, and fits of maps need a periodic box; fit its profiles");
     std::vector<fitting::Map> maps;
     for (std::size_t run = 1; h5.has(fmt::format("/runs/{:04}/x", run)); ++run)
         maps.push_back(of_group(h5, file, fmt::format("/runs/{:04}", run)));

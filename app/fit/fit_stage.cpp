@@ -49,6 +49,9 @@ void log_data(const FitPlan& plan, const Logger& log) {
     for (const FitTrackData& t : plan.tracks) {
         log->info("fit: trajectory {}: {} rods, {} rows from {}", t.name, t.rods, t.data.times.size(),
                   t.file.string());
+        if (t.left_out > 0)
+            log->info("fit: {}: {} rows in which a rod is not known are left out", t.file.string(),
+                      t.left_out);
         if (t.unwrapped)
             log->info(
                 "fit: {}: headings that jump by more than half a turn between rows were brought nearer by "
@@ -423,7 +426,8 @@ StageKind fit_stage() {
             .cost = [](const Plan& plan, const fs::path&, const RunContext&) { return fit_cost(plan); },
             .outdated =
                 [](const scene::Scene& s, const StageChanges& all) {
-                    return s.granular && (all.redone(Stage::granular) || all.redone(Stage::measure));
+                    return (s.granular || s.tracks) &&
+                           (all.redone(Stage::granular) || all.redone(Stage::measure));
                 },
             .lacks =
                 [](const fs::path& folder, const scene::Scene& s) {

@@ -82,7 +82,7 @@ std::vector<fs::path> inputs_of(const scene::Scene& scene) {
     if (scene.granular)
         names.push_back(scene.granular->restart_from);
     if (scene.tracks)
-        names.push_back(scene.tracks->file);
+        names.insert(names.end(), {scene.tracks->file, scene.tracks->rods_file});
     if (scene.scan)
         names.push_back(scene.scan->file);
     if (scene.medium && scene.medium->measured)

@@ -142,7 +142,7 @@ struct As<Words> : Whole<Words> {
     }
     static Description about(const Key& key, const Words& value) {
         if (key.choices.empty())
-            return {key.count_text("names"), "", "keys of the scene"};
+            return {key.count_text("names"), "", key.name == "keys" ? "keys of the scene" : "any"};
         return {key.count_text("names"), text(key, value, {}), comma_list(key.choices)};
     }
 };

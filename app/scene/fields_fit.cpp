@@ -243,10 +243,19 @@ void fields(Visitor& v, FitProfile& p, const FitUnits& units) {
 void fields(Visitor& v, FitTrajectory& t, const FitUnits& units) {
     v(key("file")
           .required()
-          .doc("CSV with columns t,x0,y0,theta0,x1,... as in rods.csv and tracks.csv; looked for as profiles "
-               "are. Headings may jump by whole turns")
+          .doc(
+              "CSV with columns t,x0,y0,theta0,x1,... as in rods.csv, tracks.csv and rod_tracks.csv, which a "
+              "scene with [tracks] makes; looked for as profiles are. Headings may jump by whole turns; rows "
+              "with an empty field, in which a rod is not known, are left out")
           .example("\"rods.csv\""),
       t.file);
+    v(key("rods")
+          .within(0, 999)
+          .items(1, 100)
+          .absent("all of the file")
+          .doc("which rods of the file, from 0")
+          .example("[0, 1]"),
+      t.rods);
     v(key("sigma_position")
           .above(0.0)
           .absent("1, and errors from the scatter")

@@ -19,6 +19,13 @@ void file_fields(Visitor& v, Tracks& tracks) {
                "from where the program runs")
           .example("\"tracks.csv\""),
       tracks.file);
+    v(key("rods_file")
+          .absent("rods are in file, told by a column kind")
+          .doc("tracks of the rods, where they have a file of their own: every row is a rod; the same "
+               "columns, "
+               "frames and units")
+          .example("\"rods.csv\""),
+      tracks.rods_file);
     v(key("format").doc("of the file; automatic: XML by its first character, else CSV").example("\"csv\""),
       choice(tracks.format, {{"automatic", TracksFormat::automatic},
                              {"csv", TracksFormat::csv},
@@ -48,7 +55,15 @@ void fields(Visitor& v, TracksColumns& columns) {
          "\"particle\"", columns.id);
     name("x", "first coordinate", "\"x\"", columns.x);
     name("y", "second coordinate", "\"y\"", columns.y);
-    name("heading", "of a rod, rad from +x", "\"theta\"", columns.heading);
+    name("heading", "direction of a rod's thin end, or of its axis (thin_end), from +x towards +y",
+         "\"theta\"", columns.heading);
+    v(key("ends")
+          .items(4, 4)
+          .absent("headings are in a column")
+          .doc("in place of heading: four columns, x and y of a rod's thin end and x and y of its thick end. "
+               "Without columns x and y the middle is the rod's place")
+          .example("[\"x1\", \"y1\", \"x2\", \"y2\"]"),
+      columns.ends);
     name("kind", "bead or rod (0 or 1); without such a column all are beads", "\"kind\"", columns.kind);
 }
 
@@ -72,6 +87,17 @@ void fields(Visitor& v, Tracks& tracks) {
           .doc("what 1 of the file's x and y is worth")
           .example("\"12.4 um\""),
       tracks.pixel);
+    v(key("angle")
+          .unit(angle)
+          .within(-1e3, 1e3)
+          .doc("what 1 of the file's headings is worth; negative: they count from +x towards -y")
+          .example("\"1 deg\""),
+      tracks.angle);
+    v(key("thin_end")
+          .doc("given: headings and ends say which end of a rod is the thin one; ahead: they tell its axis "
+               "only, as of an ellipse, and the thin end is the one that goes ahead")
+          .example("\"ahead\""),
+      choice(tracks.thin_end, {{"given", ThinEnd::given}, {"ahead", ThinEnd::ahead}}));
     v(key("window")
           .doc("what the camera sees: hull, the convex hull of all particles; periodic, the whole of a box "
                "(then box); or in the file's coordinates { circle = [x, y, radius] } or { rectangle = [x0, "
@@ -117,6 +143,12 @@ void check_tracks(const Scene& scene, const Report& report) {
     const std::vector<double>& sizes = t.window.sizes;
     if (t.window.kind == WindowKind::circle && !(sizes[2] > 0.0))
         report("tracks.window", "the radius of the circle must be above 0");
+    if (t.angle == 0.0)
+        report("tracks.angle", "angle is what 1 of the file's headings is worth: it must not be 0");
+    if (!t.columns.ends.empty() && !t.columns.heading.empty())
+        report("tracks.columns.ends",
+               "ends and heading are given: a rod's direction follows from either; leave "
+               "one out");
     if (t.window.kind == WindowKind::rectangle && !(sizes[0] < sizes[2] && sizes[1] < sizes[3]))
         report("tracks.window", "a rectangle is [x0, y0, x1, y1] with x0 below x1 and y0 below y1");
 }
@@ -129,15 +161,9 @@ struct OfBedsOnly {
     bool (*is_asked)(const Measure&);
 };
 constexpr OfBedsOnly of_beds_only[] = {
-    {"displacement", [](const Measure& m) { return m.displacement.has_value(); }},
-    {"flow", [](const Measure& m) { return m.flow; }},
-    {"pairs", [](const Measure& m) { return m.pairs; }},
     {"force", [](const Measure& m) { return m.force; }},
     {"phonons", [](const Measure& m) { return m.phonons; }},
     {"mechanics", [](const Measure& m) { return m.mechanics; }},
-    {"heading_diffusion", [](const Measure& m) { return m.heading_diffusion; }},
-    {"speed_deviations", [](const Measure& m) { return m.speed_deviations; }},
-    {"from_travel", [](const Measure& m) { return m.from_travel.has_value(); }},
     {"trajectory", [](const Measure& m) { return !m.trajectory.empty(); }}};
 
 } // namespace
@@ -150,12 +176,20 @@ void check_measured_tracks(const Scene& scene, const Report& report) {
         if (of.is_asked(m))
             report(
                 std::string("measure.") + of.key,
-                fmt::format("{} needs a bed ([granular]): of [tracks] order and microrheology are measured; "
-                            "leave it out",
+                fmt::format("{} needs a bed ([granular]): it goes by forces or velocities, and [tracks] have "
+                            "places and headings; leave it out",
                             of.key));
-    if (!m.order && !m.microrheology)
-        report("measure", "[measure] asks for nothing that tracks have: give order = true or microrheology = "
-                          "true");
+    if (!m.order && !m.microrheology && !m.displacement && !m.flow && !m.pairs && !m.heading_diffusion &&
+        !m.speed_deviations)
+        report("measure",
+               "[measure] asks for nothing that tracks have: give order, microrheology, displacement, "
+               "flow, pairs, heading_diffusion or speed_deviations");
+    if (m.pairs && !m.contact_distance)
+        report("measure.pairs", "pairs of [tracks] needs contact_distance, between the rods' places: half a "
+                                "rod's length, for example contact_distance = \"12 a\"");
+    if (m.displacement == measure::DisplacementMethod::density &&
+        scene.tracks->window.kind != WindowKind::periodic)
+        report("measure.displacement", "density needs window = \"periodic\": give phase or lagrangian");
 }
 
 } // namespace rodwake::scene

@@ -53,9 +53,10 @@ Vector2 waves_of(const Order& order, const PeriodicBox& box) {
     return {order.first * (side / box.x), order.second * (side / box.y)};
 }
 
-std::vector<Wave> ring_of(std::span<const double> x, std::span<const double> y, const PeriodicBox& box) {
-    // number of waves across the box: rows of a triangular lattice of N sites
-    const double middle = std::sqrt(2.0 * static_cast<double>(x.size()) / std::sqrt(3.0));
+std::vector<Wave> ring_of(std::span<const double> x, std::span<const double> y, const PeriodicBox& box,
+                          double sites) {
+    // number of waves across the box: rows of a triangular lattice of so many sites
+    const double middle = std::sqrt(2.0 * sites / std::sqrt(3.0));
     const auto most = [&](double side) {
         return static_cast<int>(std::ceil(middle * (1.0 + ring_width) * (side / box.mean_side())));
     };
@@ -158,13 +159,14 @@ double BraggPeaks::lattice_spacing() const {
     return cell > 0.0 ? std::sqrt(2.0 / (std::sqrt(3.0) * cell)) : 0.0;
 }
 
-BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, const PeriodicBox& box) {
+BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, const PeriodicBox& box,
+                      double sites) {
     if (x.size() < least_points || x.size() != y.size())
         throw InputError(
             fmt::format("measure: Bragg peaks of {} and {} coordinates: needs as many y as x, at "
                         "least {}",
                         x.size(), y.size(), least_points));
-    const auto ring = ring_of(x, y, box);
+    const auto ring = ring_of(x, y, box, sites > 0.0 ? sites : static_cast<double>(x.size()));
     auto waves = ring;
     std::ranges::stable_sort(waves, std::greater{}, &Wave::strength);
     if (waves.size() > strongest)

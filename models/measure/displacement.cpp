@@ -175,13 +175,29 @@ void describe(std::span<const DisplacementAccumulator> runs, DisplacementField& 
 
 } // namespace
 
-DisplacementField reduce(std::span<const DisplacementAccumulator> runs) {
-    check(runs);
+namespace {
+
+/// With what waits for the end of a block of time.
+std::vector<DisplacementAccumulator> finished(std::span<const DisplacementAccumulator> runs) {
+    std::vector<DisplacementAccumulator> all(runs.begin(), runs.end());
+    for (DisplacementAccumulator& run : all)
+        DisplacementSums::finish(run);
+    return all;
+}
+
+} // namespace
+
+DisplacementField reduce(std::span<const DisplacementAccumulator> given) {
+    check(given);
+    std::vector<DisplacementAccumulator> complete;
+    if (given[0].layout().window)
+        complete = finished(given);
+    const auto runs = complete.empty() ? given : std::span<const DisplacementAccumulator>(complete);
     const DisplacementOptions& options = runs[0].options();
     DisplacementField field;
     field.grid = grid_of(runs[0]);
     field.method = options.method;
-    field.reference = options.reference;
+    field.reference = runs[0].layout().window ? Reference::far : options.reference; // a window has no mean
     describe(runs, field);
     const BinSamples samples =
         options.method == DisplacementMethod::lagrangian ? lagrangian_samples(runs) : phase_samples(runs);
@@ -282,7 +298,7 @@ DisplacementAccumulator::Impl::Impl(const Layout& layout_in, const DisplacementO
 
 void DisplacementAccumulator::Impl::add(const Frame& frame) {
     check_frame(layout, frame);
-    if (frame.time < options.from)
+    if (frame.time < options.from || !place_of(options.rod, layout, frame).known())
         return;
     if (auto* phase = std::get_if<PhaseAccumulator>(&sums)) {
         if (!phase->add(frame))

@@ -2,10 +2,13 @@
 // Sums of exp(i G_k.r) in bins around the rod: what the estimators `phase` and `density` need.
 //
 // phase:   in the box's frame, the mean phase of the far field taken off in each frame (the crystal drifts).
+//          In a window, whose crystal turns and strains, G_k is found anew in each block of time
+//          (far_lattice.hpp): its frames wait until they are all there.
 // density: in the rod's frame (wave vectors turned to the rod's heading at the start of the block), nothing
 //          taken off: the Fourier content at G_k of the time-averaged density around the rod.
 
 #include "blocks.hpp"
+#include "common_beads.hpp"
 #include "plane_waves.hpp"
 #include "rod_view.hpp"
 
@@ -21,18 +24,27 @@ public:
     /// Channels of a bin: real and imaginary parts of the three sums, beads, places from the bin's middle.
     enum Channel : std::size_t { re0, im0, re1, im1, re2, im2, beads, place_x, place_y, channels };
 
+    /// Throws InputError for the density in a window.
     PhaseAccumulator(const Layout& layout, const DisplacementOptions& options);
 
     /// Whether the frame was used: not if no bead is far from every rod.
     bool add(const Frame& frame);
+    /// In a window: takes in the frames of the last block of time, which wait for its lattice.
+    void finish();
     void save(StateWriter& out) const;
     void load(StateReader& in);
 
-    /// Of the first frame.
+    /// Of the first frame; in a window, of the first block.
     const std::optional<BraggPeaks>& peaks() const { return peaks_; }
+    const BraggPeaks& peaks(std::size_t block) const {
+        return block < block_peaks_.size() ? block_peaks_[block] : *peaks_;
+    }
     std::span<const BlockSums> blocks() const { return blocks_.all(); }
 
 private:
+    bool wait(const Frame& frame);
+    /// `G`: at the time of the frame.
+    bool take(const Frame& frame, const std::array<Vector2, 3>& G, const BraggPeaks& peaks);
     std::optional<Phases> far_phases(const Frame& frame) const;
     void count(const Seen& now, const Phases& waves, BlockSums& block) const;
 
@@ -40,6 +52,8 @@ private:
     DisplacementOptions options_;
     RodGrid grid_;
     std::optional<BraggPeaks> peaks_;
+    std::vector<BraggPeaks> block_peaks_; ///< [blocks], in a window
+    std::vector<Frame> waiting_;          ///< of one block of time, in a window
     Blocks blocks_;
     std::vector<Phases> waves_; ///< of the frame at hand, in the box's frame; no state
 };
@@ -69,8 +83,10 @@ public:
 
 private:
     void start(const Frame& frame, const RodView& rod);
-    void note_zone(std::size_t bead, const Frame& frame, const Seen& now);
-    void count(std::size_t bead, const Frame& frame, const RodView& rod, double* sums);
+    void drift(const Frame& frame);
+    void note_zone(std::size_t bead, std::size_t at, const Frame& frame, const Seen& now);
+    double side() const { return grid_.box.x - 2.0 * grid_.margin; }
+    void count(std::size_t bead, std::size_t at, const Frame& frame, const RodView& rod, double* sums);
 
     Layout layout_;
     DisplacementOptions options_;
@@ -81,6 +97,7 @@ private:
     std::vector<double> in_zone_;           ///< [beads] 1 while it is there
     double first_x_ = 0.0, first_y_ = 0.0;  ///< mean of all beads in the first frame
     double drift_x_ = 0.0, drift_y_ = 0.0;  ///< of that mean until the frame at hand
+    BeadPlaces last_;                       ///< where beads come and go: in the frame before
 };
 
 // What a DisplacementAccumulator holds: the sums of its estimator and what is common to all.
@@ -105,10 +122,14 @@ struct DisplacementAccumulator::Impl {
 
 struct DisplacementSums {
     static const DisplacementAccumulator::Impl& of(const DisplacementAccumulator& run) { return *run.impl_; }
+    static void finish(DisplacementAccumulator& run) {
+        if (auto* phase = std::get_if<PhaseAccumulator>(&run.impl_->sums))
+            phase->finish();
+    }
 };
 
 inline RodGrid grid_of(const DisplacementAccumulator& run) {
-    return {box_seen_by(run.options().rod, run.layout()), run.options().spacing};
+    return grid_seen_by(run.options().rod, run.layout(), run.options().spacing);
 }
 
 } // namespace rodwake::measure

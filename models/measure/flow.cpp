@@ -1,4 +1,5 @@
 #include "rodwake/measure/flow.hpp"
+#include "common_beads.hpp"
 #include "rod_view.hpp"
 #include "rodwake/core/error.hpp"
 
@@ -83,17 +84,21 @@ double near_speed(const FlowField& field, double within) {
 /// Mean displacement of the marked beads of a run along the rod's first heading.
 double drag_of(const FlowAccumulator& run, const std::vector<MarkedBead>& beads) {
     const double c = std::cos(run.first_heading()), s = std::sin(run.first_heading());
-    double sum = 0.0;
+    double sum = 0.0, seen = 0.0;
     for (const MarkedBead& bead : beads)
-        sum += c * (bead.x1 - bead.x0) + s * (bead.y1 - bead.y0);
-    return sum / static_cast<double>(beads.size());
+        if (!std::isnan(bead.x1)) {
+            sum += c * (bead.x1 - bead.x0) + s * (bead.y1 - bead.y0);
+            seen += 1.0;
+        }
+    return sum / seen;
 }
 
 void set_drag(FlowField& field, Runs runs) {
     Row drags, shares;
     for (const FlowAccumulator& run : runs) {
         const std::vector<MarkedBead> beads = run.marked();
-        if (beads.empty() || run.frames() < 2)
+        const auto is_seen = [](const MarkedBead& bead) { return !std::isnan(bead.x1); };
+        if (std::ranges::none_of(beads, is_seen) || run.frames() < 2)
             continue;
         drags.push_back(drag_of(run, beads));
         if (run.rod_travel() >= run.layout().bead_radius)
@@ -141,12 +146,15 @@ void check(const Layout& layout, const FlowOptions& options) {
          options.marked_travel, "finite and not negative");
 }
 
-/// Mean of the differences of two rows of coordinates.
-double mean_step(const Row& before, const Row& now) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < now.size(); ++i)
-        sum += now[i] - before[i];
-    return sum / static_cast<double>(now.size());
+constexpr std::uint32_t nowhere = untracked;
+
+/// Where a bead stands in a frame.
+std::uint32_t place_in(const BeadNames& names, std::size_t bead) {
+    if (names.empty())
+        return static_cast<std::uint32_t>(bead);
+    const auto found = std::ranges::lower_bound(names, bead);
+    return found != names.end() && *found == bead ? static_cast<std::uint32_t>(found - names.begin())
+                                                  : nowhere;
 }
 
 RodPlace halfway(const RodPlace& before, const RodPlace& now) {
@@ -159,16 +167,19 @@ RodPlace halfway(const RodPlace& before, const RodPlace& now) {
 FlowAccumulator::FlowAccumulator(const Layout& layout, const FlowOptions& options)
     : layout_(layout), options_(options) {
     check(layout, options);
-    grid_ = RodGrid(box_seen_by(options.rod, layout), options.spacing);
+    grid_ = grid_seen_by(options.rod, layout, options.spacing);
 }
 
 void FlowAccumulator::start(const Past& now) {
+    started_ = true;
+    last_rod_ = now.rod;
     first_heading_ = now.rod.heading;
-    const RodView view(now.rod, layout_.box);
+    const PeriodicBox images = image_box(layout_);
+    const RodView view(now.rod, images);
     const double within2 = options_.marked_within * options_.marked_within;
-    for (std::size_t i = 0; i < layout_.beads; ++i)
-        if (view.distance2(into_box(now.x[i], layout_.box.x), into_box(now.y[i], layout_.box.y)) < within2) {
-            marked_.push_back(i);
+    for (std::size_t i = 0; i < now.x.size(); ++i)
+        if (view.distance2(into_box(now.x[i], images.x), into_box(now.y[i], images.y)) < within2) {
+            marked_.push_back(now.bead.empty() ? i : now.bead[i]);
             first_x_.push_back(now.x[i]);
             first_y_.push_back(now.y[i]);
         }
@@ -179,32 +190,44 @@ void FlowAccumulator::start(const Past& now) {
 void FlowAccumulator::follow_marked(const Past& now) {
     if (options_.marked_travel > 0.0 && travel_ >= options_.marked_travel)
         return;
-    const Past& before = past_.back();
-    const double step_x = mean_step(before.x, now.x), step_y = mean_step(before.y, now.y);
-    drift_x_ += step_x;
-    drift_y_ += step_y;
-    travel_ += (now.rod.x - before.rod.x - step_x) * std::cos(before.rod.heading) +
-               (now.rod.y - before.rod.y - step_y) * std::sin(before.rod.heading);
+    const MeanStep step(past_.back(), now);
+    drift_x_ += step.x;
+    drift_y_ += step.y;
+    since_x_ += step.x;
+    since_y_ += step.y;
+    travel(now);
     for (std::size_t k = 0; k < marked_.size(); ++k) {
-        last_x_[k] = now.x[marked_[k]] - drift_x_;
-        last_y_[k] = now.y[marked_[k]] - drift_y_;
+        const std::uint32_t at = place_in(now.bead, marked_[k]);
+        last_x_[k] = at == nowhere ? std::nan("") : now.x[at] - drift_x_;
+        last_y_[k] = at == nowhere ? std::nan("") : now.y[at] - drift_y_;
     }
+}
+
+void FlowAccumulator::travel(const Past& now) {
+    if (!now.rod.known())
+        return;
+    travel_ += (now.rod.x - last_rod_.x - since_x_) * std::cos(last_rod_.heading) +
+               (now.rod.y - last_rod_.y - since_y_) * std::sin(last_rod_.heading);
+    last_rod_ = now.rod;
+    since_x_ = since_y_ = 0.0;
 }
 
 void FlowAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
     times_.next(frame.time, "flow");
-    Past now{frame.time, frame.unwrapped_x, frame.unwrapped_y, frame.rods[options_.rod]};
-    if (times_.frames == 1)
-        start(now);
-    else {
+    BeadPlaces places = places_of(frame);
+    Past now{frame.time, std::move(places.x), std::move(places.y), frame.rods[options_.rod],
+             std::move(places.bead)};
+    if (started_)
         follow_marked(now);
-        const auto wanted =
-            static_cast<std::size_t>(std::max(1.0, std::round(options_.lag / times_.interval)));
-        if (past_.size() >= wanted) {
+    else if (now.rod.known())
+        start(now);
+    const auto wanted = static_cast<std::size_t>(
+        times_.frames > 1 ? std::max(1.0, std::round(options_.lag / times_.interval)) : 1.0);
+    if (past_.size() >= wanted) {
+        if (past_.front().rod.known() && now.rod.known())
             take(past_.front(), now);
-            past_.erase(past_.begin());
-        }
+        past_.erase(past_.begin());
     }
     past_.push_back(std::move(now));
 }
@@ -221,24 +244,25 @@ FlowAccumulator::Block& FlowAccumulator::block_at(double time) {
 
 void FlowAccumulator::take(const Past& before, const Past& now) {
     const double lag = now.time - before.time;
-    const double step_x = mean_step(before.x, now.x), step_y = mean_step(before.y, now.y);
-    const RodView view(halfway(before.rod, now.rod), layout_.box);
+    const MeanStep step(before, now);
+    const PeriodicBox images = image_box(layout_);
+    const RodView view(halfway(before.rod, now.rod), images);
     Block& block = block_at((before.time + now.time) / 2.0);
-    for (std::size_t i = 0; i < layout_.beads; ++i) {
-        const Seen place = view.at(into_box((before.x[i] + now.x[i]) / 2.0, layout_.box.x),
-                                   into_box((before.y[i] + now.y[i]) / 2.0, layout_.box.y));
+    for_each_common_bead(now, before, [&](std::size_t i, std::size_t j) {
+        const Seen place = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),
+                                   into_box((before.y[j] + now.y[i]) / 2.0, images.y));
         const auto bin = grid_.bin(place.x, place.y);
         if (!bin)
-            continue;
+            return;
         const Seen v =
-            view.turned((now.x[i] - before.x[i] - step_x) / lag, (now.y[i] - before.y[i] - step_y) / lag);
+            view.turned((now.x[i] - before.x[j] - step.x) / lag, (now.y[i] - before.y[j] - step.y) / lag);
         const double speed = std::sqrt(v.x * v.x + v.y * v.y);
         block.vx[*bin] += v.x;
         block.vy[*bin] += v.y;
         block.ux[*bin] += speed > 0.0 ? v.x / speed : 0.0;
         block.uy[*bin] += speed > 0.0 ? v.y / speed : 0.0;
         block.count[*bin] += 1.0;
-    }
+    });
 }
 
 std::vector<MarkedBead> FlowAccumulator::marked() const {
@@ -291,6 +315,9 @@ void FlowAccumulator::load(StateReader& in) {
     }
     if (past_.empty() && times_.frames > 0)
         throw RunError("measure: flow: the last frames are missing");
+    started_ = !past_.empty(); // of a bed: its rods are in every frame
+    if (started_)
+        last_rod_ = past_.back().rod;
     blocks_.clear();
     for (std::size_t left = in.count(); left > 0; --left) {
         Block block;

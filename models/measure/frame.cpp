@@ -103,7 +103,8 @@ void check_frame(const Layout& layout, const Frame& frame) {
         throw RunError(
             fmt::format("measure: {} rods in a frame, expected {}", frame.rods.size(), layout.rods));
     for (const RodPlace& rod : frame.rods)
-        if (!(std::isfinite(rod.x) && std::isfinite(rod.y) && std::isfinite(rod.heading)))
+        if (layout.velocities &&
+            !(std::isfinite(rod.x) && std::isfinite(rod.y) && std::isfinite(rod.heading)))
             throw RunError("measure: the place of a rod is not finite");
 }
 
@@ -161,17 +162,28 @@ std::size_t even_count(double side, double wanted) {
 
 } // namespace
 
-RodGrid::RodGrid(const PeriodicBox& sides, double wanted)
+RodGrid::RodGrid(const PeriodicBox& sides, double wanted, double around)
     : box(sides), columns(even_count(sides.x, wanted)), rows(even_count(sides.y, wanted)),
-      width(sides.x / static_cast<double>(columns)), height(sides.y / static_cast<double>(rows)) {}
+      width(sides.x / static_cast<double>(columns)), height(sides.y / static_cast<double>(rows)),
+      margin(around) {}
 
 std::optional<std::size_t> RodGrid::bin(double x, double y) const {
-    if (bins() == 0)
+    const bool in_margin =
+        margin > 0.0 && !(std::abs(x) < 0.5 * box.x - margin && std::abs(y) < 0.5 * box.y - margin);
+    if (bins() == 0 || in_margin)
         return std::nullopt;
     const auto i = column(x, width, columns), j = column(y, height, rows);
     if (!i || !j)
         return std::nullopt;
     return *j * columns + *i;
+}
+
+RodGrid grid_seen_by(std::size_t rod, const Layout& layout, double wanted) {
+    const PeriodicBox box = box_seen_by(rod, layout);
+    if (!layout.window)
+        return {box, wanted};
+    const double margin = 4.0 * layout.bead_radius + 2.0 * wanted; // wider than what a mean is taken over
+    return {{box.x + 2.0 * margin, box.y + 2.0 * margin}, wanted, margin};
 }
 
 Seen seen_from(const RodPlace& rod, double x, double y, const PeriodicBox& box) {

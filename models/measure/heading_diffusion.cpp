@@ -21,6 +21,10 @@ void check_tracks(std::span<const HeadingTrack> runs, std::string_view measure) 
             throw InputError(fmt::format("measure: {}: a run has {} rows: start sooner (measure.from, "
                                          "measure.from_travel) or run longer",
                                          measure, rows));
+        if (std::ranges::count_if(run.heading, [](double h) { return !std::isnan(h); }) < 2)
+            throw InputError(fmt::format("measure: {}: place and heading of the rod are known in fewer than "
+                                         "two frames",
+                                         measure));
     }
 }
 
@@ -43,9 +47,9 @@ std::size_t even_rows(const HeadingTrack& run, double step, std::string_view mea
     return n;
 }
 
-double advance(const HeadingTrack& run, std::size_t i) {
-    const double heading = 0.5 * (run.heading[i - 1] + run.heading[i]);
-    return (run.x[i] - run.x[i - 1]) * std::cos(heading) + (run.y[i] - run.y[i - 1]) * std::sin(heading);
+double advance(const HeadingTrack& run, std::size_t from, std::size_t to) {
+    const double heading = 0.5 * (run.heading[from] + run.heading[to]);
+    return (run.x[to] - run.x[from]) * std::cos(heading) + (run.y[to] - run.y[from]) * std::sin(heading);
 }
 
 namespace {
@@ -102,15 +106,24 @@ Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last,
     Sums sums(lags.size());
     for (std::size_t k = 0; k < lags.size(); ++k)
         for (std::size_t i = first; i + lags[k] <= last; ++i) {
+            if (!run.known(i) || !run.known(i + lags[k]))
+                continue;
             const double change = run.heading[i + lags[k]] - run.heading[i];
             sums.origins[k] += 1.0;
             sums.square[k] += change * change;
             sums.cosine[k] += std::cos(change);
         }
+    while (first < last && !run.known(first))
+        ++first;
+    std::size_t before = first;
     for (std::size_t i = first + 1; i <= last; ++i)
-        sums.advance += advance(run, i);
-    sums.turn = run.heading[last] - run.heading[first];
-    sums.time = run.time[last] - run.time[first];
+        if (run.known(i)) {
+            sums.advance += advance(run, before, i);
+            before = i;
+        }
+    if (before > first)
+        sums.turn = run.heading[before] - run.heading[first];
+    sums.time = run.time[before] - run.time[first];
     return sums;
 }
 

@@ -19,7 +19,7 @@ double common_step(std::span<const HeadingTrack> runs);
 /// Rows that are evenly spaced: all, or all but the last; RunError otherwise.
 std::size_t even_rows(const HeadingTrack& run, double step, std::string_view measure);
 
-/// From row i - 1 to row i along the mean of their headings, m.
-double advance(const HeadingTrack& run, std::size_t i);
+/// From one row to another along the mean of their headings, m.
+double advance(const HeadingTrack& run, std::size_t from, std::size_t to);
 
 } // namespace rodwake::measure

@@ -1,4 +1,5 @@
 #include "blocks.hpp"
+#include "common_beads.hpp"
 #include "displacement_impl.hpp"
 #include "estimators.hpp"
 #include "phase_cell.hpp"
@@ -19,39 +20,54 @@ double mean_place(const std::vector<double>& values) {
 } // namespace
 
 LagrangianAccumulator::LagrangianAccumulator(const Layout& layout, const DisplacementOptions& options)
-    : layout_(layout), options_(options), grid_(box_seen_by(options.rod, layout), options.spacing),
+    : layout_(layout), options_(options), grid_(grid_seen_by(options.rod, layout, options.spacing)),
       blocks_(grid_.bins(), channels, options.block) {}
 
 void LagrangianAccumulator::add(const Frame& frame) {
     const RodPlace place = place_of(options_.rod, layout_, frame);
-    const RodView rod(place, layout_.box);
+    const RodView rod(place, image_box(layout_));
     if (samples_.empty())
         start(frame, rod);
-    drift_x_ = mean_place(frame.unwrapped_x) - first_x_;
-    drift_y_ = mean_place(frame.unwrapped_y) - first_y_;
+    drift(frame);
     double* sums = blocks_.at(frame.time, place.heading).sums.data();
-    for (std::size_t i = 0; i < layout_.beads; ++i) {
-        note_zone(i, frame, rod.at(frame.x[i], frame.y[i]));
-        if (samples_[i] > 0.0)
-            count(i, frame, rod, sums);
-    }
+    for_each_named(frame, [&](std::size_t bead, std::size_t at) {
+        note_zone(bead, at, frame, rod.at(frame.x[at], frame.y[at]));
+        if (samples_[bead] > 0.0)
+            count(bead, at, frame, rod, sums);
+    });
 }
 
 void LagrangianAccumulator::start(const Frame& frame, const RodView& rod) {
-    first_x_ = mean_place(frame.unwrapped_x);
-    first_y_ = mean_place(frame.unwrapped_y);
-    samples_.assign(layout_.beads, 0.0);
-    in_zone_.assign(layout_.beads, 0.0);
-    place_x_ = frame.unwrapped_x;
-    place_y_ = frame.unwrapped_y;
-    for (std::size_t i = 0; i < layout_.beads; ++i) {
-        const double ahead = rod.at(frame.x[i], frame.y[i]).x / grid_.box.x;
-        samples_[i] = ahead > first_zone_begin && ahead < zone_end ? 1.0 : 0.0;
+    const std::size_t beads_known = layout_.all_beads > 0 ? layout_.all_beads : layout_.beads;
+    for (auto* values : {&place_x_, &place_y_, &samples_, &in_zone_})
+        values->assign(beads_known, 0.0);
+    if (layout_.all_beads == 0) {
+        first_x_ = mean_place(frame.unwrapped_x);
+        first_y_ = mean_place(frame.unwrapped_y);
     }
+    for_each_named(frame, [&](std::size_t bead, std::size_t at) {
+        place_x_[bead] = frame.unwrapped_x[at];
+        place_y_[bead] = frame.unwrapped_y[at];
+        const double ahead = rod.at(frame.x[at], frame.y[at]).x / side();
+        samples_[bead] = ahead > first_zone_begin && ahead < zone_end ? 1.0 : 0.0;
+    });
 }
 
-void LagrangianAccumulator::note_zone(std::size_t bead, const Frame& frame, const Seen& now) {
-    const double ahead = now.x / grid_.box.x;
+void LagrangianAccumulator::drift(const Frame& frame) {
+    if (layout_.all_beads == 0) {
+        drift_x_ = mean_place(frame.unwrapped_x) - first_x_;
+        drift_y_ = mean_place(frame.unwrapped_y) - first_y_;
+        return;
+    }
+    BeadPlaces now = places_of(frame);
+    const MeanStep step(last_, now);
+    drift_x_ += step.x;
+    drift_y_ += step.y;
+    last_ = std::move(now);
+}
+
+void LagrangianAccumulator::note_zone(std::size_t bead, std::size_t at, const Frame& frame, const Seen& now) {
+    const double ahead = now.x / side();
     if (!(ahead > zone_begin && ahead < zone_end)) {
         in_zone_[bead] = 0.0;
         return;
@@ -59,16 +75,17 @@ void LagrangianAccumulator::note_zone(std::size_t bead, const Frame& frame, cons
     if (in_zone_[bead] == 0.0)
         place_x_[bead] = place_y_[bead] = samples_[bead] = 0.0;
     in_zone_[bead] = 1.0;
-    place_x_[bead] += frame.unwrapped_x[bead] - drift_x_;
-    place_y_[bead] += frame.unwrapped_y[bead] - drift_y_;
+    place_x_[bead] += frame.unwrapped_x[at] - drift_x_;
+    place_y_[bead] += frame.unwrapped_y[at] - drift_y_;
     samples_[bead] += 1.0;
 }
 
-void LagrangianAccumulator::count(std::size_t bead, const Frame& frame, const RodView& rod, double* sums) {
-    const double dx = frame.unwrapped_x[bead] - drift_x_ - place_x_[bead] / samples_[bead];
-    const double dy = frame.unwrapped_y[bead] - drift_y_ - place_y_[bead] / samples_[bead];
-    const Seen before =
-        rod.at(into_box(frame.x[bead] - dx, layout_.box.x), into_box(frame.y[bead] - dy, layout_.box.y));
+void LagrangianAccumulator::count(std::size_t bead, std::size_t at, const Frame& frame, const RodView& rod,
+                                  double* sums) {
+    const double dx = frame.unwrapped_x[at] - drift_x_ - place_x_[bead] / samples_[bead];
+    const double dy = frame.unwrapped_y[at] - drift_y_ - place_y_[bead] / samples_[bead];
+    const PeriodicBox images = image_box(layout_);
+    const Seen before = rod.at(into_box(frame.x[at] - dx, images.x), into_box(frame.y[at] - dy, images.y));
     const auto bin = grid_.bin(before.x, before.y);
     if (!bin)
         return;

@@ -38,6 +38,8 @@ bool Measures::has_travelled(const Frame& frame) {
     if (travel_.distance == 0.0)
         return true;
     const RodPlace& rod = frame.rods[travel_.rod];
+    if (!rod.seen())
+        return travelled_;
     if (!seen_) {
         first_x_ = rod.x;
         first_y_ = rod.y;

@@ -1,6 +1,7 @@
 // Mean-square displacement of beads that come and go, and what a camera adds to it.
 
 #include "blocks.hpp"
+#include "common_beads.hpp"
 #include "rodwake/measure/microrheology.hpp"
 
 #include <algorithm>
@@ -11,27 +12,7 @@ namespace rodwake::measure {
 namespace {
 
 using Row = std::vector<double>;
-using Names = std::vector<std::uint32_t>;
-
-/// Calls use(i, j) for each name that is in both rising lists.
-template<class Use>
-void for_each_common(const Names& now, const Names& before, const Use& use) {
-    for (std::size_t i = 0, j = 0; i < now.size() && j < before.size();) {
-        const std::uint32_t at = now[i], past = before[j];
-        if (at == past)
-            use(i, j);
-        i += at <= past;
-        j += past <= at;
-    }
-}
-
-/// Those that are tracked.
-Names names_of(const Frame& frame) {
-    Names bead = frame.bead;
-    while (!bead.empty() && bead.back() == untracked)
-        bead.pop_back();
-    return bead;
-}
+using Names = BeadNames;
 
 Row first(const Row& values, std::size_t count) {
     return {values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count)};

@@ -1,5 +1,6 @@
 #include "rodwake/measure/pairs.hpp"
 
+#include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/periodic.hpp"
 
@@ -61,6 +62,9 @@ Row turns(const Row& heading) {
 struct Offset {
     double x = 0.0, y = 0.0;
 };
+
+/// In which nearest images are taken: in twice the box nobody has one.
+PeriodicBox images_of(const PairOptions& options) { return options.images ? options.box : options.box * 2.0; }
 
 /// Rod 0 seen from rod 1, of the nearest images.
 Offset apart(const PairTrack& track, const PeriodicBox& box, std::size_t row) {
@@ -183,13 +187,13 @@ double lock_begin(const PairTrack& track, double locked) {
 
 void set_ending(PairRun& run, const PairTrack& track, const PairOptions& options, const Row (&turn)[2]) {
     for (std::size_t row = 0; row < track.t.size(); ++row)
-        if (separation(track, options.box, row) < options.contact_distance) {
+        if (separation(track, images_of(options), row) < options.contact_distance) {
             run.ending = Ending::contact;
             run.ending_time = track.t[row];
             return;
         }
     const std::size_t late = late_row(track, options.ending.steady_fraction);
-    run.ending = classify(end_of(track, options.box, late, turn), options.ending);
+    run.ending = classify(end_of(track, images_of(options), late, turn), options.ending);
     run.ending_time =
         run.ending == Ending::pursuit ? lock_begin(track, options.ending.locked_heading) : track.t.back();
 }
@@ -202,13 +206,14 @@ PairRun follow_pair(const PairTrack& track, const PairOptions& options) {
     const double between = angle_between(track.heading[0][0], track.heading[1][0]);
     run.perpendicular = between > std::numbers::pi / 3.0 && between < 2.0 * std::numbers::pi / 3.0;
     const Row turn[2] = {turns(track.heading[0]), turns(track.heading[1])};
-    const Offset first = apart(track, options.box, 0);
+    const PeriodicBox images = images_of(options);
+    const Offset first = apart(track, images, 0);
     for (const int i : {0, 1})
         run.turn[i] = side_of_other(track, first, i) * turn[i].back();
     set_course(run, track, options.box, first, turn);
-    run.min_separation = separation(track, options.box, 0);
+    run.min_separation = separation(track, images, 0);
     for (std::size_t row = 1; row < track.t.size(); ++row)
-        run.min_separation = std::min(run.min_separation, separation(track, options.box, row));
+        run.min_separation = std::min(run.min_separation, separation(track, images, row));
     set_ending(run, track, options, turn);
     return run;
 }

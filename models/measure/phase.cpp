@@ -1,6 +1,8 @@
+#include "block_strain.hpp"
 #include "blocks.hpp"
 #include "displacement_impl.hpp"
 #include "estimators.hpp"
+#include "far_lattice.hpp"
 #include "phase_cell.hpp"
 #include "regrid.hpp"
 #include "rodwake/core/error.hpp"
@@ -16,13 +18,20 @@ namespace rodwake::measure {
 
 namespace {
 
-constexpr double same_heading = 0.1; // rad
-constexpr double full_count = 10.0;  // beads at which a bin's coherence begins to be trusted
+constexpr double same_heading = 0.1;  // rad
+constexpr std::size_t least_far = 12; // beads for a lattice
+constexpr double full_count = 10.0;   // beads at which a bin's coherence begins to be trusted
 constexpr std::size_t channels = PhaseAccumulator::channels;
 
+/// In a window wave vectors are no whole numbers of waves.
 bool alike(const PhaseBlock& a, const PhaseBlock& b) {
+    constexpr double near = 0.15; // of the wave vector: more than headings make
+    const auto differ = [&](std::size_t k) {
+        return std::hypot(a.g[k].x - b.g[k].x, a.g[k].y - b.g[k].y) > near * std::hypot(a.g[k].x, a.g[k].y);
+    };
     return a.m == b.m && a.n == b.n &&
-           std::abs(std::remainder(a.heading - b.heading, 2.0 * M_PI)) <= same_heading;
+           std::abs(std::remainder(a.heading - b.heading, 2.0 * M_PI)) <= same_heading && !differ(0) &&
+           !differ(2);
 }
 
 /// The block to which most frames are alike.
@@ -163,8 +172,11 @@ BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
     const RodGrid grid = grid_of(runs[0]);
     std::vector<std::vector<double>> smoothed;
     const auto blocks = phase_blocks(runs, smoothed);
-    BinSamples single =
-        of_bins(blocks, first_guess(blocks, grid, DisplacementSums::of(runs[0]).far_from), grid);
+    const double far_from = DisplacementSums::of(runs[0]).far_from;
+    std::vector<Vector2> guess = first_guess(blocks, grid, far_from);
+    if (runs[0].layout().window)
+        take_off_strain(blocks, smoothed, grid, 3.0 * lattice_spacing(runs[0].layout()), far_from, guess);
+    BinSamples single = of_bins(blocks, std::move(guess), grid);
     if (runs[0].options().method == DisplacementMethod::density)
         return single; // has been averaged over a window already
     const double spacing = lattice_spacing(runs[0].layout());
@@ -182,22 +194,59 @@ Phases referenced(const Phases& waves, const Phases& reference) {
 } // namespace
 
 PhaseAccumulator::PhaseAccumulator(const Layout& layout, const DisplacementOptions& options)
-    : layout_(layout), options_(options), grid_(box_seen_by(options.rod, layout), options.spacing),
-      blocks_(grid_.bins(), channels, options.block), waves_(layout.beads) {}
+    : layout_(layout), options_(options), grid_(grid_seen_by(options.rod, layout, options.spacing)),
+      blocks_(grid_.bins(), channels, options.block) {
+    if (layout.window && options.method == DisplacementMethod::density)
+        throw InputError("measure: displacement: the estimator density needs a periodic box; take phase or "
+                         "lagrangian in a window");
+}
 
 bool PhaseAccumulator::add(const Frame& frame) {
+    if (layout_.window)
+        return wait(frame);
     if (!peaks_)
         peaks_ = find_peaks(frame.x, frame.y, layout_.box);
-    for (std::size_t i = 0; i < layout_.beads; ++i)
-        waves_[i] = plane_waves(peaks_->G, frame.x[i], frame.y[i]);
+    return take(frame, peaks_->G, *peaks_);
+}
+
+bool PhaseAccumulator::wait(const Frame& frame) {
+    const auto number = [&](double time) { return std::floor(time / options_.block); };
+    if (!waiting_.empty() && number(frame.time) != number(waiting_.front().time))
+        finish();
+    const FarField far(frame, layout_, options_.far_from);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < frame.x.size(); ++i)
+        count += far.has(frame.x[i], frame.y[i]);
+    if (count < least_far)
+        return false;
+    waiting_.push_back(frame);
+    return true;
+}
+
+void PhaseAccumulator::finish() {
+    if (waiting_.empty())
+        return;
+    const FarLattice lattice = far_lattice(waiting_, layout_, options_.far_from);
+    if (!peaks_)
+        peaks_ = lattice.peaks;
+    for (const Frame& frame : waiting_)
+        take(frame, lattice.at(frame.time), lattice.peaks);
+    block_peaks_.resize(blocks_.all().size(), lattice.peaks);
+    waiting_.clear();
+}
+
+bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G, const BraggPeaks& peaks) {
+    waves_.resize(frame.x.size());
+    for (std::size_t i = 0; i < frame.x.size(); ++i)
+        waves_[i] = plane_waves(G, frame.x[i], frame.y[i]);
     const auto reference = far_phases(frame);
     if (!reference)
         return false;
     const RodPlace place = place_of(options_.rod, layout_, frame);
-    const RodView rod(place, layout_.box);
+    const RodView rod(place, image_box(layout_));
     BlockSums& block = blocks_.at(frame.time, place.heading);
-    const auto turned = seen_along(peaks_->G, block.first_heading);
-    for (std::size_t i = 0; i < layout_.beads; ++i) {
+    const auto turned = seen_along(peaks.G, block.first_heading);
+    for (std::size_t i = 0; i < frame.x.size(); ++i) {
         const Seen now = rod.at(frame.x[i], frame.y[i]);
         if (options_.method == DisplacementMethod::density)
             count(now, plane_waves(turned, now.x, now.y), block);
@@ -211,7 +260,7 @@ bool PhaseAccumulator::add(const Frame& frame) {
 std::optional<Phases> PhaseAccumulator::far_phases(const Frame& frame) const {
     const FarField far(frame, layout_, options_.far_from);
     Phases sum{};
-    for (std::size_t i = 0; i < layout_.beads; ++i)
+    for (std::size_t i = 0; i < frame.x.size(); ++i)
         if (far.has(frame.x[i], frame.y[i]))
             for (std::size_t k = 0; k < 3; ++k)
                 sum[k] += waves_[i][k];

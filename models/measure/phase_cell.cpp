@@ -127,7 +127,8 @@ constexpr double largest_radius = 4.0; // spacings; finer grids are not for this
 } // namespace
 
 double lattice_spacing(const Layout& layout) {
-    return layout.box.mean_side() * std::sqrt(2.0 / (std::sqrt(3.0) * static_cast<double>(layout.beads)));
+    return std::sqrt(seen_area(layout)) *
+           std::sqrt(2.0 / (std::sqrt(3.0) * static_cast<double>(layout.beads)));
 }
 
 CellWindow::CellWindow(const BinSamples& bins, const BinSamples* smooth, const RodGrid& grid, double spacing)
@@ -258,17 +259,25 @@ std::vector<PhaseBlock> phase_blocks(std::span<const DisplacementAccumulator> ru
         const auto& accumulator = std::get<PhaseAccumulator>(DisplacementSums::of(run).sums);
         const RodGrid grid = grid_of(run);
         const BlockSums* before = nullptr;
-        for (const BlockSums& block : accumulator.blocks()) {
-            PhaseBlock made = lattice_of(*accumulator.peaks(), block, follows_of(before, block));
+        for (std::size_t b = 0; b < accumulator.blocks().size(); ++b) {
+            const BlockSums& block = accumulator.blocks()[b];
+            const BraggPeaks& peaks = accumulator.peaks(b);
+            PhaseBlock made = lattice_of(peaks, block, follows_of(before, block));
             before = &block;
+            if (run.layout().window)
+                made.m = made.n = {}; // no whole numbers of waves
             if (run.options().method == DisplacementMethod::density) {
-                made.g = seen_along(accumulator.peaks()->G, block.first_heading);
+                made.g = seen_along(peaks.G, block.first_heading);
                 smoothed.push_back(windowed_density(block, grid, lattice_spacing(run.layout()),
                                                     DisplacementSums::of(run).far_from));
                 made.sums = smoothed.back(); // a moved vector keeps its values in place
             } else {
-                made.g = seen_along(accumulator.peaks()->G, made.heading);
+                made.g = seen_along(peaks.G, made.heading);
                 made.sums = block.sums;
+                if (run.layout().window) {
+                    smoothed.push_back(block.sums); // what is taken off them is not the accumulator's
+                    made.sums = smoothed.back();
+                }
             }
             blocks.push_back(made);
         }

@@ -24,7 +24,8 @@ struct PhaseBlock {
 };
 
 /// `smoothed` holds the sums of those that are made new: for `density` the far field's phases of each block
-/// are taken off and the sums are averaged over a window wider than the lattice spacing.
+/// are taken off and the sums are averaged over a window wider than the lattice spacing; in a window of
+/// tracks they are copies.
 std::vector<PhaseBlock> phase_blocks(std::span<const DisplacementAccumulator> runs,
                                      std::vector<std::vector<double>>& smoothed);
 

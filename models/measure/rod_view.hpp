@@ -32,13 +32,14 @@ private:
     double x_, y_, cosine_, sine_;
 };
 
-// Which beads are far from every rod, and from the force.
+// Which beads are far from every rod that is seen, and from the force.
 
 class FarField {
 public:
     FarField(const Frame& frame, const Layout& layout, double from) : from2_(from * from) {
         for (const RodPlace& rod : frame.rods)
-            rods_.emplace_back(rod, layout.box);
+            if (rod.seen())
+                rods_.emplace_back(rod, image_box(layout));
         if (layout.force)
             rods_.emplace_back(place_of(0, layout, frame), layout.box);
     }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace rodwake::measure {
 
@@ -30,8 +31,12 @@ void check(std::span<const HeadingTrack> runs, const DeviationOptions& o) {
     check_tracks(runs, this_measure);
 }
 
-/// Way along the momentary heading at the rows of a block, m.
-using Way = std::vector<double>;
+/// Way along the momentary heading at the rows of a block, m; NaN where the rod is not known.
+struct Way {
+    std::vector<double> at;
+    double gone = 0.0;     ///< at the last row that is known
+    std::size_t steps = 0; ///< from the first of them to the last
+};
 
 struct Blocks {
     std::vector<Way> ways;
@@ -41,9 +46,20 @@ struct Blocks {
 };
 
 Way way_of(const HeadingTrack& run, std::size_t first, std::size_t last) {
-    Way way = {0.0};
-    for (std::size_t i = first + 1; i <= last; ++i)
-        way.push_back(way.back() + advance(run, i));
+    Way way;
+    std::optional<std::size_t> begin, before;
+    for (std::size_t i = first; i <= last; ++i) {
+        if (!run.known(i)) {
+            way.at.push_back(std::nan(""));
+            continue;
+        }
+        if (before)
+            way.gone += advance(run, *before, i);
+        begin = begin.value_or(i);
+        before = i;
+        way.at.push_back(way.gone);
+        way.steps = i - *begin;
+    }
     return way;
 }
 
@@ -60,10 +76,16 @@ Blocks blocks_of(std::span<const HeadingTrack> runs, const DeviationOptions& opt
         const std::size_t count =
             std::max<std::size_t>(1, static_cast<std::size_t>(length / options.block * (1.0 + 1e-9)));
         for (std::size_t b = 0; b < count; ++b) {
-            blocks.ways.push_back(way_of(runs[r], b * steps / count, (b + 1) * steps / count));
+            Way way = way_of(runs[r], b * steps / count, (b + 1) * steps / count);
+            if (way.steps == 0)
+                continue;
+            blocks.ways.push_back(std::move(way));
             blocks.part.push_back(runs.size() >= enough_runs ? r : blocks.part.size());
         }
     }
+    if (blocks.ways.empty())
+        throw InputError(
+            fmt::format("measure: {}: in no block of time is the rod known twice", this_measure));
     blocks.parts = blocks.part.back() + 1;
     return blocks;
 }
@@ -87,15 +109,16 @@ std::vector<std::size_t> lags_of(double step, double lag) {
 template<class F>
 void for_each_displacement(const Blocks& blocks, std::size_t lag, const F& f) {
     for (std::size_t b = 0; b < blocks.ways.size(); ++b)
-        for (std::size_t i = 0; i + lag < blocks.ways[b].size(); ++i)
-            f(blocks.part[b], blocks.ways[b][i + lag] - blocks.ways[b][i]);
+        for (std::size_t i = 0; i + lag < blocks.ways[b].at.size(); ++i)
+            if (const double way = blocks.ways[b].at[i + lag] - blocks.ways[b].at[i]; !std::isnan(way))
+                f(blocks.part[b], way);
 }
 
 Estimate speed_of(const Blocks& blocks) {
     std::vector<double> way(blocks.parts), time(blocks.parts), speed;
     for (std::size_t b = 0; b < blocks.ways.size(); ++b) {
-        way[blocks.part[b]] += blocks.ways[b].back();
-        time[blocks.part[b]] += static_cast<double>(blocks.ways[b].size() - 1) * blocks.step;
+        way[blocks.part[b]] += blocks.ways[b].gone;
+        time[blocks.part[b]] += static_cast<double>(blocks.ways[b].steps) * blocks.step;
     }
     std::ranges::transform(way, time, std::back_inserter(speed), std::divides{});
     return mean_of_blocks(speed, time);

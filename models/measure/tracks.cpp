@@ -1,5 +1,7 @@
 #include "rodwake/measure/tracks.hpp"
 
+#include "track_rods.hpp"
+
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 
@@ -141,6 +143,7 @@ public:
         film.frame = {};
         out_.time = std::move(film.time);
         take_all(order, start);
+        settle_rods(out_, spacing_, scale_.thin_end_ahead);
         return std::move(out_);
     }
 
@@ -193,7 +196,7 @@ private:
             take_frame(f, std::span(order).subspan(start[f], start[f + 1] - start[f]));
         }
         out_.start.push_back(out_.x.size());
-        if (out_.x.empty())
+        if (out_.x.empty() && out_.rods.empty())
             refuse_film(file_,
                         fmt::format("no bead lies in the window: {} rows are outside; see tracks.window "
                                     "and tracks.pixel",
@@ -204,7 +207,8 @@ private:
         frame_beads_.clear();
         const std::uint32_t* before = nullptr;
         for (const std::uint32_t& row : rows) {
-            const bool again = before && rows_.id[row] != no_track && rows_.id[row] == rows_.id[*before];
+            const bool again = before && rows_.id[row] != no_track && rows_.id[row] == rows_.id[*before] &&
+                               is_rod(row) == is_rod(*before);
             before = &row;
             if (again)
                 ++out_.counts.repeated;
@@ -220,21 +224,23 @@ private:
         }
     }
 
+    bool is_rod(std::uint32_t row) const { return !rows_.is_rod.empty() && rows_.is_rod[row] != 0; }
+
     void take_row(std::size_t frame, std::uint32_t row) {
         double x = rows_.x[row], y = rows_.y[row];
         if (!put_in(x, y)) {
             ++out_.counts.outside;
             return;
         }
-        const bool rod = !rows_.is_rod.empty() && rows_.is_rod[row] != 0;
+        const bool rod = is_rod(row);
         if (rows_.id[row] == no_track) {
             ++out_.counts.untracked;
             if (!rod)
                 frame_beads_.push_back({untracked, x, y});
             return;
         }
-        Trail& trail = trails_[rows_.id[row]];
-        follow(trail, frame, x, y, rod);
+        Trail& trail = (rod ? rod_trails_ : trails_)[rows_.id[row]];
+        follow(trail, rows_.id[row], frame, x, y, rod);
         if (!rod)
             frame_beads_.push_back({trail.particle, x, y});
         else
@@ -242,22 +248,26 @@ private:
     }
 
     /// The particle goes on, or another begins under its number.
-    void follow(Trail& trail, std::size_t frame, double x, double y, bool rod) {
+    void follow(Trail& trail, std::int64_t number, std::size_t frame, double x, double y, bool rod) {
         const bool known = trail.particle != untracked && trail.rod == rod;
         bool restarts = !known;
         if (known) {
             const double dx = x - trail.x, dy = y - trail.y,
                          away = scale_.box ? nearest_distance(dx, dy, out_.box) : std::hypot(dx, dy);
-            restarts = away > (frame > trail.frame + 1 ? 1.0 : 3.0) * spacing_;
+            // rods are few, and go on while they are not seen
+            const double most = rod                       ? 3.0 * static_cast<double>(frame - trail.frame)
+                                : frame > trail.frame + 1 ? 1.0
+                                                          : 3.0;
+            restarts = away > most * spacing_;
             out_.counts.restarts += restarts;
         }
         if (restarts) {
             trail.particle = static_cast<std::uint32_t>(rod ? out_.rods.size() : out_.beads);
             if (rod)
-                out_.rods.emplace_back();
+                out_.rods.emplace_back().number = number;
             else
                 ++out_.beads;
-        } else {
+        } else if (!rod) {
             out_.counts.missing += frame - trail.frame - 1;
         }
         trail = {frame, x, y, trail.particle, rod};
@@ -265,15 +275,10 @@ private:
 
     void add_rod(const Trail& trail, std::size_t frame, std::uint32_t row, double x, double y) {
         RodTrack& rod = out_.rods[trail.particle];
-        if (scale_.box && !rod.x.empty()) {
-            x = rod.x.back() + nearest_image(x - rod.x.back(), out_.box.x);
-            y = rod.y.back() + nearest_image(y - rod.y.back(), out_.box.y);
-        }
         rod.frame.push_back(frame);
         rod.x.push_back(x);
         rod.y.push_back(y);
-        if (!rows_.heading.empty())
-            rod.heading.push_back(rows_.heading[row]);
+        rod.heading.push_back(rows_.heading.empty() ? std::nan("") : rows_.heading[row] * scale_.angle);
     }
 
     struct Seen {
@@ -288,7 +293,7 @@ private:
     Corner low_;
     bool hull_ = false;
     double spacing_ = 0.0;
-    std::unordered_map<std::int64_t, Trail> trails_;
+    std::unordered_map<std::int64_t, Trail> trails_, rod_trails_; ///< a bead and a rod may have one number
     std::vector<Seen> frame_beads_;
 };
 
@@ -310,39 +315,23 @@ Tracks ordered_tracks(TrackRows rows, const TrackScale& scale, const std::string
 
 Layout layout_of(const Tracks& tracks) {
     Layout layout{tracks.box, tracks.bead_radius, 0.0,
-                  static_cast<std::size_t>(std::max(1.0, std::round(tracks.beads_per_frame()))), 0};
+                  static_cast<std::size_t>(std::max(1.0, std::round(tracks.beads_per_frame()))),
+                  tracks.rods.size()};
     layout.window = tracks.window;
     layout.velocities = false;
-    const bool all =
-        tracks.x.size() == tracks.frames() * tracks.beads && std::ranges::count(tracks.bead, untracked) == 0;
+    for (const RodTrack& rod : tracks.rods) // where there is none yet, along x
+        layout.headings.push_back(first_heading(rod).value_or(0.0));
+    const bool all = tracks.beads > 0 && tracks.x.size() == tracks.frames() * tracks.beads &&
+                     std::ranges::count(tracks.bead, untracked) == 0;
     layout.all_beads = all ? 0 : std::max<std::size_t>(tracks.beads, 1);
     return layout;
 }
 
-namespace {
-
-/// Of one coordinate of every bead: its last place and the number of its box.
-struct Unwrapping {
-    std::vector<double> last;
-    std::vector<std::int32_t> image;
-
-    double operator()(std::uint32_t bead, double place, double side) {
-        double& before = last[bead];
-        if (!std::isnan(before))
-            image[bead] += place - before > 0.5 * side ? -1 : place - before < -0.5 * side ? 1 : 0;
-        before = place;
-        return std::fma(static_cast<double>(image[bead]), side, place);
-    }
-};
-
-} // namespace
-
 void for_each_frame(const Tracks& tracks, std::size_t stride,
                     const std::function<bool(const Frame&, double)>& use) {
     const Layout layout = layout_of(tracks);
-    const Unwrapping begin{std::vector<double>(tracks.beads, std::nan("")),
-                           std::vector<std::int32_t>(tracks.beads, 0)};
-    Unwrapping unwrap_x = begin, unwrap_y = begin;
+    Unwrapping unwrap_x(tracks.beads), unwrap_y(tracks.beads);
+    RodPlayer rods(tracks);
     Frame frame;
     for (std::size_t f = 0; f < tracks.frames(); ++f) {
         const auto from = static_cast<std::ptrdiff_t>(tracks.start[f]),
@@ -360,6 +349,7 @@ void for_each_frame(const Tracks& tracks, std::size_t stride,
             }
         if (layout.all_beads == 0)
             frame.bead.clear();
+        rods.play(f, frame.rods);
         if (f % stride == 0 && !use(frame, static_cast<double>(f + 1) / static_cast<double>(tracks.frames())))
             return;
     }

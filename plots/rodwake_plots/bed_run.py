@@ -1,7 +1,7 @@
 """The files of a granular run: summary.json, and for each run of an ensemble its tables and trajectories."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -13,6 +13,7 @@ from .errors import MissingError, PlotError
 from .frames import Trajectory
 
 SUMMARY, TABLE, TRACKS = "summary.json", "table.csv", "tracks.csv"
+FILM, ROD_TRACKS = "tracks.json", "rod_tracks.csv"
 TRAJECTORY, LAST_PERIOD = "trajectory.h5md", "last_period.h5md"
 
 
@@ -84,6 +85,32 @@ class GranularRun:
 
     def tracks(self):
         return [track(member / TRACKS) for member in (self.holders(TRACKS) or self.members)]
+
+
+class FilmRods:
+    """The rods of a film, where a figure wants those of a run of a bed."""
+    container = None
+
+    def __init__(self, folder):
+        self.folder = folder
+        told = files.Record(folder / FILM)
+        with files.reading(told.path, "box or bead_radius"):
+            self.a, self.sides = told.need("bead_radius") + 0, np.asarray(told.need("box"), dtype=float)
+        self.box = self.sides if told.get("window") == "periodic" else 2 * self.sides
+
+    def holders(self, name):
+        return [self.folder] if self.has(name) else []
+
+    def has(self, name):
+        return name == TRACKS and (self.folder / ROD_TRACKS).is_file()
+
+    def tracks(self):
+        """Where all rods are known."""
+        found = track(self.folder / ROD_TRACKS)
+        known = np.isfinite(found.theta).all(axis=1)
+        if not known.any():
+            raise PlotError(f"{found.path}: in no frame are all rods known: nothing to draw")
+        return [replace(found, t=found.t[known], **{name: getattr(found, name)[known] for name in ("x", "y", "theta", "speed")})]
 
 
 def int_of(name):
@@ -176,8 +203,15 @@ class Part:
                 raise PlotError(f"{path}: /{group}/{name} has shape {field.shape}, expected {(y.size, x.size)}")
         return x, y, *fields
 
+    @property
+    def a(self):
+        """Bead radius, m."""
+        return (self.results.get("units") or {}).get("a") or self.granular.a
+
     @cached_property
     def granular(self):
+        if self.has(FILM):
+            return FilmRods(self.folder)
         if not self.has(SUMMARY):
             raise PlotError(f"{self.folder / SUMMARY}: no such file: this run is not finished; the same rodwake command goes on with it")
         return GranularRun(self.folder)
@@ -235,7 +269,7 @@ def bead_radius(run):
 
 def mm_per_s(run):
     """What a speed in a/s, as the files of measures have it, is multiplied by to be in mm/s, as figures have it."""
-    return 1e3 * run.granular.a
+    return 1e3 * bead_radius(run)
 
 
 def series(run):

@@ -32,6 +32,8 @@ def tracks_headline(run):
     text = (f"{words.number(tracks['frames'])} frames of {words.number(tracks['beads_per_frame'], 4)} beads, "
             f"{words.number(tracks['particles'])} tracks of {words.number(tracks['mean_length'], 4)} frames on average, "
             f"{words.number(100 * tracks['lost_share'], 2)} % lost; {words.equation('<i>φ<sub>b</sub></i>', tracks['phi_b'], digits=3)}")
+    rods = tracks.get("rods", 0)
+    text += f"; {words.number(rods)} rod{'s' if rods > 1 else ''}" if rods else ""
     text += "".join(f"; {words.number(one['rows'])} {words.escape(one['why'])}" for one in tracks["left_out"])
     return f'<p class="outcome"><span class="tag">tracks</span>{text}.</p>'
 
@@ -169,7 +171,7 @@ def measure_cell(part, told):
     if found is None:
         return ""
     if told["unit"] == "a/s":
-        factor, unit = 1e3 * part.granular.a, "mm/s"
+        factor, unit = 1e3 * part.a, "mm/s"
     if not isinstance(found, dict):
         value = part.number(table, key)
         return f"{words.number(value * factor if isinstance(value, float) else value)} {unit}".strip()

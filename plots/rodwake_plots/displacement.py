@@ -13,12 +13,15 @@ from .schema import Kind, Spec
 
 USUAL = {"motile": (1.1e-3, 12), "apolar": (0.95e-3, 13)}  # thick diameter in m, spheres
 FINE = 1200
+MARK = 1.5  # of a rod whose shape is not known: half its length, a
 
 
 def rod_outline(run):
     """(x, half width) of the row of spheres in bead radii, thick end first; of the rod in whose frame was measured.
 
-    In a bed without rods of the force from which was measured: a circle of its width."""
+    In a bed without rods of the force from which was measured: a circle of its width. A film does not tell: a triangle as a mark."""
+    if run.has_tracks:
+        return np.array([-MARK, MARK]), np.array([0.7 * MARK, 0.0])
     a = run.granular.a
     if who(run) == "force":
         width = rod_number(run.scene["granular"]["body_force"], "width", a) / a
@@ -37,7 +40,16 @@ def who(run):
     return "force" if not bed.get("rods") and "body_force" in bed else "rod"
 
 
+def drawn(run):
+    """What stands in the middle."""
+    if run.has_tracks:
+        return "The triangle marks the rod, whose size the film does not tell."
+    return "The rod is drawn to scale." if who(run) == "rod" else "Circle: one width of the force around its centre."
+
+
 def shaded(run):
+    if run.has_tracks:
+        return f"{words.number(MARK)} <i>a</i> on either side of the rod's place"
     return "the rod's body" if who(run) == "rod" else "one width of the force to each side"
 
 
@@ -121,7 +133,7 @@ def read(part, run, spec):
     """x, y and complex U in the window; nan where no bead was seen."""
     x, y, Ux, Uy, count = part.grid("displacement", "Ux", "Uy", "count")
     U = np.where(count > 0, Ux + 1j * Uy, complex(np.nan, np.nan))  # nan alone would leave U_y 0
-    columns, rows = (bed_run.inside_window(values, asked, run.granular.a) for values, asked in ((x, spec.x), (y, spec.y)))
+    columns, rows = (bed_run.inside_window(values, asked, bed_run.bead_radius(run)) for values, asked in ((x, spec.x), (y, spec.y)))
     U = U[np.ix_(rows, columns)]
     if columns.sum() < 2 or rows.sum() < 2 or not np.isfinite(U).any():
         raise PlotError(f"{part.folder / FIELDS}: /displacement has no bin with beads inside the window: nothing to draw")
@@ -177,10 +189,9 @@ def arrow_key(axes, drawn, longest):
 def caption_displacement_map(run, spec):
     parts = bed_run.holders(run, FIELDS, "displacement")
     rod = who(run) == "rod"
-    drawn = "The rod is drawn to scale" if rod else "Circle: one width of the force around its centre"
     return (f"Measured displacement <b>U</b> of the beads in the frame of the {who(run)}, which {'heads' if rod else 'points'} along +<i>x</i>: colour, "
             f"{MAP_WORDS[spec.component]}; arrows, <b>U</b>, the largest ones cut to the distance between arrows. Hatched: no bead was seen "
-            f"there. {drawn}. {how(parts[0])}{bed_run.not_measured(run, FIELDS, 'displacement')}")
+            f"there. {drawn(run)} {how(parts[0])}{bed_run.not_measured(run, FIELDS, 'displacement')}")
 
 
 # Measured displacement along a line of the rod's frame (paper, Figs. ufield a, c, e).
@@ -197,7 +208,7 @@ def line_of(run, spec):
     if (spec.component, spec.along) != ("Uy", "x"):
         return 0.0
     asked = run.scene.get("measure", {}).get("profile_offset")
-    return asked / run.granular.a if words.is_number(asked) else 4.0
+    return asked / bed_run.bead_radius(run) if words.is_number(asked) else 4.0
 
 
 def draw_profile(run, spec):
@@ -265,7 +276,7 @@ def read_profile(run, spec, part):
 
 
 def profile_window(run, spec):
-    return tuple(edge / run.granular.a for edge in (spec.x if spec.along == "x" else spec.y))
+    return tuple(edge / bed_run.bead_radius(run) for edge in (spec.x if spec.along == "x" else spec.y))
 
 
 def ylabel(spec):

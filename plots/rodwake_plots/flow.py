@@ -49,7 +49,7 @@ def draw_flow(run, spec):
 
 def read_flow(part, run, spec, across):
     x, y, vx, vy, sigma_x, sigma_y, count = part.grid("flow", *FLOW_NAMES)
-    columns, rows = (bed_run.inside_window(values, asked, run.granular.a) for values, asked in ((x, spec.x), (y, spec.y)))
+    columns, rows = (bed_run.inside_window(values, asked, bed_run.bead_radius(run)) for values, asked in ((x, spec.x), (y, spec.y)))
     step = max(1, int(np.ceil(max(columns.sum(), rows.sum()) / across)))
     crop = np.ix_(rows, columns)
     factor = bed_run.mm_per_s(run)
@@ -99,14 +99,14 @@ def arrows(axes, field, which, norm, part):
 def caption_flow(run, spec):
     parts = bed_run.holders(run, FIELDS, "flow")
     text = ("Direction of the beads' mean velocity in the frame that moves and turns with the rod, thin end towards +<i>x</i>, and by "
-            f"colour its size; thin arrows: less than {SIGNIFICANT:g} standard errors. Beads at rest in the box have velocity 0. The rod "
-            f"is drawn to scale. {canvas.told_of_panels(parts, near)}").rstrip()
+            f"colour its size; thin arrows: less than {SIGNIFICANT:g} standard errors. Beads at rest in the box have velocity 0. "
+            f"{displacement.drawn(run)} {canvas.told_of_panels(parts, lambda part: near(part, bed_run.mm_per_s(run)))}").rstrip()
     return text + bed_run.not_measured(run, FIELDS, "flow")
 
 
-def near(part):
+def near(part, mm_per_s):
     speed = part.number("flow", "near_speed")
-    return "" if speed is None else f"Mean speed within 6 <i>a</i> of the rod: {words.number(1e3 * part.granular.a * float(speed), 3)} mm/s."
+    return "" if speed is None else f"Mean speed within 6 <i>a</i> of the rod: {words.number(mm_per_s * float(speed), 3)} mm/s."
 
 
 # Beads around the rod at the start of the run, and where they are at its end (paper, Figs. bead_drag b, d).

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import bed, bed_run, canvas, style, trajectories, words
-from .bed_run import TRACKS, track
+from .bed_run import TRACKS
 from .errors import PlotError
 from .frames import wrapped_path
 from .schema import Kind
@@ -288,9 +288,13 @@ def pairs_overlaid(parts, paths, spec):
     return figure
 
 
+def with_tracks(run):
+    return [part for part in bed_run.parts_of(run) if (part.has(bed_run.SUMMARY) or part.has(bed_run.FILM)) and part.granular.has(TRACKS)]
+
+
 def pair_parts(run):
     """The scene and those variants that have tracks."""
-    found = [part for part in bed_run.parts_of(run) if part.has("summary.json") and part.granular.has(TRACKS)]
+    found = with_tracks(run)
     if not found:
         raise PlotError(f"{run.path / TRACKS}: no such file, nor in runs/*: nothing to draw")
     return found
@@ -376,7 +380,7 @@ def aspect_of(tracks):
 def caption_pair_tracks(run, spec):
     parts = pair_parts(run)
     members = [part.granular.holders(TRACKS) for part in parts]
-    shown = dict.fromkeys(pair_told(len(one), side_by_side([track(one[0] / TRACKS)])) for one in members)
+    shown = dict.fromkeys(pair_told(len(one), side_by_side(part.granular.tracks()[:1])) for part, one in zip(parts, members))
     return " ".join([*shown, canvas.told_of_panels(parts, pair_outcomes)]).rstrip()
 
 
@@ -401,5 +405,5 @@ def pair_outcomes(part):
 
 KINDS = {
     "rod_tracks": Kind(draw=draw_rod_tracks, caption=caption_rod_tracks, there=lambda run: run.granular.rods and run.granular.has(TRACKS)),
-    "pair_tracks": Kind(draw=draw_pair_tracks, caption=caption_pair_tracks, there=lambda run: bed_run.some(run, "pairs.csv") and run.granular.has(TRACKS)),
+    "pair_tracks": Kind(draw=draw_pair_tracks, caption=caption_pair_tracks, there=lambda run: bed_run.some(run, "pairs.csv") and bool(with_tracks(run))),
 }

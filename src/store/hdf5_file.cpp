@@ -396,6 +396,11 @@ std::int64_t Hdf5Reader::integer(const std::string& group, const std::string& na
     return integer_attribute(*file_, group, name);
 }
 
+bool Hdf5Reader::has_attribute(const std::string& group, const std::string& name) const {
+    const Hdf5Guard guard;
+    return file_->has(group) && H5Aexists_by_name(file_->get(), group.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
 std::string Hdf5Reader::text(const std::string& group, const std::string& name) const {
     const Hdf5Guard guard;
     return one_text(*file_, group, name);

@@ -122,7 +122,7 @@ bool alike(std::string_view a, std::string_view b) {
 }
 
 /// What a row says of a particle.
-enum Role : std::size_t { frame, id, x, y, heading, kind, time, roles };
+enum Role : std::size_t { frame, id, x, y, heading, kind, time, thin_x, thin_y, thick_x, thick_y, roles };
 
 struct RoleNames {
     const char* key; ///< of tracks.columns
@@ -137,7 +137,11 @@ constexpr RoleNames role_names[roles] = {
     {"y", &TrackColumns::y, {"y", "position_y"}, true},
     {"heading", &TrackColumns::heading, {"theta", "heading"}, false},
     {"kind", &TrackColumns::kind, {"kind"}, false},
-    {"time", &TrackColumns::time, {}, false}};
+    {"time", &TrackColumns::time, {}, false},
+    {"ends", nullptr, {}, false},
+    {"ends", nullptr, {}, false},
+    {"ends", nullptr, {}, false},
+    {"ends", nullptr, {}, false}};
 
 constexpr std::size_t no_column = static_cast<std::size_t>(-1);
 
@@ -222,7 +226,9 @@ private:
 
     void find(Role role, const std::vector<std::string>& names) {
         const RoleNames& of = role_names[role];
-        const std::string& given = given_.*of.given;
+        const std::string given = of.given              ? given_.*of.given
+                                  : given_.ends.empty() ? ""
+                                                        : given_.ends.at(role - thin_x);
         const auto take = [&](std::string_view wanted, bool exactly) {
             const auto is_it = [&](const std::string& n) { return exactly ? n == wanted : alike(n, wanted); };
             const auto found = std::ranges::find_if(names, is_it);
@@ -242,14 +248,16 @@ private:
         for (const std::string_view usual : of.usual)
             if (!usual.empty() && take(usual, false))
                 return;
-        if (of.needed && !(role == frame && !given_.time.empty()))
+        const bool follows = role == frame ? !given_.time.empty() : !given_.ends.empty();
+        if (of.needed && !follows)
             fail(missing(fmt::format("no column for {} (usual: {})", of.key, of.usual[0]), role, names));
     }
 
     static std::string missing(const std::string& what, Role role, const std::vector<std::string>& names) {
         const std::string key =
-            role == time ? "tracks.time_column"
-                         : fmt::format("tracks.columns = {{ {} = \"...\" }}", role_names[role].key);
+            role == time     ? "tracks.time_column"
+            : role >= thin_x ? std::string("tracks.columns = { ends = [\"x1\", \"y1\", \"x2\", \"y2\"] }")
+                             : fmt::format("tracks.columns = {{ {} = \"...\" }}", role_names[role].key);
         return fmt::format("{}; the file has {}; name it in {}{}", what, fmt::join(names, ", "), key,
                            role == frame ? ", or the times in tracks.time_column" : "");
     }
@@ -276,7 +284,10 @@ private:
 
     void add() {
         double at_x = 0.0, at_y = 0.0;
-        const bool has_x = place(x, at_x), has_y = place(y, at_y);
+        std::array<double, 4> end{};
+        const bool has_ends = ends(end);
+        const bool has_x = place(x, at_x) || middle(has_ends, end[0], end[2], at_x),
+                   has_y = place(y, at_y) || middle(has_ends, end[1], end[3], at_y);
         if (!has_x || !has_y) {
             if (rows_.without_place++ == 0)
                 rows_.first_without_place = fmt::format("{}:{}", path_, lines_.number());
@@ -291,10 +302,26 @@ private:
         rows_.id.push_back(columns_.at[id] == no_column || is_nothing(cells_[id]) ? no_track : whole(id));
         rows_.x.push_back(at_x);
         rows_.y.push_back(at_y);
-        if (columns_.at[heading] != no_column)
+        if (columns_.at[thin_x] != no_column)
+            rows_.heading.push_back(has_ends ? std::atan2(end[1] - end[3], end[0] - end[2]) : std::nan(""));
+        else if (columns_.at[heading] != no_column)
             rows_.heading.push_back(is_nothing(cells_[heading]) ? std::nan("") : real(heading));
         if (columns_.at[kind] != no_column)
             rows_.is_rod.push_back(rod(cells_[kind]));
+    }
+
+    bool ends(std::array<double, 4>& end) const {
+        bool all = columns_.at[thin_x] != no_column;
+        for (std::size_t k = 0; k < end.size(); ++k)
+            all = all && place(static_cast<Role>(thin_x + k), end[k]);
+        return all;
+    }
+
+    /// Of both ends, for a rod that has no place of its own.
+    static bool middle(bool known, double thin, double thick, double& value) {
+        if (known)
+            value = 0.5 * (thin + thick);
+        return known;
     }
 
     /// Room for as many rows as the file seems to have.

@@ -33,13 +33,13 @@ class PiecesTest(unittest.TestCase):
         """Radii to rounding; the ends are those that the simulator stores: nm, which its 1200 points of the solid reach."""
         _, radius = rod_spheres()
         np.testing.assert_allclose(displacement.sphere_row({})[1], radius, rtol=4 * EPS)
-        run = type("Run", (), {"scene": {}, "granular": type("Bed", (), {"a": A})})
+        run = type("Run", (), {"scene": {}, "has_tracks": False, "granular": type("Bed", (), {"a": A})})
         x, half = displacement.rod_outline(run)
         self.assertAlmostEqual(x[-1] - x[0], 11.25, delta=20 * EPS)
         self.assertAlmostEqual(2 * half.max(), 2.75, delta=1e-3)  # a fine grid may miss the top
         self.assertAlmostEqual(x[0] * A, -2.015811e-3, delta=5e-9)
         self.assertAlmostEqual(x[-1] * A, 2.484189e-3, delta=5e-9)
-        apolar = {"scene": {"granular": {"rods": [{"kind": "apolar"}]}}, "granular": run.granular}
+        apolar = {"has_tracks": False, "scene": {"granular": {"rods": [{"kind": "apolar"}]}}, "granular": run.granular}
         x, half = displacement.rod_outline(type("Run", (), apolar))
         np.testing.assert_allclose(half, half[::-1], atol=1e-6)
         self.assertAlmostEqual(x[0], -x[-1], delta=1e-9)  # the centre of mass is a sum over 1200 points

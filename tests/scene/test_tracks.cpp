@@ -53,10 +53,14 @@ TEST_CASE("what tracks do not go with is refused") {
                    "time_column where the file has times"));
     CHECK(mentions(problems_of(filmed, {"tracks.box=30 a"}), "tracks.box", "belongs to window"));
     CHECK(mentions(problems_of(filmed, {"measure.order=false"}), "measure", "nothing that tracks have"));
-    for (const char* key :
-         {"flow", "pairs", "force", "phonons", "mechanics", "heading_diffusion", "speed_deviations"})
+    for (const char* key : {"force", "phonons", "mechanics"})
         CHECK(mentions(problems_of(filmed, {std::string("measure.") + key + "=true"}),
                        std::string("measure.") + key, "needs a bed"));
+    CHECK(mentions(problems_of(filmed, {"measure.pairs=true"}), "measure.pairs", "needs contact_distance"));
+    CHECK(mentions(problems_of(filmed, {"measure.displacement=density"}), "measure.displacement",
+                   "give phase or lagrangian"));
+    CHECK(mentions(problems_of(filmed, {"tracks.angle=0"}), "tracks.angle", "must not be 0"));
+    CHECK(parse(filmed, {"tracks.angle=-180 deg"}).tracks->angle == Approx(-3.14159265358979));
     CHECK(parse(filmed, {"tracks.bead_radius=1 mm", "measure.order_cutoff=3 a"}).measure->order_cutoff ==
           3e-3);
 }

@@ -27,7 +27,7 @@ measure::DisplacementOptions options_of(const Measure& m, double a) {
 
 void include(const Scene& scene, MeasurePlan& plan) {
     include_sums<DisplacementAccumulator>(plan, "displacement",
-                                          options_of(*scene.measure, scene.granular->bead_radius));
+                                          options_of(*scene.measure, scene::measured_radius(scene)));
 }
 
 void reset_late_keys(Measure& m) {
@@ -38,9 +38,11 @@ void reset_late_keys(Measure& m) {
     m.run_maps = unset.run_maps;
 }
 
+/// Not of a force that moves.
+bool of_rod(const Scene& scene) { return scene.tracks || !scene.granular->rods.empty(); }
+
 std::string describe(const Scene& scene) {
-    const std::string centre =
-        scene.granular->rods.empty() ? "the force" : fmt::format("rod {}", scene.measure->rod);
+    const std::string centre = of_rod(scene) ? fmt::format("rod {}", scene.measure->rod) : "the force";
     return fmt::format("field around {} by {}", centre, measure::to_string(*scene.measure->displacement));
 }
 
@@ -74,20 +76,23 @@ MeasureTable profile_table(const DisplacementField& u, const char* component, co
 }
 
 MeasureGrid grid_of(const DisplacementField& u, double to_a, const std::string& group = "/displacement") {
-    return {group,
-            u.grid,
-            {{"Ux", scaled(u.Ux, to_a), "a"},
-             {"Uy", scaled(u.Uy, to_a), "a"},
-             {"sigma_x", scaled(u.sigma_x, to_a), "a"},
-             {"sigma_y", scaled(u.sigma_y, to_a), "a"},
-             {"count", u.count, ""},
-             {"coherence", u.coherence, ""}},
-            {{"method", measure::to_string(u.method)},
-             {"reference", reference_name(u)},
-             {"mean_speed_a_per_s", u.mean_speed * to_a},
-             {"offset_x", u.offset.x * to_a},
-             {"offset_y", u.offset.y * to_a},
-             {"blocks", static_cast<std::int64_t>(u.blocks)}}};
+    MeasureGrid grid{group,
+                     u.grid,
+                     {{"Ux", scaled(u.Ux, to_a), "a"},
+                      {"Uy", scaled(u.Uy, to_a), "a"},
+                      {"sigma_x", scaled(u.sigma_x, to_a), "a"},
+                      {"sigma_y", scaled(u.sigma_y, to_a), "a"},
+                      {"count", u.count, ""},
+                      {"coherence", u.coherence, ""}},
+                     {{"method", measure::to_string(u.method)},
+                      {"reference", reference_name(u)},
+                      {"mean_speed_a_per_s", u.mean_speed * to_a},
+                      {"offset_x", u.offset.x * to_a},
+                      {"offset_y", u.offset.y * to_a},
+                      {"blocks", static_cast<std::int64_t>(u.blocks)}}};
+    if (u.grid.margin > 0.0) // no periodic box: what fits and theories of one must not take it for
+        grid.attributes.push_back({"window_margin", u.grid.margin * to_a});
+    return grid;
 }
 
 MeasureImage image_of(const DisplacementField& u, double to_a) {
@@ -161,7 +166,7 @@ MeasureReport report(const MeasuredCase& data) {
             .images = {image_of(u, to_a)},
             .line = fmt::format("displacement field ({}) from {} frames in {} blocks; {} at {:.3g} a/s",
                                 measure::to_string(u.method), u.frames, u.blocks,
-                                data.scene.granular->rods.empty() ? "force" : "rod", u.mean_speed * to_a)};
+                                of_rod(data.scene) ? "rod" : "force", u.mean_speed * to_a)};
 }
 
 } // namespace

@@ -25,7 +25,7 @@ measure::FlowOptions options_of(const Measure& m, double a) {
 }
 
 void include(const Scene& scene, MeasurePlan& plan) {
-    include_sums<FlowAccumulator>(plan, "flow", options_of(*scene.measure, scene.granular->bead_radius));
+    include_sums<FlowAccumulator>(plan, "flow", options_of(*scene.measure, scene::measured_radius(scene)));
 }
 
 std::string describe(const Scene& scene) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace rodwake::app::measures {
 
@@ -26,9 +27,9 @@ void reset_late_keys(Measure& m) {
     m.heading_lag_low = m.heading_lag_high = std::nullopt;
 }
 
-measure::HeadingOptions options_of(const Scene& scene) {
+measure::HeadingOptions options_of(const Scene& scene, std::optional<double> film = {}) {
     const Measure& m = *scene.measure;
-    const double high = scene::heading_lag_high(m, scene.granular->duration - m.from);
+    const double high = scene::heading_lag_high(m, measured_duration(scene, film));
     return {m.block, m.heading_lag_low.value_or(0.1 * high), high};
 }
 
@@ -124,7 +125,7 @@ MeasureReport report(const MeasuredCase& data) {
     std::vector<HeadingTrack> tracks;
     for (const RunTables& run : data.tables)
         tracks.push_back(track_of(*data.scene.measure, run));
-    const HeadingDiffusion r = measure::heading_diffusion(tracks, options_of(data.scene));
+    const HeadingDiffusion r = measure::heading_diffusion(tracks, options_of(data.scene, data.film));
     const Found f = {r, a, unit};
     return {.values = values_of(values, f),
             .tables = {{"heading.csv",

@@ -36,28 +36,36 @@ double contact_distance(const Scene& scene) {
     return scene.measure ? scene.measure->contact_distance.value_or(half) : half;
 }
 
-/// From t = 0 on: the rods are held before.
+/// From t = 0 on, as the rods are held before, and where both are known.
 measure::PairTrack track_of(const RunTables& run) {
     const std::vector<Column> all = run.tracks({"t", "x0", "y0", "theta0", "x1", "y1", "theta1"});
+    const auto known = [&](std::size_t row) {
+        return std::ranges::none_of(all, [&](const Column& column) { return std::isnan(column[row]); });
+    };
     std::vector<Column> kept(all.size());
     for (std::size_t i = 0; i < all[0].size(); ++i)
-        if (all[0][i] >= -1e-12)
+        if (all[0][i] >= -1e-12 && known(i))
             for (std::size_t k = 0; k < all.size(); ++k)
                 kept[k].push_back(all[k][i]);
     return {kept[0], {kept[1], kept[4]}, {kept[2], kept[5]}, {kept[3], kept[6]}};
 }
 
-measure::PairRun followed(const Scene& scene, const RunTables& run) {
-    measure::PairOptions options;
-    options.box = bed_size(*scene.granular).box;
-    options.contact_distance = contact_distance(scene);
-    return measure::follow_pair(track_of(run), options);
+measure::PairOptions options_of_bed(const Scene& scene) {
+    return {.box = bed_size(*scene.granular).box, .contact_distance = contact_distance(scene)};
+}
+
+measure::PairOptions options_of_film(const MeasuredCase& data) {
+    const measure::Layout& layout = data.sums.front().layout();
+    return {.box = layout.box,
+            .contact_distance = data.scene.measure->contact_distance.value(),
+            .images = !layout.window};
 }
 
 PairResult pairs_of(const MeasuredCase& data) {
+    const measure::PairOptions options = data.film ? options_of_film(data) : options_of_bed(data.scene);
     std::vector<measure::PairRun> runs;
     for (const RunTables& run : data.tables)
-        runs.push_back(followed(data.scene, run));
+        runs.push_back(measure::follow_pair(track_of(run), options));
     return measure::reduce(runs);
 }
 
@@ -170,7 +178,9 @@ MeasureKind pairs() {
 namespace rodwake::app {
 
 PairNumbers pair_numbers(const scene::Scene& scene, const RunTables& run) {
-    return measures::numbers_of(measures::followed(scene, run), scene.granular->bead_radius);
+    return measures::numbers_of(
+        measure::follow_pair(measures::track_of(run), measures::options_of_bed(scene)),
+        scene.granular->bead_radius);
 }
 
 } // namespace rodwake::app

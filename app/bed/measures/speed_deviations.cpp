@@ -25,9 +25,8 @@ void reset_late_keys(Measure& m) {
     m.deviation_lag = std::nullopt;
 }
 
-measure::DeviationOptions options_of(const Scene& scene) {
-    return {scene.measure->block,
-            scene::deviation_lag(*scene.measure, scene.granular->duration - scene.measure->from)};
+measure::DeviationOptions options_of(const Scene& scene, std::optional<double> film = {}) {
+    return {scene.measure->block, scene::deviation_lag(*scene.measure, measured_duration(scene, film))};
 }
 
 struct Found {
@@ -132,7 +131,7 @@ MeasureReport report(const MeasuredCase& data) {
     std::vector<measure::HeadingTrack> tracks;
     for (const RunTables& run : data.tables)
         tracks.push_back(track_of(*data.scene.measure, run));
-    const SpeedDeviations r = measure::speed_deviations(tracks, options_of(data.scene));
+    const SpeedDeviations r = measure::speed_deviations(tracks, options_of(data.scene, data.film));
     const Found f = {r, data.bead_radius()};
     std::vector<Row> rows;
     for (const DeviationLag& lag : r.lags)

@@ -34,6 +34,7 @@ struct FitTrackData {
     bool sigma_known = false;
     bool unwrapped = false; ///< headings that jumped by turns were brought near those of the row before
     fitting::Trajectory data;
+    std::size_t left_out = 0; ///< rows in which a rod is not known
 };
 
 /// What one of the files of [[fit.maps]] holds.

@@ -34,6 +34,10 @@ MeasurePlan measure_plan(const scene::Scene& scene, const measure::Layout& layou
 /// it does not.
 double measured_interval(const scene::Scene& scene);
 
+/// From measure.from to the end, s; of [tracks], whose length stands in their file, `film` or, unknown, no
+/// end.
+double measured_duration(const scene::Scene& scene, std::optional<double> film);
+
 /// Steps of measure.interval.
 std::int64_t steps_between_frames(const scene::Scene& scene);
 

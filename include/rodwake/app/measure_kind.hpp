@@ -16,7 +16,8 @@
 
 namespace rodwake::app {
 
-/// What one run of the bed wrote beside its frames. Both throw InputError where there is none such.
+/// What one run of the bed wrote beside its frames, or a film has of its rods (tracks from its first frame
+/// on, NaN where a rod is not known). Both throw InputError where there is none such.
 struct RunTables {
     /// A number of its summary.json ("rods.0.force"); `what` names it in messages.
     std::function<double(const std::string& name, const std::string& what)> summary;
@@ -29,6 +30,7 @@ struct MeasuredCase {
     const scene::Scene& scene;
     std::span<measure::Measures> sums; ///< over the runs' frames; a measure may take its own out
     std::vector<RunTables> tables;     ///< of the runs; none of a trajectory from elsewhere
+    std::optional<double> film = {};   ///< of [tracks]: from its first frame to the last, s
     /// Name and report of the measures before this one in the list.
     std::span<const std::pair<std::string, MeasureReport>> earlier = {};
 

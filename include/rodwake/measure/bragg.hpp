@@ -34,8 +34,10 @@ struct BraggPeaks {
 
 /// The triple with G_1 = G_0 + G_2 of the largest product of strengths among wave vectors within 12 % of the
 /// ring 2 pi/(row distance) of a triangular lattice of this density, each two about 60 degrees apart. The
-/// box's whole beads count; places in it. Deterministic.
-BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, const PeriodicBox& box);
+/// box's whole beads count; places in it. `sites`: how many beads would fill the box, if there are not so
+/// many; 0: there are. Deterministic.
+BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, const PeriodicBox& box,
+                      double sites = 0.0);
 
 /// u from the three phases G_k.u, least squares: u = (sum G_k G_k^T)^-1 sum G_k phase_k, exact for any
 /// triple.

@@ -22,6 +22,10 @@
 //               rho_0 the far field's lattice. Needs a rod that keeps its place relative to the rows;
 //               otherwise the mean smears out, which `coherence` shows. Blurred over 0.75 lattice spacings.
 //
+// In a window of a film (Layout::window) phase finds G_k in each block of time, and U is known up to a linear
+// function of the place: it has none in the far field (models/measure/block_strain.hpp); lagrangian is
+// relative to the far field, density is refused.
+//
 // A value is a mean over one cell of the lattice around the bin's middle (phase_cell.hpp says why), so bins
 // closer than two lattice spacings share data: their errors are not independent, a fit to a grid finer than
 // the lattice must allow for it. Each bin's own sigma is right. Domain: gradients of U below 1.

@@ -12,6 +12,7 @@
 #include "rodwake/measure/state_io.hpp"
 #include "rodwake/measure/statistics.hpp"
 
+#include <cstdint>
 #include <vector>
 
 namespace rodwake::measure {
@@ -32,7 +33,7 @@ struct FlowOptions {
 /// A bead marked in the first frame, in the box's frame, unwrapped, drift of all beads removed. m.
 struct MarkedBead {
     std::size_t bead = 0;
-    double x0 = 0.0, y0 = 0.0, x1 = 0.0, y1 = 0.0; ///< first and last frame that was followed
+    double x0 = 0.0, y0 = 0.0, x1 = 0.0, y1 = 0.0; ///< first and last frame that was followed; NaN: not seen
 };
 
 class FlowAccumulator {
@@ -63,9 +64,11 @@ private:
         double time = 0.0;
         std::vector<double> x, y; ///< unwrapped
         RodPlace rod;
+        std::vector<std::uint32_t> bead; ///< as Frame::bead, without those in no track
     };
     void start(const Past& now);
     void follow_marked(const Past& now);
+    void travel(const Past& now);
     void take(const Past& before, const Past& now);
     Block& block_at(double time);
 
@@ -80,6 +83,9 @@ private:
     std::vector<double> first_x_, first_y_, last_x_, last_y_; ///< of the marked; last: drift removed
     double first_heading_ = 0.0, travel_ = 0.0;
     double drift_x_ = 0.0, drift_y_ = 0.0; ///< mean displacement of all beads since the first frame
+    RodPlace last_rod_;                    ///< where it was seen last
+    double since_x_ = 0.0, since_y_ = 0.0; ///< mean displacement of all beads since then
+    bool started_ = false;                 ///< the rod has been seen
 };
 
 struct FlowField {

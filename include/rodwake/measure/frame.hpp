@@ -7,6 +7,7 @@
 #include "rodwake/measure/state_io.hpp"
 #include "rodwake/measure/window.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -35,7 +36,7 @@ struct Layout {
     /// Of tracks of a camera what is seen, of a bed with a wall where the centres of beads may be, in place
     /// of a periodic box; `box` holds it, from 0 on.
     std::optional<Window> window = {};
-    bool velocities = true; ///< false: frames have places alone, as tracks do
+    bool velocities = true; ///< false: tracks: places alone, and a rod may be missing
     /// Beads come and go: frames name those they have, of so many in all, and `beads` is how many they have
     /// on average. 0: every frame has all beads.
     std::size_t all_beads = 0;
@@ -60,10 +61,14 @@ PeriodicBox box_seen_by(std::size_t rod, const Layout& layout);
 /// box is at least 8 a and there are beads.
 void validate(const Layout& layout);
 
-/// Centre of mass of a rod.
+/// Centre of mass of a rod. In tracks NaN says what is not known: of a rod that is not seen, all three.
 struct RodPlace {
     double x = 0.0, y = 0.0; ///< unwrapped, m
     double heading = 0.0;    ///< of the thin end from +x, rad, in (-pi, pi]
+
+    bool seen() const { return !std::isnan(x); }
+    /// Seen, and its heading is known.
+    bool known() const { return !std::isnan(heading); }
 };
 
 struct Frame {

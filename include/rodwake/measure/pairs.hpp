@@ -18,9 +18,10 @@ struct PairTrack {
 };
 
 struct PairOptions {
-    PeriodicBox box;               ///< m
+    PeriodicBox box;               ///< m; without images: around the window
     double contact_distance = 0.0; ///< between centres of mass, m; e.g. one rod length
     EndingCriteria ending = noisy_track;
+    bool images = true; ///< the box is periodic
 
     bool operator==(const PairOptions&) const = default;
 };

@@ -14,13 +14,14 @@
 namespace rodwake::measure {
 
 struct RodGrid {
-    PeriodicBox box;                   ///< its sides along the rod's x and y, m
+    PeriodicBox box;                   ///< its sides along the rod's x and y, m; with the margin
     std::size_t columns = 0, rows = 0; ///< bins in x and in y, even
     double width = 0.0, height = 0.0;  ///< L_x/columns and L_y/rows, m
+    double margin = 0.0; ///< m; around a window: bins without beads, so that opposite edges are no neighbours
 
     /// The even numbers of bins whose sizes are nearest to the wanted one. Throws InputError unless
     /// L/512 <= wanted <= L/4 for both sides.
-    RodGrid(const PeriodicBox& box, double wanted);
+    RodGrid(const PeriodicBox& box, double wanted, double margin = 0.0);
     RodGrid() = default;
 
     std::size_t bins() const { return columns * rows; }
@@ -41,6 +42,9 @@ private:
         return (static_cast<double>(k) - static_cast<double>(middle_bin)) * spacing;
     }
 };
+
+/// That of rod `rod`, with a margin around a window: a rod in its middle sees all of the window.
+RodGrid grid_seen_by(std::size_t rod, const Layout& layout, double wanted);
 
 /// Where a bead is as seen from a rod: nearest image, turned by minus the heading.
 struct Seen {

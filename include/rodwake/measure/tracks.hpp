@@ -5,6 +5,7 @@
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/core/track_rows.hpp"
 #include "rodwake/measure/frame.hpp"
+#include "rodwake/measure/heading_track.hpp"
 
 #include <functional>
 #include <optional>
@@ -19,6 +20,9 @@ struct TrackScale {
     double bead_radius = 0.0;       ///< a, m
     std::optional<PeriodicBox> box; ///< periodic, from 0 on, m; absent: a window
     std::optional<Window> window;   ///< m, in the coordinates of the file; absent: the hull of all particles
+    double angle = 1.0;             ///< what 1 of the file's headings is worth, rad
+    /// Headings say where the axis of a rod is: the thin end is the one that goes ahead.
+    bool thin_end_ahead = false;
 };
 
 /// What happened to the rows. A row is used, or counted once here.
@@ -32,13 +36,16 @@ struct TrackCounts {
     /// three spacings from one frame to the next.
     std::size_t restarts = 0;
     std::size_t empty_frames = 0; ///< between the first and the last, without any row
+    std::size_t headless = 0;     ///< rows of a rod whose thin end is not known
+    std::size_t joined = 0;       ///< rods that went on under another number
 };
 
-/// Of one particle.
+/// Of one rod, where it was seen.
 struct RodTrack {
+    std::int64_t number = 0; ///< in the file
     std::vector<std::size_t> frame;
-    std::vector<double> x, y;    ///< m, unwrapped
-    std::vector<double> heading; ///< rad, as in the file; empty: none there
+    std::vector<double> x, y;    ///< m, in the layout's box
+    std::vector<double> heading; ///< of the thin end, rad; NaN: not known
 };
 
 struct Tracks {
@@ -61,12 +68,19 @@ struct Tracks {
     double beads_per_frame() const { return static_cast<double>(x.size()) / static_cast<double>(frames()); }
 };
 
+/// Rods: a track that ends, and one that begins later near to where it was going, are of one rod, if there is
+/// no other that could be it. Where the file has axes only, the thin end is the one towards which a rod moves
+/// by more than a while its axis can be followed.
+///
 /// Throws InputError ("<file>: ...") for rows that are no film: no two frames, times that are not evenly
 /// spaced, a box or window that does not hold the particles.
 Tracks ordered_tracks(TrackRows rows, const TrackScale& scale, const std::string& file);
 
 /// What the frames of the tracks have.
 Layout layout_of(const Tracks& tracks);
+
+/// Of one rod in every frame: places unwrapped, headings without jumps; NaN where they are not known.
+HeadingTrack poses_of(const Tracks& tracks, std::size_t rod);
 
 /// Every `stride`-th frame from the first, with the fraction done; `use` may return false to stop.
 void for_each_frame(const Tracks& tracks, std::size_t stride,

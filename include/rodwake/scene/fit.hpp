@@ -60,6 +60,7 @@ struct FitProfile {
 /// [[fit.trajectories]], numbers as in the file.
 struct FitTrajectory {
     std::string file;
+    std::vector<long> rods = {};                         ///< which of the file, from 0; empty: all
     std::optional<double> sigma_position, sigma_heading; ///< absent: 1, and errors from the scatter
     bool free_headings = false;
     StartPoses start_poses = StartPoses::automatic;

@@ -17,9 +17,13 @@ enum class TracksFormat { automatic, csv, trackmate };
 /// tracks.columns: names in a CSV file; empty: the usual ones.
 struct TracksColumns {
     std::string frame, id, x, y, heading, kind;
+    std::vector<std::string> ends; ///< of a rod: x and y of its thin end, then of its thick end
 
     bool operator==(const TracksColumns&) const = default;
 };
+
+/// Which end of a rod is the thin one: as the file says, or that which goes ahead.
+enum class ThinEnd { given, ahead };
 
 enum class WindowKind { hull, periodic, circle, rectangle };
 
@@ -34,11 +38,14 @@ struct TracksWindow {
 /// [tracks]
 struct Tracks {
     std::string file;
+    std::string rods_file; ///< of the rods alone; empty: they are in `file`
     TracksFormat format = TracksFormat::automatic;
     std::optional<double> frames_per_second; ///< 1/s; either this or time_column
     std::string time_column;
     double pixel = 0.0;          ///< what 1 of the file is worth, m
     double bead_radius = 0.4e-3; ///< a, m
+    double angle = 1.0;          ///< what 1 of the file's headings is worth, rad
+    ThinEnd thin_end = ThinEnd::given;
     TracksColumns columns;
     TracksWindow window;
     std::optional<PeriodicBox> box; ///< m; with a periodic window

@@ -34,6 +34,7 @@ public:
     /// Attributes of a group ("/" or "/medium"); each must be of the kind that is asked for.
     double real(const std::string& group, const std::string& name) const;
     std::int64_t integer(const std::string& group, const std::string& name) const;
+    bool has_attribute(const std::string& group, const std::string& name) const;
     std::string text(const std::string& group, const std::string& name) const;
 
 private:

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace rodwake::store {
 
@@ -23,7 +24,8 @@ enum class TrackFormat { automatic, csv, trackmate };
 /// Names of the columns of a CSV file; empty: by the usual names, where there are such.
 struct TrackColumns {
     std::string frame, id, x, y, heading, kind;
-    std::string time; ///< in place of frame, s
+    std::string time;              ///< in place of frame, s
+    std::vector<std::string> ends; ///< of a rod, in place of heading: x, y of the thin end, x, y of the other
 };
 
 /// Hears the fraction read now and then; false: stop.

@@ -1,0 +1,148 @@
+#include "film_rods.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "run/record_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace rodwake::app {
+
+namespace {
+
+struct FilmTime {
+    double t;
+
+    static constexpr auto fields() { return std::tuple{field("t", &FilmTime::t, {"s", "of the frame"})}; }
+};
+
+struct FilmPose {
+    double x, y, heading, speed;
+
+    static constexpr auto fields() {
+        using R = FilmPose;
+        return std::tuple{
+            field("x", &R::x, {"m", "place of the rod, unwrapped; empty: it is not seen"}),
+            field("y", &R::y, {"m", "place of the rod, unwrapped; empty: it is not seen"}),
+            field("theta", &R::heading,
+                  {"rad", "heading of the thin end from +x, without jumps; empty: unknown"}),
+            field("speed", &R::speed,
+                  {"m/s", "along the heading, mean since the frame before; empty: not known in both"})};
+    }
+};
+
+std::vector<FilmPose> rows_of(const measure::HeadingTrack& rod) {
+    std::vector<FilmPose> rows;
+    for (std::size_t f = 0; f < rod.time.size(); ++f) {
+        double speed = std::nan("");
+        if (f > 0) {
+            const double heading = 0.5 * (rod.heading[f - 1] + rod.heading[f]);
+            speed = (std::cos(heading) * (rod.x[f] - rod.x[f - 1]) +
+                     std::sin(heading) * (rod.y[f] - rod.y[f - 1])) /
+                    (rod.time[f] - rod.time[f - 1]);
+        }
+        rows.push_back({rod.x[f], rod.y[f], rod.heading[f], speed});
+    }
+    return rows;
+}
+
+/// The one named "x0", "theta12".
+const Column& column_of(const std::vector<measure::HeadingTrack>& rods, const std::string& name) {
+    const std::size_t digits = name.find_first_of("0123456789");
+    std::size_t number = rods.size();
+    if (digits != std::string::npos)
+        std::from_chars(name.data() + digits, name.data() + name.size(), number);
+    if (number >= rods.size())
+        throw InputError(
+            fmt::format("the film has no {}: it has {} rods, numbered from 0", name, rods.size()));
+    const measure::HeadingTrack& rod = rods[number];
+    return name[0] == 'x' ? rod.x : name[0] == 'y' ? rod.y : rod.heading;
+}
+
+/// Names of [measure] that go by rods.
+std::vector<std::string_view> wanted_of_rods(const scene::Measure& m) {
+    std::vector<std::string_view> names;
+    const auto add = [&](bool wanted, const char* name) {
+        if (wanted)
+            names.emplace_back(name);
+    };
+    add(m.displacement.has_value(), "displacement");
+    add(m.flow, "flow");
+    add(m.heading_diffusion, "heading_diffusion");
+    add(m.speed_deviations, "speed_deviations");
+    add(m.from_travel.has_value(), "from_travel");
+    add(m.pairs, "pairs");
+    return names;
+}
+
+} // namespace
+
+std::vector<FilmRod> film_rods(const measure::Tracks& tracks) {
+    std::vector<FilmRod> rods;
+    for (const measure::RodTrack& rod : tracks.rods) {
+        const auto known =
+            std::ranges::count_if(rod.heading, [](double heading) { return !std::isnan(heading); });
+        rods.push_back({rod.number, rod.frame.size(), static_cast<std::size_t>(known),
+                        tracks.time[rod.frame.front()], tracks.time[rod.frame.back()]});
+    }
+    return rods;
+}
+
+void require_rods(const scene::Scene& scene, const measure::Tracks& tracks, const std::string& file) {
+    const scene::Measure& m = *scene.measure;
+    const auto wanted = wanted_of_rods(m);
+    if (wanted.empty())
+        return;
+    const std::string of =
+        fmt::format("{}: {} of [measure] goes by rods, and the file has ", file, wanted[0]);
+    if (tracks.rods.empty())
+        throw InputError(
+            of + "none: a column kind (bead, rod) tells them, see tracks.columns, or tracks.rods_file");
+    const std::size_t last = std::max(static_cast<std::size_t>(m.rod), std::size_t{m.pairs ? 1U : 0U});
+    if (last >= tracks.rods.size())
+        throw InputError(
+            fmt::format("{}no rod {}: it has {}, numbered from 0 in the order in which they come", of, last,
+                        tracks.rods.size()));
+    const std::vector<FilmRod> rods = film_rods(tracks);
+    if (rods[last].known == 0)
+        throw InputError(
+            fmt::format("{}no heading of rod {}: name the column in tracks.columns = {{ heading = \"...\" "
+                        "}}, or give ends; "
+                        "with thin_end = \"ahead\" the rod must go by 1 a while its axis is followed",
+                        of, last));
+}
+
+FilmRods::FilmRods(const measure::Tracks& tracks) {
+    for (std::size_t rod = 0; rod < tracks.rods.size(); ++rod)
+        poses_.push_back(measure::poses_of(tracks, rod));
+}
+
+RunTables FilmRods::tables() const {
+    return {[](const std::string&, const std::string& what) -> double {
+                throw InputError("a film has no " + what);
+            },
+            [rods = poses_](const std::vector<std::string>& names) {
+                std::vector<Column> columns;
+                for (const std::string& name : names)
+                    columns.push_back(name == "t" ? rods.at(0).time : column_of(rods, name));
+                return columns;
+            }};
+}
+
+std::string FilmRods::csv() const {
+    RecordTable table;
+    std::vector<FilmTime> times;
+    for (const double t : poses_.at(0).time)
+        times.push_back({t});
+    table.add(times);
+    for (std::size_t rod = 0; rod < poses_.size(); ++rod)
+        table.add(rows_of(poses_[rod]), std::to_string(rod));
+    return table.csv();
+}
+
+std::span<const ColumnInfo> film_rod_columns() { return columns_of<FilmTime, Each<FilmPose>>(); }
+
+} // namespace rodwake::app

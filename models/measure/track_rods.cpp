@@ -1,0 +1,189 @@
+#include "track_rods.hpp"
+
+#include "rodwake/core/periodic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rodwake::measure {
+
+namespace {
+
+constexpr double half_turn = std::numbers::pi, whole_turn = 2.0 * std::numbers::pi;
+constexpr std::size_t longest_absence = 50; // frames after which a rod could be anyone
+constexpr std::size_t recent = 10;          // rows that tell how fast a rod goes
+
+/// From one place to another: nearest images in a periodic box.
+struct RodWay {
+    double x = 0.0, y = 0.0;
+
+    RodWay(const Tracks& tracks, double x0, double y0, double x1, double y1)
+        : x(tracks.window ? x1 - x0 : nearest_image(x1 - x0, tracks.box.x)),
+          y(tracks.window ? y1 - y0 : nearest_image(y1 - y0, tracks.box.y)) {}
+    double length() const { return std::hypot(x, y); }
+};
+
+RodWay step(const Tracks& tracks, const RodTrack& rod, std::size_t from, std::size_t to) {
+    return {tracks, rod.x[from], rod.y[from], rod.x[to], rod.y[to]};
+}
+
+/// At its end, m a frame.
+double late_speed(const Tracks& tracks, const RodTrack& rod) {
+    const std::size_t last = rod.frame.size() - 1, from = last > recent ? last - recent : 0;
+    return from == last ? 0.0
+                        : step(tracks, rod, from, last).length() /
+                              static_cast<double>(rod.frame[last] - rod.frame[from]);
+}
+
+/// Whether the second may be the first, come again under another number.
+bool goes_on(const Tracks& tracks, const RodTrack& first, const RodTrack& second, double spacing) {
+    const std::size_t last = first.frame.back(), begin = second.frame.front();
+    if (begin <= last || begin - last > longest_absence)
+        return false;
+    const RodWay way(tracks, first.x.back(), first.y.back(), second.x.front(), second.y.front());
+    const double reach = 1.5 * late_speed(tracks, first) * static_cast<double>(begin - last) + spacing;
+    return way.length() <= reach;
+}
+
+void append(RodTrack& first, const RodTrack& second) {
+    first.frame.insert(first.frame.end(), second.frame.begin(), second.frame.end());
+    for (auto part : {&RodTrack::x, &RodTrack::y, &RodTrack::heading})
+        (first.*part).insert((first.*part).end(), (second.*part).begin(), (second.*part).end());
+}
+
+/// The only one of which this holds.
+template<class Holds>
+std::optional<std::size_t> only_one(std::size_t count, const Holds& holds) {
+    std::optional<std::size_t> found;
+    for (std::size_t k = 0; k < count; ++k)
+        if (holds(k)) {
+            if (found)
+                return std::nullopt;
+            found = k;
+        }
+    return found;
+}
+
+/// A rod that goes on as another: both without a rival. Nothing: none does.
+bool join_two(Tracks& tracks, double spacing) {
+    auto& rods = tracks.rods;
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        const auto next =
+            only_one(rods.size(), [&](std::size_t k) { return goes_on(tracks, rods[i], rods[k], spacing); });
+        if (!next || !only_one(rods.size(),
+                               [&](std::size_t k) { return goes_on(tracks, rods[k], rods[*next], spacing); }))
+            continue;
+        append(rods[i], rods[*next]);
+        rods.erase(rods.begin() + static_cast<std::ptrdiff_t>(*next));
+        ++tracks.counts.joined;
+        return true;
+    }
+    return false;
+}
+
+/// Rows in which an axis can be followed: where it turns by an eighth at most and is not away for long.
+std::size_t end_of_stretch(const RodTrack& rod, std::size_t first) {
+    constexpr std::size_t longest_gap = 5; // frames
+    std::size_t last = first;
+    for (std::size_t i = first + 1; i < rod.frame.size() && rod.frame[i] - rod.frame[last] <= longest_gap + 1;
+         ++i) {
+        if (std::isnan(rod.heading[i]))
+            continue;
+        if (std::abs(std::remainder(rod.heading[i] - rod.heading[last], half_turn)) > half_turn / 4.0)
+            break;
+        last = i;
+    }
+    return last + 1;
+}
+
+/// Headings of rows whose axes hang together, from the way they go; NaN if it is too short to tell.
+void turn_ahead(const Tracks& tracks, RodTrack& rod, std::size_t first, std::size_t end) {
+    double along = 0.0;
+    std::size_t last = first;
+    for (std::size_t i = first + 1; i < end; ++i) {
+        if (std::isnan(rod.heading[i]))
+            continue;
+        rod.heading[i] = rod.heading[last] + std::remainder(rod.heading[i] - rod.heading[last], half_turn);
+        const double heading = 0.5 * (rod.heading[i] + rod.heading[last]);
+        const RodWay way = step(tracks, rod, last, i);
+        along += way.x * std::cos(heading) + way.y * std::sin(heading);
+        last = i;
+    }
+    for (std::size_t i = first; i < end; ++i)
+        rod.heading[i] = std::abs(along) < tracks.bead_radius
+                             ? std::nan("")
+                             : rod.heading[i] + (along < 0.0 ? half_turn : 0.0);
+}
+
+void axes_to_headings(const Tracks& tracks, RodTrack& rod) {
+    for (std::size_t i = 0; i < rod.frame.size();) {
+        if (std::isnan(rod.heading[i])) {
+            ++i;
+            continue;
+        }
+        const std::size_t end = end_of_stretch(rod, i);
+        turn_ahead(tracks, rod, i, end);
+        i = end;
+    }
+}
+
+double nearest_turn(double heading, double before) {
+    return std::abs(heading - before) <= half_turn ? heading
+                                                   : before + std::remainder(heading - before, whole_turn);
+}
+
+} // namespace
+
+void settle_rods(Tracks& tracks, double spacing, bool ahead) {
+    constexpr std::size_t crowd = 100; // of so many rods nobody is without a rival
+    while (tracks.rods.size() <= crowd && join_two(tracks, spacing)) {
+    }
+    for (RodTrack& rod : tracks.rods) {
+        if (ahead)
+            axes_to_headings(tracks, rod);
+        for (const double heading : rod.heading)
+            tracks.counts.headless += std::isnan(heading);
+    }
+}
+
+std::optional<double> first_heading(const RodTrack& rod) {
+    const auto found = std::ranges::find_if(rod.heading, [](double h) { return !std::isnan(h); });
+    return found == rod.heading.end() ? std::nullopt : std::optional(*found);
+}
+
+void RodPlayer::play(std::size_t frame, std::vector<RodPlace>& places) {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    places.assign(next_.size(), {unknown, unknown, unknown});
+    for (std::size_t k = 0; k < next_.size(); ++k) {
+        const RodTrack& rod = tracks_.rods[k];
+        std::size_t& row = next_[k];
+        if (row == rod.frame.size() || rod.frame[row] != frame)
+            continue;
+        const double x = rod.x[row], y = rod.y[row], heading = rod.heading[row];
+        places[k] = {tracks_.window ? x : x_(k, x, tracks_.box.x),
+                     tracks_.window ? y : y_(k, y, tracks_.box.y),
+                     std::abs(heading) > half_turn ? std::remainder(heading, whole_turn) : heading};
+        ++row;
+    }
+}
+
+HeadingTrack poses_of(const Tracks& tracks, std::size_t rod) {
+    const RodTrack& track = tracks.rods[rod];
+    const std::vector<double> unknown(tracks.frames(), std::nan(""));
+    HeadingTrack poses{tracks.time, unknown, unknown, unknown};
+    Unwrapping x(1), y(1);
+    std::optional<double> before;
+    for (std::size_t row = 0; row < track.frame.size(); ++row) {
+        const std::size_t f = track.frame[row];
+        poses.x[f] = tracks.window ? track.x[row] : x(0, track.x[row], tracks.box.x);
+        poses.y[f] = tracks.window ? track.y[row] : y(0, track.y[row], tracks.box.y);
+        if (std::isnan(track.heading[row]))
+            continue;
+        poses.heading[f] = before ? nearest_turn(track.heading[row], *before) : track.heading[row];
+        before = poses.heading[f];
+    }
+    return poses;
+}
+
+} // namespace rodwake::measure
