@@ -70,7 +70,7 @@ class Tracks:
 
     def scene(self, **measure: Any) -> Scene:
         """The scene that measures them, [measure] with these keys. Columns in memory stand for the file tracks.csv."""
-        tracks = {"file": self._file or "tracks.csv", **self._keys}
+        tracks: dict[str, Any] = {"file": self._file or "tracks.csv", **self._keys}
         text = "\n".join(["schema = 1", "[tracks]", *(f"{key} = {toml(value, key)}" for key, value in tracks.items()),
                           "[measure]", *(f"{key} = {toml(value, key)}" for key, value in (measure or {"order": True}).items()), ""])
         return Scene.parse(text, "tracks")
