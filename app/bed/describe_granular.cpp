@@ -141,7 +141,8 @@ void add_idealisations(const GranularProblem& problem, Lines& lines) {
 double frames_bytes(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
     return (plan.schedule.h5md ? h5md_bytes * stored_spheres(bed, plan.problem) * frame_count(bed) : 0.0) +
-           (plan.schedule.xyz ? xyz_bytes(bed, plan.problem) : 0.0);
+           (plan.schedule.xyz ? xyz_bytes(bed, plan.problem) : 0.0) +
+           (plan.schedule.gsd ? gsd_bytes * stored_spheres(bed, plan.problem) * frame_count(bed) : 0.0);
 }
 
 } // namespace
@@ -157,7 +158,7 @@ std::string size_text(double bytes) {
 std::string output_advice(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
     const double count = stored_spheres(bed, plan.problem),
-                 stored = plan.schedule.h5md || plan.schedule.xyz ? frame_count(bed) : 0.0,
+                 stored = frames_bytes(plan) > 0.0 ? frame_count(bed) : 0.0,
                  of_period = bed.output.last_period ? static_cast<double>(period_frames) : 0.0,
                  bytes = frames_bytes(plan) + of_period * count * h5md_bytes;
     if (bytes <= large_output)
@@ -181,6 +182,8 @@ std::string describe_output(const BedPlan& plan) {
         formats.emplace_back("h5md");
     if (plan.schedule.xyz)
         formats.emplace_back("xyz");
+    if (plan.schedule.gsd)
+        formats.emplace_back("gsd");
     std::string text = formats.empty()
                            ? "no frames"
                            : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frames, count,

@@ -2,6 +2,7 @@
 
 #include "rodwake/store/csv.hpp"
 #include "rodwake/store/extended_xyz.hpp"
+#include "rodwake/store/gsd.hpp"
 
 #include <fmt/format.h>
 
@@ -90,7 +91,7 @@ GranularFiles::GranularFiles(std::filesystem::path folder, const granular::Granu
       row_doubles_(field_count<granular::TableRow> + field_count<granular::TrackPoint> * layout_.rods()) {
     std::filesystem::create_directories(folder_);
     rows_.emplace(folder_ / "rows.log", row_doubles_ * sizeof(double), kept.rows);
-    if (schedule_.h5md || schedule_.xyz)
+    if (schedule_.h5md || schedule_.xyz || schedule_.gsd)
         frames_.emplace(folder_ / "frames.log", frame_doubles_ * sizeof(double), kept.frames);
     if (schedule_.last_period)
         period_.emplace(folder_ / "last_period.log", frame_doubles_ * sizeof(double), kept.period_frames);
@@ -178,13 +179,16 @@ void GranularFiles::write_tables() {
 }
 
 void GranularFiles::write_trajectory(const std::string& name, store::AppendLog& log,
-                                     const store::H5mdInfo& info, bool xyz) {
+                                     const store::H5mdInfo& info, bool for_viewers) {
     std::optional<store::H5mdWriter> h5md;
     std::optional<store::ExtendedXyzWriter> text;
-    if (schedule_.h5md || !xyz)
+    std::optional<store::GsdWriter> gsd;
+    if (schedule_.h5md || !for_viewers)
         h5md.emplace(folder_ / (name + ".h5md"), layout_, info);
-    if (xyz && schedule_.xyz)
+    if (for_viewers && schedule_.xyz)
         text.emplace(folder_ / (name + ".xyz"), layout_, problem_.bead_radius);
+    if (for_viewers && schedule_.gsd)
+        gsd.emplace(folder_ / (name + ".gsd"), layout_, problem_.bead_radius);
     for (std::size_t i = 0; i < log.records(); ++i) {
         const std::vector<double> record = doubles(log.read(i));
         const store::Frame frame = frame_of(record, layout_.particles(), layout_.rods());
@@ -192,11 +196,15 @@ void GranularFiles::write_trajectory(const std::string& name, store::AppendLog& 
             h5md->add_frame(frame);
         if (text)
             text->add_frame(frame);
+        if (gsd)
+            gsd->add_frame(frame);
     }
     if (h5md)
         h5md->commit();
     if (text)
         text->commit();
+    if (gsd)
+        gsd->commit();
 }
 
 void GranularFiles::finish(const store::H5mdInfo& info) {

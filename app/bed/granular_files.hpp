@@ -1,6 +1,6 @@
 #pragma once
 // The files of one granular run. While it goes on, frames and rows are appended to logs whose lengths a
-// checkpoint remembers; at its end they become table.csv, tracks.csv, trajectory.h5md (.xyz) and
+// checkpoint remembers; at its end they become table.csv, tracks.csv, trajectory.h5md (.xyz, .gsd) and
 // last_period.h5md.
 
 #include "rodwake/app/granular.hpp"
@@ -42,7 +42,7 @@ public:
 private:
     std::vector<double> frame_record(const granular::State& state, double time) const;
     void write_trajectory(const std::string& name, store::AppendLog& log, const store::H5mdInfo& info,
-                          bool xyz);
+                          bool for_viewers);
 
     std::filesystem::path folder_;
     granular::GranularProblem problem_;

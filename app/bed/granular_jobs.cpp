@@ -231,6 +231,7 @@ bool has_files(const GranularPlan& plan, const fs::path& folder, const GranularC
     return there(true, "table.csv") && there(!plan.bed.problem.rods.empty(), "tracks.csv") &&
            there(s.h5md, "trajectory.h5md") &&
            there(s.xyz && plan.bed.of.scene.granular->runs == 1, "trajectory.xyz") &&
+           there(s.gsd && plan.bed.of.scene.granular->runs == 1, "trajectory.gsd") &&
            there(last.logs.period_frames > 0, "last_period.h5md");
 }
 

@@ -252,6 +252,7 @@ std::vector<FileKind> granular_files() {
              columns_of<granular::RowTime, Each<granular::TrackPoint>>()},
             {"trajectory.h5md", kept, "places and velocities of all spheres in every stored frame"},
             {"trajectory.xyz", kept, "the same as extended XYZ"},
+            {"trajectory.gsd", kept, "the same as GSD, in single precision"},
             {"last_period.h5md", kept, "frames of the last period of the plates"},
             {"final.rwc", kept, "last state, for granular.restart_from"},
             {"measure.rwc", kept, "what was measured while the run went on"},

@@ -85,7 +85,9 @@ fs::path file_of(const Scene& scene, const char* key, const std::string& name) {
 /// With those of rods, where they are not in a file of their own.
 store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods) {
     const scene::TracksColumns& c = keys.columns;
-    store::TrackColumns columns{c.frame, c.id, c.x, c.y, "", c.kind, keys.time_column, {}};
+    const bool own_times = !keys.frames_per_second && keys.time_column.empty();
+    store::TrackColumns columns{c.frame,   c.id,           c.x,       c.y, "", c.kind, keys.time_column, {},
+                                own_times, keys.rod_kinds, keys.group};
     if (of_rods) {
         columns.heading = c.heading;
         columns.ends = c.ends;
@@ -117,12 +119,22 @@ store::TrackFormat format_of(scene::TracksFormat format) {
         return store::TrackFormat::csv;
     case scene::TracksFormat::trackmate:
         return store::TrackFormat::trackmate;
-    default:
-        return store::TrackFormat::automatic;
+    case scene::TracksFormat::lammps:
+        return store::TrackFormat::lammps;
+    case scene::TracksFormat::xyz:
+        return store::TrackFormat::xyz;
+    case scene::TracksFormat::gsd:
+        return store::TrackFormat::gsd;
+    case scene::TracksFormat::h5md:
+        return store::TrackFormat::h5md;
+    case scene::TracksFormat::automatic:
+        break;
     }
+    return store::TrackFormat::automatic;
 }
 
-measure::TrackScale scale_of(const scene::Tracks& keys) {
+/// The box of the file is as good as one of the scene, which goes first.
+measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, const std::string& file) {
     measure::TrackScale scale{keys.pixel,
                               keys.frames_per_second.value_or(1.0),
                               keys.bead_radius,
@@ -130,6 +142,18 @@ measure::TrackScale scale_of(const scene::Tracks& keys) {
                               {},
                               keys.columns.ends.empty() ? keys.angle : 1.0,
                               keys.thin_end == scene::ThinEnd::ahead};
+    const bool own = keys.window.kind == WindowKind::automatic || keys.window.kind == WindowKind::periodic;
+    if (own && !keys.box) {
+        if (rows.box)
+            scale.box = PeriodicBox(rows.box->x * keys.pixel, rows.box->y * keys.pixel);
+        else if (!rows.no_box.empty())
+            throw InputError(
+                fmt::format("{}: {}: give tracks.window = \"hull\", or tracks.window = \"periodic\" "
+                            "and tracks.box",
+                            file, rows.no_box));
+        else if (keys.window.kind == WindowKind::periodic)
+            throw InputError(file + ": has no periodic box: give tracks.box, for example box = \"78 a\"");
+    }
     const std::vector<double>& s = keys.window.sizes;
     if (keys.window.kind == WindowKind::circle)
         scale.window = measure::Window::circle(s[0], s[1], s[2]);
@@ -139,7 +163,7 @@ measure::TrackScale scale_of(const scene::Tracks& keys) {
 }
 
 const char* name_of(WindowKind kind) {
-    constexpr const char* names[] = {"hull", "periodic", "circle", "rectangle"};
+    constexpr const char* names[] = {"hull", "periodic", "circle", "rectangle", "automatic"};
     return names[static_cast<std::size_t>(kind)];
 }
 
@@ -166,7 +190,10 @@ std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::TrackCou
 TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const TrackRows& kept,
                        const measure::Tracks& tracks) {
     const double a = keys.bead_radius, area = seen_area(measure::layout_of(tracks)) / (a * a);
-    TracksReport r{file.filename().string(), name_of(keys.window.kind), kept.length_unit};
+    const WindowKind found = tracks.window ? WindowKind::hull : WindowKind::periodic;
+    TracksReport r{file.filename().string(),
+                   name_of(keys.window.kind == WindowKind::automatic ? found : keys.window.kind),
+                   kept.length_unit};
     r.rows = tracks.counts.rows + kept.without_place + kept.hidden;
     r.frames = tracks.frames();
     r.particles = tracks.beads;
@@ -229,7 +256,8 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
     facts.branches = rows.branches;
     facts.hidden = rows.hidden;
     facts.length_unit = rows.length_unit;
-    measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale_of(keys), file.string());
+    const measure::TrackScale scale = scale_of(keys, rows, file.string());
+    measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale, file.string());
     const TracksReport report = report_of(keys, file, facts, tracks);
     store::write_atomically(folder / "tracks.json", record_json(report).dump(2) + "\n");
     log->info("{}", line_of(report));

@@ -211,6 +211,8 @@ std::string file_text(const fs::path& file) {
         return table_text(file);
     if (ending == ".json")
         return json_text(file);
+    if (ending == ".gsd")
+        return fmt::format("frames as GSD, schema hoomd; {} bytes\n", fs::file_size(file));
     std::ifstream again = opened(file);
     if (ends_in(ending, {".toml", ".txt", ".xyz", ".vti", ".lock"}))
         return text_text(again);

@@ -278,12 +278,13 @@ struct As<Settings> : Whole<Settings> {
 
 template<>
 struct As<TracksWindow> : Whole<TracksWindow> {
-    static constexpr std::string_view words[] = {"hull", "periodic"};
+    static constexpr std::string_view words[] = {"automatic", "hull", "periodic"};
+    static constexpr WindowKind kinds[] = {WindowKind::automatic, WindowKind::hull, WindowKind::periodic};
     static bool read(const Input& in, TracksWindow& value) {
         if (in.node.as<std::string>()) {
             const auto* word = word_of(in, words);
             if (word)
-                value = {*word == words[0] ? WindowKind::hull : WindowKind::periodic, {}};
+                value = {kinds[std::ranges::find(words, *word) - words], {}};
             return word;
         }
         const auto* table = in.node.as<Node::Table>();
@@ -305,7 +306,7 @@ struct As<TracksWindow> : Whole<TracksWindow> {
     }
     static std::string text(const Key& key, const TracksWindow& value, const Units& units) {
         if (value.sizes.empty())
-            return in_quotes(words[value.kind == WindowKind::periodic]);
+            return in_quotes(words[std::ranges::find(kinds, value.kind) - kinds]);
         Key sizes = key;
         return fmt::format("{{ {} = {} }}", value.kind == WindowKind::circle ? "circle" : "rectangle",
                            As<std::vector<double>>::text(sizes.unit(Dimension::length), value.sizes, units));
@@ -315,7 +316,7 @@ struct As<TracksWindow> : Whole<TracksWindow> {
                 in_quotes(words[0]),
                 comma_list(words),
                 false,
-                {std::string(words[0]), std::string(words[1])}};
+                {std::string(words[0]), std::string(words[1]), std::string(words[2])}};
     }
 };
 

@@ -297,11 +297,11 @@ void fields(Visitor& v, GranularOutput& output) {
           .example("\"0.01 s\""),
       output.table);
     v(key("formats")
-          .items(0, 2)
-          .one_of({"h5md", "xyz", "xyz_if_short"})
-          .doc("of the frames: H5MD, extended XYZ, extended XYZ if that of all runs stays below 25 MB; [] "
-               "stores "
-               "no frames")
+          .items(0, 3)
+          .one_of({"h5md", "xyz", "xyz_if_short", "gsd"})
+          .doc("of the frames: H5MD, extended XYZ, extended XYZ if that of all runs stays below 25 MB, GSD; "
+               "[] "
+               "stores no frames")
           .example("[\"h5md\", \"xyz\"]"),
       output.formats);
     v(key("every_bead")

@@ -5,6 +5,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string_view>
+
 namespace rodwake::scene {
 
 namespace {
@@ -14,9 +17,8 @@ using enum Dimension;
 void file_fields(Visitor& v, Tracks& tracks) {
     v(key("file")
           .required()
-          .doc("tracks: CSV of trackpy, pandas or TrackMate, or TrackMate's XML; seen from the scene's "
-               "folder, or "
-               "from where the program runs")
+          .doc("tracks: CSV of trackpy, pandas or TrackMate, TrackMate's XML, LAMMPS dump, extended XYZ, GSD "
+               "or H5MD; seen from the scene's folder, or from where the program runs")
           .example("\"tracks.csv\""),
       tracks.file);
     v(key("rods_file")
@@ -26,20 +28,25 @@ void file_fields(Visitor& v, Tracks& tracks) {
                "frames and units")
           .example("\"rods.csv\""),
       tracks.rods_file);
-    v(key("format").doc("of the file; automatic: XML by its first character, else CSV").example("\"csv\""),
+    v(key("format").doc("of the file; automatic: by how it begins, else by its ending").example("\"csv\""),
       choice(tracks.format, {{"automatic", TracksFormat::automatic},
                              {"csv", TracksFormat::csv},
-                             {"trackmate", TracksFormat::trackmate}}));
+                             {"trackmate", TracksFormat::trackmate},
+                             {"lammps", TracksFormat::lammps},
+                             {"xyz", TracksFormat::xyz},
+                             {"gsd", TracksFormat::gsd},
+                             {"h5md", TracksFormat::h5md}}));
     v(key("frames_per_second")
           .unit(rate)
           .above(0.0, 1e6)
-          .absent("times are in time_column")
-          .doc("of the film, if rows have frame numbers")
+          .absent("times are in time_column, or the file's own")
+          .doc("of the film, if rows have frame numbers; time steps a second, if the file counts those")
           .example("50.0"),
       tracks.frames_per_second);
     v(key("time_column")
-          .absent("times follow from frames_per_second")
-          .doc("column of the times in s, in place of frame numbers")
+          .absent("times follow from frames_per_second, or are the file's own")
+          .doc(
+              "column of the times in s, in place of frame numbers; in extended XYZ a key of the second line")
           .example("\"t\""),
       tracks.time_column);
 }
@@ -64,7 +71,8 @@ void fields(Visitor& v, TracksColumns& columns) {
                "Without columns x and y the middle is the rod's place")
           .example("[\"x1\", \"y1\", \"x2\", \"y2\"]"),
       columns.ends);
-    name("kind", "bead or rod (0 or 1); without such a column all are beads", "\"kind\"", columns.kind);
+    name("kind", "bead or rod (0 or 1), or see rod_kinds; without such a column all are beads", "\"kind\"",
+         columns.kind);
 }
 
 void fields(Visitor& v, Tracks& tracks) {
@@ -99,16 +107,17 @@ void fields(Visitor& v, Tracks& tracks) {
           .example("\"ahead\""),
       choice(tracks.thin_end, {{"given", ThinEnd::given}, {"ahead", ThinEnd::ahead}}));
     v(key("window")
-          .doc("what the camera sees: hull, the convex hull of all particles; periodic, the whole of a box "
-               "(then box); or in the file's coordinates { circle = [x, y, radius] } or { rectangle = [x0, "
-               "y0, x1, y1] }")
+          .doc(
+              "what the camera sees: hull, the convex hull of all particles; periodic, the whole of a box; "
+              "automatic, the file's periodic box if it has one, else the hull; or in the file's coordinates "
+              "{ circle = [x, y, radius] } or { rectangle = [x0, y0, x1, y1] }")
           .example("\"hull\""),
       tracks.window);
     v(key("box")
           .unit(length)
           .above(0.0, 1e3)
-          .absent("only with window = \"periodic\"")
-          .doc("the periodic box, from 0 on: its side, or two sides")
+          .absent("the file's own, or none")
+          .doc("with window = \"periodic\" the periodic box, from 0 on: its side, or two sides")
           .example("\"78 a\""),
       tracks.box);
     v(key("localisation")
@@ -119,27 +128,54 @@ void fields(Visitor& v, Tracks& tracks) {
                "displacement; auto: as the shortest lags have it")
           .example("\"auto\""),
       tracks.localisation);
-    v.table(
-        key("columns").doc("Names of the columns of a CSV file. Absent: the usual ones, whatever the case "
-                           "of their letters: frame; particle or track_id; x, y or position_x, "
-                           "position_y; theta or heading; kind."),
-        tracks.columns);
+    v(key("rod_kinds")
+          .items(0, 100)
+          .doc("types, species or kinds of the file that are rods, all others are beads; []: rod, motile, "
+               "apolar, in CSV 1 too")
+          .example("[\"2\"]"),
+      tracks.rod_kinds);
+    v(key("group")
+          .absent("trajectory, all, or the only one")
+          .doc("of H5MD files with several: the particles")
+          .example("\"beads\""),
+      tracks.group);
+    v.table(key("columns").doc(
+                "Names of the columns of the file. Absent: the usual ones, in CSV whatever the case "
+                "of their letters: frame; particle or track_id; x, y or position_x, "
+                "position_y; theta or heading; kind."),
+            tracks.columns);
 }
+
+namespace {
+
+/// Whether the file may have a box and times of its own: the reader knows.
+bool may_have_own(const Tracks& t) {
+    if (t.format != TracksFormat::automatic)
+        return t.format != TracksFormat::csv && t.format != TracksFormat::trackmate;
+    constexpr std::string_view never[] = {".csv", ".tsv", ".txt", ".xml"};
+    return std::ranges::none_of(never, [&](std::string_view ending) { return t.file.ends_with(ending); });
+}
+
+} // namespace
 
 void check_tracks(const Scene& scene, const Report& report) {
     if (!scene.tracks)
         return;
     const Tracks& t = *scene.tracks;
-    if (t.frames_per_second.has_value() == !t.time_column.empty())
-        report("tracks.frames_per_second",
-               t.time_column.empty() ? "give frames_per_second, or time_column where the file has "
-                                       "times"
-                                     : "frames_per_second and time_column are given: leave one out");
-    if (t.format == TracksFormat::trackmate && !t.time_column.empty())
-        report("tracks.time_column", "TrackMate's XML has frames: give frames_per_second");
-    if ((t.window.kind == WindowKind::periodic) != t.box.has_value())
-        report("tracks.box", t.box ? "box belongs to window = \"periodic\" only"
-                                   : "window = \"periodic\" needs box, for example box = \"78 a\"");
+    if (t.frames_per_second && !t.time_column.empty())
+        report("tracks.frames_per_second", "frames_per_second and time_column are given: leave one out");
+    if (!t.frames_per_second && t.time_column.empty() && !may_have_own(t))
+        report("tracks.frames_per_second", "give frames_per_second, or time_column where the file has times");
+    if (t.format != TracksFormat::automatic && t.format != TracksFormat::csv &&
+        t.format != TracksFormat::xyz && !t.time_column.empty())
+        report(
+            "tracks.time_column",
+            "only CSV and extended XYZ have such columns: give frames_per_second, or leave it out where the "
+            "file has times");
+    if (t.box && t.window.kind != WindowKind::periodic)
+        report("tracks.box", "box belongs to window = \"periodic\" only");
+    if (!t.box && t.window.kind == WindowKind::periodic && !may_have_own(t))
+        report("tracks.box", "window = \"periodic\" needs box, for example box = \"78 a\"");
     const std::vector<double>& sizes = t.window.sizes;
     if (t.window.kind == WindowKind::circle && !(sizes[2] > 0.0))
         report("tracks.window", "the radius of the circle must be above 0");

@@ -30,6 +30,15 @@ struct Film {
 
 constexpr double most_frames = 1e7;
 
+/// One wrong number among the frames makes a film that is empty but for its ends.
+void check_gaps(double count, std::size_t seen, const std::string& file) {
+    if (count > 1e4 + 1e3 * static_cast<double>(seen))
+        refuse_film(file,
+                    fmt::format("{:g} frames from the first to the last, of which {} have rows: is a frame "
+                                "or time wrong?",
+                                count, seen));
+}
+
 /// Different values, rising, and which of them each row has.
 template<class T>
 std::vector<T> different(const std::vector<T>& values) {
@@ -55,6 +64,7 @@ Film film_of_frames(const std::vector<std::int64_t>& frame, double per_second, c
         refuse_film(file, fmt::format("frames from {} to {}: more than {:g}; is the right column named in "
                                       "tracks.columns?",
                                       all.front(), all.back(), most_frames));
+    check_gaps(static_cast<double>(count), all.size(), file);
     Film film;
     for (std::int64_t k = 0; k < count; ++k)
         film.time.push_back(static_cast<double>(k * step) / per_second);
@@ -79,6 +89,7 @@ Film film_of_times(const std::vector<double>& time, const std::string& file) {
                                       "be those of frames, evenly spaced; round them",
                                       step, all.back() - all.front()));
     step = (all.back() - all.front()) / count;
+    check_gaps(count, all.size(), file);
     Film film;
     for (double k = 0.0; k <= count; k += 1.0)
         film.time.push_back(all.front() + k * step);
@@ -159,13 +170,21 @@ private:
             out_.box = *scale_.box;
             return;
         }
-        const Window window = scale_.window ? *scale_.window : Window::hull(rows_.x, rows_.y);
+        const Window window = scale_.window ? *scale_.window : hull();
         low_ = window.low();
         out_.window = window.moved(-low_.x, -low_.y);
         // The farthest corner as it comes out of the same subtraction as places do.
         const Corner high = window.high();
         out_.box = {high.x - low_.x, high.y - low_.y};
         hull_ = !scale_.window;
+    }
+
+    Window hull() const {
+        try {
+            return Window::hull(rows_.x, rows_.y);
+        } catch (const InputError& error) {
+            refuse_film(file_, error.what());
+        }
     }
 
     /// In the layout's box; false: outside of the window.

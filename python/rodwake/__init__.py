@@ -24,11 +24,13 @@ from .rods import classify, simulate
 from .runs import Quantity, RodPath, Run, Trajectory, open_run
 from .scans import scan
 from .scenes import Scene
+from .tracks import Measured, Tracks
 
 __all__ = [
-    "Bed", "Error", "Estimate", "Event", "FitResult", "FittedMap", "FittedProfile", "FittedTrack", "Hit", "InputError", "Likelihood", "Map", "Medium",
+    "Bed", "Error", "Estimate", "Event", "FitResult", "FittedMap", "FittedProfile", "FittedTrack", "Hit", "InputError", "Likelihood", "Map", "Measured",
+    "Medium",
     "NoiseResult", "OdeResult", "Problem", "Profile", "Quantity",
-    "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Trajectory", "Wakes", "__version__",
+    "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Tracks", "Trajectory", "Wakes", "__version__",
     "classify", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
     "simulate", "simulate_noise", "strain", "wakes",
 ]

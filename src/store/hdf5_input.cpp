@@ -97,8 +97,10 @@ Hdf5Table::Hdf5Table(const Hdf5Input& file, std::string path, hid_t type)
 
 std::size_t Hdf5Table::check_type() const {
     const Hdf5Handle found = file_->handle(H5Dget_type(get()), H5Tclose, "read the type of " + path_);
-    const bool whole = type_ == H5T_NATIVE_INT64 && H5Tget_class(found.get()) == H5T_INTEGER;
-    if (!whole && H5Tequal(found.get(), type_) <= 0)
+    const H5T_class_t kind = H5Tget_class(found.get());
+    const bool whole = type_ == H5T_NATIVE_INT64 && (kind == H5T_INTEGER || kind == H5T_ENUM),
+               real = type_ == H5T_NATIVE_DOUBLE && (kind == H5T_INTEGER || kind == H5T_FLOAT);
+    if (!whole && !real && H5Tequal(found.get(), type_) <= 0)
         file_->refuse(path_ + " holds values of another type");
     if (H5Sget_simple_extent_type(space_.get()) == H5S_NULL)
         file_->refuse(path_ + " holds no values");

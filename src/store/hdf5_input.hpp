@@ -32,7 +32,8 @@ private:
 bool hdf5_survives(const std::filesystem::path& path);
 
 /// A dataset of numbers of one type, which is that of the file: values come bit for bit. Whole numbers of any
-/// size come as H5T_NATIVE_INT64 if asked for as such. Must not outlive the file.
+/// size, and of an enumeration, come as H5T_NATIVE_INT64 if asked for as such, and numbers of any kind as
+/// H5T_NATIVE_DOUBLE. Must not outlive the file.
 class Hdf5Table {
 public:
     Hdf5Table(const Hdf5Input& file, std::string path, hid_t type);

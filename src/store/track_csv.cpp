@@ -1,5 +1,6 @@
 // Tracks from CSV in one pass: blocks of the file, no copy of a cell.
 
+#include "text_lines.hpp"
 #include "track_formats.hpp"
 
 #include "rodwake/core/error.hpp"
@@ -11,79 +12,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <optional>
-#include <span>
 
 namespace rodwake::store {
 
 namespace {
-
-/// Lines of a file that is read block by block; they end with LF, CR LF, or, in a file without LF, with CR.
-class LinesOfBlocks {
-public:
-    explicit LinesOfBlocks(const std::filesystem::path& path)
-        : file_(path, std::ios::binary), size_(static_cast<double>(std::filesystem::file_size(path))) {
-        if (!file_.is_open())
-            throw InputError(path.string() + ": cannot be read");
-        fill();
-        if (text_.starts_with("\xEF\xBB\xBF"))
-            at_ = 3;
-        const std::size_t break_at = text_.find_first_of("\r\n");
-        if (break_at != std::string::npos && text_.find('\n') == std::string::npos)
-            end_of_line_ = '\r';
-    }
-
-    bool next(std::string_view& line) {
-        std::size_t end = text_.find(end_of_line_, at_);
-        while (end == std::string::npos && fill())
-            end = text_.find(end_of_line_, at_);
-        if (at_ >= text_.size())
-            return false;
-        end = std::min(end, text_.size());
-        line = std::string_view(text_).substr(at_, end - at_);
-        if (line.ends_with('\r'))
-            line.remove_suffix(1);
-        at_ = end + 1;
-        ++number_;
-        return true;
-    }
-
-    std::size_t number() const { return number_; }
-    /// Of the file that has been read.
-    double part() const { return size_ > 0.0 ? std::min(1.0, read_ / size_) : 1.0; }
-    double bytes() const { return size_; }
-
-private:
-    /// Another block behind what is not used yet; false at the end of the file.
-    bool fill() {
-        constexpr std::size_t block = std::size_t{1} << 22;
-        text_.erase(0, std::min(at_, text_.size()));
-        at_ = 0;
-        const std::size_t kept = text_.size();
-        text_.resize(kept + block);
-        file_.read(text_.data() + kept, static_cast<std::streamsize>(block));
-        const auto found = static_cast<std::size_t>(file_.gcount());
-        text_.resize(kept + found);
-        read_ += static_cast<double>(found);
-        return found > 0;
-    }
-
-    std::ifstream file_;
-    std::string text_;
-    std::size_t at_ = 0, number_ = 0;
-    double size_, read_ = 0.0;
-    char end_of_line_ = '\n';
-};
-
-std::string_view without_blanks(std::string_view text) {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t'))
-        text.remove_prefix(1);
-    while (!text.empty() && (text.back() == ' ' || text.back() == '\t'))
-        text.remove_suffix(1);
-    return text;
-}
 
 /// Without the quotes around it.
 std::string_view bare(std::string_view cell) {
@@ -114,11 +46,6 @@ char separator_in(std::string_view header) {
     constexpr std::string_view known = ",;\t";
     const auto count = [&](char c) { return std::ranges::count(header, c); };
     return *std::ranges::max_element(known, {}, count);
-}
-
-bool alike(std::string_view a, std::string_view b) {
-    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-    return std::ranges::equal(a, b, {}, lower, lower);
 }
 
 /// What a row says of a particle.
@@ -158,22 +85,15 @@ bool begins_a_number(std::string_view cell) {
            ((cell[0] >= '0' && cell[0] <= '9') || cell[0] == '-' || cell[0] == '+' || cell[0] == '.');
 }
 
-std::optional<double> number_in(std::string_view cell) {
-    double value = 0.0;
-    if (cell.starts_with('+'))
-        cell.remove_prefix(1);
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (error != std::errc{} || end != cell.data() + cell.size())
-        return std::nullopt;
-    return value;
-}
-
 class CsvTracks {
 public:
     CsvTracks(const std::filesystem::path& path, const TrackColumns& columns)
         : path_(path.string()), given_(columns), lines_(path) {}
 
     TrackRows read(const TrackProgress& on_progress) {
+        if (given_.own_times)
+            throw InputError(path_ + ": no rate of the film is given: set tracks.frames_per_second, or "
+                                     "tracks.time_column if the file has a column of times in s");
         read_header();
         std::string_view line;
         constexpr std::size_t some = 65536; // rows between two reports
@@ -365,22 +285,18 @@ private:
 
     /// A whole number, perhaps written as 12.0.
     std::int64_t whole(Role role) const {
-        const std::string_view cell = cells_[role];
-        std::int64_t value = 0;
-        const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-        constexpr std::int64_t most = std::int64_t{1} << 53;
-        if (error == std::errc{} && end == cell.data() + cell.size() && value > -most && value < most)
-            return value;
-        const auto number = number_in(cell);
-        if (!number || *number != std::floor(*number) || std::abs(*number) > 0x1p53)
+        const auto value = whole_in(cells_[role]);
+        if (!value)
             wrong(role, role == frame
                             ? "expected a whole number; name a column of times in tracks.time_column"
                             : "expected a whole number; number the particles, or leave the cell empty for a "
                               "spot of no track");
-        return static_cast<std::int64_t>(*number);
+        return *value;
     }
 
     std::uint8_t rod(std::string_view cell) const {
+        if (!given_.rod_kinds.empty())
+            return names_rod(given_, cell);
         if (is_nothing(cell) || cell == "0" || cell == "0.0" || alike(cell, "bead"))
             return 0;
         if (cell == "1" || cell == "1.0" || alike(cell, "rod") || alike(cell, "motile") ||

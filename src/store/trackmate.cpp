@@ -1,4 +1,4 @@
-// Tracks from TrackMate's XML, and which format a file has.
+// Tracks from TrackMate's XML.
 
 #include "track_formats.hpp"
 
@@ -166,26 +166,12 @@ private:
     std::vector<Links> links_;
 };
 
-/// By what the file begins with.
-bool looks_like_xml(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::string start(64, '\0');
-    in.read(start.data(), static_cast<std::streamsize>(start.size()));
-    const std::size_t first = start.find_first_not_of("\xEF\xBB\xBF \t\r\n");
-    return first != std::string::npos && start[first] == '<';
-}
-
 } // namespace
 
-TrackRows read_trackmate(const std::filesystem::path& file) { return TrackMateFile(file).read(); }
-
-TrackRows read_tracks(const std::filesystem::path& file, TrackFormat format, const TrackColumns& columns,
-                      const TrackProgress& on_progress) {
-    if (!std::filesystem::is_regular_file(file))
-        throw InputError(file.string() + ": no such file of tracks");
-    if (format == TrackFormat::trackmate || (format == TrackFormat::automatic && looks_like_xml(file)))
-        return read_trackmate(file);
-    return read_track_csv(file, columns, on_progress);
+TrackRows read_trackmate(const std::filesystem::path& file, const TrackColumns& columns) {
+    if (columns.own_times)
+        throw InputError(file.string() + ": no rate of the film is given: set tracks.frames_per_second");
+    return TrackMateFile(file).read();
 }
 
 } // namespace rodwake::store

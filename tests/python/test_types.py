@@ -25,6 +25,7 @@ scene: rodwake.Scene = rodwake.Scene.load("pair.toml").set("coupling.kappa", 3.0
 run: rodwake.Run = scene.run("out", progress=lambda what, value, end, unit: print(what, value / end))
 value: float = rodwake.fit_wake([rodwake.Profile([1.0], [2.0])], ["eta"]).parameters["eta"].value
 share: "float | None" = rodwake.simulate_noise([[0, 0, 0]], medium, rotational_diffusion=0.1, t_end=1.0).capture_probability
+order: rodwake.Measured = rodwake.Tracks.from_arrays(np.zeros((2, 3, 2)), frames_per_second=1.0).order(block=2.0)
 force: float = rodwake.fit_map([rodwake.Map([0.0, 1.0], [0.0, 1.0], np.eye(2), np.eye(2), (9.0, 9.0))], ["force"]).parameters["force"].value
 """
 

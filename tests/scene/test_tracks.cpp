@@ -8,13 +8,14 @@ using namespace scene_test;
 using rodwake::scene::WindowKind;
 
 TEST_CASE("a window is a word or a table of lengths, and is written as it is read") {
-    CHECK(parse(filmed).tracks->window.kind == WindowKind::hull);
+    CHECK(parse(filmed).tracks->window.kind == WindowKind::automatic);
     const struct {
         std::string text;
         WindowKind kind;
         std::vector<double> sizes;
     } cases[] = {
         {"\"hull\"", WindowKind::hull, {}},
+        {"\"automatic\"", WindowKind::automatic, {}},
         {"{ circle = [\"20 mm\", 0.01, \"40 a\"] }", WindowKind::circle, {0.02, 0.01, 0.016}},
         {"{ rectangle = [0.0, 0.0, \"2 cm\", 0.03] }", WindowKind::rectangle, {0.0, 0.0, 0.02, 0.03}}};
     for (const auto& one : cases) {
@@ -29,7 +30,7 @@ TEST_CASE("a wrong window is told with what is expected") {
     const struct {
         std::string window, said;
     } cases[] = {{"{ ring = [1.0, 2.0] }", "expected a string such as \"hull\", { circle = [x, y, radius] }"},
-                 {"\"hul\"", "must be one of hull, periodic (did you mean \"hull\"?)"},
+                 {"\"hul\"", "must be one of automatic, hull, periodic (did you mean \"hull\"?)"},
                  {"{ circle = [1.0, 2.0] }", "expected 3 numbers, found 2"},
                  {"{ circle = [1.0, 2.0, 0.0] }", "the radius of the circle must be above 0"},
                  {"{ circle = [1.0, 2.0, \"3 s\"] }", "expected a length"},
@@ -51,6 +52,13 @@ TEST_CASE("what tracks do not go with is refused") {
         mentions(problems_of(filmed, {"tracks.time_column=t"}), "tracks.frames_per_second", "leave one out"));
     CHECK(mentions(problems_of(filmed, {"tracks.frames_per_second="}), "tracks.frames_per_second",
                    "time_column where the file has times"));
+    // Files that may have times and a box of their own are looked at first.
+    for (const char* of : {"tracks.file=film.dump", "tracks.format=xyz"})
+        for (const char* without : {"tracks.frames_per_second=", "tracks.window=periodic"})
+            CHECK(problems_of(filmed, {of, without}).empty());
+    CHECK(mentions(
+        problems_of(filmed, {"tracks.format=gsd", "tracks.frames_per_second=", "tracks.time_column=t"}),
+        "tracks.time_column", "only CSV and extended XYZ have such columns"));
     CHECK(mentions(problems_of(filmed, {"tracks.box=30 a"}), "tracks.box", "belongs to window"));
     CHECK(mentions(problems_of(filmed, {"measure.order=false"}), "measure", "nothing that tracks have"));
     for (const char* key : {"force", "phonons", "mechanics"})

@@ -1,9 +1,12 @@
 #pragma once
 // Rows of a file of tracks: which particle was seen where in which frame of a film.
 
+#include "rodwake/core/periodic.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +28,8 @@ struct TrackRows {
     std::size_t branches = 0;         ///< links cut where a track splits or merges
     std::size_t hidden = 0;           ///< spots that TrackMate's filters took out
     std::string length_unit;          ///< as the file names it; empty: it does not
+    std::optional<PeriodicBox> box;   ///< periodic in x and y, as the file says; in units of the file
+    std::string no_box;               ///< why the file's periodic box is none here; else empty
 
     std::size_t size() const { return x.size(); }
 };

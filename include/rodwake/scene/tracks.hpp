@@ -12,9 +12,9 @@
 
 namespace rodwake::scene {
 
-enum class TracksFormat { automatic, csv, trackmate };
+enum class TracksFormat { automatic, csv, trackmate, lammps, xyz, gsd, h5md };
 
-/// tracks.columns: names in a CSV file; empty: the usual ones.
+/// tracks.columns: names in the file; empty: the usual ones.
 struct TracksColumns {
     std::string frame, id, x, y, heading, kind;
     std::vector<std::string> ends; ///< of a rod: x and y of its thin end, then of its thick end
@@ -25,11 +25,12 @@ struct TracksColumns {
 /// Which end of a rod is the thin one: as the file says, or that which goes ahead.
 enum class ThinEnd { given, ahead };
 
-enum class WindowKind { hull, periodic, circle, rectangle };
+/// Automatic: the periodic box of the file if it has one, else the hull.
+enum class WindowKind { hull, periodic, circle, rectangle, automatic };
 
 /// tracks.window, in the coordinates of the file, m.
 struct TracksWindow {
-    WindowKind kind = WindowKind::hull;
+    WindowKind kind = WindowKind::automatic;
     std::vector<double> sizes; ///< of a circle: x, y, radius; of a rectangle: x0, y0, x1, y1
 
     bool operator==(const TracksWindow&) const = default;
@@ -40,15 +41,17 @@ struct Tracks {
     std::string file;
     std::string rods_file; ///< of the rods alone; empty: they are in `file`
     TracksFormat format = TracksFormat::automatic;
-    std::optional<double> frames_per_second; ///< 1/s; either this or time_column
+    std::optional<double> frames_per_second; ///< 1/s; or time_column, or the file has times of its own
     std::string time_column;
     double pixel = 0.0;          ///< what 1 of the file is worth, m
     double bead_radius = 0.4e-3; ///< a, m
     double angle = 1.0;          ///< what 1 of the file's headings is worth, rad
     ThinEnd thin_end = ThinEnd::given;
     TracksColumns columns;
+    std::vector<std::string> rod_kinds; ///< values of the column of kinds
+    std::string group;                  ///< of particles in H5MD
     TracksWindow window;
-    std::optional<PeriodicBox> box; ///< m; with a periodic window
+    std::optional<PeriodicBox> box; ///< m; with a periodic window; absent: the file's own
     measure::Localisation localisation;
 
     bool operator==(const Tracks&) const = default;

@@ -6,6 +6,13 @@
 //              TrackMate's three further header lines are passed over
 //   TrackMate  XML: spots, the edges that link them, and which tracks count. Where a track splits or merges
 //              it is cut: who goes on as whom is not known
+//   LAMMPS     dumps: x, xu, xs or xsu; ids in any order; box, and times where the dump has them
+//   extended XYZ   Lattice, Properties, Time, Step; without ids a line is who it is by its place in the frame
+//   GSD        schema hoomd: position, box, step, typeid, orientation
+//   H5MD       of any program: 2 or 3 dimensions, ids that change with time, fixed steps and times
+//
+// The content tells which it is, else the name's ending. The last four know their box and their steps, and
+// some their times.
 //
 // Places that are no numbers (empty, NaN) are left out and counted. Anything else that is wrong is an
 // InputError that names file, line and column.
@@ -19,13 +26,16 @@
 
 namespace rodwake::store {
 
-enum class TrackFormat { automatic, csv, trackmate };
+enum class TrackFormat { automatic, csv, trackmate, lammps, xyz, gsd, h5md };
 
-/// Names of the columns of a CSV file; empty: by the usual names, where there are such.
+/// Names of the columns (of CSV, LAMMPS) and what they mean; empty: by the usual names, where there are such.
 struct TrackColumns {
     std::string frame, id, x, y, heading, kind;
     std::string time;              ///< in place of frame, s
     std::vector<std::string> ends; ///< of a rod, in place of heading: x, y of the thin end, x, y of the other
+    bool own_times = false;        ///< neither frames nor a column of times count: the file's own times
+    std::vector<std::string> rod_kinds; ///< values of `kind` that are rods; empty: rod, motile, apolar, 1
+    std::string group;                  ///< of H5MD, the particles; empty: trajectory, or the only one
 };
 
 /// Hears the fraction read now and then; false: stop.

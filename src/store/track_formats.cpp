@@ -1,0 +1,86 @@
+// Which format a file of tracks has.
+
+#include "track_formats.hpp"
+
+#include "rodwake/core/error.hpp"
+
+#include <array>
+#include <cctype>
+#include <fstream>
+
+namespace rodwake::store {
+
+namespace {
+
+/// Whether the first line is the number of particles of a frame, and nothing else.
+bool begins_with_a_count(std::string_view text) {
+    const std::size_t end = text.find_first_of("\r\n");
+    if (end == std::string_view::npos)
+        return false;
+    text = text.substr(0, end);
+    const std::size_t from = text.find_first_not_of(" \t"), to = text.find_last_not_of(" \t");
+    return from != std::string_view::npos &&
+           text.substr(from, to - from + 1).find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+TrackFormat format_by_content(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string start(256, '\0');
+    in.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(in.gcount()));
+    if (start.starts_with("\x89HDF\r\n\x1A\n"))
+        return TrackFormat::h5md;
+    if (start.starts_with("\xDF\x65\xDF\x65\xDF\x65\xDF\x65"))
+        return TrackFormat::gsd;
+    const std::size_t first = start.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+    const std::string_view text = std::string_view(start).substr(std::min(first, start.size()));
+    if (text.starts_with('<'))
+        return TrackFormat::trackmate;
+    if (text.starts_with("ITEM:"))
+        return TrackFormat::lammps;
+    return begins_with_a_count(text) ? TrackFormat::xyz : TrackFormat::automatic;
+}
+
+TrackFormat format_by_name(const std::filesystem::path& file) {
+    constexpr std::pair<std::string_view, TrackFormat> endings[] = {
+        {".xyz", TrackFormat::xyz},           {".extxyz", TrackFormat::xyz},
+        {".gsd", TrackFormat::gsd},           {".h5md", TrackFormat::h5md},
+        {".h5", TrackFormat::h5md},           {".hdf5", TrackFormat::h5md},
+        {".dump", TrackFormat::lammps},       {".lammpstrj", TrackFormat::lammps},
+        {".lammpsdump", TrackFormat::lammps}, {".xml", TrackFormat::trackmate}};
+    std::string ending = file.extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto found = std::ranges::find(endings, ending, &std::pair<std::string_view, TrackFormat>::first);
+    return found == std::end(endings) ? TrackFormat::csv : found->second;
+}
+
+} // namespace
+
+TrackRows read_tracks(const std::filesystem::path& file, TrackFormat format, const TrackColumns& columns,
+                      const TrackProgress& on_progress) {
+    if (!std::filesystem::is_regular_file(file))
+        throw InputError(file.string() + ": no such file of tracks");
+    if (format == TrackFormat::automatic)
+        format = format_by_content(file);
+    if (format == TrackFormat::automatic)
+        format = format_by_name(file);
+    if (!columns.time.empty() && format != TrackFormat::csv && format != TrackFormat::xyz)
+        throw InputError(file.string() + ": has no columns of times: leave tracks.time_column out, or give "
+                                         "tracks.frames_per_second");
+    switch (format) {
+    case TrackFormat::trackmate:
+        return read_trackmate(file, columns);
+    case TrackFormat::lammps:
+        return read_lammps_dump(file, columns, on_progress);
+    case TrackFormat::xyz:
+        return read_xyz_tracks(file, columns, on_progress);
+    case TrackFormat::gsd:
+        return read_gsd_tracks(file, columns, on_progress);
+    case TrackFormat::h5md:
+        return read_h5md_tracks(file, columns, on_progress);
+    default:
+        return read_track_csv(file, columns, on_progress);
+    }
+}
+
+} // namespace rodwake::store

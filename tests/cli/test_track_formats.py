@@ -1,0 +1,192 @@
+"""[tracks] from files that other programs wrote, against the same film as CSV; a bed's frames as other programs read them; psi6, g(r)
+and mean-square displacement against SciPy."""
+
+import json
+
+import gsd.hoomd
+import h5py
+import numpy as np
+from beds import columns
+from rodwake import ProgramTest
+from scipy.spatial import cKDTree
+
+SIDES = np.array([24.0, 22.0])
+MEASURE = """[measure]
+order = true
+order_interval = "0.1 s"
+order_cutoff = "3 a"
+microrheology = true
+block = "1 s"
+"""
+KEYS = 'pixel = "1 a"\nframes_per_second = 10'
+PERIODIC = KEYS + '\nwindow = "periodic"\nbox = ["24 a", "22 a"]'
+
+
+def film(frames=41, beads=110, seed=3):
+    """Places (T, N, 2) on a shaken triangular lattice, as single precision has them."""
+    random = np.random.default_rng(seed)
+    start = np.array([((i + 0.5 * (j % 2)) * 2.4, j * 2.2) for j in range(10) for i in range(10)] + [(12, 11)] * 10)[:beads]
+    walk = start + random.normal(scale=0.3, size=start.shape) + np.cumsum(random.normal(scale=0.08, size=(frames, beads, 2)), axis=0)
+    return walk.astype(np.float32).astype(float)
+
+
+class TrackFormats(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.walk = film()
+        cls.place = (cls.walk % SIDES).astype(np.float32).astype(float)
+        cls.random = np.random.default_rng(4)
+
+    def rows(self, frame):
+        return self.random.permutation(len(self.place[frame]))
+
+    def measure(self, file, keys, out, measure=MEASURE):
+        self.write(f"{out}.toml", f'schema = 1\n[tracks]\nfile = "{file}"\n{keys}\n{measure}')
+        return self.expect(0, "measure", f"{out}.toml", "-o", out)
+
+    def numbers(self, out):
+        """Of all measures and of the film, and the tables."""
+        found = {name: (self.folder / out / name).read_bytes() for name in ("gr.csv", "gB.csv", "msd.csv", "stiffness.csv")}
+        told = json.loads((self.folder / out / "tracks.json").read_text())
+        return found, json.loads((self.folder / out / "measure.json").read_text()), {key: told[key] for key in ("frames", "particles", "rods", "window")}
+
+    def as_csv(self, keys=PERIODIC, out="csv"):
+        lines = [f"{t},{i},{self.place[t, i, 0]!r},{self.place[t, i, 1]!r}" for t in range(len(self.place)) for i in self.rows(t)]
+        self.write("film.csv", "\n".join(["frame,particle,x,y", *lines]) + "\n")
+        self.measure("film.csv", keys, out)
+        return self.numbers(out)
+
+    def assert_like_csv(self, file, keys, out, csv=None):
+        self.measure(file, keys, out)
+        tables, values, told = csv or self.as_csv()
+        found = self.numbers(out)
+        self.assertTrue(found[0] == tables, out)  # assertEqual would look for the differences for a minute
+        self.assertEqual(found[1]["order"], values["order"])
+        self.assertEqual(found[2], told)
+
+    def test_dumps_and_extended_xyz(self):
+        dump, xyz = "", ""
+        for t, places in enumerate(self.place):
+            dump += (f"ITEM: TIME\n{t / 10}\nITEM: TIMESTEP\n{500 * t}\nITEM: NUMBER OF ATOMS\n{len(places)}\nITEM: BOX BOUNDS pp pp ff\n"
+                     "0 24\n0 22\n-1 1\nITEM: ATOMS id type xs ys ix iy\n")
+            dump += "".join(f"{i + 1} 1 {places[i, 0] / 24!r} {places[i, 1] / 22!r} 0 0\n" for i in self.rows(t))
+            xyz += f'{len(places)}\nLattice="24 0 0 0 22 0 0 0 2" Properties=species:S:1:pos:R:3 pbc="T T F" Time={t / 10}\n'
+            xyz += "".join(f"Al {x!r} {y!r} 0.5\n" for x, y in places)
+        self.write("film.lammpstrj", dump.replace("\n", "\r\n"))
+        self.write("film.xyz", xyz)
+        csv = self.as_csv()
+        self.assert_like_csv("film.xyz", 'pixel = "1 a"', "xyz", csv)  # box and times are its own
+        self.assert_like_csv("film.xyz", KEYS, "rate", csv)
+        for out, keys in (("own", 'pixel = "1 a"'), ("steps", 'pixel = "1 a"\nframes_per_second = 5000')):  # scaled places are rounded, in the last digits
+            self.measure("film.lammpstrj", keys, out)
+            tables, values, told = self.numbers(out)
+            self.assertEqual(told, csv[2])
+            self.assertAlmostEqual(values["order"]["psi6"]["value"], csv[1]["order"]["psi6"]["value"], delta=1e-12)
+            np.testing.assert_allclose(columns(self.folder / out / "msd.csv")["msd"], columns(self.folder / "csv" / "msd.csv")["msd"], rtol=1e-9)
+
+    def test_gsd_of_gsd(self):
+        with gsd.hoomd.open(str(self.folder / "film.gsd"), "wb") as out:
+            for t, places in enumerate(self.place):
+                frame = gsd.hoomd.Snapshot()
+                frame.configuration.step = 200 * t
+                frame.configuration.box = [24, 22, 2, 0, 0, 0]
+                frame.particles.N = len(places)
+                frame.particles.types = ["bead", "wall"]
+                frame.particles.position = np.column_stack([places, np.zeros(len(places))])
+                out.append(frame)
+        self.assert_like_csv("film.gsd", 'pixel = "1 a"\nframes_per_second = 2000', "gsd")
+
+    def test_h5md_of_others(self):
+        """Single precision, two dimensions, rows of other particles in every frame, a fixed step and time, edges as a vector."""
+        with h5py.File(self.folder / "film.h5md", "w") as out:
+            group = out.create_group("particles/discs")
+            ids = np.stack([self.rows(t) for t in range(len(self.place))])
+            group["position/value"] = np.take_along_axis(self.place, ids[..., None], axis=1).astype(np.float32)
+            group["position/step"], group["position/time"] = 10, 0.1
+            group["position/step"].attrs["offset"] = 30
+            group["id/value"], group["id/step"] = ids.astype(np.int16) + 7, 10
+            box = group.create_group("box")
+            box.attrs["dimension"], box.attrs["boundary"] = 2, ["periodic", "periodic"]
+            box["edges"] = np.array(SIDES, np.float32)
+        self.assert_like_csv("film.h5md", 'pixel = "1 a"', "h5md")
+        with h5py.File(self.folder / "film.h5md", "r+") as out:
+            out["particles/discs/box"].attrs["boundary"] = ["none", "none"]
+            out["particles/walls/position/value"] = np.zeros((1, 1, 2))
+        self.assertIn("several groups of particles: discs, walls; name one in tracks.group",
+                      self.expect(2, "measure", "h5md.toml", "-o", "two").stderr)
+        self.assert_like_csv("film.h5md", 'pixel = "1 a"\nframes_per_second = 100\ngroup = "discs"', "open", self.as_csv(KEYS, "hull"))
+
+    def test_a_bed_in_every_format(self):
+        self.write("bed.toml", """schema = 1
+[granular]
+phi_b = 0.7
+box = "24 a"
+equilibrate = 0.0
+duration = "0.4 s"
+[granular.output]
+frames = "0.01 s"
+formats = ["h5md", "xyz", "gsd"]
+last_period = false
+[[granular.rods]]
+position = ["8 a", "8 a"]
+""")
+        self.expect(0, "dem", "bed.toml", "-o", "bed")
+        with h5py.File(self.folder / "bed" / "trajectory.h5md") as h5, gsd.hoomd.open(str(self.folder / "bed" / "trajectory.gsd")) as trajectory:
+            spheres = h5["particles/trajectory"]
+            self.assertEqual(len(trajectory), 41)
+            for k, frame in enumerate(trajectory):
+                box = np.diag(spheres["box/edges/value"][k])
+                np.testing.assert_allclose(frame.configuration.box[:3], box / 0.4e-3, rtol=1e-7)  # single precision
+                np.testing.assert_allclose(frame.particles.position, (spheres["position/value"][k] - box / 2) / 0.4e-3, atol=2e-6)
+                np.testing.assert_array_equal(frame.particles.image, spheres["image/value"][k])
+                np.testing.assert_array_equal(frame.particles.typeid, spheres["species"])
+                self.assertEqual((frame.configuration.step, frame.log["time"][0]), (spheres["position/step"][k], spheres["position/time"][k]))
+            self.assertEqual((frame.particles.types, frame.particles.body[0], frame.particles.body[-1]), (["bead", "rod"], -1, 0))
+        for format, keys, rods in (("h5md", 'pixel = "1 m"', 1), ("xyz", 'pixel = "1 a"', 12), ("gsd", 'pixel = "1 a"', 12)):
+            self.measure(f"bed/trajectory.{format}", keys, format, MEASURE.replace('"1 s"', '"0.2 s"'))
+        self.assertEqual([self.numbers(one)[2]["window"] for one in ("h5md", "xyz", "gsd")], ["periodic"] * 3)
+        self.assertEqual([self.numbers(one)[2]["rods"] for one in ("h5md", "xyz", "gsd")], [1, 12, 12])
+        bed = json.loads((self.folder / "h5md" / "measure.json").read_text())["order"]["psi6"]["value"]
+        for other, delta in (("xyz", 1e-12), ("gsd", 1e-5)):  # gsd: single precision moves bonds across the cut-off by 1e-7
+            self.assertAlmostEqual(json.loads((self.folder / other / "measure.json").read_text())["order"]["psi6"]["value"], bed, delta=delta)
+
+    def test_scipy_finds_the_same(self):
+        self.as_csv()
+        width = 0.05
+        found = columns(self.folder / "csv" / "gr.csv")
+        edges = np.arange(len(found["r"]) + 1) * width
+        np.testing.assert_allclose(found["r"], edges[:-1] + width / 2, rtol=1e-12)
+        g, psi = np.zeros(len(found["r"])), []
+        n = self.place.shape[1]
+        for frame in self.place[::1]:
+            tree = cKDTree(frame % SIDES, boxsize=SIDES)
+            pairs = tree.sparse_distance_matrix(tree, edges[-1], output_type="coo_matrix")
+            g += np.histogram(pairs.data[pairs.row != pairs.col], edges)[0]
+            near = tree.query_pairs(3.0, output_type="ndarray")
+            bond = frame[near[:, 1]] - frame[near[:, 0]]
+            bond -= SIDES * np.round(bond / SIDES)
+            turn = np.exp(6j * np.arctan2(bond[:, 1], bond[:, 0]))
+            sums, counts = np.zeros(n, complex), np.zeros(n)
+            for end in near.T:
+                np.add.at(sums, end, turn)
+                np.add.at(counts, end, 1)
+            psi.append(abs((sums / np.maximum(counts, 1)).mean()))
+        ideal = len(self.place) * n * (n - 1) / SIDES.prod() * np.pi * np.diff(edges**2)
+        np.testing.assert_allclose(found["g"], g / ideal, rtol=1e-9, atol=1e-12)
+        told = json.loads((self.folder / "csv" / "measure.json").read_text())["order"]
+        self.assertAlmostEqual(told["psi6"]["value"], np.mean(psi), delta=1e-9)
+        step = np.diff(self.place, axis=0)
+        walk = np.concatenate([self.place[:1], self.place[0] + np.cumsum(step - SIDES * np.round(step / SIDES), axis=0)])
+        walk -= walk.mean(axis=1, keepdims=True)
+        msd = columns(self.folder / "csv" / "msd.csv")
+        lags = np.rint(np.array(msd["lag"]) * 10).astype(int)
+        direct = [((walk[lag:] - walk[:len(walk) - lag])**2).sum(axis=2).mean() for lag in lags]
+        fine = lags <= 16  # of longer ones not every frame is an origin
+        self.assertGreater(fine.sum(), 10)
+        np.testing.assert_allclose(np.array(msd["msd"])[fine], np.array(direct)[fine], rtol=1e-9)
+
+
+if __name__ == "__main__":
+    import unittest
+    unittest.main()
