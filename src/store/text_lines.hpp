@@ -62,7 +62,7 @@ private:
 
     /// Another block behind what is not used yet; false at the end of the file.
     bool fill() {
-        constexpr std::size_t block = std::size_t{1} << 22;
+        const auto block = static_cast<std::size_t>(std::min(size_ + 1.0, 0x1p22));
         text_.erase(0, std::min(at_, text_.size()));
         at_ = 0;
         const std::size_t kept = text_.size();
