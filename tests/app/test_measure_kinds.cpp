@@ -258,7 +258,7 @@ TEST_CASE(
     const auto report_on = [&](const scene::Scene& of, std::vector<app::RunTables> runs,
                                std::span<const std::pair<std::string, app::MeasureReport>> earlier) {
         std::vector<measure::Measures> own = sums; // a report takes them out
-        return kind_of("mechanics").report({of, own, std::move(runs), earlier});
+        return kind_of("mechanics").report({of, own, std::move(runs), {}, earlier});
     };
     const auto report = report_on(scene, made_up({0.0}, tracks), {});
     CHECK(value_of<Estimate>(report.values, "drag_rate").value == Approx(gamma));
