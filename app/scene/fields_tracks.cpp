@@ -66,6 +66,7 @@ void fields(Visitor& v, TracksColumns& columns) {
          "\"theta\"", columns.heading);
     v(key("ends")
           .items(4, 4)
+          .written_if(!columns.ends.empty())
           .absent("headings are in a column")
           .doc("in place of heading: four columns, x and y of a rod's thin end and x and y of its thick end. "
                "Without columns x and y the middle is the rod's place")
