@@ -263,8 +263,8 @@ struct As<BoxSize> : Quantified<BoxSize> {
 
 /// A length, or "auto".
 template<>
-struct As<measure::Localisation> : Quantified<measure::Localisation> {
-    static bool read(const Input& in, measure::Localisation& value) {
+struct As<Localisation> : Quantified<Localisation> {
+    static bool read(const Input& in, Localisation& value) {
         const auto* said = in.node.as<std::string>();
         if (said && !said->empty() && std::isalpha(static_cast<unsigned char>(said->front()))) {
             if (*said != "auto")
@@ -275,10 +275,10 @@ struct As<measure::Localisation> : Quantified<measure::Localisation> {
         value.find = false;
         return quantity(in, value.given);
     }
-    static std::string text(const Key& key, const measure::Localisation& value, const Units& units) {
+    static std::string text(const Key& key, const Localisation& value, const Units& units) {
         return value.find ? "\"auto\"" : quantity_text(value.given, key.dimension, units);
     }
-    static Description about(const Key& key, const measure::Localisation&) {
+    static Description about(const Key& key, const Localisation&) {
         return {number_type(key), std::string(key.absent_text), "", true};
     }
 };
@@ -343,7 +343,7 @@ template const Codec& codec_of<std::string>();
 template const Codec& codec_of<Choice>();
 template const Codec& codec_of<TimeOrTravel>();
 template const Codec& codec_of<BoxSize>();
-template const Codec& codec_of<measure::Localisation>();
+template const Codec& codec_of<Localisation>();
 template const Codec& codec_of<Value>();
 template const Codec& codec_of<std::optional<double>>();
 template const Codec& codec_of<std::optional<long>>();

@@ -224,18 +224,8 @@ void reduce_cutoff(std::span<const OrderAccumulator> runs, OrderResult& result) 
 
 namespace {
 
-/// By how much a camera's errors make psi_6 too small, from the neighbours in g(r).
-double bond_loss(const OrderResult& result, double localisation) {
-    double sum = 0.0, bonds = 0.0;
-    for (std::size_t k = 0; k < result.r.size() && result.r[k] < result.cutoff; ++k) {
-        sum += result.g[k] * result.r[k] * std::exp(-36.0 * std::pow(localisation / result.r[k], 2));
-        bonds += result.g[k] * result.r[k];
-    }
-    return bonds > 0.0 ? sum / bonds : 1.0;
-}
-
 void without_camera_noise(OrderResult& result, double localisation) {
-    const double loss = bond_loss(result, localisation);
+    const double loss = bond_loss(result.r, result.g, result.cutoff, localisation);
     result.psi6 = result.psi6.scaled(1.0 / loss);
     for (std::vector<double>* values : {&result.g_B, &result.g_B_error})
         for (double& value : *values)

@@ -204,4 +204,13 @@ std::vector<Bond> delaunay_bonds(const std::vector<double>& x, const std::vector
     return bonds;
 }
 
+double bond_loss(std::span<const double> r, std::span<const double> g, double cutoff, double localisation) {
+    double sum = 0.0, bonds = 0.0;
+    for (std::size_t k = 0; k < r.size() && r[k] < cutoff; ++k) {
+        sum += g[k] * r[k] * std::exp(-36.0 * std::pow(localisation / r[k], 2));
+        bonds += g[k] * r[k];
+    }
+    return bonds > 0.0 ? sum / bonds : 1.0;
+}
+
 } // namespace rodwake::measure

@@ -3,6 +3,7 @@
 
 #include "rodwake/core/bond_order.hpp"
 
+#include <span>
 #include <vector>
 
 namespace rodwake::measure {
@@ -12,6 +13,10 @@ LocalOrder order_by_cutoff(const std::vector<double>& x, const std::vector<doubl
                            double cutoff);
 LocalOrder order_by_delaunay(const std::vector<double>& x, const std::vector<double>& y,
                              const PeriodicBox& box);
+
+/// Mean over the neighbours, by g(r) up to the cut-off, of what is left of exp(6 i theta) if every coordinate
+/// has this standard error (order.hpp).
+double bond_loss(std::span<const double> r, std::span<const double> g, double cutoff, double localisation);
 
 // Delaunay neighbours in the periodic box, also of a bead to its own image: around each bead the empty
 // circles are followed from the nearest neighbour on. Only beads within some reach are looked at; it grows

@@ -35,7 +35,7 @@ inline constexpr auto rodwake::store::parts<R> = rodwake::store::parts_of({});
 int main() {{ return static_cast<int>(rodwake::store::Kept<R>::layout().size()); }}
 """
 # Words that files of several kinds have in common.
-GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model outcome pair particles path pressure pursuit reason rods rows run "
+GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model number outcome pair particles path pressure pursuit reason rods rows run "
               "scale scatter seconds share sigma status steps theta time times turn undecided unit used value".split())
 # Names of described results that other C++ files quote, and why these may; to grow shorter.
 PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure
@@ -51,6 +51,7 @@ QUOTED = {
     "mean_speed": {"app/bed/measures/displacement.cpp", "app/bed/measures/force.cpp", "app/run/glossary.cpp"},
     "non_reciprocity": {PAIRS, "app/scan/scan_values.cpp", "app/scene/figure_kinds.cpp"},
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
+    "rod_tracks": {"app/cli/verb_new.cpp", "app/scene/figure_kinds.cpp"},  # a kind of figure
     "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
     "rhs_evaluations": {"app/tradeoff/rods.cpp"},

@@ -30,7 +30,7 @@ void include(const Scene& scene, MeasurePlan& plan) {
     include_sums<MicrorheologyAccumulator>(
         plan, "microrheology",
         measure::MicrorheologyOptions{0.0, scene.measure->s_low, scene.measure->s_high,
-                                      scene.tracks ? scene.tracks->localisation : measure::Localisation{}});
+                                      scene.tracks ? scene.tracks->localisation : Localisation{}});
 }
 
 std::optional<Estimate> drag_of(const Measure& m) {
@@ -129,8 +129,7 @@ constexpr FileInfo files[] = {{"msd.csv", "mean-square displacement of the beads
                               {"memory_kernel.csv", "memory kernel from microrheology", kernel_infos}};
 
 /// Of tracks alone, and told of by the stage.
-void tell_camera(const MicrorheologyResult& r, const measure::Localisation& asked, double a,
-                 MeasureReport& told) {
+void tell_camera(const MicrorheologyResult& r, const Localisation& asked, double a, MeasureReport& told) {
     const bool is_known = r.localisation.has_value();
     const Estimate found = r.localisation.value_or(Estimate{}).scaled(1.0 / a);
     told.values.push_back({"localisation", is_known ? Value(found) : Value()});

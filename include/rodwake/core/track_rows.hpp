@@ -34,4 +34,12 @@ struct TrackRows {
     std::size_t size() const { return x.size(); }
 };
 
+/// What is done about a camera's errors: b = 4 sigma_0^2 that they add to every mean-square displacement.
+struct Localisation {
+    bool find = false;  ///< b as the shortest lags have it
+    double given = 0.0; ///< else sigma_0, of a coordinate, m; 0: nothing is taken off
+
+    bool operator==(const Localisation&) const = default;
+};
+
 } // namespace rodwake

@@ -26,6 +26,7 @@
 // Where d_2 < d_1/5 beads have gone round their cages between two frames: then noise and cage look alike, and
 // none is found.
 
+#include "rodwake/core/track_rows.hpp"
 #include "rodwake/measure/frame.hpp"
 #include "rodwake/measure/memory_kernel.hpp"
 #include "rodwake/measure/state_io.hpp"
@@ -35,14 +36,6 @@
 #include <vector>
 
 namespace rodwake::measure {
-
-/// What is done about a camera's errors.
-struct Localisation {
-    bool find = false;  ///< b is taken from the first lags
-    double given = 0.0; ///< else b = 4 given^2, m; 0: nothing is taken off
-
-    bool operator==(const Localisation&) const = default;
-};
 
 struct MicrorheologyOptions {
     double longest_lag = 0.0; ///< s; 0: as long as the run allows

@@ -4,7 +4,7 @@
 // here.
 
 #include "rodwake/core/periodic.hpp"
-#include "rodwake/measure/microrheology.hpp"
+#include "rodwake/core/track_rows.hpp"
 
 #include <optional>
 #include <string>
@@ -52,7 +52,7 @@ struct Tracks {
     std::string group;                  ///< of particles in H5MD
     TracksWindow window;
     std::optional<PeriodicBox> box; ///< m; with a periodic window; absent: the file's own
-    measure::Localisation localisation;
+    Localisation localisation;
 
     bool operator==(const Tracks&) const = default;
 };
