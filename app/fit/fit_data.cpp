@@ -93,7 +93,7 @@ store::Table read_rods(const fs::path& file) {
                                           rods = rod_names();
     store::Table table = store::read_csv(file, time, rods);
     if (!table.find("x0") || !table.find("y0") || !table.find("theta0"))
-        throw InputError(fmt::format("{}:1: no column \"{}\"; the header must have at least {}",
+        throw InputError(fmt::format("{}:1:1: no column \"{}\"; the header must have at least {}",
                                      file.string(),
                                      !table.find("x0")   ? "x0"
                                      : !table.find("y0") ? "y0"

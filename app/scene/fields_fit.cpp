@@ -253,6 +253,7 @@ void fields(Visitor& v, FitTrajectory& t, const FitUnits& units) {
           .within(0, 999)
           .items(1, 100)
           .absent("all of the file")
+          .written_if(!t.rods.empty())
           .doc("which rods of the file, from 0")
           .example("[0, 1]"),
       t.rods);

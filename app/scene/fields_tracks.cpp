@@ -68,6 +68,7 @@ void fields(Visitor& v, TracksColumns& columns) {
           .items(4, 4)
           .written_if(!columns.ends.empty())
           .absent("headings are in a column")
+          .written_if(!columns.ends.empty())
           .doc("in place of heading: four columns, x and y of a rod's thin end and x and y of its thick end. "
                "Without columns x and y the middle is the rod's place")
           .example("[\"x1\", \"y1\", \"x2\", \"y2\"]"),
