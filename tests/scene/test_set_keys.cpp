@@ -129,6 +129,7 @@ const std::vector<std::string> bases{
              "likelihood = [\"eta\"]\n[[fit.profiles]]\nfile = \"u.csv\"\nrange = [1.0, 9.0]\n"
              "[[figures]]\nname = \"f\"\nkind = \"fit\"\nprofiles = [0]\n"),
     replaced(complete, "kind = \"cut\"", "kind = \"fit_likelihood\""),
+    replaced(complete, "[[fit.trajectories]]\n", "[[fit.trajectories]]\nrods = [0, 1]\n"),
     scanned,
     crowded,
     replaced(crowded, "schema = 1\n", "schema = 1\nunits = \"si\"\n"),
