@@ -140,7 +140,7 @@ def still(lab):
     rows = []
     for phi in STILL:
         found = [made(lab, "still", f"still_{phi:.2f}_{seed}", bed(phi, seed, 8, frames=0.02, every=1), of_beads, phi=phi, seed=seed)
-                 for seed in range(1, STILL_RUNS + 1)]
+                 for seed in range(1, min(STILL_RUNS, lab.options.runs) + 1)]
         stiffness = mean([float(row["stiffness"]) for row in found])
         rows.append([f"{phi:.2f}", len(found), f"{mean([float(row['psi6']) for row in found])[0]:.3f}", f"{stiffness[0]:.3g} +- {stiffness[1]:.2g}",
                      f"{np.mean([float(row['stiffness_error']) for row in found]):.2g}"])

@@ -1,6 +1,6 @@
 """The paper's experiments, simulated in their dish (studies/validate_dish.py): judged from the runs that it has kept."""
 
-from math import nan, sqrt
+from math import sqrt
 from pathlib import Path
 
 from . import judge, results
@@ -18,30 +18,33 @@ def kept(kind, **where):
 
 def mean_of(rows, name):
     values = [float(row[name]) for row in rows]
-    if len(values) < FEWEST:
-        return nan, nan
     middle = sum(values) / len(values)
     return middle, sqrt(sum((value - middle) ** 2 for value in values) / (len(values) - 1) / len(values))
+
+
+def too_few(*settings):
+    fewest = min(len(rows) for rows in settings)
+    return judge.unknown(f"{fewest} runs so far, and an error needs {FEWEST}") if fewest < FEWEST else None
 
 
 def changes(phi, expected, *distances):
     """Change of the separation over half the dish, distances at the start pooled."""
     def judged():
-        found = [mean_of(kept("pair", phi=phi, distance=distance), "change") for distance in distances]
-        return judge.sign(*(judge.weighted(*zip(*found)) if all(error > 0 for _, error in found) else (nan, nan)), expected, "a")
+        runs = [kept("pair", phi=phi, distance=distance) for distance in distances]
+        return too_few(*runs) or judge.sign(*judge.weighted(*zip(*(mean_of(rows, "change") for rows in runs))), expected, "a")
     return judged
 
 
 def rear_turns():
     """The rod that heads across the other's way is the rear one: it turns more."""
     rows = [{"more": abs(float(row["turn1"])) - abs(float(row["turn0"]))} for row in kept("pursuit")]
-    return judge.sign(*mean_of(rows, "more"), +1, "rad")
+    return too_few(rows) or judge.sign(*mean_of(rows, "more"), +1, "rad")
 
 
 def captured():
     rows = kept("pursuit")
-    if len(rows) < FEWEST:
-        return judge.unknown("no runs at these settings")
+    if too_few(rows):
+        return too_few(rows)
     many, runs = sum(float(row["closest"]) < CONTACT for row in rows), len(rows)
     share = many / runs
     found = judge.at_least(share, sqrt(max(share * (1 - share), 1 / runs) / runs), 0.5)

@@ -70,7 +70,6 @@ component = "Uy"
 at = "4 a"
 [[fit.trajectories]]
 file = "rods.csv"
-rods = [0, 1]
 sigma_position = 0.1
 sigma_heading = 0.05
 contact_distance = 0.1
