@@ -104,7 +104,7 @@ def of_rods(lab, folder):
 def of_beads(lab, folder):
     camera = film(lab, folder)
     window = f"tracks.window={{ circle = [{RADIUS * A}, {RADIUS * A}, {150 * A}] }}"
-    lab.call("measure", camera / "camera.toml", "-o", camera / "out", "-s", window, "-s", "measure.block=2 s", "-s", "measure.order_interval=2 s", "--quiet")
+    lab.call("measure", camera / "camera.toml", "-o", camera / "out", "-s", window, "-s", "measure.block=2 s", "-s", "measure.order_interval=2 s", "--force", "--quiet")
     found = told(camera / "out", "measure")
     psi6, stiffness = found["order"]["psi6"]["value"], found["microrheology"]["stiffness"]
     return {**no_values(), "psi6": f"{psi6:.4f}", "stiffness": f"{stiffness['value']:.5g}", "stiffness_error": f"{stiffness['error']:.3g}"}

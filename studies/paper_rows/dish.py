@@ -24,7 +24,7 @@ def mean_of(rows, name):
 
 def too_few(*settings):
     fewest = min(len(rows) for rows in settings)
-    return judge.unknown(f"{fewest} runs so far, and an error needs {FEWEST}") if fewest < FEWEST else None
+    return judge.unknown(f"runs so far: {fewest}; an error needs {FEWEST}") if fewest < FEWEST else None
 
 
 def changes(phi, expected, *distances):
