@@ -143,8 +143,8 @@ void tell_camera(const MicrorheologyResult& r, const Localisation& asked, double
     if (!asked.find && asked.given == 0.0 && is_known && found.value > 3.0 * found.error)
         told.line += fmt::format(
             "; localisation seems to be {} a: tracks.localisation = \"auto\" takes it off", text(found));
-    if (r.taken_off != 0.0 && !(r.stiffness_zero.error < 0.5 * r.stiffness_zero.value))
-        told.line += "; the camera's noise hides the stiffness";
+    if (asked.find && r.taken_off != 0.0 && !(r.scatter < 0.5 * r.stiffness_zero.value))
+        told.line += "; the camera's noise may hide the stiffness";
 }
 
 MeasureReport report(const MeasuredCase& data) {
