@@ -17,13 +17,12 @@ import shutil
 
 import numpy as np
 
-from lab import SOURCE, columns, keep_row, kept_rows, mean, parser, run_parts, table, told
+from lab import columns, keep_row, kept_rows, mean, parser, run_parts, table, text, told
+from paper_rows.dish import CONTACT, KEPT
 
-KEPT = SOURCE / "studies" / "dish.csv"
 DENSITIES, DISTANCES = (0.70, 0.78), (18, 24)
 STILL, STILL_RUNS = (0.62, 0.66, 0.68, 0.70, 0.72, 0.74, 0.76, 0.78), 2
 A, RADIUS = 4e-4, 162.5
-CONTACT = 12.0  # a: two rods side by side or in line touch
 BED = """schema = 1
 title = "The paper's dish"
 [granular]
@@ -51,8 +50,8 @@ heading = "{} deg"
 
 
 def bed(phi, seed, duration, frames=0.1, every=100, rods=(), more=""):
-    text = BED.format(phi=phi, seed=seed, duration=duration, frames=frames, every=every, more=more)
-    return text + "".join(ROD.format(*rod) for rod in rods)
+    scene = BED.format(phi=phi, seed=seed, duration=duration, frames=frames, every=every, more=more)
+    return scene + "".join(ROD.format(*rod) for rod in rods)
 
 
 def film(lab, folder):
@@ -117,11 +116,11 @@ def pairs(lab):
             found = []
             for seed in range(1, lab.options.runs + 1):
                 rods = [(0.5 * RADIUS, middle + side * distance / 2, 0) for side in (1, -1)]
-                text = bed(phi, seed, 60, rods=rods, more=f'stop_at_travel = "{RADIUS} a"')
-                found.append(made(lab, "pair", f"pair_{phi:.2f}_{distance}_{seed}", text, of_rods, phi=phi, distance=distance, seed=seed))
+                scene = bed(phi, seed, 60, rods=rods, more=f'stop_at_travel = "{RADIUS} a"')
+                found.append(made(lab, "pair", f"pair_{phi:.2f}_{distance}_{seed}", scene, of_rods, phi=phi, distance=distance, seed=seed))
             change = mean([float(row["change"]) for row in found])
             near = sum(float(row["closest"]) < CONTACT for row in found)
-            rows.append([f"{phi:.2f}", f"{distance} a", len(found), f"{change[0]:+.1f} +- {change[1]:.1f}", f"{near}"])
+            rows.append([f"{phi:.2f}", f"{distance} a", len(found), text(change, digits=1), f"{near}"])
     table("Two rods side by side in the dish, over half its diameter", ["phi_b", "apart at the start", "runs", "change of separation, a", "came to contact"], rows)
 
 
@@ -133,7 +132,7 @@ def pursuit(lab):
     turns = [(abs(float(row["turn0"])), abs(float(row["turn1"]))) for row in found]
     near = sum(float(row["closest"]) < CONTACT for row in found)
     table("Perpendicular starts 26 a apart in the dish, phi_b = 0.78", ["runs", "came to contact", "turn of the rod along x, rad", "of the other"],
-          [[len(found), near, *(f"{value:.2f} +- {error:.2f}" for value, error in (mean(column) for column in zip(*turns)))]])
+          [[len(found), near, *(text(mean(column)) for column in zip(*turns))]])
 
 
 def still(lab):
@@ -142,7 +141,7 @@ def still(lab):
         found = [made(lab, "still", f"still_{phi:.2f}_{seed}", bed(phi, seed, 8, frames=0.02, every=1), of_beads, phi=phi, seed=seed)
                  for seed in range(1, min(STILL_RUNS, lab.options.runs) + 1)]
         stiffness = mean([float(row["stiffness"]) for row in found])
-        rows.append([f"{phi:.2f}", len(found), f"{mean([float(row['psi6']) for row in found])[0]:.3f}", f"{stiffness[0]:.3g} +- {stiffness[1]:.2g}",
+        rows.append([f"{phi:.2f}", len(found), f"{mean([float(row['psi6']) for row in found])[0]:.3f}", text(stiffness, digits=3),
                      f"{np.mean([float(row['stiffness_error']) for row in found]):.2g}"])
     table("Beads in the dish: order and stiffness", ["phi_b", "runs", "psi6", "stiffness, 1/a^2, +- between runs", "error told"], rows)
 

@@ -66,7 +66,6 @@ void fields(Visitor& v, TracksColumns& columns) {
          "\"theta\"", columns.heading);
     v(key("ends")
           .items(4, 4)
-          .written_if(!columns.ends.empty())
           .absent("headings are in a column")
           .written_if(!columns.ends.empty())
           .doc("in place of heading: four columns, x and y of a rod's thin end and x and y of its thick end. "
@@ -127,7 +126,7 @@ void fields(Visitor& v, Tracks& tracks) {
           .within(0.0, 1.0)
           .absent("nothing is taken off")
           .doc("standard error of a coordinate as the camera finds it, which is taken off the mean-square "
-               "displacement; auto: as the shortest lags have it")
+               "displacement and, if given, out of bond order; auto: as the shortest lags have it")
           .example("\"auto\""),
       tracks.localisation);
     v(key("rod_kinds")

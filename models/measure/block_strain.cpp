@@ -1,5 +1,6 @@
-#include "block_strain.hpp"
+// What strain of the crystal each block of time has of its own, in a window (phase_cell.hpp).
 
+#include "phase_cell.hpp"
 #include "plane_waves.hpp"
 
 #include <Eigen/Cholesky>

@@ -1,4 +1,3 @@
-#include "block_strain.hpp"
 #include "blocks.hpp"
 #include "displacement_impl.hpp"
 #include "estimators.hpp"

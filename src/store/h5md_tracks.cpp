@@ -289,7 +289,8 @@ private:
     std::string unit() const {
         for (const std::string& owner : {bodies_.group + "position/value", bodies_.group + "position"})
             if (H5Aexists_by_name(file_.get(), owner.c_str(), "unit", H5P_DEFAULT) > 0)
-                return text_attribute(file_, owner, "unit").front();
+                if (const auto said = text_attribute(file_, owner, "unit"); !said.empty())
+                    return said.front();
         return "";
     }
 

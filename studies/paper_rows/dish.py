@@ -7,7 +7,7 @@ from . import judge, results
 
 KEPT = Path(__file__).parents[1] / "dish.csv"
 MADE = "studies/validate_dish.py"
-CONTACT = 12.0  # a
+CONTACT = 12.0  # a, between the middles of two rods: side by side or in line they touch
 FEWEST = 4      # runs, for an error
 
 

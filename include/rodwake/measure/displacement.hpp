@@ -23,7 +23,7 @@
 //               otherwise the mean smears out, which `coherence` shows. Blurred over 0.75 lattice spacings.
 //
 // In a window of a film (Layout::window) phase finds G_k in each block of time, and U is known up to a linear
-// function of the place: it has none in the far field (models/measure/block_strain.hpp); lagrangian is
+// function of the place: it has none in the far field (models/measure/phase_cell.hpp); lagrangian is
 // relative to the far field, density is refused.
 //
 // A value is a mean over one cell of the lattice around the bin's middle (phase_cell.hpp says why), so bins
