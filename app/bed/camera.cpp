@@ -3,10 +3,12 @@
 #include "measure_frames.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/atomic_file.hpp"
+#include "rodwake/store/png.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 namespace rodwake::app {
 
@@ -87,6 +89,59 @@ std::string scene_text(const measure::Camera& camera, const measure::Layout& lay
         pictures >= fewest_for_stiffness ? "true" : "false     # of 32 pictures and more", 0.25 * length);
 }
 
+/// Beads are white, rods grey: a finder has it easy.
+std::vector<measure::Disc> discs_of(const store::StoredFrame& frame, const store::TrajectoryInfo& info) {
+    std::vector<measure::Disc> discs;
+    for (std::size_t i = 0; i < frame.x.size(); ++i)
+        discs.push_back({frame.x[i], frame.y[i], info.bead_radius, 1.0});
+    for (std::size_t i = 0; i < info.sphere_radius.size(); ++i)
+        discs.push_back({frame.sphere_x[i], frame.sphere_y[i], info.sphere_radius[i], 0.5});
+    return discs;
+}
+
+/// Draws the first pictures of a film.
+class Images {
+public:
+    Images(const measure::Camera& camera, const measure::Layout& layout, const fs::path& folder)
+        : wanted_(camera.images), folder_(folder / "images") {
+        if (wanted_ == 0)
+            return;
+        sensor_.emplace(camera, layout);
+        fs::create_directories(folder_);
+    }
+
+    /// A frame that `film` takes next.
+    void expose(const measure::Film& film, const store::StoredFrame& frame,
+                const store::TrajectoryInfo& info) {
+        if (drawn_ < wanted_ && film.is_open())
+            sensor_->expose(discs_of(frame, info));
+    }
+
+    /// The picture is complete.
+    void develop() {
+        if (drawn_ == wanted_)
+            return;
+        const auto grey = sensor_->develop();
+        store::write_atomically(name_of(drawn_),
+                                store::png_of_grey(sensor_->width(), sensor_->height(), grey));
+        ++drawn_;
+    }
+
+    /// How many there are; those of a longer film before it go.
+    std::size_t finish() const {
+        for (std::size_t k = drawn_; fs::remove(name_of(k)); ++k) {
+        }
+        return drawn_;
+    }
+
+private:
+    fs::path name_of(std::size_t picture) const { return folder_ / fmt::format("{:06}.png", picture); }
+
+    std::size_t wanted_, drawn_ = 0;
+    fs::path folder_;
+    std::optional<measure::Sensor> sensor_;
+};
+
 } // namespace
 
 Filmed film(const fs::path& run, const CameraFor& camera_for, const fs::path& folder,
@@ -97,6 +152,7 @@ Filmed film(const fs::path& run, const CameraFor& camera_for, const fs::path& fo
     const measure::Camera camera = camera_for(layout);
     const double interval = interval_of(reader.info(), camera.every, file);
     measure::Film film(camera, layout);
+    Images images(camera, layout, folder);
     Filmed filmed{.tracks = folder / "tracks.csv", .scene = folder / "camera.toml"};
     fmt::memory_buffer rows;
     rows.append(std::string_view("frame,particle,x,y,theta,kind\n"));
@@ -107,12 +163,15 @@ Filmed film(const fs::path& run, const CameraFor& camera_for, const fs::path& fo
             return filmed;
         reader.read(i, stored);
         fill_frame(frame, stored, layout.box);
+        images.expose(film, stored, reader.info());
         if (!film.expose(frame))
             continue;
+        images.develop();
         add_rows(rows, film.pictures() - 1, film.spots());
         filmed.spots += film.spots().size();
     }
     filmed.pictures = film.pictures();
+    filmed.images = images.finish();
     fs::create_directories(folder);
     store::write_atomically(filmed.tracks, {rows.data(), rows.size()});
     store::write_atomically(filmed.scene, scene_text(camera, layout, interval, filmed.pictures, command));

@@ -234,6 +234,13 @@ void add_camera(CLI::App& app, Options& options) {
         ->check(whole_number_from(0, 1000000));
     camera->add_option("--noise", options.localisation,
                        "standard deviation of a spot's coordinate, a length [0]");
+    camera
+        ->add_option("--images", c.images,
+                     "pictures that are drawn, from the first on: images/000000.png [0]")
+        ->check(whole_number_from(0, 1000000));
+    camera->add_option("--blur", c.blur, "standard deviation of the lens in them, pixels, 0.1 to 20 [1]");
+    camera->add_option("--photons", c.photons,
+                       "that a white pixel of them counts: their noise, 1 to 1e9 [1000]");
     camera->add_option("--seed", options.seed, "of what is lost and of the noise, 0 to 2^63 - 1 [1]")
         ->check(whole_number_from(0, largest_seed));
     add_force(*camera, options, "replace what a camera wrote there before");

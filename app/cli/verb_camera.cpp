@@ -53,7 +53,7 @@ fs::path camera_folder(const Options& options) {
 
 int verb_camera(const Options& options) {
     const fs::path folder = camera_folder(options);
-    for (const char* name : {"tracks.csv", "camera.toml"})
+    for (const char* name : {"tracks.csv", "camera.toml", "images"})
         if (fs::exists(folder / name) && !options.force)
             throw InputError(fmt::format("{}: is there; --force replaces it, or name another folder with -o",
                                          (folder / name).string()));
@@ -63,8 +63,10 @@ int verb_camera(const Options& options) {
     if (stop_signal())
         return signal_exit_code(stop_signal());
     if (!options.quiet)
-        fmt::print("{}: {} pictures, {} spots\n{}: rodwake run {} measures them\n", filmed.tracks.string(),
-                   filmed.pictures, filmed.spots, filmed.scene.string(), filmed.scene.string());
+        fmt::print("{}: {} pictures, {} spots{}\n{}: rodwake run {} measures them\n", filmed.tracks.string(),
+                   filmed.pictures, filmed.spots,
+                   filmed.images > 0 ? fmt::format("; {} drawn in images", filmed.images) : "",
+                   filmed.scene.string(), filmed.scene.string());
     return 0;
 }
 

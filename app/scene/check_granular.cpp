@@ -266,18 +266,21 @@ void deviations(const Measure& m, const Granular& bed, const Report& report) {
                            lag, measured));
 }
 
-/// What is measured by nearest images and wave vectors of the box, or as if the bed had no edge.
+/// What is measured by nearest images and wave vectors of the box.
 void periodic_only(const Measure& m, const Report& report) {
-    const std::pair<const char*, bool> keys[] = {{"displacement", m.displacement.has_value()},
-                                                 {"flow", m.flow},
-                                                 {"mechanics", m.mechanics},
-                                                 {"phonons", m.phonons}};
-    for (const auto& [key, wanted] : keys)
-        if (wanted)
-            report(std::string("measure.") + key,
-                   fmt::format("{} is measured in a periodic box, and this bed has a wall: leave {} out, or "
+    const struct {
+        const char *key, *what;
+        bool wanted;
+    } keys[] = {{"displacement", "displacement = \"density\"",
+                 m.displacement == measure::DisplacementMethod::density},
+                {"mechanics", "mechanics", m.mechanics},
+                {"phonons", "phonons", m.phonons}};
+    for (const auto& one : keys)
+        if (one.wanted)
+            report(std::string("measure.") + one.key,
+                   fmt::format("{} is measured in a periodic box, and this bed has a wall: leave it out, or "
                                "give granular.box in place of [granular.container]",
-                               key, key));
+                               one.what));
 }
 
 /// Of the box, or of what the container fits into, m; endless where that is not known.

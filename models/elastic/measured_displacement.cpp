@@ -17,13 +17,11 @@ namespace rodwake::elastic {
 
 namespace {
 
-/// Standard normal numbers (Box and Muller).
+/// Standard normal numbers.
 std::vector<double> normal_numbers(RandomStream random, std::size_t count) {
     std::vector<double> numbers(count);
-    for (double& z : numbers) {
-        const double length = std::sqrt(-2.0 * std::log(random.uniform()));
-        z = length * std::cos(2.0 * std::numbers::pi * random.uniform());
-    }
+    for (double& z : numbers)
+        z = random.normal();
     return numbers;
 }
 

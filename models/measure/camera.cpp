@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace rodwake::measure {
 
@@ -52,6 +54,8 @@ void validate(const Camera& camera, const Layout& layout) {
     require(camera.lost >= 0.0 && camera.lost < 1.0, "lost", camera.lost, "0 or more and below 1");
     require(camera.noise >= 0.0 && camera.noise < layout.box.shorter(), "noise", camera.noise,
             "0 or more and below the side of the box, m");
+    require(camera.blur >= 0.1 && camera.blur <= 20.0, "blur", camera.blur, "from 0.1 to 20 pixels");
+    require(camera.photons >= 1.0 && camera.photons <= 1e9, "photons", camera.photons, "from 1 to 1e9");
     const double widest = widest_view(camera, layout);
     if (!sees_all(camera, layout) && camera.view > widest)
         throw InputError(
@@ -65,11 +69,6 @@ void validate(const Camera& camera, const Layout& layout) {
 double into_box(double x, double side) {
     const double inside = x - side * std::floor(x / side);
     return inside < side ? inside : 0.0;
-}
-
-double normal(RandomStream& random) {
-    const double length = std::sqrt(-2.0 * std::log(random.uniform()));
-    return length * std::cos(2.0 * M_PI * random.uniform());
 }
 
 } // namespace
@@ -88,6 +87,16 @@ std::optional<Window> seen_by(const Camera& camera, const Layout& layout) {
         seen->radius *= 1.0 + camera.distortion * part * part;
     }
     return seen;
+}
+
+std::optional<Corner> in_picture(const Camera& camera, const PeriodicBox& box, double x, double y) {
+    const double rx = x - 0.5 * box.x, ry = y - 0.5 * box.y, c = std::cos(camera.turned),
+                 s = std::sin(camera.turned), width = camera.view * box.x, height = camera.view * box.y,
+                 far2 = (rx * rx + ry * ry) / (0.25 * (width * width + height * height)),
+                 stretch = 1.0 + camera.distortion * far2;
+    if (far2 > 3.0)
+        return std::nullopt;
+    return Corner{stretch * (c * rx + s * ry) + 0.5 * width, stretch * (c * ry - s * rx) + 0.5 * height};
 }
 
 Film::Film(const Camera& camera, const Layout& layout)
@@ -135,26 +144,20 @@ void Film::develop(const Frame& frame) {
 
 void Film::find(std::size_t body, double x, double y, double heading) {
     if (!camera_.sees_the_box()) {
-        const double rx = x - 0.5 * layout_.box.x, ry = y - 0.5 * layout_.box.y, c = std::cos(camera_.turned),
-                     s = std::sin(camera_.turned),
-                     far2 =
-                         (rx * rx + ry * ry) / (0.25 * (picture_.x * picture_.x + picture_.y * picture_.y)),
-                     stretch = 1.0 + camera_.distortion * far2;
-        if (far2 > 3.0) // a barrel would fold it back
+        const std::optional<Corner> at = in_picture(camera_, layout_.box, x, y);
+        if (!at || !(at->x >= 0.0 && at->x < picture_.x && at->y >= 0.0 && at->y < picture_.y))
             return;
-        x = stretch * (c * rx + s * ry) + 0.5 * picture_.x;
-        y = stretch * (c * ry - s * rx) + 0.5 * picture_.y;
+        x = at->x;
+        y = at->y;
         heading -= camera_.turned;
-        if (!(x >= 0.0 && x < picture_.x && y >= 0.0 && y < picture_.y))
-            return;
     }
     RandomStream random(camera_.seed, static_cast<std::uint32_t>(pictures_),
                         static_cast<std::uint32_t>(body));
     if (camera_.lost > 0.0 && random.uniform() < camera_.lost)
         return;
     if (camera_.noise > 0.0) {
-        x += camera_.noise * normal(random);
-        y += camera_.noise * normal(random);
+        x += camera_.noise * random.normal();
+        y += camera_.noise * random.normal();
         if (!layout_.window && camera_.sees_the_box()) {
             x = into_box(x, layout_.box.x);
             y = into_box(y, layout_.box.y);
@@ -165,6 +168,70 @@ void Film::find(std::size_t body, double x, double y, double heading) {
         seen.number = numbers_++;
     seen.picture = pictures_;
     spots_.push_back({seen.number, x / camera_.pixel, y / camera_.pixel, heading});
+}
+
+namespace {
+
+constexpr double most_pixels = 1e8;
+constexpr double background = 0.1, white = 220.0; // a photon's noise has room above
+
+std::size_t pixels_of(double side, double pixel) {
+    return static_cast<std::size_t>(std::ceil(side / pixel * (1.0 - 1e-12)));
+}
+
+} // namespace
+
+Sensor::Sensor(const Camera& camera, const Layout& layout)
+    : camera_(camera), box_(layout.box), width_(pixels_of(camera.view * box_.x, camera.pixel)),
+      height_(pixels_of(camera.view * box_.y, camera.pixel)) {
+    validate(camera, layout);
+    if (static_cast<double>(width_) * static_cast<double>(height_) > most_pixels)
+        throw InputError(fmt::format("camera: pictures of {} x {} pixels: at most 1e8; take a larger pixel, "
+                                     "or a smaller view",
+                                     width_, height_));
+    sum_.assign(width_ * height_, 0.0F);
+    frame_ = sum_;
+}
+
+void Sensor::expose(std::span<const Disc> discs) {
+    std::ranges::fill(frame_, static_cast<float>(background));
+    for (const Disc& disc : discs)
+        if (const auto at = in_picture(camera_, box_, into_box(disc.x, box_.x), into_box(disc.y, box_.y)))
+            draw(disc, *at);
+    for (std::size_t k = 0; k < sum_.size(); ++k)
+        sum_[k] += frame_[k];
+    ++frames_;
+}
+
+/// Pixel k reaches from k to k + 1.
+void Sensor::draw(const Disc& disc, const Corner& at) {
+    const double x = at.x / camera_.pixel, y = at.y / camera_.pixel, radius = disc.radius / camera_.pixel,
+                 reach = radius + 4.0 * camera_.blur;
+    const auto pixel = [](double place, std::size_t count) {
+        return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(count)));
+    };
+    for (std::size_t j = pixel(y - reach, height_); j < pixel(y + reach + 1.0, height_); ++j)
+        for (std::size_t i = pixel(x - reach, width_); i < pixel(x + reach + 1.0, width_); ++i) {
+            const double off = std::hypot(static_cast<double>(i) + 0.5 - x, static_cast<double>(j) + 0.5 - y),
+                         inside = 0.5 * std::erfc((off - radius) / (std::numbers::sqrt2 * camera_.blur));
+            float& value = frame_[j * width_ + i];
+            value = std::max(value, static_cast<float>(background + (disc.value - background) * inside));
+        }
+}
+
+std::vector<std::uint8_t> Sensor::develop() {
+    RandomStream random(camera_.seed, ++pictures_, 0xffffffffU); // Film's bodies are below
+    std::vector<std::uint8_t> grey;
+    grey.reserve(sum_.size());
+    for (std::size_t row = height_; row-- > 0;)
+        for (std::size_t i = 0; i < width_; ++i) {
+            const double mean = static_cast<double>(sum_[row * width_ + i]) / static_cast<double>(frames_);
+            const double seen = mean + std::sqrt(mean / camera_.photons) * random.normal();
+            grey.push_back(static_cast<std::uint8_t>(std::clamp(std::round(white * seen), 0.0, 255.0)));
+        }
+    std::ranges::fill(sum_, 0.0F);
+    frames_ = 0;
+    return grey;
 }
 
 } // namespace rodwake::measure

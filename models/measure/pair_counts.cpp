@@ -84,6 +84,7 @@ std::vector<double> count_pairs_in(const Window& window, const std::vector<doubl
     std::vector<double> order(n + padding), share(bins), sums(bins, 0.0);
     std::vector<std::int32_t> seen(static_cast<std::size_t>(1.0001 * std::hypot(box.x, box.y) / bin) + 2);
     seen.resize(std::max(seen.size(), bins));
+    CircleShares shares(window);
     for (std::size_t i = 0; i < n; ++i) {
         all_x[0] = x[i];
         all_y[0] = y[i];
@@ -92,7 +93,7 @@ std::vector<double> count_pairs_in(const Window& window, const std::vector<doubl
         for (std::size_t k = 0; k < n; ++k)
             ++seen[static_cast<std::size_t>(at[k])];
         --seen[0];
-        window.shares(x[i], y[i], bin, share);
+        shares.about(x[i], y[i], bin, share);
         for (std::size_t k = 0; k < bins; ++k)
             if (share[k] > least_share)
                 sums[k] += 0.5 * seen[k] / share[k];

@@ -288,11 +288,39 @@ void PhaseAccumulator::count(const Seen& now, const Phases& waves, BlockSums& bl
 void PhaseAccumulator::save(StateWriter& out) const {
     measure::save(out, peaks_);
     blocks_.save(out);
+    if (!layout_.window)
+        return;
+    out.put(block_peaks_.size());
+    for (const BraggPeaks& peaks : block_peaks_)
+        measure::save(out, peaks);
+    out.put(waiting_.size());
+    for (const Frame& frame : waiting_) { // of a bed: all beads, all rods
+        out.put(frame.time);
+        out.put(frame.x);
+        out.put(frame.y);
+        for (const RodPlace& rod : frame.rods)
+            for (const double value : {rod.x, rod.y, rod.heading})
+                out.put(value);
+    }
 }
 
 void PhaseAccumulator::load(StateReader& in) {
     peaks_ = load_peaks(in);
     blocks_.load(in);
+    block_peaks_.clear();
+    waiting_.clear();
+    if (!layout_.window)
+        return;
+    for (std::size_t left = in.count(); left > 0; --left)
+        block_peaks_.push_back(load_peaks(in).value_or(BraggPeaks{}));
+    for (std::size_t left = in.count(); left > 0; --left) {
+        Frame frame{.time = in.get(), .x = in.array(layout_.beads), .y = in.array(layout_.beads)};
+        for (std::size_t r = 0; r < layout_.rods; ++r) {
+            const double x = in.get(), y = in.get();
+            frame.rods.push_back({x, y, in.get()});
+        }
+        waiting_.push_back(std::move(frame));
+    }
 }
 
 void save(StateWriter& out, const std::optional<BraggPeaks>& peaks) {

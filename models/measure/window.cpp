@@ -142,43 +142,60 @@ void circle_shares(double radius, double off, double bin, std::span<double> shar
     }
 }
 
-/// Takes off what lies beyond one edge: of the directions in which it is seen, those in which it is nearer
-/// than the radius. `distance` to its line; the edge is seen at angles from low to high off the normal. All
-/// of it, from some bin on, is left to `rest`.
-void take_edge(double distance, double low, double high, double bin, std::span<double> share,
-               std::vector<double>& rest) {
-    const double nearest = low > 0.0    ? distance / std::cos(low)
-                           : high < 0.0 ? distance / std::cos(high)
-                                        : distance,
-                 farthest = distance / std::min(std::cos(low), std::cos(high));
-    const auto bin_of = [&](double r) {
-        return static_cast<std::size_t>(
-            std::clamp(std::ceil(r / bin - 0.5), 0.0, static_cast<double>(share.size())));
-    };
-    const std::size_t first = bin_of(nearest), last = std::max(first, bin_of(farthest));
-    take_edge_row(distance / bin, low, high, first, last, share.data());
-    rest[last] += (high - low) / (2.0 * pi);
+double within_half_turn(double angle) {
+    return angle > pi ? angle - 2.0 * pi : angle < -pi ? angle + 2.0 * pi : angle;
 }
 
 } // namespace
 
-void Window::shares(double x, double y, double bin, std::span<double> share) const {
-    if (corners.empty())
-        return circle_shares(radius, std::hypot(x - centre.x, y - centre.y), bin, share);
-    std::ranges::fill(share, 1.0);
-    std::vector<double> rest(share.size() + 1, 0.0);
-    edges_of(corners, [&](const Corner& a, const Corner& b) {
-        const double length = std::hypot(b.x - a.x, b.y - a.y), tx = (b.x - a.x) / length,
-                     ty = (b.y - a.y) / length;
-        const double distance = std::max(0.0, tx * (y - a.y) - ty * (x - a.x));
-        const double from = tx * (a.x - x) + ty * (a.y - y), to = from + length;
-        take_edge(distance, std::atan2(from, distance), std::atan2(to, distance), bin, share, rest);
+CircleShares::CircleShares(const Window& window) : window_(window), seen_(window.corners.size()) {
+    edges_of(window.corners, [&](const Corner& a, const Corner& b) {
+        const double length = std::hypot(b.x - a.x, b.y - a.y);
+        edges_.push_back(
+            {a, length, (b.x - a.x) / length, (b.y - a.y) / length, std::atan2(a.x - b.x, b.y - a.y)});
     });
+}
+
+/// Takes off what lies beyond one edge: of the directions in which it is seen, those in which it is nearer
+/// than the radius. All of it, from some bin on, is left to `rest`.
+void CircleShares::take(const Edge& edge, const Seen& from, const Seen& to, double bin,
+                        std::span<double> share) {
+    const double distance = std::max(0.0, edge.ty * from.x - edge.tx * from.y);
+    double low = within_half_turn(from.angle - edge.normal),
+           high = low + within_half_turn(to.angle - from.angle);
+    if (distance < 1e-9 * edge.length) { // an end may be the point itself, which has no direction
+        const double along = edge.tx * from.x + edge.ty * from.y;
+        low = std::atan2(along, distance);
+        high = std::atan2(along + edge.length, distance);
+    }
+    const double nearest = low > 0.0 ? from.distance : high < 0.0 ? to.distance : distance;
+    const auto bin_of = [&](double r) {
+        return static_cast<std::size_t>(
+            std::clamp(std::ceil(r / bin - 0.5), 0.0, static_cast<double>(share.size())));
+    };
+    const std::size_t first = bin_of(nearest),
+                      last = std::max(first, bin_of(std::max(from.distance, to.distance)));
+    take_edge_row(distance / bin, low, high, first, last, share.data());
+    rest_[last] += (high - low) / (2.0 * pi);
+}
+
+void CircleShares::about(double x, double y, double bin, std::span<double> share) {
+    if (edges_.empty())
+        return circle_shares(window_.radius, std::hypot(x - window_.centre.x, y - window_.centre.y), bin,
+                             share);
+    std::ranges::fill(share, 1.0);
+    rest_.assign(share.size() + 1, 0.0);
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+        const double to_x = edges_[k].from.x - x, to_y = edges_[k].from.y - y;
+        seen_[k] = {to_x, to_y, std::sqrt(to_x * to_x + to_y * to_y), std::atan2(to_y, to_x)};
+    }
+    for (std::size_t k = 0; k < edges_.size(); ++k)
+        take(edges_[k], seen_[k], seen_[k + 1 == edges_.size() ? 0 : k + 1], bin, share);
     // In a corner the border is seen in fewer directions than there are: in the others all is outside.
-    double taken = 1.0 - std::accumulate(rest.begin(), rest.end(), 0.0);
+    double taken = 1.0 - std::accumulate(rest_.begin(), rest_.end(), 0.0);
     taken = taken > 1e-9 ? taken : 0.0;
     for (std::size_t k = 0; k < share.size(); ++k) {
-        taken += rest[k];
+        taken += rest_[k];
         share[k] -= taken;
     }
 }

@@ -2,6 +2,7 @@
 
 #include <Random123/philox.h>
 #include <cmath>
+#include <numbers>
 
 namespace rodwake {
 
@@ -22,6 +23,11 @@ std::uint64_t RandomStream::bits() {
 }
 
 double RandomStream::uniform() { return (static_cast<double>(bits() >> 12) + 0.5) * 0x1p-52; }
+
+double RandomStream::normal() {
+    const double length = std::sqrt(-2.0 * std::log(uniform()));
+    return length * std::cos(2.0 * std::numbers::pi * uniform());
+}
 
 double RandomStream::log_uniform(double low, double high) {
     return std::exp(uniform(std::log(low), std::log(high)));

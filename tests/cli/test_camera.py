@@ -1,9 +1,14 @@
 """rodwake camera: a bed's frames as tracks, which measured again are the bed."""
 
+import collections
+import csv
 import json
+import math
+import statistics
+import subprocess
 
 import rodwake
-from rodwake import ProgramTest
+from rodwake import SOURCE, ProgramTest
 
 BED = """schema = 1
 [granular]
@@ -33,6 +38,13 @@ class CameraTest(ProgramTest):
     def measured(self, folder):
         return json.loads((self.folder / folder / "measure.json").read_text())
 
+    def spots(self, name):
+        """(kind, frame): (x, y, theta) of each."""
+        found = collections.defaultdict(list)
+        for row in csv.DictReader((self.folder / name).read_text().splitlines()):
+            found[row["kind"], int(row["frame"])].append((float(row["x"]), float(row["y"]), float(row["theta"] or "nan")))
+        return found
+
     def test_a_whole_bed_is_itself(self):
         self.expect(0, "measure", "bed.toml", "-o", "bed", "--quiet")
         told = self.expect(0, "camera", "bed", "--pixel", "1 a").stdout
@@ -53,6 +65,22 @@ class CameraTest(ProgramTest):
         self.assertIn("--turned 17", scene)
         self.expect(0, "measure", "eye/camera.toml", "-o", "film", "--quiet")
         self.assertGreater(json.loads((self.folder / "film/tracks.json").read_text())["lost_share"], 0.02)
+
+    def test_images_are_found_again(self):
+        self.expect(0, "camera", "bed", "-o", "eye", "--view", "0.7", "--turned", "17", "--every", "8", "--images", "3", "--quiet")
+        self.assertEqual(sorted(path.name for path in (self.folder / "eye/images").iterdir()), ["000000.png", "000001.png", "000002.png"])
+        subprocess.run(["/usr/bin/python3", SOURCE / "examples/film/find_spots.py", "eye"], cwd=self.folder, check=True, capture_output=True)
+        truth, found = self.spots("eye/tracks.csv"), self.spots("eye/found.csv")
+        for frame in range(3):
+            far = [min(math.dist(spot[:2], bead[:2]) for bead in truth["bead", frame]) for spot in found["bead", frame]]
+            self.assertGreater(len(far), 0.75 * len(truth["bead", frame]))  # less those cut by the edge
+            self.assertLess(statistics.median(far), 0.2)                    # of 20 pixels of radius
+            (rod,), (seen,) = truth["rod", frame], found["rod", frame]
+            self.assertLess(math.dist(rod[:2], seen[:2]), 12)               # the middle of its area is not its centre of mass
+            self.assertLess(abs(math.remainder(rod[2] - seen[2], math.tau)), 0.05)
+        # fewer pictures: what an earlier film left goes
+        self.expect(0, "camera", "bed", "-o", "eye", "--every", "8", "--images", "1", "--pixel", "0.2 a", "--force", "--quiet")
+        self.assertEqual([path.name for path in (self.folder / "eye/images").iterdir()], ["000000.png"])
 
     def test_what_cannot_be(self):
         self.refuse(2, "nowhere: not a run directory", "camera", "nowhere")

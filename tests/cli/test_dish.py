@@ -108,6 +108,27 @@ class DishTest(BedTest):
             self.assertAlmostEqual(film["order"][name]["value"], found["order"][name]["value"], delta=1e-12)  # pixels and back
         self.assertAlmostEqual(film["microrheology"]["stiffness"]["value"] / found["microrheology"]["stiffness"]["value"], 1.0, delta=1e-9)
 
+    def test_wake(self):
+        """Displacement and flow around a rod: of the bed, with a stop on the way, and of a film of it."""
+        keys = (*setting(phi_b=0.8, container__radius='"24 a"', duration=1.0, output__frames=0.01, output__checkpoint=0.1), "-s", "measure.flow=true",
+                "-s", 'measure.displacement="phase"', "-s", "measure.block=0.25", "-s", "granular.rods.0.position=['18 a','24 a']")
+        self.expect(0, "run", "dish.toml", "-o", "out", "--no-figures", *keys)
+        self.interrupt(signal.SIGTERM, 1.0, "run", "dish.toml", "-o", "parts", "--no-figures", *keys)
+        self.expect(0, "run", "dish.toml", "-o", "parts", "--no-figures", *keys)
+        self.assertIn("circle = ", self.expect_camera("out"))
+        self.expect(0, "measure", "out/camera/camera.toml", "-o", "film", *keys[-6:-2])
+        for name in "displacement.vti", "flow.vti":
+            self.assertEqual(self.out("parts", name).read_bytes(), self.out("out", name).read_bytes())
+        fields = [self.fields(folder) for folder in ("out", "film")]
+        self.assertEqual(fields[0].keys(), fields[1].keys())
+        for name, values in fields[0].items():
+            np.testing.assert_allclose(fields[1][name], values, rtol=1e-6, atol=1e-9 * np.abs(values).max(), err_msg=name)
+
+    def fields(self, folder):
+        with h5py.File(self.out(folder, "result.h5")) as file:
+            return {f"{group}/{name}": file[f"{group}/{name}"][()] for group in ("displacement", "flow") for name in file[group]
+                    if file[f"{group}/{name}"].ndim == 2}
+
     def expect_camera(self, run):
         self.expect(0, "camera", run, "--pixel", "0.1 a")
         return self.out(run, "camera/camera.toml").read_text()
@@ -127,9 +148,9 @@ class DishTest(BedTest):
                             (setting(container__radius=-1), "radius"),
                             (["-s", 'granular.rods.0.position=["2 a","14 a"]'], "through the wall of the container"),
                             (["-s", "granular.rods.0.imposed_speed=0.5"], "shorten the duration"),
-                            (["-s", "measure.flow=true"], "measure.flow.*periodic box.*this bed has a wall"),
+                            (["-s", "measure.mechanics=true"], "measure.mechanics.*periodic box.*this bed has a wall"),
                             (["-s", "measure.order_cutoff=0.01", "-s", "measure.order=true"], "order_cutoff.*a quarter of the box"),
-                            (["-s", 'measure.displacement="phase"'], "measure.displacement.*wall"),
+                            (["-s", 'measure.displacement="density"'], r'displacement = "density" is measured in a periodic box'),
                             (["-s", 'granular.body_force={kind="gaussian",acceleration=1,width="1 a"}'], "gaussian")):
             with self.subTest(keys=keys):
                 self.refuse(2, words, "check", "dish.toml", *keys)

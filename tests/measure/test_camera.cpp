@@ -159,3 +159,60 @@ TEST_CASE("A camera sees all of a dish, or a picture within", "[camera]") {
     CHECK(least < 0.5);
     CHECK(least > -2.0); // 5.9 standard deviations
 }
+
+namespace {
+
+/// What a picture shows of the discs: sums over its pixels of value - background, and their first moments.
+struct Light {
+    double sum = 0.0, x = 0.0, y = 0.0;
+};
+
+Light light_of(Sensor& sensor, std::span<const Disc> discs) {
+    sensor.expose(discs);
+    const std::vector<std::uint8_t> grey = sensor.develop();
+    Light light;
+    for (std::size_t k = 0; k < grey.size(); ++k) {
+        const double value = grey[k] / 220.0 - 0.1;
+        light.sum += value;
+        light.x += value * (static_cast<double>(k % sensor.width()) + 0.5);
+        light.y += value * (static_cast<double>(sensor.height() - 1 - k / sensor.width()) + 0.5);
+    }
+    light.x /= light.sum;
+    light.y /= light.sum;
+    return light;
+}
+
+} // namespace
+
+TEST_CASE("A picture shows discs of their size where they are", "[camera]") {
+    Sensor sensor({.pixel = 0.05, .photons = 1e9}, bed(1));
+    REQUIRE(sensor.width() == 400);
+    const Disc bead{.x = 13.02, .y = 4.51, .radius = 1.0};
+    const Light one = light_of(sensor, {{bead}});
+    const double area = M_PI * 20.0 * 20.0;
+    CHECK(one.sum == Approx(0.9 * area).epsilon(2e-3)); // grey values are whole numbers
+    CHECK(one.x == Approx(13.02 / 0.05).margin(0.02));
+    CHECK(one.y == Approx(4.51 / 0.05).margin(0.02));
+    const Disc below{.x = bead.x, .y = bead.y, .radius = 0.5, .value = 0.5};
+    CHECK(light_of(sensor, {{below, bead}}).sum == Approx(one.sum));
+    CHECK(light_of(sensor, {{below}}).sum == Approx(0.4 * 0.25 * area).epsilon(5e-3));
+    sensor.expose({{bead}});
+    CHECK(light_of(sensor, {}).sum == Approx(0.5 * one.sum).epsilon(2e-3)); // there in one frame of two
+}
+
+TEST_CASE("Photons are counted with the noise that they have", "[camera]") {
+    const double photons = 50.0, pixels = 400.0 * 400.0;
+    Sensor sensor({.pixel = 0.05, .photons = photons}, bed(1));
+    sensor.expose({{{.x = 10.0, .y = 10.0, .radius = 20.0, .value = 0.5}}});
+    double mean = 0.0, square = 0.0;
+    for (const std::uint8_t grey : sensor.develop()) {
+        mean += grey / 220.0 / pixels;
+        square += grey / 220.0 * grey / 220.0 / pixels;
+    }
+    const double variance = 0.5 / photons; // its own error: a share sqrt(2/pixels) = 0.35 %, rounding 0.02 %
+    CHECK(mean == Approx(0.5).margin(4.0 * std::sqrt(variance / pixels)));
+    CHECK(square - mean * mean == Approx(variance).epsilon(0.015));
+    CHECK_THROWS_WITH(Sensor({.pixel = 1e-3}, bed(1)), Contains("20000 x 20000 pixels"));
+    CHECK_THROWS_WITH(Sensor({.pixel = 0.1, .blur = 0.0}, bed(1)), Contains("blur"));
+    CHECK_THROWS_WITH(Sensor({.pixel = 0.1, .photons = 0.5}, bed(1)), Contains("photons"));
+}

@@ -107,7 +107,7 @@ TEST_CASE("The share of a circle inside a window is exact") {
         {Window::hull(hull_x, hull_y), 3.0, 1.0},          {Window::hull(hull_x, hull_y), 6.0, 1.6}};
     for (const auto& one : cases) {
         std::vector<double> share(9);
-        one.window.shares(one.x, one.y, 0.8, share);
+        measure::CircleShares(one.window).about(one.x, one.y, 0.8, share);
         for (std::size_t k = 0; k < share.size(); ++k) {
             INFO(k);
             // a direction of those tried at each of at most 10 crossings

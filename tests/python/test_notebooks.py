@@ -10,8 +10,8 @@ BOOKS = sorted((SOURCE / "examples/notebooks").glob("*.ipynb"))
 
 
 class NotebookTest(unittest.TestCase):
-    def test_there_are_four(self):
-        self.assertEqual([book.stem for book in BOOKS], ["fit", "pair", "phase_diagram", "wake"])
+    def test_there_are_five(self):
+        self.assertEqual([book.stem for book in BOOKS], ["fit", "pair", "phase_diagram", "tracks", "wake"])
 
     def test_each_runs(self):
         """One after the other in one interpreter, which takes longer to start than a notebook to run; each begins without names."""

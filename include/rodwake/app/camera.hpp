@@ -11,8 +11,8 @@
 namespace rodwake::app {
 
 struct Filmed {
-    std::size_t pictures = 0, spots = 0;
-    std::filesystem::path tracks, scene; ///< tracks.csv, camera.toml
+    std::size_t pictures = 0, spots = 0, images = 0;
+    std::filesystem::path tracks, scene; ///< tracks.csv, camera.toml; images in images/000000.png and on
 };
 
 /// A camera of the scales of a bed: given what its frames are of.

@@ -19,6 +19,8 @@ public:
     double uniform(double low, double high) { return low + (high - low) * uniform(); }
     /// Log-uniform in (low, high), both > 0.
     double log_uniform(double low, double high);
+    /// Standard normal, of two draws (Box and Muller).
+    double normal();
     /// 64 random bits; advances the counter by one draw.
     std::uint64_t bits();
 

@@ -31,12 +31,35 @@ struct Window {
     /// From a point to the border; negative outside.
     double inside_by(double x, double y) const;
 
-    /// Share of the circle of radius (k + 1/2) bin about an inner point that lies inside, for each k: exact.
-    /// Of a polygon the circle lies inside where the border, seen from the point, is farther than the radius:
-    /// edge by edge, in angles.
-    void shares(double x, double y, double bin, std::span<double> share) const;
-
     bool operator==(const Window&) const = default;
+};
+
+/// Of circles about points of a window, the share that lies inside.
+class CircleShares {
+public:
+    explicit CircleShares(const Window& window);
+
+    /// Of the circle of radius (k + 1/2) bin about an inner point, for each k: exact. Of a polygon the circle
+    /// lies inside where the border, seen from the point, is farther than the radius: edge by edge, in
+    /// angles.
+    void about(double x, double y, double bin, std::span<double> share);
+
+private:
+    /// Where it begins, and its directions along and outwards.
+    struct Edge {
+        Corner from;
+        double length, tx, ty, normal;
+    };
+    /// A corner, from the point.
+    struct Seen {
+        double x, y, distance, angle;
+    };
+    void take(const Edge& edge, const Seen& from, const Seen& to, double bin, std::span<double> share);
+
+    Window window_;
+    std::vector<Edge> edges_;
+    std::vector<Seen> seen_;   ///< scratch
+    std::vector<double> rest_; ///< scratch
 };
 
 } // namespace rodwake::measure
