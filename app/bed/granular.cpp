@@ -211,7 +211,8 @@ GranularSchedule granular_schedule(const scene::Granular& bed, const granular::G
             wants("xyz") || (wants("xyz_if_short") && is_short),
             wants("gsd"),
             bed.output.last_period,
-            static_cast<std::size_t>(bed.output.every_bead)};
+            static_cast<std::size_t>(bed.output.every_bead),
+            bed.output.archive ? granular::whole_steps(*bed.output.archive, problem.time_step, 1) : 0};
 }
 
 } // namespace rodwake::app

@@ -1,15 +1,21 @@
 #include "granular_checkpoint.hpp"
 
 #include "rodwake/app/run.hpp"
+#include "rodwake/core/error.hpp"
 #include "rodwake/store/archive.hpp"
+#include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/generations.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
 namespace rodwake::store {
 
 using namespace granular;
-using app::GranularCheckpoint, app::LogLengths, app::RunCost;
+using app::GranularArchive, app::GranularCheckpoint, app::LogLengths, app::RunCost;
 
 template<>
 inline constexpr auto parts<Beads> = parts_of("x y z vx vy vz wx wy wz", &Beads::x, &Beads::y, &Beads::z,
@@ -72,6 +78,11 @@ inline constexpr auto parts<GranularCheckpoint> =
              &GranularCheckpoint::pressure, &GranularCheckpoint::progress, &GranularCheckpoint::thrust,
              &GranularCheckpoint::logs, &GranularCheckpoint::measure_keys, &GranularCheckpoint::measures,
              &GranularCheckpoint::cost);
+template<>
+inline constexpr auto parts<GranularArchive> = parts_of("scene build seed run states",
+                                                        &GranularArchive::scene, &GranularArchive::build,
+                                                        &GranularArchive::seed, &GranularArchive::run,
+                                                        &GranularArchive::states);
 
 } // namespace rodwake::store
 
@@ -91,7 +102,68 @@ std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& fil
     return result;
 }
 
+const granular::State* GranularArchive::before(std::int64_t step) const {
+    const auto after = std::ranges::upper_bound(states, step, {}, &granular::State::step);
+    return after == states.begin() ? nullptr : &*std::prev(after);
+}
+
+namespace {
+
+constexpr const char* archive_block = "granular archive";
+
+std::vector<store::Block> blocks_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in.is_open())
+        throw InputError(file.string() + ": cannot be opened");
+    return store::decode_blocks(std::string{std::istreambuf_iterator<char>(in), {}}, file.string());
+}
+
+} // namespace
+
+void write_archive(const std::filesystem::path& file, const GranularArchive& archive) {
+    const store::Block block = store::to_block(archive_block, archive);
+    store::write_atomically(file, store::encode_blocks({&block, 1}));
+}
+
+GranularArchive load_archive(const std::filesystem::path& file) {
+    GranularArchive archive;
+    store::from_block(blocks_of(file), archive_block, file.string(), archive);
+    if (archive.states.empty())
+        throw InputError(file.string() + ": holds no state");
+    return archive;
+}
+
+std::vector<std::byte> state_bytes(const granular::State& state) {
+    store::ByteWriter out;
+    store::Kept<granular::State>::put(out, state);
+    return out.take();
+}
+
+granular::State state_of(const std::vector<std::byte>& bytes, const std::string& file) {
+    store::ByteReader in(bytes, file);
+    granular::State state;
+    store::Kept<granular::State>::get(in, state);
+    in.finish();
+    return state;
+}
+
+namespace {
+
+std::string describe_archive(const std::filesystem::path& file) {
+    const GranularArchive a = load_archive(file);
+    return fmt::format(
+        "{}: archive of a granular run by rodwake {}\nrun {}, seed {}, {} states from step {} to "
+        "{}, {} beads, {} rods; rodwake replay makes frames of it\n\n{}",
+        file.string(), a.build, a.run + 1, a.seed, a.states.size(), a.states.front().step,
+        a.states.back().step, a.states.front().beads.size(), a.states.front().rods.size(), a.scene);
+}
+
+} // namespace
+
 std::string describe_checkpoint(const std::filesystem::path& file) {
+    const auto is_archive = [](const store::Block& block) { return block.name == archive_block; };
+    if (file.filename() == "archive.rwc" || std::ranges::any_of(blocks_of(file), is_archive))
+        return describe_archive(file);
     const auto loaded = load_checkpoint(file);
     const GranularCheckpoint& c = loaded->checkpoint;
     return fmt::format(

@@ -30,6 +30,27 @@ struct GranularCheckpoint {
     RunCost cost{};
 };
 
+/// States of a run at even intervals, of which all between can be made again: archive.rwc.
+struct GranularArchive {
+    std::string scene; ///< as GranularCheckpoint::scene
+    std::string build;
+    std::uint64_t seed = 0;
+    std::uint32_t run = 0;
+    std::vector<granular::State> states; ///< by step; the last one is the end of the run
+
+    /// The last one at this step or before; null: that is before the first.
+    const granular::State* before(std::int64_t step) const;
+};
+
+/// Throws RunError.
+void write_archive(const std::filesystem::path& file, const GranularArchive& archive);
+/// Throws InputError for a damaged file, or one of another version's states.
+GranularArchive load_archive(const std::filesystem::path& file);
+
+/// A state as bytes, of one length for all states of a run, and back.
+std::vector<std::byte> state_bytes(const granular::State& state);
+granular::State state_of(const std::vector<std::byte>& bytes, const std::string& file);
+
 /// Puts the checkpoint in place as the newest of two generations. Throws RunError.
 void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& checkpoint);
 

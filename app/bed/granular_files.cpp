@@ -1,5 +1,6 @@
 #include "granular_files.hpp"
 
+#include "granular_checkpoint.hpp"
 #include "rodwake/store/csv.hpp"
 #include "rodwake/store/extended_xyz.hpp"
 #include "rodwake/store/gsd.hpp"
@@ -61,6 +62,14 @@ std::vector<double> doubles(const std::vector<std::byte>& record) {
     return values;
 }
 
+/// As many bodies as in a run.
+State empty_state(const granular::GranularProblem& problem) {
+    State state;
+    state.beads.resize(problem.beads);
+    state.rods.resize(problem.rods.size());
+    return state;
+}
+
 /// A frame cut out of its record.
 store::Frame frame_of(const std::vector<double>& record, std::size_t particles, std::size_t rods) {
     store::Frame frame;
@@ -84,7 +93,7 @@ store::Frame frame_of(const std::vector<double>& record, std::size_t particles, 
 } // namespace
 
 GranularFiles::GranularFiles(std::filesystem::path folder, const granular::GranularProblem& problem,
-                             const GranularSchedule& schedule, const LogLengths& kept)
+                             const GranularSchedule& schedule, const LogLengths& kept, std::size_t states)
     : folder_(std::move(folder)), problem_(problem), schedule_(schedule), clumps_(clumps_of(problem)),
       layout_(layout_of(problem, clumps_, schedule.every_bead)),
       frame_doubles_(2 + 6 * layout_.particles() + 13 * layout_.rods()),
@@ -95,6 +104,8 @@ GranularFiles::GranularFiles(std::filesystem::path folder, const granular::Granu
         frames_.emplace(folder_ / "frames.log", frame_doubles_ * sizeof(double), kept.frames);
     if (schedule_.last_period)
         period_.emplace(folder_ / "last_period.log", frame_doubles_ * sizeof(double), kept.period_frames);
+    if (schedule_.archive_every > 0)
+        states_.emplace(folder_ / "archive.log", state_bytes(empty_state(problem)).size(), states);
 }
 
 void GranularFiles::add_row(const granular::TableRow& r, const std::vector<granular::TrackPoint>& track) {
@@ -137,6 +148,18 @@ void GranularFiles::add_period_frame(const State& state, double time) {
         period_->append(bytes(frame_record(state, time)));
 }
 
+void GranularFiles::keep(const State& state) {
+    if (states_)
+        states_->append(state_bytes(state));
+}
+
+std::vector<State> GranularFiles::kept_states() {
+    std::vector<State> states;
+    for (std::size_t i = 0; states_ && i < states_->records(); ++i)
+        states.push_back(state_of(states_->read(i), "archive.log"));
+    return states;
+}
+
 LogLengths GranularFiles::sync() {
     LogLengths lengths;
     const auto synced = [](std::optional<store::AppendLog>& log) {
@@ -148,6 +171,8 @@ LogLengths GranularFiles::sync() {
     lengths.rows = synced(rows_);
     lengths.frames = synced(frames_);
     lengths.period_frames = synced(period_);
+    if (states_)
+        states_->sync();
     return lengths;
 }
 
@@ -209,6 +234,10 @@ void GranularFiles::write_trajectory(const std::string& name, store::AppendLog& 
 
 void GranularFiles::finish(const store::H5mdInfo& info) {
     write_tables();
+    finish_frames(info);
+}
+
+void GranularFiles::finish_frames(const store::H5mdInfo& info) {
     if (frames_)
         write_trajectory("trajectory", *frames_, info, true);
     if (period_ && period_->records() > 0)
@@ -219,7 +248,8 @@ void GranularFiles::remove_logs() {
     rows_.reset();
     frames_.reset();
     period_.reset();
-    for (const char* name : {"rows.log", "frames.log", "last_period.log"})
+    states_.reset();
+    for (const char* name : {"rows.log", "frames.log", "last_period.log", "archive.log"})
         std::filesystem::remove(folder_ / name);
 }
 

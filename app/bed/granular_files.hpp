@@ -22,20 +22,25 @@ struct LogLengths {
 
 class GranularFiles {
 public:
-    /// Takes the logs up at these lengths; from zero on, makes them anew.
+    /// Takes the logs up at these lengths, that of the archive with so many states; from zero on, makes them
+    /// anew.
     GranularFiles(std::filesystem::path folder, const granular::GranularProblem& problem,
-                  const GranularSchedule& schedule, const LogLengths& kept);
+                  const GranularSchedule& schedule, const LogLengths& kept, std::size_t states = 0);
 
     void add_row(const granular::TableRow& row, const std::vector<granular::TrackPoint>& track);
     void add_frame(const granular::State& state, double time);
     void add_period_frame(const granular::State& state, double time);
+    /// For the archive.
+    void keep(const granular::State& state);
+    std::vector<granular::State> kept_states();
     /// Everything is on the disk when this returns. Throws RunError.
     LogLengths sync();
 
     /// table.csv and tracks.csv of the rows so far.
     void write_tables();
-    /// Turns the logs into their final files.
+    /// Turns the logs into their final files; of the frames alone, the trajectory.
     void finish(const store::H5mdInfo& info);
+    void finish_frames(const store::H5mdInfo& info);
     /// No more is needed of the logs: everything final is in place.
     void remove_logs();
 
@@ -50,7 +55,7 @@ private:
     std::vector<granular::Clump> clumps_;
     store::FrameLayout layout_;
     std::size_t frame_doubles_, row_doubles_;
-    std::optional<store::AppendLog> rows_, frames_, period_;
+    std::optional<store::AppendLog> rows_, frames_, period_, states_;
 };
 
 } // namespace rodwake::app

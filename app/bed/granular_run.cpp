@@ -64,7 +64,8 @@ public:
                       granular::worthwhile_threads(plan.bed.problem, threads)),
           record_(plan.bed.schedule.order_cutoff, plan.bed.problem.rods.size()),
           files_(task.folder, plan.bed.problem, plan.bed.schedule,
-                 loaded_ && !is_over ? loaded_->logs : LogLengths{}),
+                 loaded_ && !is_over ? loaded_->logs : LogLengths{},
+                 loaded_ && !is_over ? states_kept(loaded_->state.step) : 0),
           period_(plan.bed.problem), measures_(first_measures()), cpu_start_(cpu_now(one_thread_)),
           wall_start_(Clock::now()), saved_(wall_start_) {
         meter_.mark(&RunCost::start);
@@ -157,6 +158,17 @@ private:
     /// From t = 0 on.
     std::int64_t step() const { return simulation_.step() - bed_.problem.equilibration_steps; }
 
+    /// Up to this step of the simulation: the start, and each interval counted from t = 0.
+    std::size_t states_kept(std::int64_t step) const {
+        const std::int64_t every = bed_.schedule.archive_every, first = -bed_.problem.equilibration_steps;
+        if (every == 0)
+            return 0;
+        std::size_t count = 1;
+        for (std::int64_t at = next_multiple(first, every); at <= step + first; at += every)
+            ++count;
+        return count;
+    }
+
     bool travelled() const {
         return bed_.schedule.stop_at_travel > 0.0 && record_.mean_advance() >= bed_.schedule.stop_at_travel;
     }
@@ -171,6 +183,8 @@ private:
             next = std::min({next, next_multiple(now, bed_.schedule.frame_every), period_.next(now)});
         if (measures_ && now >= 0)
             next = std::min(next, next_multiple(now, bed_.measures->every));
+        if (bed_.schedule.archive_every > 0)
+            next = std::min(next, next_multiple(now, bed_.schedule.archive_every));
         return next - now;
     }
 
@@ -186,6 +200,8 @@ private:
             files_.add_frame(simulation_.state(), simulation_.time());
         if (now >= 0 && period_.due(now))
             files_.add_period_frame(simulation_.state(), simulation_.time());
+        if (bed_.schedule.archive_every > 0 && (now % bed_.schedule.archive_every == 0 || at_start))
+            files_.keep(simulation_.state());
         meter_.mark(&RunCost::output);
         if (measures_ && now >= 0 && now % bed_.measures->every == 0) {
             fill_frame(frame_, simulation_.state(), simulation_.time(), bed_.problem.box);
@@ -248,7 +264,9 @@ private:
         GranularSummary done = summary();
         checkpoint();
         // until the last checkpoint goes, a crash costs nothing: the same command does this again
-        files_.finish(h5md_info());
+        files_.finish(h5md_info(bed_, task_.run, context_.command));
+        if (bed_.schedule.archive_every > 0)
+            write_archive(task_.folder / "archive.rwc", archive());
         if (measures_)
             write_records(task_.folder / "measure.rwc", *bed_.measures, *measures_);
         meter_.mark(&RunCost::output);
@@ -258,6 +276,14 @@ private:
         store::remove_generations(checkpoint_file_);
         files_.remove_logs();
         return {StageEnd::finished, {}, std::move(done)};
+    }
+
+    GranularArchive archive() {
+        GranularArchive all{plan_.scene_key, build_name(), bed_.problem.seed, task_.run,
+                            files_.kept_states()};
+        if (all.states.empty() || all.states.back().step != simulation_.step())
+            all.states.push_back(simulation_.state());
+        return all;
     }
 
     void write_summary(const GranularSummary& done) const {
@@ -310,33 +336,6 @@ private:
         return s;
     }
 
-    store::H5mdInfo h5md_info() const {
-        const granular::GranularProblem& p = bed_.problem;
-        const PeriodicBox& sides = granular::bed_sides(p);
-        store::H5mdInfo info;
-        info.author = "rodwake";
-        info.version = build_info().version;
-        info.command = context_.command;
-        info.seed = p.seed;
-        info.parameters = {{"bead_radius", p.bead_radius},
-                           {"box", sides.x},
-                           {"gap", p.plates.gap},
-                           {"frequency", p.plates.frequency},
-                           {"gamma", p.plates.gamma},
-                           {"amplitude", p.plates.amplitude(p.gravity)},
-                           {"gravity", p.gravity},
-                           {"time_step", p.time_step},
-                           {"phi_b", phi_b(bed_)},
-                           {"beads_fraction", granular::bead_area_fraction(p)},
-                           {"order_cutoff", bed_.schedule.order_cutoff},
-                           {"run", static_cast<double>(task_.run + 1)}};
-        if (!sides.square())
-            info.parameters.emplace_back("box_y", sides.y);
-        if (p.container && p.container->kind == granular::ContainerKind::circle)
-            info.parameters.emplace_back("wall_radius", 0.5 * sides.x);
-        return info;
-    }
-
     const RunContext& context_;
     int requests_seen_; // first: what is asked from now on counts
     const GranularPlan& plan_;
@@ -359,6 +358,33 @@ private:
 };
 
 } // namespace
+
+store::H5mdInfo h5md_info(const BedPlan& bed, std::uint32_t run, const std::string& command) {
+    const granular::GranularProblem& p = bed.problem;
+    const PeriodicBox& sides = granular::bed_sides(p);
+    store::H5mdInfo info;
+    info.author = "rodwake";
+    info.version = build_info().version;
+    info.command = command;
+    info.seed = p.seed;
+    info.parameters = {{"bead_radius", p.bead_radius},
+                       {"box", sides.x},
+                       {"gap", p.plates.gap},
+                       {"frequency", p.plates.frequency},
+                       {"gamma", p.plates.gamma},
+                       {"amplitude", p.plates.amplitude(p.gravity)},
+                       {"gravity", p.gravity},
+                       {"time_step", p.time_step},
+                       {"phi_b", phi_b(bed)},
+                       {"beads_fraction", granular::bead_area_fraction(p)},
+                       {"order_cutoff", bed.schedule.order_cutoff},
+                       {"run", static_cast<double>(run + 1)}};
+    if (!sides.square())
+        info.parameters.emplace_back("box_y", sides.y);
+    if (p.container && p.container->kind == granular::ContainerKind::circle)
+        info.parameters.emplace_back("wall_radius", 0.5 * sides.x);
+    return info;
+}
 
 GranularResult
 run_granular(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,

@@ -132,6 +132,9 @@ struct GranularResult {
     GranularSummary summary;
 };
 
+/// What trajectory.h5md says of itself.
+store::H5mdInfo h5md_info(const BedPlan& bed, std::uint32_t run, const std::string& command);
+
 /// Writes summary.json of a run that is over once more, from its last state.
 GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& task);
 

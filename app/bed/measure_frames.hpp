@@ -34,6 +34,11 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
                                                     const MeasurePlan& plan,
                                                     const std::function<bool(double)>& on_progress);
 
+/// The same of a run's archive.rwc: its frames are made again, to the bits that it had measured on its way
+/// (app/replay.hpp).
+std::optional<measure::Measures> measure_archive(const std::filesystem::path& file, const MeasurePlan& plan,
+                                                 const std::function<bool(double)>& on_progress);
+
 /// Throws RunError.
 void write_records(const std::filesystem::path& file, const MeasurePlan& plan,
                    const measure::Measures& measures);

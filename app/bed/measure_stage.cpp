@@ -31,12 +31,28 @@ namespace fs = std::filesystem;
                                     "trajectory (granular.output.formats without \"h5md\"); run it again");
 }
 
+/// Whether frames are made again: of a run with an archive that stored none, or none that fit.
+bool replays(const RunFiles& run, const MeasurePlan& plan) {
+    if (!fs::exists(run.folder / "archive.rwc"))
+        return false;
+    if (!fs::exists(run.trajectory))
+        return true;
+    try {
+        check_trajectory(run.trajectory, plan);
+        return false;
+    } catch (const InputError&) {
+        return true;
+    }
+}
+
 /// What the run recorded on its way if it is of these keys, else its trajectory measured now.
 std::optional<measure::Measures> measures_of(const RunFiles& run, const MeasurePlan& plan,
                                              const std::function<bool(double)>& on_progress) {
     if (run.own)
         if (auto recorded = read_records(run.folder / "measure.rwc", plan))
             return recorded;
+    if (run.own && replays(run, plan))
+        return measure_archive(run.folder / "archive.rwc", plan, on_progress);
     if (run.own && !fs::exists(run.trajectory))
         refuse_unrecorded(run.folder);
     return measure_trajectory(run.trajectory, plan, on_progress);
@@ -107,7 +123,7 @@ std::vector<RunFiles> finished(std::span<const GranularTask> tasks) {
 
 /// Before an earlier measurement makes room for one of this run.
 void require_recorded(const RunFiles& run, const MeasurePlan& plan) {
-    if (read_records(run.folder / "measure.rwc", plan))
+    if (read_records(run.folder / "measure.rwc", plan) || replays(run, plan))
         return;
     if (!fs::exists(run.trajectory))
         refuse_unrecorded(run.folder);

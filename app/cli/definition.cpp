@@ -44,9 +44,13 @@ void add_dry_run(CLI::App& verb, Options& options) {
     verb.add_flag("--dry-run", options.dry_run, "say what would be done, do nothing");
 }
 
-void add_run(CLI::App& verb, Options& options) {
+void add_threads(CLI::App& verb, Options& options) {
     verb.add_option("-j,--threads", options.threads, "threads, at most [one for each core]")
         ->check(whole_number_from(1, 1024));
+}
+
+void add_run(CLI::App& verb, Options& options) {
+    add_threads(verb, options);
     add_force(verb, options);
     add_dry_run(verb, options);
     add_quiet(verb, options);
@@ -247,6 +251,23 @@ void add_camera(CLI::App& app, Options& options) {
     add_quiet(*camera, options);
 }
 
+void add_replay(CLI::App& app, Options& options) {
+    CLI::App* replay =
+        add_verb(app, options, Verb::replay, "replay", "frames of a finished bed, made again to the bit",
+                 "  rodwake replay results/bed --from 3 --to 5 --frames 0.01\n"
+                 "  rodwake replay results/bed --verify     # the whole run, and where bits first differ");
+    replay->add_option("RUN", options.target, "run directory of a bed, or its archive.rwc")->required();
+    replay->add_option("--from", options.replay.from, "time of the first frame, s [0]");
+    replay->add_option("--to", options.replay.to, "time of the last frame, s [the end of the run]");
+    replay->add_option("--frames", options.replay.interval, "interval of the frames, s [that of the run]");
+    replay->add_option("-o,--output", options.output, "folder for trajectory.h5md [RUN/replay]");
+    replay->add_flag("--verify", options.verify,
+                     "make the whole run again, and compare it with the states that it kept");
+    add_threads(*replay, options);
+    add_force(*replay, options, "replace a trajectory that is there");
+    add_quiet(*replay, options);
+}
+
 void add_verbs(CLI::App& app, Options& options) {
     add_scenes(app, options);
     add_new(app, options);
@@ -270,6 +291,7 @@ void add_verbs(CLI::App& app, Options& options) {
         ->required();
     add_dry_run(*impact, options);
     add_camera(app, options);
+    add_replay(app, options);
     CLI::App* plot =
         add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
                  "  rodwake plot results/quickstart --pdf\n"

@@ -1,6 +1,7 @@
 #pragma once
 // The command line, parsed.
 
+#include "rodwake/app/replay.hpp"
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/measure/camera.hpp"
 #include "rodwake/scan/run.hpp"
@@ -31,6 +32,7 @@ enum class Verb {
     tradeoff,
     run,
     camera,
+    replay,
     plot,
     info,
     help
@@ -63,6 +65,8 @@ struct Options {
     bool no_figures = false;         ///< run --no-figures
     measure::Camera camera;          ///< camera; its lengths as they were typed, its angle in degrees
     std::string pixel = "0.05 a", localisation = "0"; ///< camera --pixel, --noise
+    app::ReplayRequest replay;                        ///< replay --from, --to, --frames
+    bool verify = false;                              ///< replay --verify
     bool pdf = false;                                 ///< plot --pdf
     bool scene_reference = false;                     ///< info --scene-reference
     bool schema = false;                              ///< info --schema

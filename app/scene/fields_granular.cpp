@@ -322,6 +322,15 @@ void fields(Visitor& v, GranularOutput& output) {
           .doc("interval of the checkpoints in wall-clock time")
           .example("\"60 s\""),
       output.checkpoint);
+    v(key("archive")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("none are kept")
+          .doc("interval of the states kept in archive.rwc, from which rodwake replay makes any frame again "
+               "to "
+               "the bit, and rodwake measure frames that were not stored; 72 bytes a bead and state")
+          .example("\"10 s\""),
+      output.archive);
 }
 
 void fields(Visitor& v, Granular& bed) {

@@ -33,7 +33,8 @@ struct GranularSchedule {
     std::int64_t row_every = 1, frame_every = 1; ///< steps between rows of the table, and between frames
     double stop_at_travel = 0.0;                 ///< mean advance of the rods, m; 0: to the end
     bool h5md = true, xyz = false, gsd = false, last_period = true;
-    std::size_t every_bead = 1; ///< beads 0, every_bead, 2 every_bead, ... are in the frames
+    std::size_t every_bead = 1;     ///< beads 0, every_bead, 2 every_bead, ... are in the frames
+    std::int64_t archive_every = 0; ///< steps between kept states; 0: none are kept
 };
 GranularSchedule granular_schedule(const scene::Granular& bed, const granular::GranularProblem& problem);
 

@@ -38,9 +38,10 @@ struct GranularOutput {
     std::optional<double> table;  ///< interval, s; absent: 0.01 s
     /// Of the frames: "h5md", "xyz", "xyz_if_short", "gsd"; empty: no frames.
     std::vector<std::string> formats = {"h5md", "xyz_if_short"};
-    long every_bead = 1;      ///< of the beads in frames: numbers 0, every_bead, 2 every_bead, ...
-    bool last_period = true;  ///< about 50 frames of one plate period at the end
-    double checkpoint = 30.0; ///< wall-clock interval, s
+    long every_bead = 1;           ///< of the beads in frames: numbers 0, every_bead, 2 every_bead, ...
+    bool last_period = true;       ///< about 50 frames of one plate period at the end
+    double checkpoint = 30.0;      ///< wall-clock interval, s
+    std::optional<double> archive; ///< interval of states that are kept, s; absent: none are
 
     bool operator==(const GranularOutput&) const = default;
 };
