@@ -194,12 +194,36 @@ void set_tracked_curves(MicrorheologyResult& result, std::vector<LagBlock> block
             "out",
             0.5 * std::sqrt(b.value) / run.layout().bead_radius, lag[least - left.begin()]));
     set_curves(result, blocks, lag, run.interval());
-    if (b.error == 0.0)
-        return;
     MicrorheologyResult other = result;
-    take_off(blocks, std::min(b.error, 0.5 * *least));
+    if (b.error > 0.0) {
+        std::vector<LagBlock> lower = blocks;
+        take_off(lower, std::min(b.error, 0.5 * *least));
+        set_curves(other, lower, lag, run.interval());
+        widen(result, other);
+    }
+    if (result.hidden.empty())
+        return;
+    for (LagBlock& block : blocks)
+        for (std::size_t i = 0; i < block.sum.size(); ++i)
+            block.sum[i] += block.weight[i] * result.hidden[i];
     set_curves(other, blocks, lag, run.interval());
     widen(result, other);
+}
+
+/// [lag] of a window's halves, over all runs; empty: the runs are of no part.
+Row hidden_by_drift(Runs runs, const std::vector<Lag>& lags) {
+    Row hidden;
+    if (!runs[0].sees_a_part())
+        return hidden;
+    for (const Lag lag : lags) {
+        double sum = 0.0, count = 0.0;
+        for (const MicrorheologyAccumulator& run : runs) {
+            sum += run.levels()[lag.level].halves[lag.channel];
+            count += run.levels()[lag.level].halves_origins[lag.channel];
+        }
+        hidden.push_back(count > 0.0 ? sum / count : 0.0);
+    }
+    return hidden;
 }
 
 } // namespace
@@ -210,6 +234,7 @@ MicrorheologyResult reduce(Runs runs) {
     const std::vector<LagBlock> blocks = all_blocks(runs, lags);
     MicrorheologyResult result;
     set_lags(result, runs, lags);
+    result.hidden = hidden_by_drift(runs, lags);
     const Row lag = well_known(runs, lags, result.lag);
     set_window(result, runs[0].options(), lag.back(), runs[0].interval());
     if (runs[0].layout().velocities)
@@ -360,14 +385,19 @@ void MicrorheologyAccumulator::correlate(std::size_t number, const Row& x, const
     for (std::size_t c = number == 0 ? 1 : channels / 2 + 1; c <= stored && within_longest(c << number);
          ++c) {
         const Row &past_x = level.x[stored - c], &past_y = level.y[stored - c];
+        std::array<Moved, groups> moved{};
         for (std::size_t g = 0; g < groups; ++g) {
             double sum = 0.0;
             for (std::size_t i = first_of(g, x.size()), end = first_of(g + 1, x.size()); i < end; ++i) {
                 const double dx = x[i] - past_x[i], dy = y[i] - past_y[i];
                 sum += dx * dx + dy * dy;
+                moved[g].x += dx;
+                moved[g].y += dy;
             }
+            moved[g].beads = group_sizes_[g];
             level.sum[(c - 1) * groups + g] += sum;
         }
+        add_halves(level, c - 1, moved);
         level.origins[c - 1] += 1.0;
     }
 }
@@ -382,7 +412,9 @@ void MicrorheologyAccumulator::push(std::size_t number, const Row& x, const Row&
                            Row(channels, 0.0),
                            0.0,
                            {},
-                           Row(named ? channels * groups : 0, 0.0)});
+                           Row(named ? channels * groups : 0, 0.0),
+                           Row(channels, 0.0),
+                           Row(channels, 0.0)});
     if (named)
         correlate_named(number, x, y, bead);
     else
@@ -426,7 +458,7 @@ void MicrorheologyAccumulator::load(StateReader& in) {
     first_y_ = in.array(order_.size());
     levels_.clear();
     for (std::size_t left = in.count(); left > 0; --left) {
-        Level level;
+        Level level{};
         level.frames = static_cast<double>(in.count());
         level.sum = in.array(channels * groups);
         level.origins = in.array(channels);

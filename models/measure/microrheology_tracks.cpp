@@ -29,15 +29,37 @@ void MicrorheologyAccumulator::correlate_named(std::size_t number, const Row& x,
         const Row &past_x = level.x[stored - c], &past_y = level.y[stored - c];
         double *const sum = &level.sum[(c - 1) * groups], *const pairs = &level.pairs[(c - 1) * groups];
         double found = 0.0;
+        std::array<Moved, groups> moved{};
         for_each_common(bead, level.bead[stored - c], [&](std::size_t i, std::size_t j) {
             const double dx = x[i] - past_x[j], dy = y[i] - past_y[j];
             const std::size_t group = named_.group[bead[i]];
             sum[group] += dx * dx + dy * dy;
             pairs[group] += 1.0;
             found += 1.0;
+            moved[group].x += dx;
+            moved[group].y += dy;
+            moved[group].beads += 1.0;
         });
+        add_halves(level, c - 1, moved);
         level.origins[c - 1] += found / static_cast<double>(layout_.beads);
     }
+}
+
+void MicrorheologyAccumulator::add_halves(Level& level, std::size_t channel,
+                                          std::span<const Moved, groups> moved) {
+    if (!sees_a_part())
+        return;
+    Moved half[2];
+    for (std::size_t g = 0; g < groups; ++g) {
+        Moved& of = half[g < groups / 2 ? 0 : 1];
+        of = {of.x + moved[g].x, of.y + moved[g].y, of.beads + moved[g].beads};
+    }
+    if (half[0].beads == 0.0 || half[1].beads == 0.0)
+        return;
+    const double x = half[0].x / half[0].beads - half[1].x / half[1].beads,
+                 y = half[0].y / half[0].beads - half[1].y / half[1].beads;
+    level.halves[channel] += 0.25 * (x * x + y * y);
+    level.halves_origins[channel] += 1.0;
 }
 
 void MicrorheologyAccumulator::follow_drift(const Row& x, const Row& y, const Names& bead) {

@@ -23,6 +23,11 @@
 //
 // the former exact for free diffusion and for one time of relaxation, the latter (a parabola) for ballistic
 // motion. Its error is that of the jackknife and what the same from 2, 4 and 6 frames says beyond noise.
+// A window sees a part of a crystal, and what is common to the part goes with the drift. How much that may
+// have been, the halves of the window tell: with D the difference of their mean displacements over a lag,
+// <|D|^2>/4 would be the mean's share if the halves moved independently. Crystals move more alike than that;
+// so it is no correction. It is added to Delta, and how far that takes every value is part of its error.
+//
 // Where d_2 < d_1/5 beads have gone round their cages between two frames: then noise and cage look alike, and
 // none is found.
 
@@ -32,7 +37,9 @@
 #include "rodwake/measure/state_io.hpp"
 #include "rodwake/measure/statistics.hpp"
 
+#include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace rodwake::measure {
@@ -75,12 +82,20 @@ public:
         // Where beads come and go:
         std::vector<std::vector<std::uint32_t>> bead; ///< which they are, of x and y, rising
         std::vector<double> pairs;                    ///< [channels][groups], what `sum` is over
+        // Of tracks in a window:
+        std::vector<double> halves, halves_origins; ///< [channels], of |D|^2/4, and how many
     };
     const std::vector<Level>& levels() const { return levels_; }
+    /// Whether `halves` are there.
+    bool sees_a_part() const { return !layout_.velocities && layout_.window.has_value(); }
     /// What the sum of a lag and group is over: beads times origins.
     double weight(std::size_t level, std::size_t channel, std::size_t group) const;
 
 private:
+    /// Displacements of a group's beads over one lag, summed.
+    struct Moved {
+        double x = 0.0, y = 0.0, beads = 0.0;
+    };
     void start(const Frame& frame);
     bool within_longest(std::size_t lag) const;
     void correlate(std::size_t level, const std::vector<double>& x, const std::vector<double>& y);
@@ -88,6 +103,7 @@ private:
               const std::vector<std::uint32_t>& bead = {});
     void correlate_named(std::size_t level, const std::vector<double>& x, const std::vector<double>& y,
                          const std::vector<std::uint32_t>& bead);
+    void add_halves(Level& level, std::size_t channel, std::span<const Moved, groups> moved);
     void follow_drift(const std::vector<double>& x, const std::vector<double>& y,
                       const std::vector<std::uint32_t>& bead);
     void add_named(const Frame& frame);
@@ -130,7 +146,8 @@ struct MicrorheologyResult {
     std::size_t frames = 0;
     // Of tracks:
     std::optional<Estimate> localisation; ///< sigma_0 as the first lags have it, m; nothing: not to be told
-    double taken_off = 0.0; ///< b, m^2; how well it is known is in the errors of all curves and values
+    double taken_off = 0.0;     ///< b, m^2; how well it is known is in the errors of all curves and values
+    std::vector<double> hidden; ///< [lag], m^2: what the drift may have taken along, part of all errors
 
     /// Takes the spring from another temperature, T_xy in m^2/s^2, known better than from the frames: those
     /// may all lie at one phase of the plates, a run's own mean is over all phases.
