@@ -118,7 +118,9 @@ Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::pat
     const granular::GranularProblem& p = kept.bed.problem;
     Simulation simulation(p, kept.state(steps.from), {},
                           granular::worthwhile_threads(p, context.thread_count()));
-    Replayed done{.begun_at = kept.time(simulation.step()), .file = folder / "trajectory.h5md"};
+    Replayed done;
+    done.begun_at = kept.time(simulation.step());
+    done.file = folder / "trajectory.h5md";
     GranularSchedule schedule = kept.bed.schedule;
     schedule.h5md = true;
     schedule.xyz = schedule.gsd = schedule.last_period = false;
@@ -165,7 +167,7 @@ Verified verify(const fs::path& run, const RunContext& context) {
     std::vector<State> from = kept.archive.states;
     if (auto first = kept.start(); first && first->step < from.front().step)
         from.insert(from.begin(), std::move(*first));
-    Verified result{.stretches = from.size() - 1};
+    Verified result{false, from.size() - 1, {}};
     std::vector<std::string> found(result.stretches);
     SharedProgress progress(context, "replay", result.stretches, static_cast<double>(result.stretches),
                             "stretches");

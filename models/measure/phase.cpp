@@ -314,7 +314,10 @@ void PhaseAccumulator::load(StateReader& in) {
     for (std::size_t left = in.count(); left > 0; --left)
         block_peaks_.push_back(load_peaks(in).value_or(BraggPeaks{}));
     for (std::size_t left = in.count(); left > 0; --left) {
-        Frame frame{.time = in.get(), .x = in.array(layout_.beads), .y = in.array(layout_.beads)};
+        Frame frame;
+        frame.time = in.get();
+        frame.x = in.array(layout_.beads);
+        frame.y = in.array(layout_.beads);
         for (std::size_t r = 0; r < layout_.rods; ++r) {
             const double x = in.get(), y = in.get();
             frame.rods.push_back({x, y, in.get()});
