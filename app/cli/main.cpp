@@ -35,6 +35,8 @@ int dispatch(const Options& options) {
         return verb_tradeoff(options);
     case Verb::camera:
         return verb_camera(options);
+    case Verb::explore:
+        return verb_explore(options);
     case Verb::plot:
         return verb_plot(options);
     case Verb::info:

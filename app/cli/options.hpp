@@ -31,6 +31,7 @@ enum class Verb {
     tradeoff,
     run,
     camera,
+    explore,
     plot,
     info,
     help

@@ -19,6 +19,7 @@ int verb_stages(
     const Options& options); ///< field, rods, dem, measure, fit, run: the stages the verb stands for
 int verb_tradeoff(const Options& options);
 int verb_camera(const Options& options);
+int verb_explore(const Options& options);
 int verb_plot(const Options& options);
 int verb_info(const Options& options);
 int verb_help(const Options& options);
