@@ -87,15 +87,16 @@ class Explorer {
     }
     this.tellTime();
     const busy = document.body.classList.contains("dragging") || this.playing;
-    this.diagram.work(busy ? 6 : 10);
-    if (this.diagram.stale) {
+    this.diagram.work(busy ? 4 : 10);
+    this.count = (this.count ?? 0) + 1;
+    if (this.diagram.stale && (!busy || this.count % 3 === 0)) {  // while a hand moves its own pictures come first
       this.diagram.stale = false;
       this.diagram.draw();
       this.tellDiagram();
     }
     this.frames.push([now, performance.now() - began]);
     if (this.frames.length > 240) this.frames.shift();
-    this.asleep = this.diagram.done && !this.playing && !this.unsolved;
+    this.asleep = this.diagram.done && !this.diagram.stale && !this.playing && !this.unsolved;
     if (!this.asleep) requestAnimationFrame(this.frame);
   }
 

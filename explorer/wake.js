@@ -1,6 +1,6 @@
 // The wake: what the rods do to the medium, as colours and lines.
 
-const GRID = { quick: 72, fine: 144 };  // points a side of the colours, while a hand moves and after
+const GRID = { quick: 64, fine: 144 };  // points a side of the colours, while a hand moves and after
 
 /** Middles of the cells of a view, row by row from the top. */
 function middles({ left, top, wide }, count) {

@@ -37,7 +37,7 @@ void add_start(std::vector<double>& rows, const rods::RodProblem& problem) {
 }
 
 /// Nothing if the kernels hand the pair over.
-bool by_kernels(const rods::RodProblem& problem, double rtol, Encounter& encounter) {
+bool by_kernels(const rods::RodProblem& problem, double rtol, EncounterPath& encounter) {
     const auto pair = rods::to_pair_problem(problem);
     if (!pair || rods::contact_at_start(problem))
         return false;
@@ -92,9 +92,9 @@ elastic::FieldValues displacement(const elastic::Field& field, std::span<const e
 
 } // namespace
 
-Encounter encounter(const rods::RodProblem& problem, double rtol) {
+EncounterPath encounter(const rods::RodProblem& problem, double rtol) {
     check_rtol(rtol);
-    Encounter encounter;
+    EncounterPath encounter;
     encounter.rods = problem.rods.size();
     if (!by_kernels(problem, rtol, encounter))
         encounter.outcome = explicit_run(problem, rtol, most_attempts, [&](double time, auto y, auto rates) {

@@ -23,14 +23,14 @@ namespace rodwake::app {
 
 /// Rows of time, then x, y, theta of each rod, then theta' of each rod: at the start and the end of every
 /// step.
-struct Encounter {
+struct EncounterPath {
     rods::RodOutcome outcome;
     std::size_t rods = 0;
     std::vector<double> rows;
 };
 
 /// problem: medium, couplings, rods, t_end and contact_distance count. Throws InputError, RunError.
-Encounter encounter(const rods::RodProblem& problem, double rtol);
+EncounterPath encounter(const rods::RodProblem& problem, double rtol);
 
 /// How each pair ends, by the kernels; handed-over pairs by encounter(). A pair that fails is undecided at
 /// time NaN.

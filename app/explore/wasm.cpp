@@ -14,7 +14,7 @@ namespace {
 
 struct Answer {
     std::string error, reason;
-    app::Encounter encounter;
+    app::EncounterPath encounter;
 };
 
 constexpr std::size_t problem_numbers = 7; ///< eta, alpha, kappa, gamma1, gamma2, t_end, contact distance

@@ -26,7 +26,7 @@ rods::RodResult by_solver(const rods::RodProblem& problem) {
 }
 
 /// Of the last row of the path.
-double difference(const app::Encounter& encounter, const rods::RodResult& result) {
+double difference(const app::EncounterPath& encounter, const rods::RodResult& result) {
     const auto& state = result.solution.final_state;
     const std::size_t width = 1 + 4 * encounter.rods;
     const double* row = encounter.rows.data() + encounter.rows.size() - width;
@@ -56,7 +56,7 @@ TEST_CASE("encounters of the page end as those of the solver") {
         app::encounters(problems, rtol, ends);
         std::vector<double> errors;
         for (std::size_t i = 0; i < problems.size(); ++i) {
-            const app::Encounter encounter = app::encounter(problems[i], rtol);
+            const app::EncounterPath encounter = app::encounter(problems[i], rtol);
             const rods::RodResult result = by_solver(problems[i]);
             CHECK(encounter.outcome.ending == result.outcome.ending);
             CHECK(ends[i].ending == result.outcome.ending);
@@ -72,7 +72,7 @@ TEST_CASE("encounters of the page end as those of the solver") {
 
 TEST_CASE("the path is that of the solver at each of its steps") {
     rods::RodProblem problem = rods::to_rod_problem(rods::random_pairs(1, 7, true)[0]);
-    const app::Encounter encounter = app::encounter(problem, 1e-10);
+    const app::EncounterPath encounter = app::encounter(problem, 1e-10);
     std::vector<double> row(encounter.rows.begin(), encounter.rows.begin() + 9);
     CHECK(row[0] == 0.0);
     CHECK(std::vector(row.begin() + 1, row.begin() + 7) == rods::to_state(problem.rods));
@@ -88,7 +88,7 @@ TEST_CASE("the path is that of the solver at each of its steps") {
 
 TEST_CASE("rods that the pairs' kernels do not take") {
     const rods::RodProblem three = three_rods();
-    const app::Encounter encounter = app::encounter(three, rtol);
+    const app::EncounterPath encounter = app::encounter(three, rtol);
     const rods::RodResult result = by_solver(three);
     CHECK(encounter.outcome.ending == result.outcome.ending);
     CHECK(encounter.outcome.pair.first == result.outcome.pair.first);
@@ -108,7 +108,7 @@ TEST_CASE("rods that the pairs' kernels do not take") {
 
     rods::RodProblem touching = three;
     touching.rods[1] = {0.05, 2, 0};
-    const app::Encounter met = app::encounter(touching, rtol);
+    const app::EncounterPath met = app::encounter(touching, rtol);
     CHECK(met.outcome.ending == Ending::contact);
     CHECK(met.outcome.time == 0.0);
 }
@@ -160,7 +160,8 @@ TEST_CASE("the page starts with a scene") {
     CHECK(text.find(R"("eta":2.0,"alpha":0.25,"t_end":60.0,"contact_distance":0.1,"kappa":3.0)") !=
           std::string::npos);
     CHECK(text.find(R"("x0":1.0,"y0":2.5,"theta0":0.5)") != std::string::npos);
-    CHECK(text.find("{{") == std::string::npos);
+    for (const char* place : {"{{style}}", "{{setup}}", "{{kernel}}", "{{script}}"})
+        CHECK(text.find(place) == std::string::npos);
     CHECK(text.size() < 2'000'000);
     CHECK_THROWS_WITH(page("schema = 1\n" + rods), Catch::Contains("no [medium]"));
     CHECK_THROWS_AS(app::explorer_page("/nowhere", {}), RunError);

@@ -5,6 +5,7 @@ import io
 import json
 import math
 import random
+import re
 import runpy
 
 import browser
@@ -59,6 +60,25 @@ class CompiledTest(ProgramTest):
         known = json.loads((SOURCE / "explorer/kernel.sources.json").read_text())["sources"]
         self.assertIn("models/rods/pair_steps.cpp", known)
         self.assertGreater(len(known), 40)
+
+    def test_the_npm_package(self):
+        """Its module, as a browser runs it; names in its types are those that it exports."""
+        folder = self.folder / "npm"
+        self.tool()["npm"](folder)
+        told = json.loads((folder / "package.json").read_text())
+        self.assertEqual((told["name"], told["type"]), ("rodwake", "module"))
+        for file in (*told["files"], "README.md", "LICENSE", told["exports"]["."]["default"], told["types"]):
+            self.assertTrue((folder / file).is_file(), file)
+        module = (folder / "index.mjs").read_text()
+        exported = set(re.findall(r"(?m)^export const (\w+)", module))
+        self.assertEqual(set(re.findall(r"(?m)^export (?:function|const) (\w+)", (folder / "index.d.ts").read_text())), exported)
+        self.write("page.html", f'<!doctype html><script type="module">{module}\nwindow.npm = {{ {", ".join(exported)} }};</script>')
+        with Page(self.folder / "page.html") as page:
+            page.wait_for(lambda: page.evaluate("typeof npm === 'object'"), "the module does not run")
+            told = page.evaluate("npm.ready.then(() => npm.simulate({ kappa: 100, t_end: 40, contact_distance: 0.1, rods: [[0, 2.5, 0], [0, -2.5, 0]] }))")
+            self.assertEqual(told["outcome"], "contact")
+            self.assertAlmostEqual(told["time"], 5.91709, delta=1e-5)  # side by side, as in docs/validation_rods.md
+            self.assertEqual(page.errors, [])
 
     def tool(self):
         return runpy.run_path(str(TOOL))

@@ -119,6 +119,7 @@ class PointerTest(PageTest):
         self.assertAlmostEqual(sum(shares), 1.0)
         self.page.choose("#across", "alpha")
         self.page.choose("#up", "gamma1")
+        self.frame()
         self.page.wait_for(lambda: self.page.evaluate("rodwake.page.diagram.done"), "the other diagram is not done", 60)
         self.assertNotEqual(self.page.evaluate("rodwake.page.diagram.shares()"), shares)
 
