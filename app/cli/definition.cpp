@@ -268,6 +268,21 @@ void add_replay(CLI::App& app, Options& options) {
     add_quiet(*replay, options);
 }
 
+void add_explore(CLI::App& app, Options& options) {
+    CLI::App* explore =
+        add_verb(app, options, Verb::explore, "explore",
+                 "a page for a browser: drag two rods, and their wakes, encounter and phase diagram follow",
+                 "  rodwake explore\n"
+                 "  rodwake explore scenes/pair.toml -o pair.html -s coupling.kappa=100");
+    explore->add_option("SCENE", options.target, "scene file whose first two rods the page starts with");
+    explore
+        ->add_option("-s,--set", options.overrides, "change a key of the scene: table.key=value; repeatable")
+        ->allow_extra_args(false);
+    explore->add_option("-o,--output", options.output, "the page, one HTML file [explore.html]");
+    add_force(*explore, options, "replace the page if it is there");
+    add_quiet(*explore, options);
+}
+
 void add_verbs(CLI::App& app, Options& options) {
     add_scenes(app, options);
     add_new(app, options);
@@ -292,6 +307,7 @@ void add_verbs(CLI::App& app, Options& options) {
     add_dry_run(*impact, options);
     add_camera(app, options);
     add_replay(app, options);
+    add_explore(app, options);
     CLI::App* plot =
         add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
                  "  rodwake plot results/quickstart --pdf\n"

@@ -37,6 +37,8 @@ int dispatch(const Options& options) {
         return verb_camera(options);
     case Verb::replay:
         return verb_replay(options);
+    case Verb::explore:
+        return verb_explore(options);
     case Verb::plot:
         return verb_plot(options);
     case Verb::info:

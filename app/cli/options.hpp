@@ -33,6 +33,7 @@ enum class Verb {
     run,
     camera,
     replay,
+    explore,
     plot,
     info,
     help

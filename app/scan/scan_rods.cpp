@@ -149,7 +149,7 @@ private:
             work(start);
         } catch (const std::exception& error) {
             result.status = scan::Status::exception;
-            result.set_cause(describe(error));
+            result.set_cause(rodwake::describe(error));
         }
         result.seconds += seconds_since(start);
     }
@@ -211,7 +211,7 @@ private:
                 attempt(problem, options, result, start);
             } catch (const std::exception& error) {
                 result.status = scan::Status::exception;
-                result.set_cause(describe(error));
+                result.set_cause(rodwake::describe(error));
             }
             const bool hopeless = result.status == scan::Status::ok ||
                                   result.status == scan::Status::time_limit ||

@@ -149,7 +149,7 @@ void guarded(Answer& answer, const Call& call) {
     try {
         call();
     } catch (const std::exception& error) {
-        answer.failure = describe(error);
+        answer.failure = rodwake::describe(error);
     }
 }
 

@@ -2,7 +2,8 @@
 //
 // Bits: every function is a fixed sequence of additions, products, fused products, divisions and square
 // roots, each correctly rounded, so lanes do not know each other and every instruction set gives the same
-// bits. Without fused products in hardware (x86 before 2013) they come from std::fma: the same bits, slowly.
+// bits. Without fused products in hardware (x86 before 2013) they come from std::fma: the same bits, slowly;
+// with RODWAKE_ROUND_PRODUCTS product and sum are rounded apart (WebAssembly, tools/explorer).
 // Bracketed on paper: the compiler must not contract (RODWAKE_FLAGS).
 //
 // Functions take several vectors at a time and go through them operation by operation: one alone would wait
@@ -27,10 +28,10 @@ namespace rodwake::elastic::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// a b + c, rounded once.
+/// a b + c, rounded once (but see above).
 template<class D, class V = hn::Vec<D>>
 HWY_INLINE V Fma([[maybe_unused]] D d, V a, V b, V c) {
-#if HWY_NATIVE_FMA
+#if HWY_NATIVE_FMA || defined(RODWAKE_ROUND_PRODUCTS)
     return hn::MulAdd(a, b, c);
 #else
     HWY_ALIGN hn::TFromD<D> x[hn::MaxLanes(D())], y[hn::MaxLanes(D())], z[hn::MaxLanes(D())];
@@ -46,7 +47,7 @@ HWY_INLINE V Fma([[maybe_unused]] D d, V a, V b, V c) {
 /// a b - c and c - a b, rounded once.
 template<class D, class V = hn::Vec<D>>
 HWY_INLINE V Fms([[maybe_unused]] D d, V a, V b, V c) {
-#if HWY_NATIVE_FMA
+#if HWY_NATIVE_FMA || defined(RODWAKE_ROUND_PRODUCTS)
     return hn::MulSub(a, b, c);
 #else
     return Fma(d, a, b, hn::Neg(c));
@@ -54,7 +55,7 @@ HWY_INLINE V Fms([[maybe_unused]] D d, V a, V b, V c) {
 }
 template<class D, class V = hn::Vec<D>>
 HWY_INLINE V Fnma([[maybe_unused]] D d, V a, V b, V c) {
-#if HWY_NATIVE_FMA
+#if HWY_NATIVE_FMA || defined(RODWAKE_ROUND_PRODUCTS)
     return hn::NegMulAdd(a, b, c);
 #else
     return Fma(d, hn::Neg(a), b, c);

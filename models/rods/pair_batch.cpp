@@ -69,7 +69,7 @@ void validate(const PairProblem& pair) {
     const double headings = std::abs(pair.rods[0].heading) + std::abs(pair.rods[1].heading);
     elastic::validate(pair.medium);
     if (!(pair.t_end > 0.0 && std::isfinite(pair.t_end) && (r > 0.0 || starts_in_contact(pair))))
-        to_ode(to_rod_problem(pair)); // says what is wrong
+        validate(to_rod_problem(pair)); // says what is wrong
     require(std::isfinite(r) && std::isfinite(headings), "a coordinate of the pair", r + headings, "finite");
     require(pair.contact_distance >= 0.0, "contact_distance", pair.contact_distance, ">= 0");
 }

@@ -4,6 +4,7 @@
 #include "rodwake/rods/conclude.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -64,6 +65,14 @@ void PairQueue::next(std::size_t lane) {
     lanes.active[lane] = 1.0;
     ++working_;
     fresh_ = true;
+}
+
+void PairQueue::report(std::uint32_t taken) const {
+    for (; taken != 0; taken &= taken - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(taken));
+        options_.on_step(pair_[lane],
+                         {lanes.time[lane], numbers(lanes.state, lane), numbers(lanes.rate, lane)});
+    }
 }
 
 bool PairQueue::take_fresh() { return std::exchange(fresh_, false); }

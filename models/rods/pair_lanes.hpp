@@ -5,6 +5,7 @@
 #include "rodwake/rods/pair_batch.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace rodwake::rods {
@@ -63,6 +64,8 @@ public:
     void finish(std::size_t lane, PairEnding end);
     /// Whether the step just taken ended in contact.
     bool in_contact(std::size_t lane) const { return contact_[lane]; }
+    /// Tells options().on_step of the steps that these lanes, a bit each, have taken.
+    void report(std::uint32_t taken) const;
     /// True once: the rates of a lane with a new pair are not known yet.
     bool take_fresh();
 

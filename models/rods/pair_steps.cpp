@@ -237,6 +237,8 @@ HWY_INLINE void StepLanes(PairQueue& queue, double rtol, double atol) {
         StoreIf(taken, attempt.end[i], l.state[i]);
         StoreIf(taken, k[6].of[i], l.rate[i]);
     }
+    if (HWY_UNLIKELY(static_cast<bool>(queue.options().on_step)))
+        queue.report(Bits(taken));
     const V most = hn::Set(d, static_cast<double>(queue.options().max_attempts));
     const M lost = hn::Or(hn::Not(attempt.in_range), hn::Le(hn::Add(bounds.time, h), bounds.time));
     FinishLanes(queue, {Bits(hn::And(taken, hn::Ge(time, Load(l.t_end)))), Bits(hn::And(active, lost)),

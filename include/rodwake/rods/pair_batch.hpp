@@ -28,6 +28,7 @@
 #include "rodwake/rods/simulate.hpp"
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -47,12 +48,20 @@ struct PairProblem {
 std::optional<PairProblem> to_pair_problem(const RodProblem& problem);
 RodProblem to_rod_problem(const PairProblem& pair);
 
+/// Where a pair is at the end of a step.
+struct PairStep {
+    double time = 0.0;
+    std::array<double, 6> state{}, rate{}; ///< as in model.hpp, and its time derivative
+};
+
 struct PairOptions {
     double rtol = 1e-8, atol = 1e-10; ///< as OdeOptions: atol counts up to rtol/10
     EndingCriteria criteria = {};
     /// Steps, rejected ones included, before a pair is handed over. At rtol 1e-6 the longest of 400 pairs
     /// takes 160 at kappa = 100 and 3700 at 1e4; from about 10000 on BDF is faster.
     long max_attempts = 10'000;
+    /// Told of each step of a pair, by its number, in the order of its times; the bits do not depend on it.
+    std::function<void(std::size_t pair, const PairStep& step)> on_step = nullptr;
 };
 
 enum class PairEnding {

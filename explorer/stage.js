@@ -1,0 +1,219 @@
+// A square picture of the plane: its canvas, its view and the handles of the rods.
+
+const make = (tag, attributes = {}, ...children) => {
+  const one = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) one.addEventListener(name.slice(2), value);
+    else if (value !== false && value !== null) one.setAttribute(name, value === true ? "" : value);
+  }
+  one.append(...children);
+  return one;
+};
+const find = selector => document.querySelector(selector);
+
+/** Colours of the styles, read again when they change. */
+let ink = {};
+function readColours() {
+  const style = getComputedStyle(document.documentElement);
+  ink = Object.fromEntries(["paper", "card", "sheet", "ink", "soft", "line", "grid", "accent", "rod0", "rod1", "contact", "pursuit",
+    "escape", "undecided", "low", "mid", "high", "less", "zero", "more"].map(name => [name, style.getPropertyValue(`--${name}`).trim()]));
+  ink.rods = [ink.rod0, ink.rod1];
+}
+
+/** A step of 1, 2 or 5 times a power of ten, near `size`. */
+function niceStep(size) {
+  const power = 10 ** Math.floor(Math.log10(size)), lead = size / power;
+  return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
+}
+
+/** A number for people: no rounding noise, few digits. */
+const told = (value, digits = 4) => String(Number(value.toPrecision(digits))).replace("-", "−");
+
+const TURN_REACH = 46; // pixels from a rod to the handle of its heading
+
+class Stage {
+  /** `focusable`: its handles are buttons; else a picture that repeats another one's. */
+  constructor(place, store, draw, focusable) {
+    this.place = place;
+    this.store = store;
+    this.draw = draw;
+    this.canvas = make("canvas", { "aria-hidden": "true" });
+    place.append(this.canvas);
+    this.pen = this.canvas.getContext("2d");
+    this.handles = [0, 1].map(rod => this.handlesOf(rod, focusable));
+    this.fit();
+    new ResizeObserver(() => this.fit()).observe(place);
+    this.canvas.addEventListener("wheel", event => this.onWheel(event), { passive: false });
+    this.canvas.addEventListener("pointerdown", event => this.onPan(event));
+  }
+  fit() {
+    const size = Math.max(this.place.clientWidth, 120), dense = Math.min(window.devicePixelRatio || 1, 2);
+    if (this.size === size && this.dense === dense) return;
+    this.size = size;
+    this.dense = dense;
+    this.canvas.width = this.canvas.height = Math.round(size * dense);
+    this.stale = true;
+  }
+  get scale() { return this.size / this.store.state.wide; }
+  toPixel(x, y) {
+    const { left, top } = this.store.state;
+    return [(x - left) * this.scale, (top - y) * this.scale];
+  }
+  toPlane(event) {
+    const box = this.canvas.getBoundingClientRect(), { left, top } = this.store.state;
+    return [left + (event.clientX - box.left) / this.scale, top - (event.clientY - box.top) / this.scale];
+  }
+
+  handlesOf(rod, focusable) {
+    const kind = focusable ? "button" : "div";
+    const told = focusable ? { type: "button" } : { "aria-hidden": "true" };
+    const body = make(kind, { ...told, class: `handle body rod${rod}`, "data-rod": rod });
+    const head = make(kind, { ...told, class: `handle head rod${rod}`, "data-rod": rod });
+    body.addEventListener("pointerdown", event => this.onMove(event, rod));
+    head.addEventListener("pointerdown", event => this.onTurn(event, rod));
+    if (focusable) {
+      body.addEventListener("keydown", event => this.onMoveKey(event, rod));
+      head.addEventListener("keydown", event => this.onTurnKey(event, rod));
+    }
+    this.place.append(body, head);
+    return { body, head };
+  }
+  placeHandles(poses, shown) {
+    poses.forEach(([x, y, theta], rod) => {
+      const { body, head } = this.handles[rod], [px, py] = this.toPixel(x, y);
+      const at = [[body, px, py], [head, px + TURN_REACH * Math.cos(theta), py - TURN_REACH * Math.sin(theta)]];
+      for (const [handle, hx, hy] of at) {
+        handle.hidden = !shown || hx < 0 || hy < 0 || hx > this.size || hy > this.size;
+        handle.style.transform = `translate(${hx}px, ${hy}px)`;
+      }
+      if (body.tagName === "BUTTON") {
+        body.setAttribute("aria-label", `Rod ${rod} at x ${told(x, 3)}, y ${told(y, 3)}: arrow keys move it, with Shift in small steps`);
+        head.setAttribute("aria-label", `Heading of rod ${rod}, ${Math.round(theta / DEGREE)} degrees: left and right keys turn it, with Shift in small steps`);
+      }
+    });
+  }
+
+  /** Follows a pointer until it is released; `each` gets its events. */
+  follow(event, each) {
+    event.preventDefault();
+    const target = event.currentTarget;
+    target.setPointerCapture(event.pointerId);
+    target.focus?.({ preventScroll: true });
+    const end = () => {
+      target.removeEventListener("pointermove", each);
+      target.removeEventListener("pointerup", end);
+      target.removeEventListener("pointercancel", end);
+      document.body.classList.remove("dragging");
+      this.store.settle();
+    };
+    document.body.classList.add("dragging");
+    target.addEventListener("pointermove", each);
+    target.addEventListener("pointerup", end);
+    target.addEventListener("pointercancel", end);
+  }
+  onMove(event, rod) {
+    const [x, y] = this.toPlane(event), { state } = this.store;
+    const off = [state[`x${rod}`] - x, state[`y${rod}`] - y];
+    this.follow(event, moved => {
+      const [px, py] = this.toPlane(moved), step = 1 / this.scale / 10;
+      const even = value => Number((Math.round(value / step) * step).toPrecision(6));
+      this.store.change({ [`x${rod}`]: even(px + off[0]), [`y${rod}`]: even(py + off[1]), time: 0 }, false);
+    });
+  }
+  onTurn(event, rod) {
+    this.follow(event, moved => {
+      const [x, y] = this.toPlane(moved), { state } = this.store;
+      const theta = Math.atan2(y - state[`y${rod}`], x - state[`x${rod}`]);
+      this.store.change({ [`theta${rod}`]: evenAngle(theta), time: 0 }, false);
+    });
+  }
+  onMoveKey(event, rod) {
+    const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (!way) return;
+    event.preventDefault();
+    const { state } = this.store, step = niceStep(state.wide / 60) / (event.shiftKey ? 10 : 1);
+    const moved = (key, by) => Number((state[key] + by * step).toPrecision(6));
+    this.store.change({ [`x${rod}`]: moved(`x${rod}`, way[0]), [`y${rod}`]: moved(`y${rod}`, way[1]), time: 0 });
+  }
+  onTurnKey(event, rod) {
+    const way = { ArrowLeft: 1, ArrowUp: 1, ArrowRight: -1, ArrowDown: -1 }[event.key];
+    if (!way) return;
+    event.preventDefault();
+    const theta = this.store.state[`theta${rod}`] + way * (event.shiftKey ? 0.5 : 5) * DEGREE;
+    this.store.change({ [`theta${rod}`]: evenAngle(theta), time: 0 });
+  }
+  onPan(event) {
+    const { left, top } = this.store.state, from = [event.clientX, event.clientY];
+    this.follow(event, moved => this.store.change({
+      left: left - (moved.clientX - from[0]) / this.scale, top: top + (moved.clientY - from[1]) / this.scale }, false));
+  }
+  onWheel(event) {
+    event.preventDefault();
+    zoom(this.store, Math.exp(event.deltaY * 0.0015), this.toPlane(event));
+  }
+
+  /** Clears the picture and draws the lines of the plane. */
+  begin() {
+    this.pen.setTransform(this.dense, 0, 0, this.dense, 0, 0);
+    this.pen.fillStyle = ink.sheet;
+    this.pen.fillRect(0, 0, this.size, this.size);
+  }
+  drawGrid() {
+    const { pen, size } = this, { left, top, wide } = this.store.state, step = niceStep(wide / 6);
+    pen.lineWidth = 1;
+    pen.strokeStyle = ink.grid;
+    pen.fillStyle = ink.soft;
+    pen.font = "11px system-ui, sans-serif";
+    pen.beginPath();
+    for (let k = Math.ceil(left / step); k * step < left + wide; ++k) {
+      const at = Math.round(this.toPixel(k * step, 0)[0]) + 0.5;
+      pen.moveTo(at, 0);
+      pen.lineTo(at, size);
+      if (at > 24 && at < size - 14) pen.fillText(told(k * step), at + 3, size - 5);
+    }
+    for (let k = Math.ceil((top - wide) / step); k * step < top; ++k) {
+      const at = Math.round(this.toPixel(0, k * step)[1]) + 0.5;
+      pen.moveTo(0, at);
+      pen.lineTo(size, at);
+      if (at > 14 && at < size - 24) pen.fillText(told(k * step), 4, at - 3);
+    }
+    pen.stroke();
+  }
+  drawRod([x, y, theta], rod, strength = 1) {
+    const { pen } = this, [px, py] = this.toPixel(x, y);
+    pen.save();
+    pen.translate(px, py);
+    pen.rotate(-theta);
+    pen.globalAlpha = strength;
+    pen.beginPath();  // the thin end goes first
+    pen.moveTo(-13, -7);
+    pen.lineTo(11, -3.5);
+    pen.arc(11, 0, 3.5, -Math.PI / 2, Math.PI / 2);
+    pen.lineTo(-13, 7);
+    pen.arc(-13, 0, 7, Math.PI / 2, -Math.PI / 2);
+    pen.closePath();
+    pen.fillStyle = ink.rods[rod];
+    pen.fill();
+    pen.lineWidth = 1.5;
+    pen.strokeStyle = ink.sheet;
+    pen.stroke();
+    pen.restore();
+  }
+  /** The line from a rod to the handle of its heading. */
+  drawAim([x, y, theta], rod) {
+    const { pen } = this, [px, py] = this.toPixel(x, y);
+    pen.strokeStyle = ink.rods[rod];
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    pen.moveTo(px + 16 * Math.cos(theta), py - 16 * Math.sin(theta));
+    pen.lineTo(px + (TURN_REACH - 8) * Math.cos(theta), py - (TURN_REACH - 8) * Math.sin(theta));
+    pen.stroke();
+  }
+}
+
+function zoom(store, factor, about) {
+  const { left, top, wide } = store.state, next = Math.min(Math.max(wide * factor, 0.2), 2000), ratio = next / wide;
+  const [x, y] = about ?? [left + wide / 2, top - wide / 2];
+  const short = value => Number(value.toPrecision(6));
+  store.change({ wide: short(next), left: short(x - (x - left) * ratio), top: short(y + (top - y) * ratio) });
+}

@@ -1,0 +1,335 @@
+"""The page of rodwake explore, used by pointer, touch, wheel and keys."""
+
+import csv
+import io
+import json
+import math
+import re
+import tempfile
+import xml.etree.ElementTree
+from pathlib import Path
+
+import rodwake
+from page_driver import Page
+from rodwake import PAIR, ProgramTest
+
+WIDTHS = (360, 768, 1440)
+
+
+class PageTest(ProgramTest):
+    """One page for all tests of a class: each starts it again."""
+    size, scene = (1440, 1000), None
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.kept = tempfile.TemporaryDirectory(prefix="rodwake-explore-")
+        cls.addClassCleanup(cls.kept.cleanup)
+        cls.path = Path(cls.kept.name) / "explore.html"
+        rodwake.subprocess.run(rodwake.command("explore", "-o", cls.path, "--quiet"), check=True)
+        cls.page = Page(cls.path, *cls.size)
+        cls.enterClassContext(cls.page)
+        cls.page.evaluate("rodwake.ready")
+
+    def setUp(self):
+        super().setUp()
+        self.page.evaluate("rodwake.page.store.change({...rodwake.page.start, time: 0, ...rodwake.page.paths.whole()}); scrollTo(0, 0)")
+        self.frame()
+
+    def tearDown(self):
+        self.assertEqual(self.page.errors, [])
+        super().tearDown()
+
+    def frame(self):
+        """Until what was changed is drawn."""
+        self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+    def state(self, key):
+        return self.page.evaluate(f"rodwake.page.store.state.{key}")
+
+    def at(self, selector):
+        """The middle of an element, in view."""
+        return self.page.evaluate(f"""(() => {{
+            const one = document.querySelector({json.dumps(selector)});
+            one.scrollIntoView({{ block: "center" }});
+            const box = one.getBoundingClientRect();
+            return [box.left + box.width / 2, box.top + box.height / 2];
+        }})()""")
+
+    def focus(self, selector):
+        self.page.evaluate(f"document.querySelector({json.dumps(selector)}).focus()")
+
+    def control(self, key, shift=False):
+        told = {"key": key, "code": f"Key{key.upper()}", "windowsVirtualKeyCode": ord(key.upper()), "modifiers": 2 + (8 if shift else 0)}
+        self.page.send("Input.dispatchKeyEvent", type="rawKeyDown", **told)
+        self.page.send("Input.dispatchKeyEvent", type="keyUp", **told)
+
+
+class PointerTest(PageTest):
+    def test_dragging_a_rod_moves_it_and_its_future(self):
+        for stage in ("#paths-stage", "#wake-stage"):
+            before, end = self.state("x1"), self.page.evaluate("rodwake.page.paths.run.time")
+            x, y = self.at(f"{stage} .handle.body.rod1")
+            scale = self.page.evaluate("rodwake.page.paths.stage.scale")
+            self.page.drag((x, y), (x + 10, y), (x + 60, y - 20))
+            self.frame()
+            self.assertAlmostEqual(self.state("x1") - before, 60 / scale, delta=0.2 / scale)  # places are tenths of a pixel
+            self.assertNotEqual(self.page.evaluate("rodwake.page.paths.run.time"), end)
+
+    def test_turning_a_rod(self):
+        x, y = self.at("#paths-stage .handle.head.rod0")
+        self.page.drag((x, y), (x - 46, y - 46))
+        self.assertAlmostEqual(self.state("theta0"), math.pi / 2, delta=0.05)  # 46 pixels are the handle's distance, to one
+
+    def test_touch(self):
+        x, y = self.at("#paths-stage .handle.body.rod0")
+        before = self.state("y0")
+        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchMove", [{"x": x, "y": y + 20}]),
+                             ("touchMove", [{"x": x, "y": y + 40}]), ("touchEnd", [])):
+            self.page.send("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+        self.frame()
+        self.assertLess(self.state("y0"), before - 0.3)
+
+    def test_the_ground_and_the_wheel(self):
+        left, wide = self.state("left"), self.state("wide")
+        x, y = self.at("#paths-stage")
+        self.page.drag((x, y + 100), (x - 50, y + 100))
+        self.assertGreater(self.state("left"), left)
+        self.page.move(x, y)
+        self.page.wheel(x, y, 300)
+        self.page.wait_for(lambda: self.state("wide") > 1.2 * wide, "the wheel does not zoom", 5)
+        for selector, more in (("#nearer", False), ("#farther", True)):
+            wide = self.state("wide")
+            self.page.press(selector)
+            self.assertEqual(self.state("wide") > wide, more)
+        self.page.press("#fit")
+        self.assertEqual(self.page.evaluate("rodwake.page.paths.whole().wide"), self.state("wide"))
+
+    def test_the_diagram_gives_its_encounters(self):
+        self.page.wait_for(lambda: self.page.evaluate("rodwake.page.diagram.done"), "the diagram is not done", 60)
+        x, y = self.at("#diagram-stage canvas")
+        self.page.move(x + 80, y - 60)
+        self.assertRegex(self.page.text("#diagram-tip"), r"^x₁ = [\d.]+, κ = [\d.]+: (contact|pursuit|escape|undecided)")
+        told = re.search(r": (\w+)", self.page.text("#diagram-tip"))[1]
+        self.page.click(x + 80, y - 60)
+        self.frame()
+        self.assertEqual(self.page.text("#badge"), told)
+        self.assertGreater(self.state("x1"), 0)
+        shares = self.page.evaluate("rodwake.page.diagram.shares()")
+        self.assertAlmostEqual(sum(shares), 1.0)
+        self.page.choose("#across", "alpha")
+        self.page.choose("#up", "gamma1")
+        self.frame()
+        self.page.wait_for(lambda: self.page.evaluate("rodwake.page.diagram.done"), "the other diagram is not done", 60)
+        self.assertNotEqual(self.page.evaluate("rodwake.page.diagram.shares()"), shares)
+
+    def test_cells_are_what_the_encounters_are(self):
+        """Computed cells by themselves, the others as their surroundings: of a sample one in a hundred may lie on a thin feature."""
+        self.page.wait_for(lambda: self.page.evaluate("rodwake.page.diagram.done"), "the diagram is not done", 60)
+        wrong = self.page.evaluate("""(() => {
+            const { diagram } = rodwake.page, wrong = [0, 0];
+            for (let cell = 7; cell < 128 * 128; cell += 61) {
+                const [code] = rodwake.encounters(diagram.numbersAt((cell % 128 + 0.5) / 128, (Math.floor(cell / 128) + 0.5) / 128), 1e-8);
+                if (diagram.shown[cell] !== code) ++wrong[diagram.known[cell]];
+            }
+            return wrong;
+        })()""")
+        self.assertLessEqual(wrong[1], 2)  # of 269, at rtol 1e-6 for 1e-8
+        self.assertLessEqual(wrong[0], 3)
+
+
+class KeyTest(PageTest):
+    def test_rods_by_keys(self):
+        self.focus("#paths-stage .handle.body.rod0")
+        self.page.key("ArrowRight")
+        step = self.state("x0")
+        self.page.key("ArrowUp", shift=True)
+        self.assertAlmostEqual(self.state("y0"), 2.5 + step / 10)
+        self.focus("#paths-stage .handle.head.rod1")
+        self.page.key("ArrowLeft")
+        self.assertAlmostEqual(self.state("theta1"), math.radians(5))
+        self.assertIn("5 degrees", self.page.evaluate("document.querySelector('#paths-stage .head.rod1').ariaLabel"))
+
+    def test_sliders_and_numbers(self):
+        for name in ("kappa", "gamma1", "gamma2", "alpha", "eta", "t_end", "contact_distance"):
+            before = self.state(name)
+            self.focus(f"#slider-{name}")
+            for _ in range(20):
+                self.page.key("ArrowLeft")
+            self.assertLess(self.state(name), before, name)
+            self.assertEqual(float(self.page.evaluate(f"document.querySelector('#slider-{name}-number').value")), self.state(name))
+        self.type_into("#slider-kappa-number", "12.5")
+        self.assertEqual(self.state("kappa"), 12.5)
+        self.type_into("#slider-alpha-number", "-3")  # not legal
+        self.assertGreater(self.state("alpha"), 0)
+        self.type_into("#pose-theta0", "-45")
+        self.assertAlmostEqual(self.state("theta0"), -math.pi / 4)
+        self.type_into("#pose-x1", "3.25")
+        self.assertEqual(self.state("x1"), 3.25)
+
+    def type_into(self, selector, text):
+        self.page.evaluate(f"(() => {{ const one = document.querySelector('{selector}'); one.focus(); one.select(); }})()")
+        self.page.send("Input.insertText", text=text)
+        self.page.key("Enter")
+
+    def test_undo_and_redo(self):
+        start = self.state("kappa")
+        self.page.press("#presets button:nth-child(2)")
+        self.assertEqual(self.page.text("#sentence")[:5], "Rod 1")
+        self.control("z")
+        self.assertEqual(self.state("kappa"), start)
+        self.control("z", shift=True)
+        self.assertEqual(self.state("kappa"), 30)
+        self.page.press("#undo")
+        self.assertEqual(self.state("kappa"), start)
+        self.page.press("#redo")
+        self.page.press("#reset")
+        self.assertEqual(self.state("kappa"), start)
+
+    def test_time(self):
+        self.focus("#scrub")
+        for _ in range(5):
+            self.page.key("ArrowRight")
+        self.frame()
+        self.assertAlmostEqual(self.state("time"), 5 / 500 * self.page.evaluate("rodwake.page.paths.run.time"), delta=1e-9)
+        self.assertIn(f"t = {self.state('time'):.2f}", self.page.text("#time"))
+        self.page.press("#play")
+        self.page.wait_for(lambda: self.state("time") > 0.5, "it does not play", 10)
+        self.page.press("#play")
+        self.assertFalse(self.page.evaluate("rodwake.page.playing"))
+        self.page.evaluate("document.activeElement.blur()")
+        self.page.key(" ")
+        self.assertTrue(self.page.evaluate("rodwake.page.playing"))
+        self.page.key(" ")
+
+    def test_the_diagram_by_keys(self):
+        self.focus("#diagram-stage canvas")
+        self.page.key("ArrowRight")
+        self.page.key("ArrowDown")
+        self.assertGreater(self.state("x1"), 0)
+        self.assertLess(self.state("kappa"), 100)
+
+    def test_presets_end_as_they_say(self):
+        for preset in self.page.evaluate("[...document.querySelectorAll('#presets button')].map(one => one.textContent)"):
+            number = self.page.evaluate(f"[...document.querySelectorAll('#presets button')].findIndex(one => one.textContent === '{preset}') + 1")
+            self.page.press(f"#presets button:nth-child({number})")
+            self.frame()
+            ends = {"Attraction": "contact", "Pursuit": "pursuit", "Weak coupling": "escape", "Spiral": "contact", "Screened": "undecided",
+                    "Polar couplings": "contact", "Repulsion": "escape"}
+            self.assertEqual(self.page.text("#badge"), ends[preset])
+
+    def test_what_the_wake_shows(self):
+        def picture():
+            self.frame()
+            return self.page.evaluate("rodwake.page.wake.stage.canvas.toDataURL()")
+        seen = {picture()}
+        for selector, values in (("#colour", ("trace", "displacement", "none", "strain")), ("#lines", ("laplacian", "gradient", "none", "axes")),
+                                 ("#source", ("1", "both"))):
+            for value in values:
+                self.page.choose(selector, value)
+                seen.add(picture())
+        self.assertEqual(len(seen), 9)  # of eleven, two are the first again
+
+
+class FilesTest(PageTest):
+    def test_the_address_holds_all(self):
+        self.page.press("#presets button:nth-child(6)")
+        self.page.choose("#colour", "trace")
+        before = self.page.evaluate("rodwake.page.store.state")
+        self.page.wait_for(lambda: "colour=trace" in self.page.evaluate("location.hash"), "the address is not written", 5)
+        address = self.page.evaluate("location.hash")
+        self.page.press("#reset")
+        self.page.wait_for(lambda: "gamma1" not in self.page.evaluate("location.hash"), "the address is not written", 5)
+        self.page.evaluate(f"location.hash = {json.dumps(address)}")
+        self.page.wait_for(lambda: self.state("gamma1") == 10, "the address is not read", 5)
+        after = self.page.evaluate("rodwake.page.store.state")
+        self.assertEqual({key: after[key] for key in before}, before)
+        self.page.evaluate("location.hash = '#kappa=nonsense&alpha=-1&colour=pink&wide=0&eta=2'")  # what is not legal is left out
+        self.page.wait_for(lambda: self.state("eta") == 2, "the address is not read", 5)
+        self.assertEqual((self.state("kappa"), self.state("alpha"), self.state("colour")), (100, 1, "strain"))
+
+    def test_the_program_runs_the_scene(self):
+        self.page.press("#presets button:nth-child(6)")
+        self.page.evaluate("document.querySelector('details').open = true")
+        self.page.press("#save-scene")
+        self.write("encounter.toml", self.page.downloaded("encounter.toml"))
+        self.expect(0, "rods", "encounter.toml", "-o", "out", "--quiet")
+        told = json.loads((self.folder / "out/outcome.json").read_text())
+        self.page.press("#paths-csv")
+        path = list(csv.DictReader(io.StringIO(self.page.downloaded("rods.csv"))))
+        rods = list(csv.DictReader(io.StringIO((self.folder / "out/rods.csv").read_text())))
+        self.assertEqual(list(path[0]), list(rods[0])[:7])
+        self.assertEqual(told["outcome"], self.page.text("#badge"))
+        for name, value in path[-1].items():
+            self.assertAlmostEqual(float(value), float(rods[-1][name]), delta=1e-6)
+
+    def test_pictures_and_tables(self):
+        drawing = xml.etree.ElementTree.fromstring(self.press_and_get("#paths-svg", "encounter.svg"))
+        self.assertEqual(len(drawing.findall("{http://www.w3.org/2000/svg}path")), 6)
+        for selector, name in (("#paths-png", "encounter.png"), ("#wake-png", "wake.png"), ("#diagram-png", "diagram.png")):
+            self.page.press(selector)
+            path = self.page.downloads / name
+            self.page.wait_for(path.is_file, f"{name} was not downloaded", 20)
+            self.assertEqual(path.read_bytes()[:4], b"\x89PNG")
+        wake = list(csv.DictReader(io.StringIO(self.press_and_get("#wake-csv", "wake.csv"))))[::311]
+        # rod 0 walks along x from (0, 2.5) in a medium of eta = 1, alpha = 1
+        self.write("points.csv", "x,y,xi,eta\n" + "".join(f"{row['x']},{float(row['y']) - 2.5!r},1,1\n" for row in wake))
+        exact = list(csv.DictReader(io.StringIO(self.expect(0, "field", "--points", "points.csv").stdout)))
+        for row, one in zip(wake, exact):
+            for name in ("Ux", "Uy", "exx", "exy", "eyy", "lapx", "grady_tr"):
+                self.assertAlmostEqual(float(row[name]), float(one[name]), delta=1e-9)
+        cells = list(csv.DictReader(io.StringIO(self.press_and_get("#diagram-csv", "diagram.csv"))))
+        self.assertEqual(list(cells[0]), ["x1", "kappa", "outcome"])
+
+    def press_and_get(self, selector, name):
+        self.page.press(selector)
+        return self.page.downloaded(name)
+
+
+class LooksTest(PageTest):
+    def test_nothing_is_wider_than_the_window(self):
+        for width in WIDTHS:
+            self.page.send("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1, mobile=width < 500)
+            self.frame()
+            self.assertEqual(self.page.evaluate("document.documentElement.scrollWidth"), width)
+        self.page.send("Emulation.setDeviceMetricsOverride", width=1440, height=1000, deviceScaleFactor=1, mobile=False)
+
+    def test_every_control_has_a_name(self):
+        unnamed = self.page.evaluate("""[...document.querySelectorAll("button, input, select, canvas[tabindex]")].filter(one =>
+            !(one.textContent.trim() && one.tagName === "BUTTON") && !one.ariaLabel && !one.labels?.length).map(one => one.outerHTML)""")
+        self.assertEqual(unnamed, [])
+        self.assertEqual(self.page.requests, [self.path.as_uri()])  # one file, no network
+
+    def test_themes(self):
+        def paper():
+            return self.page.evaluate("getComputedStyle(document.body).backgroundColor")
+        light = paper()
+        self.page.set_dark(True)
+        dark = paper()
+        self.assertNotEqual(light, dark)
+        self.page.choose("#theme", "light")
+        self.assertEqual(paper(), light)
+        self.page.set_dark(False)
+        self.page.choose("#theme", "dark")
+        self.assertEqual(paper(), dark)
+        self.page.choose("#theme", "auto")
+
+    def test_without_web_assembly_it_says_so(self):
+        with Page(self.path, first="delete window.WebAssembly;") as page:
+            self.assertIn("WebAssembly, which this browser does not have", page.text("#trouble"))
+            self.assertFalse(page.evaluate("document.querySelector('#work').offsetParent !== null"))
+
+
+class SceneTest(ProgramTest):
+    def test_it_starts_with_the_scene(self):
+        self.write("a.toml", PAIR.replace("kappa = 0.5", "kappa = 7.5\ngamma1 = 2.0\npolar_basis = \"divergence\""))
+        self.expect(0, "explore", "a.toml", "-o", "a.html", "-s", "rods.1.heading=0.25", "--quiet")
+        with Page(self.folder / "a.html") as page:
+            page.evaluate("rodwake.ready")
+            found = page.evaluate("rodwake.page.store.state")
+            self.assertEqual([found[key] for key in ("kappa", "gamma1", "gamma2", "theta1", "t_end")], [7.5, 1.0, 1.0, 0.25, 60.0])
+            self.assertEqual(page.errors, [])
+
+
+if __name__ == "__main__":
+    rodwake.main()
