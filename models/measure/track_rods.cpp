@@ -52,27 +52,32 @@ void append(RodTrack& first, const RodTrack& second) {
         (first.*part).insert((first.*part).end(), (second.*part).begin(), (second.*part).end());
 }
 
-/// The only one of which this holds.
-template<class Holds>
-std::optional<std::size_t> only_one(std::size_t count, const Holds& holds) {
-    std::optional<std::size_t> found;
+/// Of the rods of which this holds the first, if all others may be the same one once more, later; `is_later`
+/// (rod, other) says so. Nothing: there is a rival, or none.
+template<class Holds, class IsLater>
+std::optional<std::size_t> without_rival(std::size_t count, const Holds& holds, const IsLater& is_later) {
+    std::vector<std::size_t> found;
     for (std::size_t k = 0; k < count; ++k)
-        if (holds(k)) {
-            if (found)
-                return std::nullopt;
-            found = k;
-        }
-    return found;
+        if (holds(k))
+            found.push_back(k);
+    for (const std::size_t k : found)
+        if (std::ranges::all_of(found, [&](std::size_t other) { return other == k || is_later(k, other); }))
+            return k;
+    return std::nullopt;
 }
 
 /// A rod that goes on as another: both without a rival. Nothing: none does.
 bool join_two(Tracks& tracks, double spacing) {
     auto& rods = tracks.rods;
+    const auto follows = [&](std::size_t k, std::size_t next) {
+        return goes_on(tracks, rods[k], rods[next], spacing);
+    };
+    const auto precedes = [&](std::size_t k, std::size_t before) { return follows(before, k); };
     for (std::size_t i = 0; i < rods.size(); ++i) {
-        const auto next =
-            only_one(rods.size(), [&](std::size_t k) { return goes_on(tracks, rods[i], rods[k], spacing); });
-        if (!next || !only_one(rods.size(),
-                               [&](std::size_t k) { return goes_on(tracks, rods[k], rods[*next], spacing); }))
+        const auto next = without_rival(
+            rods.size(), [&](std::size_t k) { return follows(i, k); }, follows);
+        if (!next || without_rival(
+                         rods.size(), [&](std::size_t k) { return follows(k, *next); }, precedes) != i)
             continue;
         append(rods[i], rods[*next]);
         rods.erase(rods.begin() + static_cast<std::ptrdiff_t>(*next));

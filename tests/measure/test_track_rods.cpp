@@ -120,6 +120,12 @@ TEST_CASE("gaps of a rod stay gaps, and one that comes again under another numbe
         two.add(f, 31, 95.0, 95.0, 0.0);
     }
     CHECK(two.tracks().rods.size() == 5);
+    Rows pieces; // of one rod, so short that each could follow any before it
+    for (int f = 0; f < 40; ++f)
+        if (f % 8 < 5)
+            pieces.add(f, f / 8, 40.0 + 0.5 * f, 50.0, 0.0);
+    CHECK(pieces.tracks().rods.size() == 1);
+    CHECK(pieces.tracks().counts.joined == 4);
 }
 
 TEST_CASE("heading diffusion and speed deviations bear with gaps") {
