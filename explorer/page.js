@@ -186,9 +186,9 @@ class Explorer {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
     store.listeners.push(keys => { if (keys.has("colour")) this.tellColour(); });
     this.paint();
-    window.addEventListener("hashchange", () => {
-      clearTimeout(this.writing);  // of what is replaced now
-      store.change(fromAddress(location.hash.slice(1), this.start));
+    window.addEventListener("hashchange", event => {  // the event's address: this page may have written its own meanwhile
+      clearTimeout(this.writing);
+      store.change(fromAddress(new URL(event.newURL).hash.slice(1), this.start));
     });
     window.addEventListener("resize", () => this.wake_up());
     new ResizeObserver(() => this.wake_up()).observe(find("#work"));

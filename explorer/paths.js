@@ -1,24 +1,5 @@
 // The encounter: where the rods go, how it ends, and where they are at a time.
 
-/** Poses at a time, on the cubic through the step's ends and their rates. */
-function posesAt({ path, turning }, time) {
-  const last = path.length - 1;
-  if (time >= path[last][0] || last === 0) return [0, 1].map(rod => path[last].slice(1 + 3 * rod, 4 + 3 * rod));
-  let low = 0, high = last;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (path[middle][0] <= time) low = middle;
-    else high = middle;
-  }
-  const a = path[low], b = path[high], h = b[0] - a[0], u = (time - a[0]) / h, v = 1 - u;
-  const between = (at, rateA, rateB) => v * v * ((1 + 2 * u) * a[at] + u * h * rateA) + u * u * ((1 + 2 * v) * b[at] - v * h * rateB);
-  return [0, 1].map(rod => {
-    const i = 1 + 3 * rod, [ta, tb] = [a[i + 2], b[i + 2]];
-    return [between(i, Math.cos(ta), Math.cos(tb)), between(i + 1, Math.sin(ta), Math.sin(tb)),
-            between(i + 2, turning[low][rod], turning[high][rod])];
-  });
-}
-
 class Paths {
   constructor(place, store, api) {
     this.store = store;

@@ -16,16 +16,20 @@ from . import words
 SPELT = {ord(sign): f"\\u{ord(sign):04x}" for sign in "<>&\u2028\u2029"}
 
 
-def head(title, style, script=""):
-    return (f'<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="{policy(script)}">\n'
+WASM = "'wasm-unsafe-eval'"
+
+
+def head(title, style, script="", computes=False):
+    return (f'<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="{policy(script, computes)}">\n'
             '<meta name="viewport" content="width=device-width, initial-scale=1">\n<meta name="color-scheme" content="light dark">\n'
             f"<title>{words.escape(title)}</title>\n<style>\n{style}</style>")
 
 
-def policy(script):
-    """Nothing runs but the page's own script, by its hash; nothing is loaded but the pictures and films inside the page."""
+def policy(script, computes=False):
+    """Nothing runs but the page's own script, by its hash, and its own WebAssembly if it computes; nothing is loaded but the pictures
+    and films inside the page."""
     digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
-    scripts = f"script-src 'sha256-{digest}'; " if script else ""
+    scripts = f"script-src 'sha256-{digest}'{' ' + WASM if computes else ''}; " if script else ""
     return f"default-src 'none'; {scripts}style-src 'unsafe-inline'; img-src data:; media-src data:; base-uri 'none'; form-action 'none'"
 
 

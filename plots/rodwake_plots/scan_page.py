@@ -13,7 +13,8 @@ from .schema import Spec
 
 PARTS = Path(__file__).with_name("scan_page")
 NOTHING_ON_DARK = "#343943"
-SCRIPTS = ("data", "scales", "paint", "frame", "controls", "view", "page")
+SCRIPTS = ("data", "scales", "paint", "frame", "compute", "controls", "view", "page")
+EXPLORER = Path(__file__).parents[2] / "explorer"  # beside the plots, in the source tree as in an installation
 
 
 def write(run):
@@ -24,8 +25,9 @@ def write(run):
 
 def document(run):
     blobs, told = contents(run)
-    script = "\n".join(('"use strict";', "(() => {", *(part(f"{name}.js") for name in SCRIPTS), "})();"))
-    values = {"head": page.head(run.title, part("page.css"), script), "title": words.escape(run.title), "sub": sub(run),
+    kernels = [(EXPLORER / name).read_text(encoding="utf-8") for name in ("kernel.js", "rodwake.js")] if told["kernel"] else []
+    script = "\n".join(('"use strict";', "(() => {", *kernels, *(part(f"{name}.js") for name in SCRIPTS), "})();"))
+    values = {"head": page.head(run.title, part("page.css"), script, bool(kernels)), "title": words.escape(run.title), "sub": sub(run),
               "about": scan_words.caption(run, Spec("scan", "scan_page", colour="outcome")), "version": words.escape(run.version),
               "told": page.json_text(told), "data": "\n".join(blobs), "script": script}
     return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], part("page.html"))
@@ -50,7 +52,18 @@ def contents(run):
             "samples": samples(scan, box), "lengthUnit": page.marked(run.units.length_html()),
             "timeUnit": page.marked(run.units.time_html()),
             **scenes(run)}
+    told["kernel"] = kernel(run, box) if told["scene"] else None
     return box.scripts, told
+
+
+def kernel(run, box):
+    """The kernels that compute a clicked point's path, for scans of what they have: few rods on the plane, in the exact field, in
+    reduced units, without noise."""
+    file, text = EXPLORER / "kernel.wasm", run.scene_text
+    theory = all(re.search(rf"(?m)^{line}", text) for line in (r"\[medium\]", r"\[\[rods\]\]", r"\[rods_run\]", 'units = "reduced"', 'field = "exact"'))
+    if not theory or re.search(r"(?m)^(\[noise\]|\[granular\]|periodic =)", text) or text.count("[[rods]]") > 8 or not file.is_file():
+        return None
+    return box.add(np.frombuffer(file.read_bytes(), dtype=np.uint8))
 
 
 def outcomes():

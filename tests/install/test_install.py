@@ -185,6 +185,7 @@ class InstallTest(unittest.TestCase):
         for name, options in (("man/man1/rodwake.1", ["--man"]), ("bash-completion/completions/rodwake", ["--completion", "bash"]),
                               ("zsh/site-functions/_rodwake", ["--completion", "zsh"])):
             self.assertEqual((self.prefix / "share" / name).read_text(), run(self.prefix / "bin/rodwake", "info", *options).stdout)
+        self.assertEqual(run(self.prefix / "bin/rodwake", "explore", "-o", self.folder / "explore.html").returncode, 0)
         own = self.prefix / "share/rodwake/scenes/own.toml"
         own.write_text("# Mine.\nschema = 1\n")
         self.addCleanup(own.unlink)

@@ -117,7 +117,7 @@ function drawSample(context, from, to) {
 // The stored trajectory nearest to a point, drawn to scale.
 
 const GLYPH = [[-0.5, -0.19], [0.4, -0.09], [0.5, 0], [0.4, 0.09], [-0.5, 0.19]];  // thick tail, thin nose along +x
-const walk = { sample: -1 };
+const walk = { samples: null, sample: -1 };
 const rodColour = rod => scan.rodColours[rod % scan.rodColours.length];
 
 /** {sample, distance}: over all axes, each in parts of its length; another word of a choice is one whole axis away. */
@@ -134,6 +134,11 @@ function nearestSample(point) {
   return { ...best, distance: Math.sqrt(best.distance) };
 }
 
+function tellComputed(point, outcome) {
+  const differs = outcome !== scan.outcomes[scan.outcome[point]]?.name;
+  return ["Computed here, of this very point. ", tag(point), differs ? ` Here it ends as ${outcome}: it lies at a boundary, or the scan was made by other options.` : ""];
+}
+
 /** Nodes that say which point's it is and how far that is from the one asked for. */
 function tellSample(point, { sample, distance }) {
   const stored = scan.samples.point[sample];
@@ -146,14 +151,14 @@ function tellSample(point, { sample, distance }) {
 
 /** Steps of the sample until time stands still: shorter runs are filled up, with their last state or with nan. */
 function stepsOf(sample) {
-  const { steps, t } = scan.samples, at = step => t[sample * steps + step];
+  const { steps, t } = walk.samples, at = step => t[sample * steps + step];
   let count = 1;
   while (count < steps && at(count) > at(count - 1)) ++count;
   return count;
 }
 
 const poseAt = (sample, step, rod) => ["x", "y", "theta"].map(name =>
-  scan.samples[name][(sample * scan.samples.steps + step) * scan.samples.rods + rod]);
+  walk.samples[name][(sample * walk.samples.steps + step) * walk.samples.rods + rod]);
 
 /** [step, next step, how far between them] at this share of the steps. */
 function between(sample, share) {
@@ -168,7 +173,7 @@ function poseBetween(sample, share, rod) {
 }
 
 function timeAt(sample, share) {
-  const { steps, t } = scan.samples, [step, next, part] = between(sample, share);
+  const { steps, t } = walk.samples, [step, next, part] = between(sample, share);
   const from = t[sample * steps + step], to = t[sample * steps + next];
   return from + part * (to - from);
 }
@@ -177,7 +182,7 @@ function timeAt(sample, share) {
 function windowOf(sample, width, height) {
   const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
   for (let step = 0; step < stepsOf(sample); ++step)
-    for (let rod = 0; rod < scan.samples.rods; ++rod)
+    for (let rod = 0; rod < walk.samples.rods; ++rod)
       poseAt(sample, step, rod).slice(0, 2).forEach((value, side) => {
         low[side] = Math.min(low[side], value);
         high[side] = Math.max(high[side], value);
@@ -194,8 +199,8 @@ function drawWalk(sample, share) {
   const canvas = element("path"), width = canvas.parentElement.clientWidth, height = Math.round(0.92 * width);
   const context = prepared(canvas, width, height), window_ = windowOf(sample, width, height);
   drawGrid(context, window_, width, height);
-  for (let rod = 0; rod < scan.samples.rods; ++rod) drawPath(context, sample, rod, window_);
-  for (let rod = 0; rod < scan.samples.rods; ++rod) {
+  for (let rod = 0; rod < walk.samples.rods; ++rod) drawPath(context, sample, rod, window_);
+  for (let rod = 0; rod < walk.samples.rods; ++rod) {
     const colour = rodColour(rod);
     drawRod(context, window_, poseAt(sample, 0, rod), css("--card"), colour);
     drawRod(context, window_, poseBetween(sample, share, rod), colour, css("--card"));

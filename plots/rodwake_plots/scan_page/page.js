@@ -40,16 +40,18 @@ function pick(point) {
 
 function showWalk(point) {
   element("walk").hidden = false;
-  element("path").hidden = element("clock").parentElement.hidden = !scan.samples;
-  if (!scan.samples) {
+  const stored = scan.samples ? nearestSample(point) : { distance: Infinity };
+  const computed = stored.distance > 0 ? computedSamples(point) : null;  // a stored one of this very point is the scan's own
+  walk.samples = computed ?? scan.samples;
+  element("path").hidden = element("clock").parentElement.hidden = !walk.samples;
+  if (!walk.samples) {
     element("walk-told").textContent = "This scan has stored no trajectories.";
     return;
   }
-  const found = nearestSample(point);
-  view.sample = scan.samples.point[found.sample];
-  walk.sample = found.sample;
-  element("walk-told").replaceChildren(...tellSample(point, found));
-  const rods = Array.from({ length: scan.samples.rods }, (_, rod) => node("span", {}, swatch(rodColour(rod)), ` rod ${rod}`));
+  walk.sample = computed ? 0 : stored.sample;
+  view.sample = walk.samples.point[walk.sample];
+  element("walk-told").replaceChildren(...(computed ? tellComputed(point, computed.outcome) : tellSample(point, stored)));
+  const rods = Array.from({ length: walk.samples.rods }, (_, rod) => node("span", {}, swatch(rodColour(rod)), ` rod ${rod}`));
   element("rods").replaceChildren(...rods, node("span", {}, "hollow: start; lengths in ", ...marked(scan.lengthUnit)));
   element("clock").value = 1000;
   redrawWalk();
@@ -241,7 +243,7 @@ function listen() {
 }
 
 /** For scripts: `ready` when the diagram is drawn, places of points in the window, the view. */
-window.scanPage = { ready: null, view, timings, scan, pointAt(point) {
+window.scanPage = { ready: null, kernels: null, view, walk, timings, scan, pointAt(point) {
   const { left, top } = element("marks").getBoundingClientRect(), [x, y] = view.place(point);
   return [left + x, top + y];
 } };
@@ -249,6 +251,7 @@ window.scanPage = { ready: null, view, timings, scan, pointAt(point) {
 window.scanPage.ready = (async () => {
   const begun = performance.now();
   await readScan();
+  window.scanPage.kernels = openKernels();  // the diagram does not wait for them
   timings.read = performance.now() - begun;
   readScales();
   start();
