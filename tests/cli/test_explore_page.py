@@ -268,9 +268,7 @@ class FilesTest(PageTest):
         self.assertEqual(len(drawing.findall("{http://www.w3.org/2000/svg}path")), 6)
         for selector, name in (("#paths-png", "encounter.png"), ("#wake-png", "wake.png"), ("#diagram-png", "diagram.png")):
             self.page.press(selector)
-            path = self.page.downloads / name
-            self.page.wait_for(path.is_file, f"{name} was not downloaded", 20)
-            self.assertEqual(path.read_bytes()[:4], b"\x89PNG")
+            self.assertEqual(self.page.arrived(name).read_bytes()[:4], b"\x89PNG")
         wake = list(csv.DictReader(io.StringIO(self.press_and_get("#wake-csv", "wake.csv"))))[::311]
         # rod 0 walks along x from (0, 2.5) in a medium of eta = 1, alpha = 1
         self.write("points.csv", "x,y,xi,eta\n" + "".join(f"{row['x']},{float(row['y']) - 2.5!r},1,1\n" for row in wake))

@@ -155,11 +155,16 @@ class Page:
         if found != value:
             raise AssertionError(f"{selector}: has no choice {value}")
 
-    def downloaded(self, name, seconds=20):
-        """The text of the file of this name, once it is there."""
+    def arrived(self, name, seconds=20):
+        """The file of this name, once all of it is there: an empty one holds its place at first."""
         path = self.downloads / name
-        self.wait_for(lambda: path.is_file() and not list(self.downloads.glob("*.crdownload")), f"{name} was not downloaded", seconds)
-        return path.read_text(encoding="utf-8")
+        self.wait_for(lambda: path.is_file() and path.stat().st_size > 0 and not list(self.downloads.glob("*.crdownload")),
+                      f"{name} was not downloaded", seconds)
+        return path
+
+    def downloaded(self, name, seconds=20):
+        """Its text."""
+        return self.arrived(name, seconds).read_text(encoding="utf-8")
 
     def picture(self, path):
         Path(path).write_bytes(base64.b64decode(self.send("Page.captureScreenshot", format="png")["data"]))
