@@ -85,6 +85,17 @@ public:
                      jacobian);
     }
 
+    double log_sigmas() const {
+        double sum = 0.0;
+        for (const Trajectory& one : all_) {
+            for (std::size_t row = 0; row < one.states.size(); ++row)
+                for (std::size_t i = 0; i < one.states[row].size(); ++i)
+                    sum += row > 0 || is_free(one, i) ? std::log(sigma_of(one, i)) : 0.0;
+            sum += one.contact_time ? std::log(one.sigma_contact) : 0.0;
+        }
+        return sum;
+    }
+
     std::string name(std::size_t i) const {
         for (const Trajectory& one : all_) {
             if (i < Residuals(one).count())
@@ -182,6 +193,7 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     Problem problem;
     problem.parameters = std::move(parameters);
     problem.residuals = all->residuals();
+    problem.log_sigmas = all->log_sigmas();
     problem.independent = mean_independent(trajectories);
     // NOLINTNEXTLINE(performance-unnecessary-value-param)
     problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,

@@ -2,8 +2,10 @@
 // The files of a fit: fit.json, fit.txt, fit_profile_<i>.csv, fit_curve_<i>.csv, fit_trajectory_<i>.csv.
 
 #include "rodwake/app/fit_results.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/fitting/method.hpp"
 #include "rodwake/store/append_log.hpp"
+#include "run/log.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -30,6 +32,11 @@ struct FitOrigin {
 /// fit.json comes last: where it is, the others are.
 void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const FitResults& results,
                const FitOrigin& origin);
+
+/// Samples of fit.posterior, in posterior.csv and posterior.json; blocks of chains that are done are kept in
+/// the folder (posterior_blocks.log) until then. False if a signal stopped it.
+bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
+                   const RunContext& context, const std::filesystem::path& folder, const Logger& log);
 
 // Starts of a fit that are done, one record each, so that an interrupted fit goes on with the others.
 

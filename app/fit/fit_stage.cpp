@@ -211,6 +211,7 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, con
               !add_systematics(plan, method, results, log);
     write_fit(folder, plan, results, {context.command});
     log_results(plan, results, log);
+    stopped = stopped || !add_posterior(plan, results.fit, fit_key(scene, plan), context, folder, log);
     if (!stopped)
         ledger.remove();
     return {stopped ? StageEnd::interrupted : StageEnd::finished, std::move(results)};
@@ -399,6 +400,10 @@ std::vector<FileKind> fit_files() {
             {"fit_map_<k>.csv", result, "a displacement map with its fit", columns_of<FitMapRow>()},
             {"fit_trajectory_<k>.csv", result, "rods with their fit",
              columns_of<FitTimeRow, Each<MeasuredPose>, Each<FittedPose>>()},
+            {"posterior.json", result,
+             "means, errors and quantiles of the parameters, how the chains mix, evidence"},
+            {"posterior.csv", result, "samples of the parameters, by chain"},
+            {"posterior_blocks.log", progress, "stretches of the chains that are done"},
             {ledger_file, progress, "starts that are done"}};
 }
 

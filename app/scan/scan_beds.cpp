@@ -31,7 +31,7 @@ public:
             throw; // nothing can be written: what runs are left would fail alike
         } catch (const std::exception& error) {
             result.status = scan::Status::exception;
-            result.set_cause(describe(error));
+            result.set_cause(rodwake::describe(error));
         }
         result.seconds = seconds_since(start);
     }

@@ -1,0 +1,199 @@
+#include "fit_files.hpp"
+
+#include "rodwake/core/build_info.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/fitting/posterior.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "rodwake/store/bytes.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace rodwake::app {
+
+namespace {
+
+using fitting::ChainBlock;
+
+/// Blocks that are done, as FitLedger keeps starts.
+class BlockLedger {
+public:
+    BlockLedger(std::filesystem::path file, const std::string& key, std::size_t free)
+        : file_(std::move(file)), key_(std::hash<std::string>{}(key)),
+          bytes_(8 * (16 + free + free * free + fitting::block_samples * (free + 1))) {
+        try {
+            read();
+        } catch (const InputError&) { // a damaged one is of no use, and no harm: what was read so far holds
+        }
+        if (done_.empty())
+            std::filesystem::remove(file_);
+        log_ = std::make_unique<store::AppendLog>(file_, bytes_, done_.size());
+    }
+
+    const std::vector<ChainBlock>& done() const { return done_; }
+
+    void add(const ChainBlock& block) {
+        store::ByteWriter out;
+        out.put(key_);
+        out.put(std::uint64_t{block.chain});
+        out.put(std::uint64_t{block.index});
+        out.put(block.log_density);
+        out.put(block.log_scale);
+        for (const auto* list : {&block.z, &block.covariance, &block.kept, &block.kept_density})
+            out.put_array(*list);
+        std::vector<std::byte> record = out.take();
+        record.resize(bytes_);
+        log_->append(record);
+        log_->flush();
+    }
+
+    void remove() {
+        log_.reset();
+        std::filesystem::remove(file_);
+    }
+
+private:
+    void read() {
+        constexpr std::size_t header = 32, check = 8; // of store::AppendLog
+        std::error_code error;
+        const auto size = std::filesystem::file_size(file_, error);
+        const std::size_t count = error || size < header ? 0 : (size - header) / (bytes_ + check);
+        if (count == 0)
+            return;
+        store::AppendLog log(file_, bytes_, count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::vector<std::byte> record = log.read(i);
+            store::ByteReader in(record, file_.string());
+            if (in.get<std::uint64_t>() != key_)
+                return done_.clear();
+            ChainBlock block;
+            block.chain = in.get<std::uint64_t>();
+            block.index = in.get<std::uint64_t>();
+            block.log_density = in.get<double>();
+            block.log_scale = in.get<double>();
+            for (auto* list : {&block.z, &block.covariance, &block.kept, &block.kept_density})
+                *list = in.get_array<double>();
+            done_.push_back(std::move(block));
+        }
+    }
+
+    std::filesystem::path file_;
+    std::uint64_t key_;
+    std::size_t bytes_;
+    std::vector<ChainBlock> done_;
+    std::unique_ptr<store::AppendLog> log_;
+};
+
+/// Uniform between the bounds unless the scene says otherwise; poses at the start are data, and their prior
+/// is wide: ten standard errors either way.
+fitting::Prior prior_of(const FitPlan& plan, const fitting::Parameter& p) {
+    double low = p.lower, high = p.upper;
+    if (fitting::is_start_pose(p.name)) {
+        double sigma = 0.0;
+        for (const FitTrackData& track : plan.tracks)
+            sigma = std::max({sigma, track.data.sigma_position, track.data.sigma_heading});
+        low = p.start - 10.0 * sigma, high = p.start + 10.0 * sigma;
+    }
+    const auto& priors = plan.keys.posterior->priors;
+    fitting::Prior prior = priors.contains(p.name) ? priors.at(p.name) : fitting::Prior{};
+    prior.low = prior.low.value_or(low), prior.high = prior.high.value_or(high);
+    return prior;
+}
+
+std::string posterior_csv(const FitPlan& plan, const fitting::Posterior& found) {
+    std::vector<std::string> names = {"chain", "draw"};
+    std::vector<std::vector<double>> columns(names.size() + found.free.size() + 1);
+    for (const std::size_t i : found.free)
+        names.push_back(plan.problem.parameters[i].name);
+    names.emplace_back("log_likelihood");
+    for (std::size_t c = 0; c < found.log_likelihood.size(); ++c)
+        for (std::size_t i = 0; i < found.log_likelihood[c].size(); ++i) {
+            columns[0].push_back(static_cast<double>(c));
+            columns[1].push_back(static_cast<double>(i));
+            for (std::size_t k = 0; k < found.free.size(); ++k)
+                columns[2 + k].push_back(found.values[k][c][i]);
+            columns.back().push_back(found.log_likelihood[c][i]);
+        }
+    return store::to_csv(names, columns);
+}
+
+nlohmann::ordered_json number(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+std::string posterior_json(const FitPlan& plan, const fitting::Posterior& found, const std::string& command) {
+    nlohmann::ordered_json out;
+    out["parameters"] = nlohmann::ordered_json::object();
+    for (std::size_t k = 0; k < found.free.size(); ++k) {
+        const fitting::Marginal& m = found.marginals[k];
+        const std::string& name = plan.problem.parameters[found.free[k]].name;
+        out["parameters"][name] = {{"mean", m.mean},       {"sd", m.sd},
+                                   {"median", m.median},   {"q025", m.q025},
+                                   {"q975", m.q975},       {"rhat", number(m.rhat)},
+                                   {"ess", number(m.ess)}, {"unit", fit_unit(plan.keys, name)}};
+    }
+    out["log_evidence"] = nullptr;
+    if (found.log_evidence)
+        out["log_evidence"] = {{"value", number(found.log_evidence->value)},
+                               {"stderr", number(found.log_evidence->error)}};
+    out["samples"] = "posterior.csv";
+    out["chains"] = found.log_likelihood.size();
+    out["seed"] = plan.method.seed;
+    out["remarks"] = found.remarks;
+    out["provenance"] = {{"command", command}, {"version", build_info().version}, {"git", build_info().git}};
+    return out.dump(2) + "\n";
+}
+
+void log_posterior(const FitPlan& plan, const fitting::Posterior& found, const Logger& log) {
+    for (std::size_t k = 0; k < found.free.size(); ++k) {
+        const fitting::Marginal& m = found.marginals[k];
+        log->info("posterior: {} = {:.6g} +- {:.2g}, 95 % within {:.5g} and {:.5g}; R-hat {:.4f}, {:.0f} "
+                  "effective samples",
+                  plan.problem.parameters[found.free[k]].name, m.mean, m.sd, m.q025, m.q975, m.rhat, m.ess);
+    }
+    if (found.log_evidence)
+        log->info("posterior: log evidence {:.3f} +- {:.2g}", found.log_evidence->value,
+                  found.log_evidence->error);
+    for (const std::string& remark : found.remarks)
+        log->warn("posterior: {}", remark);
+}
+
+} // namespace
+
+bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
+                   const RunContext& context, const std::filesystem::path& folder, const Logger& log) {
+    if (!plan.keys.posterior)
+        return true;
+    const scene::FitPosterior& keys = *plan.keys.posterior;
+    std::vector<fitting::Prior> priors;
+    for (const std::size_t i : fitting::free_parameters(plan.problem))
+        priors.push_back(prior_of(plan, plan.problem.parameters[i]));
+    BlockLedger ledger(folder / "posterior_blocks.log", key, priors.size());
+    fitting::PosteriorMethod method{
+        .chains = keys.chains, .samples = keys.samples, .evidence = keys.evidence};
+    method.seed = plan.method.seed;
+    method.threads = context.thread_count();
+    method.done = ledger.done();
+    std::size_t count = method.done.size();
+    Progress progress(context, "posterior", static_cast<double>(fitting::block_count(method)), "blocks");
+    method.on_block_done = [&](const ChainBlock& block) {
+        ledger.add(block);
+        progress.update(static_cast<double>(++count));
+    };
+    method.stop_requested = [&] { return context.stopped(); };
+    const auto found = fitting::sample(plan.problem, priors, fit.values, method);
+    if (!found)
+        return false;
+    store::write_atomically(folder / "posterior.csv", posterior_csv(plan, *found));
+    store::write_atomically(folder / "posterior.json", posterior_json(plan, *found, context.command));
+    log_posterior(plan, *found, log);
+    ledger.remove();
+    return true;
+}
+
+} // namespace rodwake::app
