@@ -1,6 +1,7 @@
 // How well chains tell of one distribution: Vehtari, Gelman, Simpson, Carpenter, Buerkner, Bayesian Analysis
 // 16, 667 (2021).
 
+#include "chains.hpp"
 #include "prior_map.hpp"
 
 #include <algorithm>

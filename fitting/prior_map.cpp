@@ -44,6 +44,16 @@ PriorMap::PriorMap(const Prior& prior, const std::string& name)
     }
 }
 
+double PriorMap::log_density(double value) const {
+    if (!(value >= least_ && value <= most_))
+        return -HUGE_VAL;
+    if (prior_.kind == PriorKind::normal) {
+        const double t = (value - prior_.mean) / prior_.sd;
+        return -0.5 * t * t - log_root_2pi - std::log(prior_.sd * mass_);
+    }
+    return -std::log(high_ - low_) - (prior_.kind == PriorKind::log_uniform ? std::log(value) : 0.0);
+}
+
 // From the nearer end, which keeps the digits of both.
 double PriorMap::value(double z) const {
     const double below = normal_below(z), above = normal_below(-z);

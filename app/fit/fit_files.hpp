@@ -4,6 +4,7 @@
 #include "rodwake/app/fit_results.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/fitting/method.hpp"
+#include "rodwake/fitting/posterior.hpp"
 #include "rodwake/store/append_log.hpp"
 #include "run/log.hpp"
 
@@ -33,10 +34,24 @@ struct FitOrigin {
 void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const FitResults& results,
                const FitOrigin& origin);
 
-/// Samples of fit.posterior, in posterior.csv and posterior.json; blocks of chains that are done are kept in
-/// the folder (posterior_blocks.log) until then. False if a signal stopped it.
+// The posterior of a fit, with fit.posterior.
+
+/// Its files; blocks of chains that are done are kept in the folder (posterior_blocks.log) until then. False
+/// if a signal stopped it.
 bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
                    const RunContext& context, const std::filesystem::path& folder, const Logger& log);
+
+/// posterior.csv, posterior.nc, what the samples predict, and last posterior.json.
+void write_posterior(const std::filesystem::path& folder, const FitPlan& plan,
+                     const fitting::Posterior& found, const RunContext& context);
+
+/// posterior_curve_<k>.csv and posterior_trajectory_<k>.csv.
+void write_predictions(const std::filesystem::path& folder, const FitPlan& plan,
+                       const fitting::Posterior& found, std::size_t threads);
+
+/// The model along a profile's line, with derivatives by all parameters of the fit.
+fitting::Prediction predicted_line(const FitPlan& plan, const fitting::Profile& line,
+                                   std::span<const double> places, std::span<const double> values);
 
 // Starts of a fit that are done, one record each, so that an interrupted fit goes on with the others.
 

@@ -1,14 +1,7 @@
 #include "fit_files.hpp"
 
-#include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/fitting/posterior.hpp"
-#include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/bytes.hpp"
-#include "rodwake/store/csv.hpp"
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +18,7 @@ class BlockLedger {
 public:
     BlockLedger(std::filesystem::path file, const std::string& key, std::size_t free)
         : file_(std::move(file)), key_(std::hash<std::string>{}(key)),
-          bytes_(8 * (16 + free + free * free + fitting::block_samples * (free + 1))) {
+          bytes_(8 * (10 + fitting::most_numbers_of_block(free))) {
         try {
             read();
         } catch (const InputError&) { // a damaged one is of no use, and no harm: what was read so far holds
@@ -42,9 +35,9 @@ public:
         out.put(key_);
         out.put(std::uint64_t{block.chain});
         out.put(std::uint64_t{block.index});
-        out.put(block.log_density);
-        out.put(block.log_scale);
-        for (const auto* list : {&block.z, &block.covariance, &block.kept, &block.kept_density})
+        for (const double one : {block.log_density, block.log_scale, block.accepted})
+            out.put(one);
+        for (const auto* list : {&block.z, &block.proposal, &block.kept, &block.kept_density})
             out.put_array(*list);
         std::vector<std::byte> record = out.take();
         record.resize(bytes_);
@@ -74,9 +67,9 @@ private:
             ChainBlock block;
             block.chain = in.get<std::uint64_t>();
             block.index = in.get<std::uint64_t>();
-            block.log_density = in.get<double>();
-            block.log_scale = in.get<double>();
-            for (auto* list : {&block.z, &block.covariance, &block.kept, &block.kept_density})
+            for (double* one : {&block.log_density, &block.log_scale, &block.accepted})
+                *one = in.get<double>();
+            for (auto* list : {&block.z, &block.proposal, &block.kept, &block.kept_density})
                 *list = in.get_array<double>();
             done_.push_back(std::move(block));
         }
@@ -89,8 +82,6 @@ private:
     std::unique_ptr<store::AppendLog> log_;
 };
 
-/// Uniform between the bounds unless the scene says otherwise; poses at the start are data, and their prior
-/// is wide: ten standard errors either way.
 fitting::Prior prior_of(const FitPlan& plan, const fitting::Parameter& p) {
     double low = p.lower, high = p.upper;
     if (fitting::is_start_pose(p.name)) {
@@ -103,50 +94,6 @@ fitting::Prior prior_of(const FitPlan& plan, const fitting::Parameter& p) {
     fitting::Prior prior = priors.contains(p.name) ? priors.at(p.name) : fitting::Prior{};
     prior.low = prior.low.value_or(low), prior.high = prior.high.value_or(high);
     return prior;
-}
-
-std::string posterior_csv(const FitPlan& plan, const fitting::Posterior& found) {
-    std::vector<std::string> names = {"chain", "draw"};
-    std::vector<std::vector<double>> columns(names.size() + found.free.size() + 1);
-    for (const std::size_t i : found.free)
-        names.push_back(plan.problem.parameters[i].name);
-    names.emplace_back("log_likelihood");
-    for (std::size_t c = 0; c < found.log_likelihood.size(); ++c)
-        for (std::size_t i = 0; i < found.log_likelihood[c].size(); ++i) {
-            columns[0].push_back(static_cast<double>(c));
-            columns[1].push_back(static_cast<double>(i));
-            for (std::size_t k = 0; k < found.free.size(); ++k)
-                columns[2 + k].push_back(found.values[k][c][i]);
-            columns.back().push_back(found.log_likelihood[c][i]);
-        }
-    return store::to_csv(names, columns);
-}
-
-nlohmann::ordered_json number(double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
-std::string posterior_json(const FitPlan& plan, const fitting::Posterior& found, const std::string& command) {
-    nlohmann::ordered_json out;
-    out["parameters"] = nlohmann::ordered_json::object();
-    for (std::size_t k = 0; k < found.free.size(); ++k) {
-        const fitting::Marginal& m = found.marginals[k];
-        const std::string& name = plan.problem.parameters[found.free[k]].name;
-        out["parameters"][name] = {{"mean", m.mean},       {"sd", m.sd},
-                                   {"median", m.median},   {"q025", m.q025},
-                                   {"q975", m.q975},       {"rhat", number(m.rhat)},
-                                   {"ess", number(m.ess)}, {"unit", fit_unit(plan.keys, name)}};
-    }
-    out["log_evidence"] = nullptr;
-    if (found.log_evidence)
-        out["log_evidence"] = {{"value", number(found.log_evidence->value)},
-                               {"stderr", number(found.log_evidence->error)}};
-    out["samples"] = "posterior.csv";
-    out["chains"] = found.log_likelihood.size();
-    out["seed"] = plan.method.seed;
-    out["remarks"] = found.remarks;
-    out["provenance"] = {{"command", command}, {"version", build_info().version}, {"git", build_info().git}};
-    return out.dump(2) + "\n";
 }
 
 void log_posterior(const FitPlan& plan, const fitting::Posterior& found, const Logger& log) {
@@ -165,14 +112,19 @@ void log_posterior(const FitPlan& plan, const fitting::Posterior& found, const L
 
 } // namespace
 
+std::vector<fitting::Prior> fit_priors(const FitPlan& plan) {
+    std::vector<fitting::Prior> priors;
+    for (const std::size_t i : fitting::free_parameters(plan.problem))
+        priors.push_back(prior_of(plan, plan.problem.parameters[i]));
+    return priors;
+}
+
 bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
                    const RunContext& context, const std::filesystem::path& folder, const Logger& log) {
     if (!plan.keys.posterior)
         return true;
     const scene::FitPosterior& keys = *plan.keys.posterior;
-    std::vector<fitting::Prior> priors;
-    for (const std::size_t i : fitting::free_parameters(plan.problem))
-        priors.push_back(prior_of(plan, plan.problem.parameters[i]));
+    const std::vector<fitting::Prior> priors = fit_priors(plan);
     BlockLedger ledger(folder / "posterior_blocks.log", key, priors.size());
     fitting::PosteriorMethod method{
         .chains = keys.chains, .samples = keys.samples, .evidence = keys.evidence};
@@ -180,6 +132,8 @@ bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::stri
     method.threads = context.thread_count();
     method.done = ledger.done();
     std::size_t count = method.done.size();
+    if (count > 0)
+        log->info("posterior: going on after {} of {} blocks", count, fitting::block_count(method));
     Progress progress(context, "posterior", static_cast<double>(fitting::block_count(method)), "blocks");
     method.on_block_done = [&](const ChainBlock& block) {
         ledger.add(block);
@@ -189,8 +143,7 @@ bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::stri
     const auto found = fitting::sample(plan.problem, priors, fit.values, method);
     if (!found)
         return false;
-    store::write_atomically(folder / "posterior.csv", posterior_csv(plan, *found));
-    store::write_atomically(folder / "posterior.json", posterior_json(plan, *found, context.command));
+    write_posterior(folder, plan, *found, context);
     log_posterior(plan, *found, log);
     ledger.remove();
     return true;

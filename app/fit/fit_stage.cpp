@@ -403,6 +403,12 @@ std::vector<FileKind> fit_files() {
             {"posterior.json", result,
              "means, errors and quantiles of the parameters, how the chains mix, evidence"},
             {"posterior.csv", result, "samples of the parameters, by chain"},
+            {"posterior.nc", result,
+             "the same as ArviZ reads them: groups posterior, sample_stats, log_likelihood"},
+            {"posterior_curve_<k>.csv", result, "what the samples predict along a profile's line",
+             columns_of<PredictedRow>()},
+            {"posterior_trajectory_<k>.csv", result, "what the samples predict of rods",
+             columns_of<PredictedPoseRow>()},
             {"posterior_blocks.log", progress, "stretches of the chains that are done"},
             {ledger_file, progress, "starts that are done"}};
 }

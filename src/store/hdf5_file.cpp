@@ -5,6 +5,7 @@
 #include "rodwake/store/hdf5_writer.hpp"
 
 #include <fmt/format.h>
+#include <hdf5_hl.h>
 
 #include <algorithm>
 #include <cmath>
@@ -419,6 +420,27 @@ void Hdf5Writer::dataset(const std::string& path, std::span<const double> values
     const Hdf5Guard guard;
     const std::vector<hsize_t> extent(shape.begin(), shape.end());
     file_->dataset(path, H5T_IEEE_F64LE, extent, values.data(), unit);
+}
+
+void Hdf5Writer::scale(const std::string& path, std::size_t count) {
+    const Hdf5Guard guard;
+    std::vector<std::int64_t> values(count);
+    std::iota(values.begin(), values.end(), 0);
+    file_->dataset(path, H5T_STD_I64LE, {count}, values.data());
+    const Hdf5Handle data(H5Dopen2(file_->get(), path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
+    if (H5DSset_scale(data.get(), path.substr(path.rfind('/') + 1).c_str()) < 0)
+        throw RunError("HDF5: cannot make a dimension of " + path + hdf5_reason());
+}
+
+void Hdf5Writer::dimensions(const std::string& path, const std::vector<std::string>& scales) {
+    const Hdf5Guard guard;
+    const Hdf5Handle data(H5Dopen2(file_->get(), path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
+    for (std::size_t i = 0; i < scales.size(); ++i) {
+        const Hdf5Handle scale(H5Dopen2(file_->get(), scales[i].c_str(), H5P_DEFAULT), H5Dclose,
+                               "open " + scales[i]);
+        if (H5DSattach_scale(data.get(), scale.get(), static_cast<unsigned>(i)) < 0)
+            throw RunError("HDF5: cannot name the dimensions of " + path + hdf5_reason());
+    }
 }
 
 void Hdf5Writer::part(const std::string& path, std::span<const double> values, std::size_t first,

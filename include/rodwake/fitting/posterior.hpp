@@ -1,17 +1,14 @@
 #pragma once
-// Samples of the parameters given data and priors, and the evidence of the model.
+// Samples of the parameters given data and priors (density.hpp), and the evidence of the model.
 //
-//   log p(values) = -chi2/2 - sum log(sigma sqrt(2 pi)) + log prior
-//
-// Each parameter is mapped by its prior's distribution function to the line, z = Phi^-1(F(value)), so that
-// there all priors are standard normal and no bound is left. The sampler is a random walk (Metropolis) whose
-// steps follow the curvature at the most probable place and adapt in the first blocks, then stay: it needs
-// one evaluation and no derivative a step, and takes places where the model does not exist as refused. The
-// evidence is bridge sampling (Meng and Wong 1996) between samples and a Gaussian fitted to half of them.
+// Chains of Metropolis and Hastings in z, where all priors are standard normal. Half of the steps propose a
+// place anywhere, from t distributions about the most probable places, half of them a place near the last
+// one; both learn in the first blocks and stay as they are after that. A step takes one evaluation and no
+// derivatives; places where the model does not exist are refused. The evidence is bridge sampling (Meng and
+// Wong 1996) between samples and t distributions that half of them are fitted to.
 
 #include "rodwake/core/estimate.hpp"
-#include "rodwake/fitting/prior.hpp"
-#include "rodwake/fitting/problem.hpp"
+#include "rodwake/fitting/density.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -21,9 +18,8 @@ namespace rodwake::fitting {
 /// A stretch of a chain: its end, from which the next begins, and the samples kept meanwhile.
 struct ChainBlock {
     std::size_t chain = 0, index = 0;
-    std::vector<double> z;
-    double log_density = 0.0, log_scale = 0.0;
-    std::vector<double> covariance;         ///< of the steps, row by row
+    double log_density = 0.0, log_scale = 0.0, accepted = 0.0; ///< accepted: share of the steps
+    std::vector<double> z, proposal;
     std::vector<double> kept, kept_density; ///< z of all samples one after the other; log density in z
 };
 
@@ -37,9 +33,10 @@ struct PosteriorMethod {
     std::function<bool()> stop_requested = {};
 };
 
-/// Blocks that all chains have together, and the most samples that one holds.
+/// Blocks that all chains have together.
 std::size_t block_count(const PosteriorMethod& method);
-inline constexpr std::size_t block_samples = 50;
+/// No block holds more numbers in its lists.
+std::size_t most_numbers_of_block(std::size_t free);
 
 struct Marginal {
     double mean = 0.0, sd = 0.0, median = 0.0, q025 = 0.0, q975 = 0.0;
@@ -52,13 +49,14 @@ struct Posterior {
     std::vector<std::vector<std::vector<double>>> values; ///< [free parameter][chain][draw]
     std::vector<std::vector<double>> log_likelihood;      ///< [chain][draw]
     std::vector<Marginal> marginals;                      ///< of the free parameters
+    std::vector<double> accepted;                         ///< share of the steps, by chain
     std::optional<rodwake::Estimate> log_evidence;
-    std::vector<std::string> remarks; ///< chains that do not mix, in sentences
+    std::vector<std::string> remarks; ///< what is not to be trusted, in sentences
 };
 
-/// Throws InputError for priors that are improper. `priors`: of the free parameters; `from`: values of all,
-/// where the most probable place is searched. Nothing if stop_requested said so. Depends on the seed, not on
-/// threads or on what was done before.
+/// Throws InputError for priors that are improper, RunError where the model does not exist at `from`: values
+/// of all parameters, where the search for the most probable places begins. `priors`: of the free parameters.
+/// Nothing if stop_requested said so. Depends on the seed, not on threads or on what was done before.
 std::optional<Posterior> sample(const Problem& problem, const std::vector<Prior>& priors,
                                 std::span<const double> from, const PosteriorMethod& method);
 

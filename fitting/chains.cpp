@@ -1,0 +1,198 @@
+#include "chains.hpp"
+
+#include "prior_map.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+namespace rodwake::fitting {
+
+namespace {
+
+constexpr std::size_t warm_up_blocks = 6, block_samples = 50;
+
+/// Steps of one chain, block by block.
+class Chain {
+public:
+    Chain(const Density& density, const PosteriorMethod& method, std::size_t chain)
+        : density_(density), method_(method), chain_(chain) {}
+
+    /// Two standard deviations about one of the peaks, so that chains that do not mix are seen.
+    ChainBlock begin(const Mixture& start) const {
+        RandomStream random(method_.seed, number(), of_start);
+        ChainBlock block;
+        block.chain = chain_;
+        double spread = 2.0;
+        Eigen::VectorXd z;
+        do {
+            z = start.about(chain_ % start.parts(), spread, random);
+            block.log_density = density_.at(z);
+            spread *= 0.5;
+        } while (!std::isfinite(block.log_density) && spread > 1e-9);
+        block.z.assign(z.begin(), z.end());
+        block.log_scale = std::log(2.38 / std::sqrt(static_cast<double>(density_.size())));
+        block.proposal = start.numbers();
+        return block;
+    }
+
+    ChainBlock next(const ChainBlock& from, std::size_t index) const {
+        const bool warm = index < warm_up_blocks;
+        const std::size_t each = 2 * (from.z.size() + 2), all = method_.samples / method_.chains;
+        const std::size_t count =
+            warm ? block_samples : std::min(block_samples, all - (index - warm_up_blocks) * block_samples);
+        RandomStream random(method_.seed, number(), of_blocks + static_cast<std::uint32_t>(index));
+        const Mixture proposal(from.proposal, density_.size());
+        State state{Eigen::Map<const Eigen::VectorXd>(from.z.data(), density_.size()), from.log_density,
+                    from.log_scale, proposal.common_root()};
+        ChainBlock block = from;
+        block.index = index;
+        block.kept.clear(), block.kept_density.clear();
+        std::vector<Eigen::VectorXd> seen;
+        for (std::size_t i = 0; i < count * each; ++i) {
+            step(state, proposal, random, warm ? 1.0 / std::pow(static_cast<double>(i + 1), 0.6) : 0.0);
+            if (warm)
+                seen.push_back(state.z);
+            else if ((i + 1) % each == 0) {
+                block.kept.insert(block.kept.end(), state.z.begin(), state.z.end());
+                block.kept_density.push_back(state.log_density);
+            }
+        }
+        block.z.assign(state.z.begin(), state.z.end());
+        block.log_density = state.log_density, block.log_scale = state.log_scale;
+        block.accepted = static_cast<double>(state.accepted) / static_cast<double>(count * each);
+        if (warm)
+            block.proposal = proposal.learned(seen, 0.5).numbers();
+        return block;
+    }
+
+private:
+    struct State {
+        Eigen::VectorXd z;
+        double log_density, log_scale;
+        Eigen::MatrixXd root; ///< of the near steps
+        std::size_t accepted = 0;
+    };
+
+    std::uint32_t number() const { return static_cast<std::uint32_t>(chain_); }
+
+    void step(State& state, const Mixture& proposal, RandomStream& random, double gain) const {
+        if (random.uniform() < 0.5)
+            far(state, proposal, random);
+        else
+            near(state, random, gain);
+    }
+
+    void far(State& state, const Mixture& proposal, RandomStream& random) const {
+        const Eigen::VectorXd there = proposal.draw(random);
+        const double density = density_.at(there), odds = density - state.log_density +
+                                                          proposal.log_density(state.z) -
+                                                          proposal.log_density(there);
+        take(state, there, density, std::exp(std::min(0.0, odds)), random);
+    }
+
+    /// Now and then a long or a short one: for tails and bends that the covariance does not show.
+    void near(State& state, RandomStream& random, double gain) const {
+        const double kind = random.uniform(), factor = kind < 0.1 ? 0.1 : kind < 0.2 ? 3.0 : 1.0;
+        const Eigen::VectorXd there = state.z + factor * std::exp(state.log_scale) *
+                                                    (state.root * normal_draws(random, state.z.size()));
+        const double density = density_.at(there),
+                     odds = std::exp(std::min(0.0, density - state.log_density));
+        take(state, there, density, odds, random);
+        if (factor == 1.0)
+            state.log_scale += gain * (odds - 0.3);
+    }
+
+    static void take(State& state, const Eigen::VectorXd& there, double density, double odds,
+                     RandomStream& random) {
+        if (!(random.uniform() < odds))
+            return;
+        state.z = there;
+        state.log_density = density;
+        ++state.accepted;
+    }
+
+    const Density& density_;
+    const PosteriorMethod& method_;
+    std::size_t chain_;
+};
+
+void add(const ChainBlock& block, Draws& out) {
+    const auto d = static_cast<Eigen::Index>(block.z.size());
+    for (std::size_t k = 0; k < block.kept_density.size(); ++k) {
+        out.z.emplace_back(Eigen::Map<const Eigen::VectorXd>(&block.kept[k * block.z.size()], d));
+        out.log_density.push_back(block.kept_density[k]);
+    }
+    out.accepted += block.accepted * static_cast<double>(block.kept_density.size());
+}
+
+/// What the chains share: earlier blocks, and one at a time to the caller.
+class Progressing {
+public:
+    explicit Progressing(const PosteriorMethod& method) : method_(method) {
+        for (const ChainBlock& block : method.done)
+            done_[{block.chain, block.index}] = &block;
+    }
+
+    const ChainBlock* done(std::size_t chain, std::size_t index) const {
+        const auto at = done_.find({chain, index});
+        return at == done_.end() ? nullptr : at->second;
+    }
+    bool stopped() {
+        const std::lock_guard lock(mutex_);
+        return stopped_ = stopped_ || (method_.stop_requested && method_.stop_requested());
+    }
+    void tell(const ChainBlock& block) {
+        const std::lock_guard lock(mutex_);
+        if (method_.on_block_done)
+            method_.on_block_done(block);
+    }
+
+private:
+    const PosteriorMethod& method_;
+    std::map<std::pair<std::size_t, std::size_t>, const ChainBlock*> done_;
+    std::mutex mutex_;
+    bool stopped_ = false;
+};
+
+} // namespace
+
+std::size_t block_count(const PosteriorMethod& method) {
+    const std::size_t each = method.samples / method.chains;
+    return method.chains * (warm_up_blocks + (each + block_samples - 1) / block_samples);
+}
+
+std::size_t most_numbers_of_block(std::size_t free) {
+    return free + most_peaks * (1 + free + free * free) + block_samples * (free + 1);
+}
+
+std::optional<std::vector<Draws>> run_chains(const Density& density, const Mixture& start,
+                                             const PosteriorMethod& method) {
+    std::vector<Draws> chains(method.chains);
+    const std::size_t blocks = block_count(method) / method.chains;
+    Progressing progress(method);
+    std::vector<char> stopped(method.chains, 0);
+    parallel_for(method.chains, method.threads, [&](std::size_t c) {
+        const Chain chain(density, method, c);
+        ChainBlock block = chain.begin(start);
+        for (std::size_t i = 0; i < blocks; ++i) {
+            if (const ChainBlock* before = progress.done(c, i))
+                block = *before;
+            else if (progress.stopped()) {
+                stopped[c] = 1;
+                return;
+            } else
+                progress.tell(block = chain.next(block, i));
+            add(block, chains[c]);
+        }
+        chains[c].accepted /= static_cast<double>(chains[c].z.size());
+    });
+    if (std::ranges::count(stopped, 1) > 0)
+        return std::nullopt;
+    return chains;
+}
+
+} // namespace rodwake::fitting
