@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::size_t warm_up_blocks = 6, block_samples = 50;
 
+/// Enough for four independent samples of ten where no far step is ever taken.
+constexpr std::size_t steps_a_sample(std::size_t free) { return 2 * (free + 2); }
+
 /// Steps of one chain, block by block.
 class Chain {
 public:
@@ -41,7 +44,7 @@ public:
 
     ChainBlock next(const ChainBlock& from, std::size_t index) const {
         const bool warm = index < warm_up_blocks;
-        const std::size_t each = 2 * (from.z.size() + 2), all = method_.samples / method_.chains;
+        const std::size_t each = steps_a_sample(from.z.size()), all = method_.samples / method_.chains;
         const std::size_t count =
             warm ? block_samples : std::min(block_samples, all - (index - warm_up_blocks) * block_samples);
         RandomStream random(method_.seed, number(), of_blocks + static_cast<std::uint32_t>(index));
@@ -163,6 +166,11 @@ private:
 std::size_t block_count(const PosteriorMethod& method) {
     const std::size_t each = method.samples / method.chains;
     return method.chains * (warm_up_blocks + (each + block_samples - 1) / block_samples);
+}
+
+double evaluations(const PosteriorMethod& method, std::size_t free) {
+    const std::size_t kept = method.samples + method.chains * warm_up_blocks * block_samples;
+    return static_cast<double>(kept * steps_a_sample(free) + (method.evidence ? method.samples : 0));
 }
 
 std::size_t most_numbers_of_block(std::size_t free) {

@@ -41,21 +41,33 @@ void judge_mixing(const std::vector<std::string>& names, Posterior& out) {
                                           out.log_evidence->error));
 }
 
+/// Part of the prior that lies between its end and a quantile of the samples: `sorted` are normal under it.
+double part_of_prior(const std::vector<double>& sorted, double p, bool lower) {
+    const auto at = static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1));
+    return normal_below(lower ? sorted[at] : -sorted[sorted.size() - 1 - at]);
+}
+
 /// z: of one parameter, normal under its prior.
-void judge_prior(const std::string& name, const std::vector<double>& z, Posterior& out) {
-    const auto count = static_cast<double>(z.size());
-    double mean = 0.0, square = 0.0, low = 0.0, high = 0.0;
-    for (const double one : z) {
-        mean += one / count, square += one * one / count;
-        low += one < -1.645 ? 1.0 / count : 0.0, high += one > 1.645 ? 1.0 / count : 0.0;
+void judge_prior(const std::string& name, std::vector<double> z, Posterior& out) {
+    std::ranges::sort(z);
+    for (const bool lower : {true, false}) {
+        const char* end = lower ? "lower" : "upper";
+        const double median = part_of_prior(z, 0.5, lower),
+                     width = part_of_prior(z, 0.975, lower) - part_of_prior(z, 0.025, lower);
+        // half a normal distribution that begins at the end has 0.3, one that is whole and far from it more
+        if (median < 0.3 * width && width < 0.7)
+            return out.remarks.push_back(fmt::format(
+                "{0} lies against the {1} end of its prior: the data want it {2}; make the prior wider (if "
+                "it is a bound's, fit.bounds.{0}), or mistrust the model",
+                name, end, lower ? "less" : "more"));
+        if (median < 1e-3)
+            return out.remarks.push_back(fmt::format(
+                "{0} lies in the {1} {2:.1g} of its prior: one that reaches less far would be nearer "
+                "to what was known before, and raise the log evidence by up to {3:.1f}; give "
+                "fit.posterior.priors.{0}",
+                name, lower ? "lowest" : "highest", median, -std::log(2.0 * median)));
     }
-    if (low > 0.5 || high > 0.5) // of the prior it is 0.05
-        out.remarks.push_back(fmt::format(
-            "{0} lies against the {1} end of its prior, which holds {2:.0f} % of the samples in its "
-            "outermost "
-            "5 %: the data want it {3}, so make the prior wider or mistrust the model",
-            name, low > 0.5 ? "lower" : "upper", 100.0 * std::max(low, high), low > 0.5 ? "less" : "more"));
-    else if (std::sqrt(square - mean * mean) > 0.9 && std::abs(mean) < 0.3)
+    if (part_of_prior(z, 0.975, true) - part_of_prior(z, 0.025, true) > 0.9)
         out.remarks.push_back(
             fmt::format("the data tell next to nothing of {}: what is known of it is its prior", name));
 }
@@ -87,7 +99,7 @@ void judge(const Problem& problem, const std::vector<Draws>& chains, Posterior& 
         for (const Draws& chain : chains)
             for (const Eigen::VectorXd& one : chain.z)
                 z.push_back(one[static_cast<Eigen::Index>(k)]);
-        judge_prior(names[k], z, out);
+        judge_prior(names[k], std::move(z), out);
     }
 }
 

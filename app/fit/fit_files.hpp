@@ -36,6 +36,9 @@ void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const F
 
 // The posterior of a fit, with fit.posterior.
 
+/// As fit.posterior asks for it.
+fitting::PosteriorMethod posterior_method(const FitPlan& plan);
+
 /// Its files; blocks of chains that are done are kept in the folder (posterior_blocks.log) until then. False
 /// if a signal stopped it.
 bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,

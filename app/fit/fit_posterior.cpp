@@ -84,11 +84,12 @@ private:
 
 fitting::Prior prior_of(const FitPlan& plan, const fitting::Parameter& p) {
     double low = p.lower, high = p.upper;
-    if (fitting::is_start_pose(p.name)) {
-        double sigma = 0.0;
-        for (const FitTrackData& track : plan.tracks)
-            sigma = std::max({sigma, track.data.sigma_position, track.data.sigma_heading});
-        low = p.start - 10.0 * sigma, high = p.start + 10.0 * sigma;
+    if (fitting::is_start_pose(p.name)) { // "x.<track>.<rod>"
+        const fitting::Trajectory& track =
+            plan.tracks.at(std::stoul(p.name.substr(p.name.find('.') + 1))).data;
+        const double sigma = p.name.starts_with("heading") ? track.sigma_heading : track.sigma_position,
+                     wide = 10.0 * sigma / std::sqrt(track.independent);
+        low = p.start - wide, high = p.start + wide;
     }
     const auto& priors = plan.keys.posterior->priors;
     fitting::Prior prior = priors.contains(p.name) ? priors.at(p.name) : fitting::Prior{};
@@ -119,16 +120,21 @@ std::vector<fitting::Prior> fit_priors(const FitPlan& plan) {
     return priors;
 }
 
+fitting::PosteriorMethod posterior_method(const FitPlan& plan) {
+    const scene::FitPosterior& keys = *plan.keys.posterior;
+    fitting::PosteriorMethod method;
+    method.chains = keys.chains, method.samples = keys.samples, method.evidence = keys.evidence;
+    method.seed = plan.method.seed;
+    return method;
+}
+
 bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
                    const RunContext& context, const std::filesystem::path& folder, const Logger& log) {
     if (!plan.keys.posterior)
         return true;
-    const scene::FitPosterior& keys = *plan.keys.posterior;
     const std::vector<fitting::Prior> priors = fit_priors(plan);
     BlockLedger ledger(folder / "posterior_blocks.log", key, priors.size());
-    fitting::PosteriorMethod method{
-        .chains = keys.chains, .samples = keys.samples, .evidence = keys.evidence};
-    method.seed = plan.method.seed;
+    fitting::PosteriorMethod method = posterior_method(plan);
     method.threads = context.thread_count();
     method.done = ledger.done();
     std::size_t count = method.done.size();

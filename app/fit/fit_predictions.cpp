@@ -18,7 +18,7 @@ namespace rodwake::app {
 
 namespace {
 
-constexpr std::size_t most_draws = 200, curve_places = 201;
+constexpr std::size_t most_draws = 200, predicted_places = 201;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Values of all parameters at draws that are spread evenly over the chains.
@@ -91,14 +91,14 @@ void write_curve(const std::filesystem::path& folder, const FitPlan& plan, std::
                  const std::vector<std::vector<double>>& draws, std::size_t threads) {
     const fitting::Profile& data = plan.profiles[index].data;
     const auto [from, to] = std::ranges::minmax(data.place);
-    std::vector<double> places(curve_places);
-    for (std::size_t i = 0; i < curve_places; ++i)
-        places[i] = std::lerp(from, to, static_cast<double>(i) / static_cast<double>(curve_places - 1));
+    std::vector<double> places(predicted_places);
+    for (std::size_t i = 0; i < predicted_places; ++i)
+        places[i] = std::lerp(from, to, static_cast<double>(i) / static_cast<double>(predicted_places - 1));
     std::vector<std::vector<double>> models(draws.size());
     parallel_for(draws.size(), threads,
                  [&](std::size_t i) { models[i] = predicted_line(plan, data, places, draws[i]).value; });
-    std::vector<PredictedRow> rows(curve_places);
-    parallel_for(curve_places, threads, [&](std::size_t i) {
+    std::vector<PredictedRow> rows(predicted_places);
+    parallel_for(predicted_places, threads, [&](std::size_t i) {
         std::vector<double> values;
         for (const auto& model : models)
             values.push_back(model[i]);

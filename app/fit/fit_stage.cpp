@@ -374,7 +374,17 @@ std::vector<CostRow> fit_rows(const Plan& plan, double whole) {
     return rows;
 }
 
-std::string fit_cost(const Plan& plan) {
+std::string posterior_cost(const FitPlan& plan, const RunContext& context) {
+    if (!plan.keys.posterior)
+        return "";
+    const fitting::PosteriorMethod method = posterior_method(plan);
+    const double count = fitting::evaluations(method, fitting::free_parameters(plan.problem).size());
+    const auto threads = static_cast<double>(std::min(method.chains, context.thread_count()));
+    return fmt::format("  posterior: {} samples, about {:.0f} evaluations, {}\n", method.samples, count,
+                       duration_text(count * evaluation_time(plan.problem, false) / threads));
+}
+
+std::string fit_cost(const Plan& plan, const RunContext& context) {
     constexpr double evaluations = 50.0; // of a start with gradients
     const scene::Fit& keys = *plan.scene.fit;
     const double all = evaluations * static_cast<double>(keys.search.starts);
@@ -386,7 +396,7 @@ std::string fit_cost(const Plan& plan) {
     return text +
            fmt::format(", {} residuals, about {}\n", plan.fit_plan->problem.residuals,
                        duration_text(all * each)) +
-           cost_table(fit_rows(plan, each));
+           posterior_cost(*plan.fit_plan, context) + cost_table(fit_rows(plan, each));
 }
 
 std::vector<FileKind> fit_files() {
@@ -434,7 +444,8 @@ StageKind fit_stage() {
             .files = fit_files,
             .run = run_fit,
             .require = require_same_beds_beside,
-            .cost = [](const Plan& plan, const fs::path&, const RunContext&) { return fit_cost(plan); },
+            .cost = [](const Plan& plan, const fs::path&,
+                       const RunContext& context) { return fit_cost(plan, context); },
             .outdated =
                 [](const scene::Scene& s, const StageChanges& all) {
                     return (s.granular || s.tracks) &&

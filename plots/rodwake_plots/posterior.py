@@ -269,9 +269,10 @@ def draw_bands(axes, run, view, table):
     axes.set_ylim(*fit.panel_limits(view, None))
 
 
-def band_key(figure):
+def band_key(figure, colour=style.LINE):
+    look = dict(color=colour, linewidth=0)
     handles = [Line2D([], [], marker="o", markersize=3.6, linestyle="none", color=style.INK, label="data"),
-               Patch(alpha=0.55, label="posterior, 95 %", **BAND), Patch(alpha=0.15, label="with the noise of the data, 95 %", **BAND)]
+               Patch(alpha=0.55, label="posterior, 95 %", **look), Patch(alpha=0.15, label="with the noise of the data, 95 %", **look)]
     figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=3, frameon=False, fontsize=9)
 
 
@@ -295,7 +296,7 @@ def draw_predictive_tracks(run, spec):
                            + f"${name}$")
             axes.set_xlabel("$t$" if index == len(tracks) - 1 else "")
         line[0].set_ylabel("data − median")
-    band_key(figure)
+    band_key(figure, style.GREY)
     if spec.title:
         figure.suptitle(style.safe(spec.title), fontsize=11)
     return figure
@@ -308,8 +309,8 @@ def draw_track(axes, table, coordinate):
         kept = (table["rod"] == rod) & (table["coordinate"] == coordinate)
         t, median = table["t"][kept], table["median"][kept]
         colour = style.ROD_COLOURS[int(rod) % len(style.ROD_COLOURS)]
-        for low, high, alpha in (("noise_low", "noise_high", 0.12), ("low", "high", 0.35)):
-            axes.fill_between(t, table[low][kept] - median, table[high][kept] - median, color=colour, alpha=alpha, linewidth=0, zorder=2)
+        for low, high, shade, alpha in (("noise_low", "noise_high", style.GREY, 0.22 / len(rods)), ("low", "high", colour, 0.3)):
+            axes.fill_between(t, table[low][kept] - median, table[high][kept] - median, color=shade, alpha=alpha, linewidth=0, zorder=2)
         axes.plot(t, table["data"][kept] - median, mark, color=colour, markersize=2.6, zorder=3)
     axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
 

@@ -203,7 +203,11 @@ TEST_CASE("what is not to be trusted is said, with what to do") {
     };
     const std::vector<Prior> unit = {{PriorKind::uniform, 0.0, 1.0}};
     CHECK(remarks_on(sample(line(1.5), unit, std::vector{0.5}, {}).value(), "against the upper end"));
+    CHECK(remarks_on(sample(line(-0.5), unit, std::vector{0.5}, {}).value(), "against the lower end"));
     CHECK(sample(line(0.5), unit, std::vector{0.5}, {}).value().remarks.empty());
+    CHECK(sample(line(0.1), unit, std::vector{0.5}, {}).value().remarks.empty()); // five errors from the end
+    const std::vector<Prior> endless = {{PriorKind::uniform, 1e-6, 1e6}};
+    CHECK(remarks_on(sample(line(0.5), endless, std::vector{0.5}, {}).value(), "in the lowest 5e-07"));
     // a model that exists in a thousandth of the places, next to everywhere
     const Problem holes =
         toy({{.name = "a", .start = 0.5}}, 1, [](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r) {

@@ -35,6 +35,9 @@ struct PosteriorMethod {
 
 /// Blocks that all chains have together.
 std::size_t block_count(const PosteriorMethod& method);
+/// Evaluations of the residuals that samples and evidence take; the search for places takes a few hundred
+/// more.
+double evaluations(const PosteriorMethod& method, std::size_t free);
 /// No block holds more numbers in its lists.
 std::size_t most_numbers_of_block(std::size_t free);
 
