@@ -1,5 +1,6 @@
-# The C library of HDF5 as the target HDF5C::HDF5C, and HDF5C_VERSION. CMake's own module compiles a test in C; a project in
-# C++ alone need not have that language. HDF5_ROOT, variable or environment, comes first; Debian's serial build next.
+# The C library of HDF5, with its high-level part, as the target HDF5C::HDF5C, and HDF5C_VERSION. CMake's own module compiles
+# a test in C; a project in C++ alone need not have that language. HDF5_ROOT, variable or environment, comes first; Debian's
+# serial build next.
 find_path(HDF5C_INCLUDE_DIR hdf5.h HINTS ${HDF5_ROOT} ENV HDF5_ROOT PATH_SUFFIXES include hdf5/serial)
 find_library(HDF5C_LIBRARY NAMES hdf5_serial hdf5 HINTS ${HDF5_ROOT} ENV HDF5_ROOT PATH_SUFFIXES lib hdf5/serial)
 find_library(HDF5C_HL_LIBRARY NAMES hdf5_serial_hl hdf5_hl HINTS ${HDF5_ROOT} ENV HDF5_ROOT PATH_SUFFIXES lib hdf5/serial)

@@ -108,14 +108,21 @@ Hdf5Handle link_with_parents() {
     return Hdf5Handle(properties, H5Pclose, "set up links");
 }
 
+/// Without the time of writing: the same numbers make the same bytes.
+Hdf5Handle without_times() {
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_obj_track_times(properties, false);
+    return Hdf5Handle(properties, H5Pclose, "set up a dataset");
+}
+
 Hdf5Handle create_dataset(hid_t file, const std::string& path, hid_t type,
                           const std::vector<hsize_t>& extent) {
     const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
                            H5Sclose, "shape " + path);
-    const Hdf5Handle links = link_with_parents();
+    const Hdf5Handle links = link_with_parents(), properties = without_times();
     return Hdf5Handle(
-        H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
-        "create " + path);
+        H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), properties.get(), H5P_DEFAULT),
+        H5Dclose, "create " + path);
 }
 
 /// Of rows as they are in the file.

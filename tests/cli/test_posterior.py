@@ -28,11 +28,11 @@ class PosteriorTest(FitTest):
         out = self.folder / "out"
         found = json.loads((out / "posterior.json").read_text())
         del found["provenance"]
-        return found, (out / "posterior.csv").read_bytes()
+        return found, *((out / name).read_bytes() for name in ("posterior.csv", "posterior.nc", "posterior_curve_0.csv"))
 
     def test_its_files_hold_what_they_should(self):
         self.expect(0, "fit", "fit.toml", "-o", "out", "--quiet")
-        found, _ = self.files()
+        found, *_ = self.files()
         self.assertEqual(set(found["parameters"]), set(TRUE))
         for name, one in found["parameters"].items():
             self.assertLess(one["rhat"], 1.01, name)

@@ -1,8 +1,10 @@
 // Posteriors whose mean, covariance and evidence are known: in closed form, or from a fine grid.
 
 #include "catch2/catch.hpp"
+#include "made_up_map.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/fitting/posterior.hpp"
+#include "swimming_pair.hpp"
 #include "synthetic_profiles.hpp"
 
 #include <Eigen/Dense>
@@ -216,6 +218,38 @@ TEST_CASE("what is not to be trusted is said, with what to do") {
             r[0] = 0.0;
         });
     CHECK(remarks_on(sample(holes, unit, std::vector{0.5}, {.samples = 400}).value(), "stuck"));
+}
+
+TEST_CASE("the likelihood has the sigmas of every kind of data") {
+    const Problem map = map_problem(made_up_map::model, {made_up_map::map_of(6, 0.03)}, {},
+                                    made_up_map::free_ones({"amplitude"})),
+                  pair = rodwake::test::pair_problem("kappa", 0.5, 0.05);
+    const auto expected = [](std::size_t count, double sigma) {
+        return -static_cast<double>(count) * (std::log(sigma) + 0.5 * std::log(2.0 * M_PI));
+    };
+    const std::vector<Prior> prior = {{PriorKind::uniform, 0.0, 2.0}};
+    CHECK(Density(map, prior).log_likelihood({{0.8}}) == Approx(expected(72, 0.03)));
+    CHECK(Density(pair, prior).log_likelihood({{0.5}}) == Approx(expected(24 * 6, 0.05)));
+    const Problem together = joined({map, pair});
+    const Density both(together, {prior[0], prior[0]});
+    CHECK(both.log_likelihood({{0.8, 0.5}}) == Approx(expected(72, 0.03) + expected(24 * 6, 0.05)));
+    double sum = 0.0;
+    for (const double one : both.log_likelihoods({{0.7, 0.4}}))
+        sum += one;
+    CHECK(sum == Approx(both.log_likelihood({{0.7, 0.4}})));
+}
+
+TEST_CASE("the coupling of two rods is as well known as its derivative says") {
+    const Problem pair = rodwake::test::pair_problem("kappa", 0.5, 0.05);
+    const std::vector<double> values = all_values(pair, {{0.5}});
+    Eigen::VectorXd r(static_cast<Eigen::Index>(pair.residuals));
+    Eigen::MatrixXd j = Eigen::MatrixXd::Zero(r.size(), static_cast<Eigen::Index>(values.size()));
+    pair.evaluate(values, r, &j);
+    const double error = 1.0 / j.col(static_cast<Eigen::Index>(free_parameters(pair).front())).norm();
+    const Posterior found =
+        sample(pair, {{PriorKind::uniform, 0.0, 2.0}}, values, {.chains = 2, .samples = 200}).value();
+    CHECK(std::abs(found.marginals[0].mean - 0.5) < 4.0 * error / std::sqrt(100.0)); // four errors
+    CHECK(found.marginals[0].sd == Approx(error).epsilon(0.3));                      // the same
 }
 
 TEST_CASE("samples are the same for any threads and after an interruption") {
