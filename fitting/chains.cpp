@@ -68,7 +68,7 @@ public:
         block.log_density = state.log_density, block.log_scale = state.log_scale;
         block.accepted = static_cast<double>(state.accepted) / static_cast<double>(count * each);
         if (warm)
-            block.proposal = proposal.learned(seen, 0.5).numbers();
+            block.proposal = proposal.learned(seen, 2).numbers();
         return block;
     }
 
@@ -174,7 +174,7 @@ double evaluations(const PosteriorMethod& method, std::size_t free) {
 }
 
 std::size_t most_numbers_of_block(std::size_t free) {
-    return free + most_peaks * (1 + free + free * free) + block_samples * (free + 1);
+    return free + most_parts * (1 + free + free * free) + block_samples * (free + 1);
 }
 
 std::optional<std::vector<Draws>> run_chains(const Density& density, const Mixture& start,

@@ -85,7 +85,7 @@ std::optional<rodwake::Estimate> evidence(const Density& density, const Mixture&
     for (const Draws& chain : chains)
         first.insert(first.end(), chain.z.begin(),
                      chain.z.begin() + static_cast<std::ptrdiff_t>(chain.z.size() / 2));
-    const Mixture proposal = start.learned(first, 1.0);
+    const Mixture proposal = start.learned(first, most_parts);
     Ratios ratios;
     for (const Draws& chain : chains) {
         auto& list = ratios.sampled.emplace_back();

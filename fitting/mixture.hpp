@@ -12,6 +12,8 @@ namespace rodwake::fitting {
 
 Eigen::VectorXd normal_draws(RandomStream& random, Eigen::Index size);
 
+inline constexpr std::size_t most_parts = 8;
+
 class Mixture {
 public:
     struct Part {
@@ -31,17 +33,24 @@ public:
     Eigen::VectorXd draw(RandomStream& random) const;
     /// L with L L^T the mean covariance of the parts.
     Eigen::MatrixXd common_root() const;
-    /// Moved by this share towards what these places say; each place is that of the part it is likeliest in.
-    Mixture learned(const std::vector<Eigen::VectorXd>& places, double share) const;
+    /// Fitted to these places; a part that does not follow them becomes two, this many times at most, so that
+    /// bends are followed.
+    Mixture learned(const std::vector<Eigen::VectorXd>& places, std::size_t splits) const;
 
     std::vector<double> numbers() const;
 
 private:
-    double log_density(std::size_t part, const Eigen::VectorXd& z) const;
-    std::size_t nearest(const Eigen::VectorXd& z) const;
+    using Places = std::vector<const Eigen::VectorXd*>;
+
+    const Part& part(std::size_t i) const { return i < parts_.size() ? parts_[i] : wide_; }
+    double log_density(std::size_t i, const Eigen::VectorXd& z) const;
+    double mean_log_density(const Places& places) const;
+    Mixture followed(const Places& places, int rounds) const;
+    Mixture split() const;
     void settle();
 
     std::vector<Part> parts_;
+    Part wide_; ///< about all parts together, for places that they leave out; takes no part in learning
     std::vector<Eigen::MatrixXd> roots_;
     std::vector<double> constants_; ///< logarithms of weight and normalisation
 };
