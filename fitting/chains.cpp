@@ -29,13 +29,13 @@ public:
         RandomStream random(method_.seed, number(), of_start);
         ChainBlock block;
         block.chain = chain_;
-        double spread = 2.0;
+        block.log_density = -HUGE_VAL; // at a peak, where this ends, the model exists
         Eigen::VectorXd z;
-        do {
+        for (double spread = 2.0; !std::isfinite(block.log_density);
+             spread = spread > 1e-9 ? 0.5 * spread : 0.0) {
             z = start.about(chain_ % start.parts(), spread, random);
             block.log_density = density_.at(z);
-            spread *= 0.5;
-        } while (!std::isfinite(block.log_density) && spread > 1e-9);
+        }
         block.z.assign(z.begin(), z.end());
         block.log_scale = std::log(2.38 / std::sqrt(static_cast<double>(density_.size())));
         block.proposal = start.numbers();
