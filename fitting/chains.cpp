@@ -13,7 +13,12 @@ namespace rodwake::fitting {
 
 namespace {
 
-constexpr std::size_t warm_up_blocks = 6, block_samples = 50;
+constexpr std::size_t block_samples = 50, seen_of_sample = 2;
+
+/// As many as are kept, within limits.
+std::size_t warm_up_blocks(const PosteriorMethod& method) {
+    return std::clamp<std::size_t>(method.samples / method.chains / block_samples, 6, 20);
+}
 
 /// Enough for four independent samples of ten where no far step is ever taken.
 constexpr std::size_t steps_a_sample(std::size_t free) { return 2 * (free + 2); }
@@ -38,37 +43,34 @@ public:
         }
         block.z.assign(z.begin(), z.end());
         block.log_scale = std::log(2.38 / std::sqrt(static_cast<double>(density_.size())));
-        block.proposal = start.numbers();
         return block;
     }
 
-    ChainBlock next(const ChainBlock& from, std::size_t index) const {
-        const bool warm = index < warm_up_blocks;
-        const std::size_t each = steps_a_sample(from.z.size()), all = method_.samples / method_.chains;
+    /// While it warms up all that it sees is kept, half as far apart, for the proposal to learn from.
+    ChainBlock next(const ChainBlock& from, std::size_t index, const Mixture& proposal) const {
+        const bool warm = index < warm_up_blocks(method_);
+        const std::size_t each = steps_a_sample(from.z.size()), all = method_.samples / method_.chains,
+                          apart = warm ? each / seen_of_sample : each;
         const std::size_t count =
-            warm ? block_samples : std::min(block_samples, all - (index - warm_up_blocks) * block_samples);
+            warm ? block_samples
+                 : std::min(block_samples, all - (index - warm_up_blocks(method_)) * block_samples);
         RandomStream random(method_.seed, number(), of_blocks + static_cast<std::uint32_t>(index));
-        const Mixture proposal(from.proposal, density_.size());
         State state{Eigen::Map<const Eigen::VectorXd>(from.z.data(), density_.size()), from.log_density,
                     from.log_scale, proposal.common_root()};
         ChainBlock block = from;
         block.index = index;
         block.kept.clear(), block.kept_density.clear();
-        std::vector<Eigen::VectorXd> seen;
         for (std::size_t i = 0; i < count * each; ++i) {
             step(state, proposal, random, warm ? 1.0 / std::pow(static_cast<double>(i + 1), 0.6) : 0.0);
-            if (warm)
-                seen.push_back(state.z);
-            else if ((i + 1) % each == 0) {
+            if ((i + 1) % apart == 0) {
                 block.kept.insert(block.kept.end(), state.z.begin(), state.z.end());
-                block.kept_density.push_back(state.log_density);
+                if (!warm)
+                    block.kept_density.push_back(state.log_density);
             }
         }
         block.z.assign(state.z.begin(), state.z.end());
         block.log_density = state.log_density, block.log_scale = state.log_scale;
         block.accepted = static_cast<double>(state.accepted) / static_cast<double>(count * each);
-        if (warm)
-            block.proposal = proposal.learned(seen, 2).numbers();
         return block;
     }
 
@@ -123,10 +125,14 @@ private:
     std::size_t chain_;
 };
 
+Eigen::VectorXd kept_at(const ChainBlock& block, std::size_t k) {
+    return Eigen::Map<const Eigen::VectorXd>(&block.kept[k * block.z.size()],
+                                             static_cast<Eigen::Index>(block.z.size()));
+}
+
 void add(const ChainBlock& block, Draws& out) {
-    const auto d = static_cast<Eigen::Index>(block.z.size());
     for (std::size_t k = 0; k < block.kept_density.size(); ++k) {
-        out.z.emplace_back(Eigen::Map<const Eigen::VectorXd>(&block.kept[k * block.z.size()], d));
+        out.z.push_back(kept_at(block, k));
         out.log_density.push_back(block.kept_density[k]);
     }
     out.accepted += block.accepted * static_cast<double>(block.kept_density.size());
@@ -165,42 +171,89 @@ private:
 
 std::size_t block_count(const PosteriorMethod& method) {
     const std::size_t each = method.samples / method.chains;
-    return method.chains * (warm_up_blocks + (each + block_samples - 1) / block_samples);
+    return method.chains * (warm_up_blocks(method) + (each + block_samples - 1) / block_samples);
 }
 
 double evaluations(const PosteriorMethod& method, std::size_t free) {
-    const std::size_t kept = method.samples + method.chains * warm_up_blocks * block_samples;
+    const std::size_t kept = method.samples + method.chains * warm_up_blocks(method) * block_samples;
     return static_cast<double>(kept * steps_a_sample(free) + (method.evidence ? method.samples : 0));
 }
 
 std::size_t most_numbers_of_block(std::size_t free) {
-    return free + most_parts * (1 + free + free * free) + block_samples * (free + 1);
+    return free + block_samples * (seen_of_sample * free + 1);
 }
 
-std::optional<std::vector<Draws>> run_chains(const Density& density, const Mixture& start,
-                                             const PosteriorMethod& method) {
-    std::vector<Draws> chains(method.chains);
-    const std::size_t blocks = block_count(method) / method.chains;
-    Progressing progress(method);
-    std::vector<char> stopped(method.chains, 0);
-    parallel_for(method.chains, method.threads, [&](std::size_t c) {
-        const Chain chain(density, method, c);
-        ChainBlock block = chain.begin(start);
-        for (std::size_t i = 0; i < blocks; ++i) {
-            if (const ChainBlock* before = progress.done(c, i))
-                block = *before;
-            else if (progress.stopped()) {
-                stopped[c] = 1;
-                return;
-            } else
-                progress.tell(block = chain.next(block, i));
-            add(block, chains[c]);
+namespace {
+
+/// All chains, block by block: together while they warm up, for they learn from each other, then each by
+/// itself.
+class Run {
+public:
+    Run(const Density& density, const Mixture& start, const PosteriorMethod& method)
+        : density_(density), method_(method), progress_(method), proposal_(start) {
+        for (std::size_t c = 0; c < method.chains; ++c)
+            at_.push_back(Chain(density, method, c).begin(start));
+    }
+
+    /// False if it was stopped.
+    bool warm_up() {
+        std::vector<std::vector<Eigen::VectorXd>> seen; // by block
+        for (std::size_t i = 0; i < warm_up_blocks(method_); ++i) {
+            std::vector<char> done(method_.chains);
+            parallel_for(method_.chains, method_.threads, [&](std::size_t c) { done[c] = advance(c, i); });
+            if (std::ranges::count(done, 0) > 0)
+                return false;
+            auto& now = seen.emplace_back();
+            for (const ChainBlock& block : at_)
+                for (std::size_t k = 0; (k + 1) * block.z.size() <= block.kept.size(); ++k)
+                    now.push_back(kept_at(block, k));
+            std::vector<Eigen::VectorXd> late; // where the chains began tells nothing
+            for (std::size_t b = (i + 1) / 2; b <= i; ++b)
+                late.insert(late.end(), seen[b].begin(), seen[b].end());
+            proposal_ = proposal_.learned(late, 2);
         }
-        chains[c].accepted /= static_cast<double>(chains[c].z.size());
-    });
-    if (std::ranges::count(stopped, 1) > 0)
-        return std::nullopt;
-    return chains;
+        return true;
+    }
+
+    std::optional<Sampled> sample() {
+        Sampled out{std::vector<Draws>(method_.chains), proposal_};
+        const std::size_t blocks = block_count(method_) / method_.chains;
+        std::vector<char> done(method_.chains, 1);
+        parallel_for(method_.chains, method_.threads, [&](std::size_t c) {
+            for (std::size_t i = warm_up_blocks(method_); i < blocks && done[c]; ++i)
+                if ((done[c] = advance(c, i)))
+                    add(at_[c], out.draws[c]);
+            out.draws[c].accepted /= static_cast<double>(out.draws[c].z.size());
+        });
+        return std::ranges::count(done, 0) > 0 ? std::nullopt : std::optional(std::move(out));
+    }
+
+private:
+    bool advance(std::size_t c, std::size_t i) {
+        if (const ChainBlock* before = progress_.done(c, i)) {
+            at_[c] = *before;
+            return true;
+        }
+        if (progress_.stopped())
+            return false;
+        at_[c] = Chain(density_, method_, c).next(at_[c], i, proposal_);
+        progress_.tell(at_[c]);
+        return true;
+    }
+
+    const Density& density_;
+    const PosteriorMethod& method_;
+    Progressing progress_;
+    Mixture proposal_;
+    std::vector<ChainBlock> at_; ///< the last block of each
+};
+
+} // namespace
+
+std::optional<Sampled> run_chains(const Density& density, const Mixture& start,
+                                  const PosteriorMethod& method) {
+    Run run(density, start, method);
+    return run.warm_up() ? run.sample() : std::nullopt;
 }
 
 } // namespace rodwake::fitting

@@ -20,11 +20,16 @@ struct Draws {
     double accepted = 0.0;
 };
 
+struct Sampled {
+    std::vector<Draws> draws;
+    Mixture proposal; ///< of the far steps
+};
+
 /// Nothing if stop_requested said so.
-std::optional<std::vector<Draws>> run_chains(const Density& density, const Mixture& start,
-                                             const PosteriorMethod& method);
-std::optional<rodwake::Estimate> evidence(const Density& density, const Mixture& start,
-                                          const std::vector<Draws>& chains, const PosteriorMethod& method);
+std::optional<Sampled> run_chains(const Density& density, const Mixture& start,
+                                  const PosteriorMethod& method);
+std::optional<rodwake::Estimate> evidence(const Density& density, const Sampled& chains,
+                                          const PosteriorMethod& method);
 
 /// Of draws by chain, of the values themselves.
 double effective_samples(const std::vector<std::vector<double>>& chains);

@@ -79,15 +79,15 @@ private:
 
 } // namespace
 
-std::optional<rodwake::Estimate> evidence(const Density& density, const Mixture& start,
-                                          const std::vector<Draws>& chains, const PosteriorMethod& method) {
+std::optional<rodwake::Estimate> evidence(const Density& density, const Sampled& chains,
+                                          const PosteriorMethod& method) {
     std::vector<Eigen::VectorXd> first;
-    for (const Draws& chain : chains)
+    for (const Draws& chain : chains.draws)
         first.insert(first.end(), chain.z.begin(),
                      chain.z.begin() + static_cast<std::ptrdiff_t>(chain.z.size() / 2));
-    const Mixture proposal = start.learned(first, most_parts);
+    const Mixture proposal = chains.proposal.learned(first, 4);
     Ratios ratios;
-    for (const Draws& chain : chains) {
+    for (const Draws& chain : chains.draws) {
         auto& list = ratios.sampled.emplace_back();
         for (std::size_t i = chain.z.size() / 2; i < chain.z.size(); ++i)
             list.push_back(chain.log_density[i] - proposal.log_density(chain.z[i]));

@@ -16,7 +16,7 @@ namespace rodwake::fitting {
 namespace {
 
 constexpr double freedom = 5.0;
-constexpr std::size_t most_places = 600;
+constexpr std::size_t most_places = 2500;
 
 /// Evenly spread among all.
 std::vector<const Eigen::VectorXd*> some_of(const std::vector<Eigen::VectorXd>& places) {
@@ -58,15 +58,6 @@ Eigen::VectorXd normal_draws(RandomStream& random, Eigen::Index size) {
 }
 
 Mixture::Mixture(std::vector<Part> parts) : parts_(std::move(parts)) { settle(); }
-
-Mixture::Mixture(std::span<const double> numbers, Eigen::Index size) {
-    const auto each = static_cast<std::size_t>(1 + size + size * size);
-    for (std::size_t at = 0; at + each <= numbers.size(); at += each)
-        parts_.push_back({numbers[at], Eigen::Map<const Eigen::VectorXd>(&numbers[at + 1], size),
-                          Eigen::Map<const Eigen::MatrixXd>(&numbers[at + 1 + static_cast<std::size_t>(size)],
-                                                            size, size)});
-    settle();
-}
 
 void Mixture::settle() {
     double all = 0.0;
@@ -137,7 +128,7 @@ Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& places, std::size_t
     const double worth = 2.0 * (1.0 + d + 0.5 * d * (d + 1.0)) * std::log(count) / count;
     Mixture best = followed(some, 6);
     for (std::size_t i = 0; i < splits && best.parts() < most_parts; ++i) {
-        Mixture next = best.split().followed(some, 12);
+        Mixture next = best.split().followed(some, 6);
         if (next.mean_log_density(some) < best.mean_log_density(some) + worth)
             break;
         best = std::move(next);
@@ -185,16 +176,6 @@ double Mixture::mean_log_density(const Places& places) const {
     for (const Eigen::VectorXd* z : places)
         sum += log_density(*z);
     return sum / static_cast<double>(places.size());
-}
-
-std::vector<double> Mixture::numbers() const {
-    std::vector<double> out;
-    for (const Part& part : parts_) {
-        out.push_back(part.weight);
-        out.insert(out.end(), part.middle.begin(), part.middle.end());
-        out.insert(out.end(), part.covariance.data(), part.covariance.data() + part.covariance.size());
-    }
-    return out;
 }
 
 } // namespace rodwake::fitting

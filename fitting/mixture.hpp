@@ -5,14 +5,13 @@
 #include "rodwake/core/rng.hpp"
 
 #include <Eigen/Core>
-#include <span>
 #include <vector>
 
 namespace rodwake::fitting {
 
 Eigen::VectorXd normal_draws(RandomStream& random, Eigen::Index size);
 
-inline constexpr std::size_t most_parts = 8;
+inline constexpr std::size_t most_parts = 24;
 
 class Mixture {
 public:
@@ -23,8 +22,6 @@ public:
     };
 
     explicit Mixture(std::vector<Part> parts);
-    /// From what numbers() gave.
-    Mixture(std::span<const double> numbers, Eigen::Index size);
 
     std::size_t parts() const { return parts_.size(); }
     /// From a normal distribution about a part, this many times as wide.
@@ -36,8 +33,6 @@ public:
     /// Fitted to these places; a part that does not follow them becomes two, this many times at most, so that
     /// bends are followed.
     Mixture learned(const std::vector<Eigen::VectorXd>& places, std::size_t splits) const;
-
-    std::vector<double> numbers() const;
 
 private:
     using Places = std::vector<const Eigen::VectorXd*>;

@@ -118,10 +118,10 @@ std::optional<Posterior> sample(const Problem& problem, const std::vector<Prior>
     const auto chains = run_chains(density, start, method);
     if (!chains)
         return std::nullopt;
-    take_values(density, *chains, out);
-    if (method.evidence && !(out.log_evidence = evidence(density, start, *chains, method)))
+    take_values(density, chains->draws, out);
+    if (method.evidence && !(out.log_evidence = evidence(density, *chains, method)))
         return std::nullopt;
-    judge(problem, *chains, out);
+    judge(problem, chains->draws, out);
     return out;
 }
 

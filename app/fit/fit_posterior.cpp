@@ -37,7 +37,7 @@ public:
         out.put(std::uint64_t{block.index});
         for (const double one : {block.log_density, block.log_scale, block.accepted})
             out.put(one);
-        for (const auto* list : {&block.z, &block.proposal, &block.kept, &block.kept_density})
+        for (const auto* list : {&block.z, &block.kept, &block.kept_density})
             out.put_array(*list);
         std::vector<std::byte> record = out.take();
         record.resize(bytes_);
@@ -69,7 +69,7 @@ private:
             block.index = in.get<std::uint64_t>();
             for (double* one : {&block.log_density, &block.log_scale, &block.accepted})
                 *one = in.get<double>();
-            for (auto* list : {&block.z, &block.proposal, &block.kept, &block.kept_density})
+            for (auto* list : {&block.z, &block.kept, &block.kept_density})
                 *list = in.get_array<double>();
             done_.push_back(std::move(block));
         }

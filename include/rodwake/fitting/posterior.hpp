@@ -19,8 +19,10 @@ namespace rodwake::fitting {
 struct ChainBlock {
     std::size_t chain = 0, index = 0;
     double log_density = 0.0, log_scale = 0.0, accepted = 0.0; ///< accepted: share of the steps
-    std::vector<double> z, proposal;
-    std::vector<double> kept, kept_density; ///< z of all samples one after the other; log density in z
+    std::vector<double> z;
+    /// z of all samples one after the other, and their log density in z; while the chain warms up the places
+    /// seen, without it.
+    std::vector<double> kept, kept_density;
 };
 
 struct PosteriorMethod {
