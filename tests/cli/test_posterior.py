@@ -2,6 +2,7 @@
 
 import json
 import signal
+import unittest
 
 import h5py
 import numpy as np
@@ -141,3 +142,7 @@ chains = 2
         ):
             self.write("fit.toml", FIT + PRIORS.replace(old, new))
             self.assertRegex(self.expect(2, "fit", "fit.toml", "-o", "out").stderr, message)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -255,7 +255,7 @@ TEST_CASE("the coupling of two rods is as well known as its derivative says") {
     CHECK(found.marginals[0].sd == Approx(error).epsilon(0.3));                      // the same
 }
 
-TEST_CASE("samples are the same for any threads and after an interruption") {
+TEST_CASE("samples are the same for any threads and after an interruption", "[threads]") {
     const Problem problem = linear_case();
     PosteriorMethod method{.chains = 2, .samples = 300};
     const Posterior whole = sampled(problem, method);
