@@ -48,7 +48,7 @@ def made_up(rodwake, count, sigma=SIGMA, seed=7):
 def exact(lab):
     rodwake = package(lab)
     places, values = made_up(rodwake, 40)
-    samples = 4000 if lab.quick else 400000
+    samples = 4000 if lab.quick else 100000
     found = rodwake.posterior(profiles=[profile(rodwake, places, values)], parameters=["f_over_mu", "offset"], fixed={"eta": 1.3, "xi": 22.0},
                               priors={"f_over_mu": {"kind": "uniform", "low": -10.0, "high": 10.0},
                                       "offset": {"kind": "uniform", "low": -1.0, "high": 1.0}}, samples=samples, threads=lab.threads)
