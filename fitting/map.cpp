@@ -218,6 +218,9 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
                                  [&](const Fitted& f) { return same_model(f.map, map, isotropic(terms)); }) -
             all->begin());
         problem.residuals += 2 * all->back().bins.size();
+        for_each_residual(all->back(), [&](Eigen::Index, std::size_t, std::size_t, double weight) {
+            problem.log_sigma.push_back(-std::log(weight));
+        });
         values += map.independent * 2.0 * static_cast<double>(all->back().bins.size());
         if (all->back().like + 1 == all->size() && medium_is_fixed(parameters))
             all->back().field.hold_medium(starts_of(parameters));

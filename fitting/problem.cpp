@@ -267,6 +267,7 @@ Problem joined(const std::vector<Problem>& problems) {
         for (const Parameter& parameter : problem.parameters)
             part.index.push_back(slot_of(parameter, whole.parameters));
         whole.residuals += problem.residuals;
+        whole.log_sigma.insert(whole.log_sigma.end(), problem.log_sigma.begin(), problem.log_sigma.end());
         whole.remarks.insert(whole.remarks.end(), problem.remarks.begin(), problem.remarks.end());
         values += problem.independent * static_cast<double>(problem.residuals);
         parts->push_back(std::move(part));

@@ -85,6 +85,19 @@ public:
                      jacobian);
     }
 
+    std::vector<double> log_sigma() const {
+        std::vector<double> out;
+        for (const Trajectory& one : all_) {
+            for (std::size_t row = 0; row < one.states.size(); ++row)
+                for (std::size_t i = 0; i < one.states[row].size(); ++i)
+                    if (row > 0 || is_free(one, i))
+                        out.push_back(std::log(sigma_of(one, i)));
+            if (one.contact_time)
+                out.push_back(std::log(one.sigma_contact));
+        }
+        return out;
+    }
+
     std::string name(std::size_t i) const {
         for (const Trajectory& one : all_) {
             if (i < Residuals(one).count())
@@ -182,6 +195,7 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     Problem problem;
     problem.parameters = std::move(parameters);
     problem.residuals = all->residuals();
+    problem.log_sigma = all->log_sigma();
     problem.independent = mean_independent(trajectories);
     // NOLINTNEXTLINE(performance-unnecessary-value-param)
     problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,

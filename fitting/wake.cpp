@@ -244,6 +244,8 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     problem.residuals = points->size();
     problem.sigma_known = sigmas_known(profiles);
     problem.independent = mean_independent(model, profiles);
+    for (const ProfilePoint& point : *points)
+        problem.log_sigma.push_back(std::log(point.sigma));
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                            Eigen::MatrixXd* jacobian) { evaluate(model, terms, *points, p, r, jacobian); };

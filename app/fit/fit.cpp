@@ -307,6 +307,9 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     plan.track_model.ode.atol = 1e-12;
     plan.problem = fit_problem(plan);
     require_values(plan.problem);
+    if (keys.posterior && !plan.problem.sigma_known)
+        throw InputError("fit.posterior needs data whose standard errors are known: give sigma in the files, "
+                         "sigma_position and sigma_heading of trajectories");
     plan.problem.remarks = data_remarks(plan);
     require_start(plan.problem);
     plan.method = {keys.search};

@@ -73,6 +73,40 @@ struct FittedPose {
     }
 };
 
+/// posterior_curve_<i>.csv: what the samples predict along a profile's line
+struct PredictedRow {
+    double x, median, low, high, noise_low, noise_high;
+
+    static constexpr auto fields() {
+        using R = PredictedRow;
+        return std::tuple{
+            field("x", &R::x, {"{data}", "place along the line"}),
+            field("median", &R::median, {"{data}", "displacement: median of the posterior"}),
+            field("low", &R::low, {"{data}", "displacement: 2.5 % of the posterior"}),
+            field("high", &R::high, {"{data}", "displacement: 97.5 % of the posterior"}),
+            field("noise_low", &R::noise_low, {"{data}", "a datum there: 2.5 %; empty: sigma unknown"}),
+            field("noise_high", &R::noise_high, {"{data}", "a datum there: 97.5 %; empty: sigma unknown"})};
+    }
+};
+
+/// posterior_trajectory_<i>.csv: a row a time and a coordinate of a rod
+struct PredictedPoseRow {
+    double t, rod, coordinate, data, median, low, high, noise_low, noise_high;
+
+    static constexpr auto fields() {
+        using R = PredictedPoseRow;
+        return std::tuple{field("t", &R::t, {"{data}", "time"}),
+                          field("rod", &R::rod, {"1", "which rod, from 0"}),
+                          field("coordinate", &R::coordinate, {"1", "0: x, 1: y, 2: heading"}),
+                          field("data", &R::data, {"{data}", "measured; headings in rad"}),
+                          field("median", &R::median, {"{data}", "median of the posterior"}),
+                          field("low", &R::low, {"{data}", "2.5 % of the posterior"}),
+                          field("high", &R::high, {"{data}", "97.5 % of the posterior"}),
+                          field("noise_low", &R::noise_low, {"{data}", "a datum then: 2.5 %"}),
+                          field("noise_high", &R::noise_high, {"{data}", "a datum then: 97.5 %"})};
+    }
+};
+
 /// fit_map_<i>.csv: a row a bin
 struct FitMapRow {
     double x, y, Ux, Uy, sigma_x, sigma_y, model_Ux, model_Uy, known, used;

@@ -195,6 +195,7 @@ void check_fit(const Scene& scene, const Report& report) {
     compare(fit, report);
     check_fit_data(fit, report);
     check_fit_maps(scene, report);
+    check_posterior(fit, report);
 }
 
 namespace {

@@ -349,6 +349,29 @@ void fields(Visitor& v, Fit& fit, FitUnits units) {
         fit.masks);
     v.list(key("compare").items(0, 20).doc("Other parameter values, drawn and scored beside the fit."),
            fit.compare);
+    v.table(
+        key("posterior")
+            .doc(
+                "Samples of the parameters given data and priors, and the evidence of the model. With loss = "
+                "\"squares\" and data whose standard errors are known."),
+        fit.posterior);
+}
+
+void fields(Visitor& v, FitPosterior& posterior) {
+    v(key("chains").within(1, 64).doc("that begin at places of their own").example("4"), posterior.chains);
+    v(key("samples")
+          .within(8, 1e7)
+          .doc("kept, of all chains together: a multiple of chains, 8 a chain or more")
+          .example("4000"),
+      posterior.samples);
+    v(key("evidence").doc("find the logarithm of the evidence, too").example("true"), posterior.evidence);
+    v(key("priors")
+          .one_of(fit_parameter_names())
+          .absent("uniform between the bounds")
+          .doc("what is known of a parameter before the data: kind = uniform, log_uniform (low, high) or "
+               "normal (mean, sd, cut at low and high); low and high are the bounds unless given")
+          .example("{ eta = { kind = \"log_uniform\", low = 0.05, high = 50.0 } }"),
+      posterior.priors);
 }
 
 // Field list of what belongs to [[fit.maps]].

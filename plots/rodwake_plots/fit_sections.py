@@ -20,6 +20,7 @@ def parts(run):
     yield named("Profiles", *profiles_table(fit))
     yield named("Trajectories", *trajectories_table(fit))
     yield named("Other values", *compared_table(fit))
+    yield from posterior(run)
     yield named("Likelihood intervals", ("Parameter", "95 % interval"), likelihood_rows(fit))
     yield named("Search", ("Item", "Value"), list(search_rows(fit)))
 
@@ -225,6 +226,30 @@ def likelihood_rows(fit):
     return [(name_of(name), fit_words.interval_html(fit.number(one, "low", -math.inf), fit.number(one, "high", math.inf),
                                                     fit.parameters[name].unit if name in fit.parameters else ""))
             for name, one in fit.likelihood.items() if isinstance(one, dict)]
+
+
+def posterior(run):
+    """Means, intervals, priors and how the chains mix; the evidence; what is not to be trusted."""
+    if not run.has_posterior:
+        return
+    found = run.posterior
+    yield named("Posterior", ("Parameter", "Mean", "Median", "95 % of the samples", "Prior", "R-hat", "Effective samples"),
+                [(name_of(one.name), whole(fit_words.with_unit(words.with_error(one.mean, one.sd), one.unit)),
+                  whole(fit_words.with_unit(words.number(one.median), one.unit)), whole(fit_words.interval_html(one.low, one.high, one.unit)),
+                  whole(prior_cell(one.prior)), f"{one.rhat:.4f}", f"{one.ess:.0f}") for one in found.parameters])
+    if found.log_evidence:
+        yield (f"<p>Logarithm of the evidence, the probability of the data given the model and its priors: "
+               f"{words.with_error(*found.log_evidence)}. Differences between models of the same data count, not the number itself.</p>")
+    if found.remarks:
+        yield "<ul>\n" + "\n".join(f"<li>{words.escape(one)}</li>" for one in found.remarks) + "\n</ul>"
+
+
+def prior_cell(prior):
+    between = fit_words.interval_html(prior.low, prior.high)
+    if prior.kind == "normal":
+        cut = "" if between == "unbounded" else f", {between}"
+        return f"normal, {words.number(prior.mean)} ± {words.number(prior.sd)}{cut}"
+    return f"{'even in the logarithm' if prior.kind == 'log_uniform' else 'even'}, {between}"
 
 
 def search_rows(fit):

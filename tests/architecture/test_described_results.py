@@ -35,7 +35,7 @@ inline constexpr auto rodwake::store::parts<R> = rodwake::store::parts_of({});
 int main() {{ return static_cast<int>(rodwake::store::Kept<R>::layout().size()); }}
 """
 # Words that files of several kinds have in common.
-GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model number outcome pair particles path pressure pursuit reason rods rows run "
+GENERAL = set("bias blocks contact contacts cpu data error errors escape failed failure high low mean median message model number outcome pair particles path pressure pursuit reason rods rows run "
               "scale scatter seconds share sigma status steps theta time times turn undecided unit used value".split())
 # Names of described results that other C++ files quote, and why these may; to grow shorter.
 PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure

@@ -224,7 +224,8 @@ TEST_CASE("figures of the fit need what they show") {
     says(drawn("fit_likelihood", "parameter = \"xi\"\n", "likelihood = [\"eta\"]\n"),
          "xi is not in fit.likelihood");
     says(drawn("fit_trajectories"), "a figure of kind fit_trajectories needs [[fit.trajectories]]");
-    says(drawn("fit_correlation", "profiles = [0]\n"), "profiles belongs to kind fit only");
+    says(drawn("fit_correlation", "profiles = [0]\n"),
+         "profiles belongs to kinds fit and posterior_predictive only");
     says(drawn("fit_correlation", "residuals = false\n"), "residuals belongs to kind fit only");
     says(drawn("fit", "parameter = \"eta\"\n"), "parameter belongs to kind fit_likelihood only");
     says(two_rods("[[figures]]\nname = \"f\"\nkind = \"fit\"\n"), "a figure of kind fit needs [fit]");

@@ -235,6 +235,8 @@ TEST_CASE("the example of every key is legal") {
             overrides.insert(overrides.begin(),
                              {"fit.trajectories=[]",
                               "fit.fixed={ force = 1.0, c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = 1.0 }"});
+        if (info.table == "fit.posterior")
+            overrides.insert(overrides.begin(), "fit.bounds={ f_over_mu = [0.0, 9.0] }");
         if (full_name(info) == "fit.fixed")
             overrides.insert(overrides.begin(), {"fit.maps=[]", "fit.masks=[]"});
         if (info.name == "profiles" || info.name == "residuals")

@@ -87,6 +87,10 @@ struct FitPlan {
 /// headings. Throws InputError for tracks in which the rods are ten times too fast or too slow.
 std::vector<std::string> data_remarks(const FitPlan& plan);
 
+/// Of the free parameters: uniform between the bounds unless fit.posterior says otherwise. Poses at the start
+/// are data, and their prior is wide: ten standard errors either way.
+std::vector<fitting::Prior> fit_priors(const FitPlan& plan);
+
 /// Of inputs that are complete. Throws InputError for data that cannot be fitted, and where the residuals at
 /// the start are not finite.
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs);

@@ -47,6 +47,8 @@ struct Problem {
     /// degrees of freedom are independent * residuals - free parameters; the sigmas are enlarged by
     /// 1/sqrt(independent) already, so chi2 is to be compared with that number.
     double independent = 1.0;
+    /// Of each residual, for the normalisation of the likelihood; empty: of sigma 1.
+    std::vector<double> log_sigma = {};
     /// What residual i is, for messages: "profile_Ux_x.csv:17".
     std::function<std::string(std::size_t)> residual_name;
     /// What looks wrong in the data, in sentences: the report begins with it.
