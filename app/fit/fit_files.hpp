@@ -7,6 +7,8 @@
 #include "rodwake/store/append_log.hpp"
 #include "run/log.hpp"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -37,6 +39,14 @@ void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const F
 /// the folder (posterior_blocks.log) until then. False if a signal stopped it.
 bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
                    const RunContext& context, const std::filesystem::path& folder, const Logger& log);
+
+/// Rivals in models/<name>/, and all of them weighed in models.json and models.csv. Nothing without
+/// [[fit.models]]. False if a signal stopped it.
+bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults& results,
+                const RunContext& context, const std::filesystem::path& folder, const Logger& log);
+
+/// Member `misfit` of fit.json and of models.json.
+nlohmann::ordered_json misfit_json(const fitting::Misfit& misfit);
 
 // Starts of a fit that are done, one record each, so that an interrupted fit goes on with the others.
 

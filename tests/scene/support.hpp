@@ -81,6 +81,9 @@ strip = "8 a"
 [[fit.compare]]
 name = "paper"
 values = { f_over_mu = 2.2 }
+[[fit.models]]
+name = "no_strain"
+set = { "fit.fixed.kappa" = 0.0 }
 [[figures]]
 name = "wake"
 kind = "cut"

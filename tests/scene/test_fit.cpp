@@ -165,7 +165,8 @@ TEST_CASE("data and parameters belong together") {
     CHECK(error_text(fitted("fixed = { offset_y = 1.0 }\n", ux + uy + "role = \"predict\"\n")) == "");
     says(fitted("", ux, "\"f_over_mu\", \"eta\", \"xi\", \"kappa\""),
          "no data depend on kappa: it needs [[fit.trajectories]]");
-    says(fitted("", tracks, "\"eta\", \"alpha\""), "trajectories need kappa, gamma1 or gamma2");
+    says(fitted("", tracks, "\"eta\", \"alpha\""),
+         "trajectories need kappa, gamma1, gamma2, gamma_flow or gamma_rows");
     says(fitted("", tracks, "\"f_over_mu\", \"kappa\", \"eta\", \"xi\""),
          "no data depend on f_over_mu: it needs [[fit.profiles]]");
     says(fitted("", ux + tracks, "\"f_over_mu\", \"kappa\", \"eta\", \"xi\""),
