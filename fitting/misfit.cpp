@@ -3,12 +3,12 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/integrate/additive_noise.hpp"
-#include "search_space.hpp"
+#include "search.hpp"
 
 #include <boost/math/special_functions/gamma.hpp>
 #include <fmt/format.h>
 
-#include <Eigen/QR>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -325,18 +325,37 @@ Problem without(const Problem& problem, const Stretch& stretch) {
     return rest;
 }
 
-/// Of the stretch at the values that a fit of the others ended at.
-double foretold(const Problem& problem, const Stretch& stretch, const Fit& fit, long dof) {
+/// Of the stretch at these values; `variance` of a residual, from the others where sigmas are unknown.
+double foretold(const Problem& problem, const Stretch& stretch, std::span<const double> values,
+                double variance) {
     Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Index>(problem.residuals));
-    problem.evaluate(fit.values, r, nullptr);
+    problem.evaluate(values, r, nullptr);
     double chi2 = 0.0;
     for (Index i = 0; i < r.size(); ++i)
         chi2 += stretch.in[static_cast<std::size_t>(i)] ? r[i] * r[i] : 0.0;
-    if (problem.sigma_known)
-        return -0.5 * chi2;
-    const double variance = fit.chi2 / static_cast<double>(std::max(dof, 1L)); // per residual
-    return -0.5 * chi2 / variance -
-           0.5 * problem.independent * static_cast<double>(stretch.count(true)) * std::log(variance);
+    const double count = problem.independent * static_cast<double>(stretch.count(true));
+    return -0.5 * (chi2 / variance + count * std::log(variance));
+}
+
+/// A stretch foretold by a fit of the others, which begins at the end of the fit of all. Nothing where that
+/// has no degree of freedom.
+std::optional<double> foretold(const Problem& problem, const Method& method, const Fit& fit,
+                               const Stretch& stretch) {
+    const Problem rest = without(problem, stretch);
+    const long dof = degrees_of_freedom(rest);
+    if (dof < 1)
+        return std::nullopt;
+    const SearchSpace space(rest);
+    Evaluator evaluator(rest, space, {method.loss, method.loss_width}, method.stop_requested);
+    std::vector<double> start;
+    for (const std::size_t i : space.free())
+        start.push_back(fit.values[i]);
+    const SearchResult end = levenberg_marquardt(evaluator, space.coordinates(start));
+    evaluator.require_memory();
+    if (!std::isfinite(end.objective))
+        throw RunError("no finite residuals: " + end.reason);
+    return foretold(problem, stretch, space.values(end.u),
+                    rest.sigma_known ? 1.0 : end.objective / static_cast<double>(dof));
 }
 
 } // namespace
@@ -362,21 +381,12 @@ std::optional<CrossValidation> cross_validate(const Problem& problem, const Meth
         if (one.residuals.size() > 1) // a time of contact stays with its stretch
             blocks = std::min(blocks, one.residuals.size());
     CrossValidation out;
-    Method local = method;
-    local.starts = 1;
-    local.done.clear();
-    local.on_start_done = nullptr;
     for (std::size_t block = 0; block < blocks; ++block) {
-        const Stretch stretch = stretch_of(problem, block, blocks);
-        Problem rest = without(problem, stretch);
-        if (blocks < 2 || degrees_of_freedom(rest) < 1)
+        const auto one =
+            blocks < 2 ? std::nullopt : foretold(problem, method, fit, stretch_of(problem, block, blocks));
+        if (!one)
             return std::nullopt;
-        for (std::size_t i = 0; i < rest.parameters.size(); ++i)
-            rest.parameters[i].start = fit.values[i];
-        const Fit found = fitting::fit(rest, local);
-        if (!std::isfinite(found.chi2))
-            throw RunError(fmt::format("no fit without stretch {} of the data: {}", block + 1, found.reason));
-        out.blocks.push_back(foretold(problem, stretch, found, degrees_of_freedom(rest)));
+        out.blocks.push_back(*one);
     }
     return out;
 }

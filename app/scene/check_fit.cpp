@@ -248,6 +248,8 @@ void wanted(const Fit& fit, const Report& report) {
                       fit.profiles.empty()
                           ? "[fit] has no data: give [[fit.profiles]], [[fit.maps]] or [[fit.trajectories]]"
                           : "[fit] has no data to fit: every one of [[fit.profiles]] has role = \"predict\"");
+    if (fit.parameters.empty() && !(fit.profiles.empty() && fit.maps.empty()))
+        report("fit.parameters", "fit.parameters names nothing to fit; of tracks alone there may be none");
     for (const std::string& name : fit_used(fit))
         if (const std::string what = lacks(fit, name); !what.empty())
             report(place_of(fit, name), fmt::format("no data depend on {}: it needs {}", name, what));
@@ -266,7 +268,6 @@ void needed(const Fit& fit, const Report& report) {
     need(!tracks || has_coupling(fit) || fit_has(fit, "gamma_rows") || fit.parameters.empty(),
          "trajectories need kappa, gamma1, gamma2, gamma_flow or gamma_rows");
     need(!fit_has(fit, "rows_direction") || fit_has(fit, "gamma_rows"), "rows_direction needs gamma_rows");
-    need(!profiles || !fit.parameters.empty(), "nothing is fitted");
     if (has_wake(fit) || has_coupling(fit)) {
         need(fit_has(fit, "eta"), "the field needs eta");
         need(fit_knows_xi(fit), "the field needs xi or alpha");
