@@ -369,7 +369,7 @@ void fields(Visitor& v, Fit& fit, FitUnits units) {
 }
 
 void fields(Visitor& v, FitModel& model) {
-    v(key("name").required().file_name().doc("name in results and file names").example("\"no_strain\""),
+    v(key("name").required().file_name().doc("name in results and file names").example("\"shifted\""),
       model.name);
     v(key("set")
           .required()
@@ -379,7 +379,7 @@ void fields(Visitor& v, FitModel& model) {
               "fit.posterior.priors say of parameters that this model has not is left out; medium.eta, "
               "medium.xi and "
               "the couplings hold what its fit does not name")
-          .example("{ \"fit.fixed.kappa\" = 0.0 }"),
+          .example("{ \"fit.fixed.offset\" = 0.1 }"),
       Settings{model.set});
 }
 

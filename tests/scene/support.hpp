@@ -82,8 +82,8 @@ strip = "8 a"
 name = "paper"
 values = { f_over_mu = 2.2 }
 [[fit.models]]
-name = "no_strain"
-set = { "fit.fixed.kappa" = 0.0 }
+name = "shifted"
+set = { "fit.fixed.offset" = 0.1 }
 [[figures]]
 name = "wake"
 kind = "cut"
