@@ -22,16 +22,16 @@ PAIR = """schema = 1
 {medium}[coupling]
 {coupling}
 [[rods]]
-position = [0.0, 2.0]
+position = [0.0, 1.5]
 heading = 0.1
 [[rods]]
-position = [1.0, -2.0]
+position = [1.0, -1.5]
 heading = 0.4
 [rods_run]
 t_end = 8.0
 output_interval = 0.5
 """
-MADE = {"strain": "kappa = 0.2", "polar": "gamma1 = 0.3\ngamma2 = -0.3", "flow": "gamma_flow = 0.4", "rows": "gamma_rows = 0.02", "none": "kappa = 0.0"}
+MADE = {"strain": "kappa = 0.3", "polar": "gamma1 = 0.4\ngamma2 = -0.4", "flow": "gamma_flow = 0.6", "rows": "gamma_rows = 0.03", "none": "kappa = 0.0"}
 RIVALS = """schema = 1
 [fit]
 name = "strain"
