@@ -221,8 +221,7 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
         for (const char* quantity : {"U_x", "U_y"}) {
             Series one{map.name, quantity, std::vector<std::size_t>(all->back().bins.size())};
             std::iota(one.residuals.begin(), one.residuals.end(), problem.residuals);
-            problem.residuals += one.residuals.size();
-            problem.series.push_back(std::move(one));
+            problem.residuals += problem.series.emplace_back(std::move(one)).residuals.size();
         }
         for_each_residual(all->back(), [&](Eigen::Index, std::size_t, std::size_t, double weight) {
             problem.log_sigmas -= std::log(weight);

@@ -169,19 +169,14 @@ std::vector<std::string> verdict(const std::vector<WeighedModel>& models, bool e
 }
 
 ordered_json model_json(const WeighedModel& m) {
-    ordered_json out = {{"name", m.name},
-                        {"log_evidence", finite_or_null(m.row.log_evidence)},
-                        {"stderr", finite_or_null(m.row.evidence_error)},
-                        {"aic", finite_or_null(m.row.aic)},
-                        {"bic", finite_or_null(m.row.bic)},
-                        {"weight", finite_or_null(m.row.weight)}};
+    ordered_json out = {{"name", m.name}};
+    out.update(record_json(m.row));
+    out["stderr"] = out["log_evidence_stderr"];
     out["parameters"] = ordered_json::object();
     for (const fitting::Estimate& e : m.estimates)
         out["parameters"][e.name] = {{"value", finite_or_null(e.value)},
                                      {"stderr", finite_or_null(e.standard_error)}};
     out["free"] = m.estimates.size();
-    out["chi2"] = finite_or_null(m.row.chi2);
-    out["dof"] = finite_or_null(m.row.dof);
     out["cross_validation"] = nullptr;
     if (m.foretold)
         out["cross_validation"] = {{"log_likelihood", finite_or_null(m.row.foretold)},

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 
+import rodwake
 from fits import FitTest
 
 PAIR = """schema = 1
@@ -124,3 +125,7 @@ class ModelsTest(FitTest):
         ):
             self.write("fit.toml", RIVALS.replace(old, new))
             self.assertRegex(self.expect(2, "check", "fit.toml").stderr, message)
+
+
+if __name__ == "__main__":
+    rodwake.main()
