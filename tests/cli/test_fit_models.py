@@ -105,7 +105,8 @@ class ModelsTest(FitTest):
 
     def test_evidence_weighs_where_all_have_it(self):
         self.make_pair("kappa = 0.8")
-        text = RIVALS[:RIVALS.index("[[fit.models]]")].replace("fixed =", "start = { kappa = 0.5 }\nbounds = { kappa = [0.0, 5.0] }\nfixed =")
+        text = RIVALS[:RIVALS.index("[[fit.models]]")] + 'start_poses = "exact"\n'  # one parameter each
+        text = text.replace("fixed =", "start = { kappa = 0.5 }\nbounds = { kappa = [0.0, 5.0] }\nfixed =")
         text += '[fit.posterior]\nsamples = 400\n[[fit.models]]\nname = "flow"\nset = { "fit.parameters" = ["gamma_flow"], "fit.bounds.gamma_flow" = [0.0, 5.0] }\n'
         _, told, _ = self.weigh(text)
         self.assertEqual(told["weight_from"], "evidence")
