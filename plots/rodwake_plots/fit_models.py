@@ -30,7 +30,7 @@ def draw(run, spec):
     axes.set_yticks(rank, [name_of(run.fit, one) for one in models])
     axes.set_ylim(len(models) - 0.5, -0.5)
     axes.set_xlabel("behind the best")
-    canvas.legend(axes, loc="lower right")
+    canvas.legend(axes, loc="upper right")
     canvas.heading(axes, style.safe(spec.title))
     return figure
 
