@@ -391,6 +391,8 @@ std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
         return parameter.starts_with("heading") ? "rad" : "f/mu";
     if (const rods::Coupling* coupling = rods::find_coupling(parameter))
         return std::string(coupling->unit);
+    if (const rods::OtherTurning* turning = rods::find_other_turning(parameter))
+        return std::string(turning->unit);
     if (parameter == "eta" || parameter == "alpha")
         return "1";
     const std::string length = keys.profiles.empty() && keys.maps.empty() ? "f/mu" : keys.length_unit;

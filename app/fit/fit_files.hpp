@@ -8,6 +8,8 @@
 #include "rodwake/store/append_log.hpp"
 #include "run/log.hpp"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -55,6 +57,14 @@ void write_predictions(const std::filesystem::path& folder, const FitPlan& plan,
 /// The model along a profile's line, with derivatives by all parameters of the fit.
 fitting::Prediction predicted_line(const FitPlan& plan, const fitting::Profile& line,
                                    std::span<const double> places, std::span<const double> values);
+
+/// Rivals in models/<name>/, and all of them weighed in models.json and models.csv. Nothing without
+/// [[fit.models]]. False if a signal stopped it.
+bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults& results,
+                const RunContext& context, const std::filesystem::path& folder, const Logger& log);
+
+/// Member `misfit` of fit.json and of models.json.
+nlohmann::ordered_json misfit_json(const fitting::Misfit& misfit);
 
 // Starts of a fit that are done, one record each, so that an interrupted fit goes on with the others.
 

@@ -280,6 +280,11 @@ void add_likelihood(const FitResults& results, const std::string& name, std::vec
 
 std::vector<std::string> findings(const FitPlan& plan, const FitResults& results) {
     std::vector<std::string> lines;
+    if (!results.misfit.describes())
+        lines.push_back(fmt::format("the model does not describe the data: {} (p {})", results.misfit.worst,
+                                    *results.misfit.probability < 0.001
+                                        ? std::string("< 0.001")
+                                        : fmt::format("= {:.2g}", *results.misfit.probability)));
     for (const auto& [name, one] : results.likelihood)
         add_likelihood(results, name, lines);
     for (std::size_t i = 0; i < results.profiles.size(); ++i)
@@ -311,6 +316,7 @@ FitResults fit_results(const FitPlan& plan, fitting::Fit fit) {
     FitResults results;
     results.report = fitting::report(plan.problem, fit);
     results.fit = std::move(fit);
+    results.misfit = fitting::misfit(plan.problem, results.fit, plan.method.seed);
     set_derived(results);
     for (const scene::FitCompare& keys : plan.keys.compare)
         results.compare.push_back(compare_result(plan, keys, results.fit.values));

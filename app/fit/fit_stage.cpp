@@ -212,6 +212,7 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, con
     write_fit(folder, plan, results, {context.command});
     log_results(plan, results, log);
     stopped = stopped || !add_posterior(plan, results.fit, fit_key(scene, plan), context, folder, log);
+    stopped = stopped || !add_models(scene, plan, results, context, folder, log);
     if (!stopped)
         ledger.remove();
     return {stopped ? StageEnd::interrupted : StageEnd::finished, std::move(results)};
@@ -399,6 +400,15 @@ std::string fit_cost(const Plan& plan, const RunContext& context) {
            posterior_cost(*plan.fit_plan, context) + cost_table(fit_rows(plan, each));
 }
 
+std::span<const ColumnInfo> model_columns() {
+    static const std::vector<ColumnInfo> columns = [] {
+        std::vector<ColumnInfo> all = {{"name", "1", "of the model"}};
+        add_columns<FitModelRow>(all);
+        return all;
+    }();
+    return columns;
+}
+
 std::vector<FileKind> fit_files() {
     using enum Lifetime;
     return {{"fit.json", result, "parameters with errors, and how good the fit is"},
@@ -419,6 +429,9 @@ std::vector<FileKind> fit_files() {
              columns_of<PredictedRow>()},
             {"posterior_trajectory_<k>.csv", result, "what the samples predict of rods",
              columns_of<PredictedPoseRow>()},
+            {"models.json", result,
+             "rival models: their evidence, AIC and BIC, weights, and whether any describes the data"},
+            {"models.csv", result, "the same as a table", model_columns()},
             {"posterior_blocks.log", progress, "stretches of the chains that are done"},
             {ledger_file, progress, "starts that are done"}};
 }

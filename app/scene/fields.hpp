@@ -54,6 +54,7 @@ struct FigureUnits {
 };
 void fields(Visitor& v, Figure& figure, const FigureUnits& units);
 void fields(Visitor& v, Variant& variant);
+void fields(Visitor& v, FitModel& model);
 void fields(Visitor& v, ScanAxis& axis);
 void fields(Visitor& v, ScanRefine& refine);
 void fields(Visitor& v, Scan& scan);

@@ -75,6 +75,8 @@ constexpr FigureNeed profiles{"[[fit.profiles]]",
 constexpr FigureNeed tracks{"[[fit.trajectories]]",
                             [](const Scene& s, const Figure&) { return !s.fit->trajectories.empty(); }};
 constexpr FigureNeed maps{"[[fit.maps]]", [](const Scene& s, const Figure&) { return !s.fit->maps.empty(); }};
+constexpr FigureNeed models{"[[fit.models]]",
+                            [](const Scene& s, const Figure&) { return !s.fit->models.empty(); }};
 constexpr FigureNeed starts{"fit.starts of 2 or more",
                             [](const Scene& s, const Figure&) { return s.fit->search.starts >= 2; }};
 constexpr FigureNeed likelihood{"fit.likelihood",
@@ -305,6 +307,12 @@ const std::vector<FigureKind>& figure_kinds() {
          FigureSubject::fit,
          {a_fit, posterior, tracks},
          {"posterior.json"},
+         {}},
+        {"fit_models",
+         "rival models of the data: AIC, BIC and cross-validation against the best, and weights",
+         FigureSubject::fit,
+         {a_fit, models},
+         {"models.json"},
          {}},
         {"phase_diagram",
          "outcomes, or a number, over the axes of a scan",

@@ -153,6 +153,8 @@ const std::vector<std::string> bases{
     in_container("kind = \"rectangle\"\nsides = [0.01, 0.02]\n"),
     bed("[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n"
         "position = [0.001, 0.002]\n"),
+    replaced(complete, "likelihood = ", "bounds = { f_over_mu = [0.1, 10.0] }\nlikelihood = ") +
+        "[fit.posterior]\nchains = 4\n",
     filmed,
     replaced(filmed, "frames_per_second = 50.0\npixel = \"12.4 um\"\n",
              "time_column = \"t\"\nwindow = \"periodic\"\nbox = \"30 a\"\npixel = \"12.4 "

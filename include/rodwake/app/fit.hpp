@@ -95,6 +95,10 @@ std::vector<fitting::Prior> fit_priors(const FitPlan& plan);
 /// the start are not finite.
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs);
 
+/// One of fit.models of the scene on the same data as `plan`. Throws InputError, naming the model.
+FitPlan model_plan(const scene::Scene& scene, const scene::FitModel& model, const FitPlan& plan,
+                   FitInputs inputs);
+
 /// Names of the parameters that its maps are fitted with: of an orthotropic or an isotropic medium.
 std::vector<std::string> map_names(const scene::Fit& keys);
 

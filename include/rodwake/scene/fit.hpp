@@ -112,7 +112,16 @@ struct FitPosterior {
     bool operator==(const FitPosterior&) const = default;
 };
 
+/// [[fit.models]]: a rival of the fit, with some keys changed.
+struct FitModel {
+    std::string name;             ///< file-name safe
+    std::vector<std::string> set; ///< "fit.parameters=[\"kappa\"]", as for -s
+
+    bool operator==(const FitModel&) const = default;
+};
+
 struct Fit {
+    std::string name = "scene";          ///< beside [[fit.models]]
     std::vector<std::string> parameters; ///< the free ones
     std::map<std::string, double> start; ///< absent: fit_default_start
     std::map<std::string, Interval> bounds;
@@ -135,6 +144,7 @@ struct Fit {
     std::vector<FitMask> masks; ///< empty: every bin with data
     std::vector<FitCompare> compare;
     std::optional<FitPosterior> posterior;
+    std::vector<FitModel> models;
 
     bool operator==(const Fit&) const = default;
 };
