@@ -13,9 +13,7 @@ namespace rodwake::fitting {
 
 namespace {
 
-void check(const PosteriorMethod& method, std::size_t free) {
-    if (free == 0)
-        throw InputError("posterior: no parameter is free");
+void check(const PosteriorMethod& method) {
     if (method.chains < 1 || method.samples % method.chains != 0 || method.samples / method.chains < 8)
         throw InputError(
             fmt::format("posterior: samples = {} must be a multiple of chains = {}, 8 a chain or more",
@@ -72,6 +70,17 @@ void judge_prior(const std::string& name, std::vector<double> z, Posterior& out)
             fmt::format("the data tell next to nothing of {}: what is known of it is its prior", name));
 }
 
+/// A model without free parameters has nothing to sample: its evidence is its likelihood.
+Posterior without_parameters(const Density& density, const PosteriorMethod& method) {
+    Posterior out;
+    const double value = density.log_likelihood({});
+    out.log_likelihood.assign(method.chains, std::vector<double>(method.samples / method.chains, value));
+    out.accepted.assign(method.chains, 1.0);
+    if (method.evidence)
+        out.log_evidence = {value, 0.0, method.samples};
+    return out;
+}
+
 void take_values(const Density& density, const std::vector<Draws>& chains, Posterior& out) {
     out.values.assign(out.free.size(), std::vector<std::vector<double>>(chains.size()));
     out.log_likelihood.resize(chains.size());
@@ -110,8 +119,10 @@ std::optional<Posterior> sample(const Problem& problem, const std::vector<Prior>
     validate(problem);
     Posterior out;
     out.free = free_parameters(problem);
-    check(method, out.free.size());
+    check(method);
     const Density density(problem, priors);
+    if (out.free.empty())
+        return without_parameters(density, method);
     if (method.stop_requested && method.stop_requested())
         return std::nullopt;
     const Mixture start = peaks(density, density.coordinates(from), method);

@@ -41,8 +41,9 @@ void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const F
 /// As fit.posterior asks for it.
 fitting::PosteriorMethod posterior_method(const FitPlan& plan);
 
-/// Its files; blocks of chains that are done are kept in the folder (posterior_blocks.log) until then. False
-/// if a signal stopped it.
+inline constexpr const char* posterior_ledger_file = "posterior_blocks.log";
+
+/// Its files; blocks of chains that are done are kept in the folder. False if a signal stopped it.
 bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
                    const RunContext& context, const std::filesystem::path& folder, const Logger& log);
 
@@ -77,7 +78,6 @@ public:
     const std::vector<fitting::StartResult>& done() const { return done_; }
     /// In the file before it returns: what is killed afterwards keeps it.
     void add(const fitting::StartResult& end);
-    void remove();
 
 private:
     std::filesystem::path file_;

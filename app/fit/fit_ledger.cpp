@@ -88,9 +88,4 @@ void FitLedger::add(const StartResult& end) {
     log_->flush();
 }
 
-void FitLedger::remove() {
-    log_.reset();
-    fs::remove(file_);
-}
-
 } // namespace rodwake::app

@@ -49,8 +49,8 @@ void set_criteria(const fitting::Problem& problem, const fitting::Fit& fit, FitM
     row.bic = surprise + free * std::log(values);
 }
 
-/// What [fit.posterior] found in this folder.
-void read_evidence(const fs::path& folder, FitModelRow& row) {
+/// What [fit.posterior] found in this folder; a rival's own log is not on the terminal.
+void read_evidence(const fs::path& folder, const std::string& rival, FitModelRow& row, const Logger& log) {
     std::ifstream file(folder / "posterior.json");
     const auto json = nlohmann::json::parse(file, nullptr, false);
     if (!json.is_object() || !json.contains("log_evidence") || !json["log_evidence"].is_object())
@@ -62,6 +62,9 @@ void read_evidence(const fs::path& folder, FitModelRow& row) {
     };
     row.log_evidence = number("value");
     row.evidence_error = number("stderr");
+    if (!rival.empty() && json.contains("remarks"))
+        for (const auto& remark : json["remarks"])
+            log->warn("posterior of model {}: {}", rival, remark.get<std::string>());
 }
 
 WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunContext& context,
@@ -76,7 +79,7 @@ WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunCo
     set_criteria(plan.problem, results.fit, out.row);
     out.row.misfit = out.misfit.probability.value_or(std::nan(""));
     if (plan.keys.posterior)
-        read_evidence(folder / own, out.row);
+        read_evidence(folder / own, own == "." ? "" : name, out.row, log);
     fitting::Method method = plan.method;
     method.threads = context.thread_count();
     method.stop_requested = [&] { return context.stopped(); };
@@ -314,6 +317,10 @@ bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults
     const std::vector<std::string> text = verdict(models, evidence);
     write_models(folder, plan, models, evidence, text, context.command);
     log_models(models, text, log);
+    if (plan.keys.posterior && plan.keys.posterior->evidence && !evidence)
+        log->warn("fit: not every model has an evidence, so the weights are those of AIC");
+    for (const WeighedModel& m : models)
+        forget_progress(folder / m.folder);
     return true;
 }
 

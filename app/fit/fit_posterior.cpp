@@ -45,11 +45,6 @@ public:
         log_->flush();
     }
 
-    void remove() {
-        log_.reset();
-        std::filesystem::remove(file_);
-    }
-
 private:
     void read() {
         constexpr std::size_t header = 32, check = 8; // of store::AppendLog
@@ -133,7 +128,7 @@ bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::stri
     if (!plan.keys.posterior)
         return true;
     const std::vector<fitting::Prior> priors = fit_priors(plan);
-    BlockLedger ledger(folder / "posterior_blocks.log", key, priors.size());
+    BlockLedger ledger(folder / posterior_ledger_file, key, priors.size());
     fitting::PosteriorMethod method = posterior_method(plan);
     method.threads = context.thread_count();
     method.done = ledger.done();
@@ -151,7 +146,6 @@ bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::stri
         return false;
     write_posterior(folder, plan, *found, context);
     log_posterior(plan, *found, log);
-    ledger.remove();
     return true;
 }
 

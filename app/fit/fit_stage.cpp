@@ -189,6 +189,11 @@ std::string fit_key(const scene::Scene& scene, const FitPlan& plan) {
     return key;
 }
 
+void forget_progress(const fs::path& folder) {
+    for (const char* name : {ledger_file, posterior_ledger_file})
+        fs::remove(folder / name);
+}
+
 bool fit_was_stopped(const fs::path& folder) { return fs::exists(folder / ledger_file); }
 
 FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, const RunContext& context,
@@ -213,8 +218,6 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, con
     log_results(plan, results, log);
     stopped = stopped || !add_posterior(plan, results.fit, fit_key(scene, plan), context, folder, log);
     stopped = stopped || !add_models(scene, plan, results, context, folder, log);
-    if (!stopped)
-        ledger.remove();
     return {stopped ? StageEnd::interrupted : StageEnd::finished, std::move(results)};
 }
 
@@ -227,6 +230,8 @@ StageEnd run_fit(Session& session) {
             : fit_plan(*scene.fit, read_fit_inputs(scene, session.directory.path(), OwnFiles::required));
     const FitStageResult done =
         fit_in_folder(session.plan.scene, plan, session.context, session.directory.path(), session.log);
+    if (done.end == StageEnd::finished)
+        forget_progress(session.directory.path());
     const bool wanted = session.plan.scene.medium && session.plan.scene.medium->fitted;
     if (done.end == StageEnd::failed && wanted)
         throw RunError(
@@ -432,7 +437,7 @@ std::vector<FileKind> fit_files() {
             {"models.json", result,
              "rival models: their evidence, AIC and BIC, weights, and whether any describes the data"},
             {"models.csv", result, "the same as a table", model_columns()},
-            {"posterior_blocks.log", progress, "stretches of the chains that are done"},
+            {posterior_ledger_file, progress, "stretches of the chains that are done"},
             {ledger_file, progress, "starts that are done"}};
 }
 

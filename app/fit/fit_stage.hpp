@@ -13,9 +13,13 @@ struct FitStageResult {
     std::optional<FitResults> results; ///< absent if there is nowhere a finite residual
 };
 
-/// Starts that are done are kept in the folder until the fit is finished; the same command goes on from them.
+/// Starts and blocks of samples that are done are kept in the folder until forget_progress(); the same
+/// command goes on from them.
 FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, const RunContext& context,
                              const std::filesystem::path& folder, const Logger& log);
+
+/// Of a fit that is finished, with all its rivals.
+void forget_progress(const std::filesystem::path& folder);
 
 /// What a fit depends on, as text: version, search, model and data.
 std::string fit_key(const scene::Scene& scene, const FitPlan& plan);

@@ -95,8 +95,19 @@ void drop_unused(Node& fit, const std::vector<std::string>& used, const std::vec
     drop(fit, "start", "fit.start.");
     drop(fit, "bounds", "fit.bounds.");
     drop(fit, "likelihood", "fit.likelihood.");
-    if (Entry* posterior = fit.find("posterior"))
-        drop(posterior->value, "priors", "fit.posterior.priors.");
+}
+
+/// Only what is fitted has a prior.
+void drop_priors(Node& fit, const std::vector<Override>& set) {
+    const std::vector<std::string> fitted = names_in(fit, "parameters");
+    Entry* posterior = fit.find("posterior");
+    Entry* priors = posterior ? posterior->value.find("priors") : nullptr;
+    if (auto* table = priors ? priors->value.as<Node::Table>() : nullptr)
+        std::erase_if(*table, [&](const Entry& one) {
+            return !contains(fitted, one.key) && std::ranges::none_of(set, [&](const Override& item) {
+                return item.path.starts_with("fit.posterior.priors." + one.key);
+            });
+        });
 }
 
 /// The parameter of a fit that a key of the physics stands for, and its value.
@@ -145,6 +156,7 @@ Node model_document(Node root, const std::vector<Override>& set, Problems& probl
             apply_override(root, {"fit.fixed." + held->first, Node{item.place, held->second}, item.place},
                            problems);
     drop_unused(root.find("fit")->value, used(), set);
+    drop_priors(root.find("fit")->value, set);
     return root;
 }
 
@@ -162,13 +174,20 @@ const char* other_data(const Fit& fit, const Fit& rival) {
     return at == std::end(keys) ? nullptr : at->first;
 }
 
+/// How it is sampled makes no other model.
+Fit model_of(Fit fit) {
+    fit.models.clear();
+    if (fit.posterior)
+        fit.posterior = FitPosterior{.priors = fit.posterior->priors};
+    return fit;
+}
+
 /// Each rival by itself, and against those before it.
 void check_models(const Node& root, const Scene& scene, Problems& problems) {
     if (!scene.fit || scene.fit->models.empty())
         return;
     const auto& listed = *root.find("fit")->value.find("models")->value.as<Node::List>();
-    std::vector<Fit> seen = {*scene.fit};
-    seen.front().models.clear();
+    std::vector<Fit> seen = {model_of(*scene.fit)};
     for (std::size_t i = 0; i < listed.size(); ++i) {
         const Entry* set = listed[i].find("set");
         if (!set)
@@ -185,14 +204,14 @@ void check_models(const Node& root, const Scene& scene, Problems& problems) {
                 fmt::format("{}.set changes the data (fit.{}): rivals are weighed on the same data alone; "
                             "leave it out, or fit them apart",
                             path, key));
-        const auto same = std::ranges::find(seen, *rival.fit);
+        const auto same = std::ranges::find(seen, model_of(*rival.fit));
         if (same != seen.end())
             problems.add(set->key_place, path + ".set",
                          fmt::format("{}.set leaves the same model as {}: change a key of [fit]", path,
                                      same == seen.begin()
                                          ? "the fit as written"
                                          : fmt::format("fit.models[{}]", same - seen.begin() - 1)));
-        seen.push_back(*rival.fit);
+        seen.push_back(model_of(*rival.fit));
     }
 }
 

@@ -3,9 +3,11 @@
 import csv
 import json
 import math
+import signal
 
 import rodwake
-from fits import FitTest
+from fits import FIT, FitTest
+from rodwake import wait_until
 
 PAIR = """schema = 1
 [medium]
@@ -43,6 +45,19 @@ name = "none"
 set = { "fit.parameters" = [] }
 """
 SIGMA = 0.01
+PRIORS = """[fit.posterior]
+samples = 4000
+[fit.posterior.priors]
+f_over_mu = { kind = "normal", mean = 2.0, sd = 1.0 }
+eta = { kind = "log_uniform", low = 0.05, high = 50.0 }
+xi = { kind = "uniform", low = 1.0, high = 200.0 }
+[[fit.models]]
+name = "first"
+set = { "fit.parameters" = ["f_over_mu", "xi"], "fit.fixed.eta" = 1.3 }
+[[fit.models]]
+name = "second"
+set = { "fit.parameters" = ["f_over_mu", "eta"], "fit.fixed.xi" = 40.0 }
+"""
 
 
 class ModelsTest(FitTest):
@@ -108,13 +123,70 @@ class ModelsTest(FitTest):
         text = RIVALS[:RIVALS.index("[[fit.models]]")] + 'start_poses = "exact"\n'  # one parameter each
         text = text.replace("fixed =", "start = { kappa = 0.5 }\nbounds = { kappa = [0.0, 5.0] }\nfixed =")
         text += '[fit.posterior]\nsamples = 400\n[[fit.models]]\nname = "flow"\nset = { "fit.parameters" = ["gamma_flow"], "fit.bounds.gamma_flow" = [0.0, 5.0] }\n'
+        text += '[[fit.models]]\nname = "none"\nset = { "fit.parameters" = [] }\n'
         _, told, _ = self.weigh(text)
         self.assertEqual(told["weight_from"], "evidence")
-        first, second = told["models"]
+        first, second, none = told["models"]
+        self.assertEqual(none["log_evidence_stderr"], 0.0)  # of a model without parameters it is the likelihood, here of 96 values
+        self.assertAlmostEqual(none["log_evidence"], -0.5 * none["chi2"] - 96 * math.log(SIGMA * math.sqrt(2.0 * math.pi)), places=6)
         for one in told["models"]:
             posterior = json.loads((self.folder / "out" / one["folder"] / "posterior.json").read_text())
             self.assertEqual(posterior["log_evidence"]["value"], one["log_evidence"])
-        self.assertAlmostEqual(first["weight"], 1.0 / (1.0 + math.exp(second["log_evidence"] - first["log_evidence"])), places=9)
+        shares = [math.exp(one["log_evidence"] - first["log_evidence"]) for one in told["models"]]
+        self.assertAlmostEqual(first["weight"], 1.0 / sum(shares), places=9)
+        self.assertGreater(first["weight"], 0.99)
+
+    def files(self):
+        """What the same command must make again, but for who made it."""
+        found = {}
+        for path in sorted((self.folder / "out").rglob("*")):
+            name = str(path.relative_to(self.folder / "out"))
+            if path.name == "models.json" or path.name in ("fit.json", "posterior.json"):
+                found[name] = {key: value for key, value in json.loads(path.read_text()).items() if key != "provenance"}
+            elif path.suffix in (".csv", ".nc", ".txt") and path.name != "log.txt":
+                found[name] = path.read_bytes()
+        return found
+
+    def test_a_killed_one_goes_on_to_the_same_bytes_and_samples_no_rival_twice(self):
+        self.make_profile()
+        self.write("fit.toml", FIT + PRIORS)
+        command = ("fit", "fit.toml", "-o", "out", "--quiet")
+        with self.started(*command) as process:
+            ledger = self.folder / "out/models/second/posterior_blocks.log"
+            self.assertTrue(wait_until(lambda: ledger.exists() and ledger.stat().st_size > 5000, 60), "no block was done")
+            self.assertIsNone(process.poll(), "it ended before it could be stopped: make it longer")
+            self.stop(process, signal.SIGKILL, 5.0)
+        self.assertFalse((self.folder / "out/models.json").exists())
+        self.expect(0, *command)
+        for folder in ("", "models/first/"):
+            self.assertRegex((self.folder / f"out/{folder}log.txt").read_text(), "going on after 160 of 160 blocks")
+        self.assertEqual(list((self.folder / "out").rglob("*_blocks.log")) + list((self.folder / "out").rglob("*_starts.log")), [])
+        resumed = self.files()
+        self.expect(0, *command, "--force", "-j", "1")
+        self.assertEqual(self.files(), resumed)
+        self.assertIn("models/second/posterior.nc", resumed)
+
+    def test_without_the_evidence_of_one_the_weights_are_those_of_aic(self):
+        self.make_profile()
+        text = PRIORS.replace("samples = 4000", "samples = 32").replace('"fit.fixed.xi" = 40.0', '"fit.fixed.xi" = 40.0, "fit.posterior.evidence" = false')
+        _, done = self.fit(FIT + text)
+        told = json.loads((self.folder / "out/models.json").read_text())
+        self.assertEqual(told["weight_from"], "aic")
+        self.assertIsNone(told["models"][2]["log_evidence"])
+        self.assertIn("not every model has an evidence", done.stderr)
+        self.assertRegex(done.stderr, "posterior of model first: the chains of")  # 32 samples are too few
+
+    def test_rivals_whose_priors_are_wrong_are_refused(self):
+        self.make_profile()
+        for old, new, message in (
+            ('"f_over_mu", "xi"]', '"f_over_mu", "xi", "offset"]', r"with fit.models\[0\] applied: .*offset has neither bounds nor a prior.*fit.bounds.offset"),
+            ('"fit.fixed.eta" = 1.3', '"fit.fixed.eta" = 1.3, "fit.posterior.priors.xi" = { kind = "uniform", low = -10.0 }', r"fit.models\[0\] applied: .*xi"),
+            ('"fit.fixed.xi" = 40.0', '"fit.fixed.xi" = 40.0, "fit.posterior.samples" = 10', r"fit.models\[1\] applied: .*multiple of chains"),
+            ('set = { "fit.parameters" = ["f_over_mu", "eta"], "fit.fixed.xi" = 40.0 }', 'set = { "fit.posterior.samples" = 400 }', "leaves the same model"),
+        ):
+            with self.subTest(new=new):
+                self.write("fit.toml", FIT + PRIORS.replace(old, new))
+                self.assertRegex(self.expect(2, "fit", "fit.toml", "-o", "out").stderr, message)
 
     def test_rivals_that_cannot_be_weighed_are_refused_before_anything_runs(self):
         self.make_pair("kappa = 0.8")
