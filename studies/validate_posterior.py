@@ -1,14 +1,16 @@
 #!/usr/bin/python3
 """Posterior and evidence of fits against known answers: the tables of docs/validation_fitting.md, "Posterior and evidence".
 
-    studies/validate_posterior.py [--program build/release/rodwake] [--only exact,grid,speed,calibration] [--quick] [-j 2]
+    studies/validate_posterior.py [--program build/release/rodwake] [--only exact,grid,speed,wakes,pairs,wandering] [--quick] [-j 2]
+                                 [--keep DIR] [--runs 1000]
 
 exact: a linear model with normal errors against its closed form, by many samples. grid: three parameters that are not linear against sums
 over a grid. speed: effective samples a second beside emcee (python3-emcee) on the same density, both on one thread, CPU time.
-calibration: data sets made from the prior; ranks of the truth among the samples must be uniform, and with a planted fault must not. The
-Python package is taken from beside the program (build/release/python). --quick: few samples and sets, whose numbers mean nothing.
+wakes, pairs, wandering: calibration by simulation (Talts et al. 2018): data sets made from the prior, a fifth as many with a planted fault; ranks
+of the truth among the samples must be uniform, and with a fault must not. The Python package is taken from beside the program (build/release/python). --quick: few samples and sets, whose numbers mean nothing.
 """
 
+import functools
 import math
 import sys
 import time
@@ -17,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import chi2
 
-from lab import parser, run_parts, table
+from lab import parser, rows_of, run_parts, table
 
 SIGMA = 0.02
 
@@ -141,7 +143,7 @@ def speed(lab):
     print(f"means apart, in Monte-Carlo errors of both: {', '.join(f'{one:+.1f}' for one in apart)}")
 
 
-# Calibration by simulation (Talts et al. 2018).
+# Calibration by simulation.
 
 BINS, DRAWS = 20, 99
 
@@ -157,11 +159,12 @@ def drawn(random, priors):
 
 WAKE = {"f_over_mu": {"kind": "uniform", "low": 0.5, "high": 4.0}, "eta": {"kind": "log_uniform", "low": 0.3, "high": 6.0},
         "xi": {"kind": "log_uniform", "low": 6.0, "high": 60.0}}
+WANDERING = {"kappa": {"kind": "uniform", "low": 0.2, "high": 2.0}, "D_r": {"kind": "log_uniform", "low": 0.002, "high": 0.1}}
 PAIR = {"kappa": {"kind": "uniform", "low": 0.2, "high": 2.0}, "gamma1": {"kind": "uniform", "low": -0.5, "high": 0.5}}
 START, TIMES = [[0.0, 2.5, 0.1], [0.0, -2.5, -0.1]], np.linspace(0.0, 6.0, 9)
 
 
-def wake_set(rodwake, random, fault):
+def wake_set(rodwake, random, fault, _):
     places = np.linspace(-38.0, 38.0, 20)
     truth = drawn(random, WAKE)
     values = wake(rodwake, places, **truth) + SIGMA * random.normal(size=places.size)
@@ -172,7 +175,7 @@ def wake_set(rodwake, random, fault):
                    "bounds": {name: [prior["low"], prior["high"]] for name, prior in WAKE.items()}, "start": {name: 2.0 if name != "xi" else 20.0 for name in WAKE}}
 
 
-def pair_set(rodwake, random, fault):
+def pair_set(rodwake, random, fault, _):
     truth = drawn(random, PAIR)
     path = rodwake.simulate(START, rodwake.Medium(eta=1.3, alpha=0.5), t_end=TIMES[-1], output_times=TIMES, **truth)
     size = np.array([0.02, 0.02, 0.01])
@@ -186,34 +189,102 @@ def pair_set(rodwake, random, fault):
                    "bounds": {name: [prior["low"], prior["high"]] for name, prior in PAIR.items()}, "start": {"kappa": 1.0, "gamma1": 0.1}}
 
 
-def ranks(lab, rodwake, make, sets, fault):
-    """{parameter: how often the truth was in each of the bins}."""
-    counts = {}
-    for index in range(sets):
-        random = np.random.default_rng([index, 11])
-        truth, keys = make(rodwake, random, fault)
-        found = rodwake.posterior(**keys, chains=2, samples=4 * (DRAWS + 1), evidence=False, threads=lab.threads, seed=index + 1)
-        for name, value in truth.items():
-            some = found.samples[name].ravel()[::4][:DRAWS]
-            counts.setdefault(name, np.zeros(BINS))[int(np.sum(some < value)) * BINS // (DRAWS + 1)] += 1
-    return counts
+def turning(rodwake, poses, kappa, medium):
+    """theta' of both rods, of poses (sets, 2, 3) at once."""
+    rates = np.empty(poses.shape[:2])
+    for a, b in ((0, 1), (1, 0)):
+        heading, apart = poses[:, b, 2], poses[:, a, :2] - poses[:, b, :2]
+        cos, sin = np.cos(heading), np.sin(heading)
+        strain = rodwake.strain(cos * apart[:, 0] + sin * apart[:, 1], cos * apart[:, 1] - sin * apart[:, 0], medium)
+        angle = poses[:, a, 2] - heading
+        nx, ny = np.cos(angle), np.sin(angle)
+        across = strain[:, 1, 0] * nx + strain[:, 1, 1] * ny
+        along = strain[:, 0, 0] * nx + strain[:, 0, 1] * ny
+        rates[:, a] = kappa * (nx * across - ny * along)
+    return rates
 
 
-def calibration(lab):
-    rodwake = package(lab)
-    rows = []
-    for name, make, sets in (("wakes of 20 points", wake_set, 1000), ("trajectories of two rods, 8 rows", pair_set, 1000)):
-        for fault, share in (("", 1.0), ("sigma halved", 0.2), ("sign", 0.2)):
-            count = int((40 if lab.quick else sets) * share)
-            began, found = time.process_time(), ranks(lab, rodwake, make, count, fault)
-            chances = {one: chi2.sf(np.sum((each - count / BINS) ** 2) / (count / BINS), BINS - 1) for one, each in found.items()}
-            rows.append([name, fault or "none", count, ", ".join(f"{one} {p:.2g}" for one, p in chances.items()), f"{time.process_time() - began:.0f}"])
-            print(f"  ({name}, {fault or 'no fault'}: {rows[-1][3]})", file=sys.stderr, flush=True)
-    table("Ranks of the truth among the samples: probability of so large a chi2 if they are uniform", ["data", "planted fault", "sets", "probability",
-                                                                                                     "CPU s"], rows)
+def wander(rodwake, random, kappa, diffusion, each=50):
+    """Poses (sets, times, 2, 3) by Heun's method with additive noise, `each` steps a row: not the program's own integrator."""
+    medium, step = rodwake.Medium(eta=1.3, alpha=0.5), (TIMES[1] - TIMES[0]) / each
+    poses = np.repeat(np.array(START)[None], kappa.size, axis=0)
+    rows = [poses.copy()]
+
+    def slope(at):
+        return np.stack([np.cos(at[..., 2]), np.sin(at[..., 2]), turning(rodwake, at, kappa, medium)], axis=-1)
+
+    for _ in range((TIMES.size - 1) * each):
+        kick = np.zeros_like(poses)
+        kick[..., 2] = np.sqrt(2 * diffusion * step)[:, None] * random.normal(size=poses.shape[:2])
+        first = slope(poses)
+        poses = poses + kick + 0.5 * step * (first + slope(poses + step * first + kick))
+        rows.append(poses)
+    return np.stack(rows[::each], axis=1)
 
 
-PARTS = {"exact": exact, "grid": grid, "speed": speed, "calibration": calibration}
+@functools.cache
+def wanderers(rodwake):
+    random = np.random.default_rng(21)
+    truths = [drawn(random, WANDERING) for _ in range(1000)]
+    return truths, wander(rodwake, random, np.array([one["kappa"] for one in truths]), np.array([one["D_r"] for one in truths]))
+
+
+def wandering_set(rodwake, random, fault, index):
+    """Rods that diffuse: kappa and D_r from the tracks, poses at the start measured like the others."""
+    truths, paths = wanderers(rodwake)
+    truth, poses = dict(truths[index]), paths[index] + SIGMA * random.normal(size=paths[index].shape)
+    priors, fixed = dict(WANDERING), {"eta": 1.3, "alpha": 0.5}
+    if fault == "noise of the rods left out":
+        fixed["D_r"] = 0.0
+        del truth["D_r"], priors["D_r"]
+    told = SIGMA * (0.5 if fault == "sigma halved" else 1.0)
+    return truth, {"tracks": [rodwake.Track(TIMES, poses, sigma_position=told, sigma_heading=told)], "parameters": list(priors), "priors": priors,
+                   "fixed": fixed, "bounds": {name: [prior["low"], prior["high"]] for name, prior in priors.items()},
+                   "start": {name: {"kappa": 1.0, "D_r": 0.03}[name] for name in priors}}
+
+
+def ranks(lab, rodwake, name, make, sets, fault):
+    """{parameter: ranks of the truth among 99 samples, a set each}; sets that --keep has are not made again."""
+    file = lab.folder / f"ranks_{name}_{fault.replace(' ', '_') or 'right'}.csv"
+    found = {}
+    for row in rows_of(file.read_text(encoding="utf-8")) if file.is_file() else []:
+        found.setdefault(row["parameter"], []).append(int(row["rank"]))
+    with file.open("a", encoding="utf-8") as out:
+        if not found:
+            out.write("set,parameter,rank\n")
+        for index in range(max((len(each) for each in found.values()), default=0), sets):
+            random = np.random.default_rng([index, 11])
+            truth, keys = make(rodwake, random, fault, index)
+            samples = rodwake.posterior(**keys, chains=2, samples=4 * (DRAWS + 1), evidence=False, threads=lab.threads, seed=index + 1).samples
+            for parameter, value in truth.items():
+                found.setdefault(parameter, []).append(int(np.sum(samples[parameter].ravel()[::4][:DRAWS] < value)))
+                out.write(f"{index},{parameter},{found[parameter][-1]}\n")
+            out.flush()
+    return {parameter: np.array(each[:sets]) for parameter, each in found.items()}
+
+
+def chance(each):
+    """Of so large a chi2 if ranks are uniform."""
+    counts, expected = np.bincount(each * BINS // (DRAWS + 1), minlength=BINS), each.size / BINS
+    return chi2.sf(np.sum((counts - expected) ** 2) / expected, BINS - 1)
+
+
+def calibrated(name, words, make, faults):
+    def part(lab):
+        rows, sets = [], lab.options.runs or (40 if lab.quick else 1000)
+        for fault in ("", *faults):
+            began = time.process_time()
+            found = ranks(lab, package(lab), name, make, sets // 5 if fault else sets, fault)
+            rows.append([fault or "none", next(iter(found.values())).size, ", ".join(f"{one} {chance(each):.2g}" for one, each in found.items()),
+                         f"{time.process_time() - began:.0f}"])
+        table(f"Ranks of the truth, {words}: probability of so large a chi2 if they are uniform", ["planted fault", "sets", "probability", "CPU s"], rows)
+    return part
+
+
+PARTS = {"exact": exact, "grid": grid, "speed": speed,
+         "wakes": calibrated("wakes", "wakes of 20 points", wake_set, ("sigma halved", "sign")),
+         "pairs": calibrated("pairs", "trajectories of two rods, 8 rows", pair_set, ("sigma halved", "sign")),
+         "wandering": calibrated("wandering", "the same of rods that diffuse", wandering_set, ("sigma halved", "noise of the rods left out"))}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "quick", "threads", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "quick", "threads", "keep", "runs", parts=PARTS).parse_args(), PARTS)

@@ -1,20 +1,25 @@
 #!/usr/bin/python3
 """Which mechanism made the tracks: how often the true one wins, and how often the misfit speaks. Table of docs/validation_fitting.md.
 
-    studies/validate_rivals.py [--program build/release/rodwake] [--only choice] [--runs 100] [--quick] [--keep DIR]
+    studies/validate_rivals.py [--program build/release/rodwake] [--only choice,none,evidence] [--runs 100] [--quick] [--keep DIR]
 
 choice: tracks of two rods that pass each other, made by strain, polar coupling, the medium's velocity, the rows of a crystal or nothing, with
 noise of another seed in each set. All five are fitted to each set; counted is how often the true one has the lowest AIC, BIC and the best
 cross-validation, whether its weight says so, and in how many sets its misfit is below 0.05 though it is right.
 none: the same tracks with a wobble of the headings that no mechanism has; counted is in how many sets no model is said to describe the data.
+evidence: rivals and their parameters drawn from the priors, weights by evidence; counted is how often the true one has the largest, beside what
+its own probability says. By the Python package beside the program (build/release/python); sets that --keep has are not made again.
 Some 2 s a set. --quick: 2 sets, whose numbers mean nothing.
 """
 
 import csv
+import math
+import sys
+from pathlib import Path
 
 import numpy as np
 
-from lab import parser, run_parts, table, told
+from lab import parser, rows_of, run_parts, table, told
 
 SETS, SIGMA, WOBBLE = 100, 0.01, 0.02
 MEDIUM = "[medium]\neta = 1.3\nalpha = 0.8\n"
@@ -107,7 +112,63 @@ def none(lab):
           ["made by", "no model describes"], rows)
 
 
-PARTS = {"choice": choice, "none": none}
+# By evidence, of wakes: a fit of tracks takes a hundred times as long.
+
+PRIORS = {"force": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0)}, "with offset": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0), "offset": (-0.3, 0.3)},
+          "with dipole": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0), "f2d_over_mu": (-30.0, 30.0)}, "offset alone": {"offset": (-0.3, 0.3)}}
+PLACES, ETA, BLUR = np.linspace(-38.0, 38.0, 20), 1.3, 0.1
+
+
+def values_of(rodwake, values):
+    points = np.stack([PLACES, np.ones(PLACES.size)], axis=1)
+    medium = rodwake.Medium(eta=ETA, xi=values.get("xi", 20.0))
+    return (values.get("f_over_mu", 0.0) * rodwake.displacement(points[:, 0], points[:, 1], medium)[:, 0]
+            + values.get("f2d_over_mu", 0.0) * rodwake.dipole(points[:, 0], points[:, 1], medium)[:, 0] + values.get("offset", 0.0))
+
+
+def evidence_of(rodwake, name, values):
+    bounds = {one: list(ends) for one, ends in PRIORS[name].items()}
+    fixed = {"eta": ETA} | ({} if "xi" in bounds else {"xi": 20.0, "f_over_mu": 0.0})
+    data = rodwake.Profile(PLACES, values, np.full(PLACES.size, BLUR), component="Ux", along="x", at=1.0)
+    return rodwake.posterior(profiles=[data], parameters=list(bounds), bounds=bounds, fixed=fixed, start={one: np.mean(ends) for one, ends in bounds.items()},
+                             chains=2, samples=800).log_evidence[0]
+
+
+def evidence(lab):
+    sys.path.insert(0, str(Path(lab.program).parent / "python"))
+    import rodwake  # pylint: disable=import-outside-toplevel
+    file, sets = lab.folder / "evidence.csv", len(PRIORS) * sets_of(lab)
+    done = rows_of(file.read_text(encoding="utf-8")) if file.is_file() else []
+    with file.open("a", encoding="utf-8") as out:
+        if not done:
+            out.write("set,made_by," + ",".join(PRIORS) + "\n")
+        for index in range(len(done), sets):
+            random, name = np.random.default_rng([index, 5]), list(PRIORS)[index % len(PRIORS)]
+            values = values_of(rodwake, {one: random.uniform(*ends) for one, ends in PRIORS[name].items()}) + BLUR * random.standard_normal(PLACES.size)
+            found = {one: evidence_of(rodwake, one, values) for one in PRIORS}
+            done.append({"made_by": name, **found})
+            out.write(f"{index},{name}," + ",".join(repr(float(one)) for one in found.values()) + "\n")
+            out.flush()
+    rows, all_right, all_said, all_spread = [], 0, 0.0, 0.0
+    for name in PRIORS:
+        right, said, count = 0, 0.0, 0
+        for one in done[:sets]:
+            scores = np.array([float(one[rival]) for rival in PRIORS])
+            weights = np.exp(scores - scores.max()) / np.exp(scores - scores.max()).sum()
+            likeliest = list(PRIORS)[int(weights.argmax())]
+            if likeliest == name:  # how often it is right where it wins, which its own weight says
+                said += weights.max()
+                all_spread += weights.max() * (1 - weights.max())
+                right += one["made_by"] == name
+                count += 1
+        rows.append([name, sum(one["made_by"] == name for one in done[:sets]), count, right, f"{said:.1f}"])
+        all_right, all_said = all_right + right, all_said + said
+    rows.append(["all", sets, sets, all_right, f"{all_said:.1f} +- {math.sqrt(all_spread):.1f}"])
+    table(f"Rivals and parameters from the priors, sigma {BLUR}: sets in which a rival has the largest evidence, and in which it made the data",
+          ["rival", "sets made by it", "largest evidence", "of these made by it", "sum of its weights there"], rows)
+
+
+PARTS = {"choice": choice, "none": none, "evidence": evidence}
 
 if __name__ == "__main__":
     run_parts(parser(__doc__, "quick", "keep", "runs", "threads", parts=PARTS).parse_args(), PARTS)
