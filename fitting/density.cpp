@@ -37,11 +37,14 @@ double Density::log_likelihood(std::span<const double> free) const {
 
 std::vector<double> Density::log_likelihoods(std::span<const double> free) const {
     const Eigen::VectorXd r = residuals_of(free);
-    std::vector<double> out(problem_.residuals, -HUGE_VAL);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(r.size()); ++i) {
+    const std::size_t data = data_count(problem_), scales = problem_.log_scales;
+    std::vector<double> out(data, -HUGE_VAL);
+    const auto of = [&](std::size_t i) {
         const double one = r[static_cast<Eigen::Index>(i)];
-        out[i] = -0.5 * one * one - log_root_2pi - (problem_.log_sigma.empty() ? 0.0 : problem_.log_sigma[i]);
-    }
+        return -0.5 * one * one - log_root_2pi - (problem_.log_sigma.empty() ? 0.0 : problem_.log_sigma[i]);
+    };
+    for (std::size_t i = 0; r.size() > 0 && i < data; ++i)
+        out[i] = of(i) + (i + scales >= data ? of(i + scales) : 0.0);
     return out;
 }
 

@@ -191,7 +191,7 @@ void look_at(const Problem& problem, const Method& method, Fit& fit) {
     fit.chi2 = fit.distance = std::numeric_limits<double>::infinity();
     if (!point.finite())
         return;
-    fit.chi2 = point.r.squaredNorm();
+    fit.chi2 = chi2_of(problem, point.r);
     fit.distance = stationarity(evaluator, point).distance;
     const long dof = degrees_of_freedom(problem);
     if (!problem.sigma_known && fit.distance > 0.0 && dof > 0)

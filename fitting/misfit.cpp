@@ -267,7 +267,31 @@ void add_tests(const Problem& problem, const ResidualSet& data, const Findings& 
 
 } // namespace
 
+namespace {
+
+/// Without the logarithms of scales behind the data.
+Problem data_alone(const Problem& problem) {
+    Problem out = problem;
+    out.residuals = data_count(problem);
+    out.log_scales = 0;
+    out.evaluate = [problem](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, // NOLINT
+                             Eigen::MatrixXd* jacobian) {
+        Eigen::VectorXd all = Eigen::VectorXd::Zero(static_cast<Index>(problem.residuals));
+        Eigen::MatrixXd slopes =
+            Eigen::MatrixXd::Zero(jacobian ? all.size() : 0, static_cast<Index>(p.size()));
+        problem.evaluate(p, all, jacobian ? &slopes : nullptr);
+        r = all.head(r.size());
+        if (jacobian)
+            *jacobian = slopes.topRows(r.size());
+    };
+    return out;
+}
+
+} // namespace
+
 Misfit misfit(const Problem& problem, const Fit& fit, std::uint64_t seed) {
+    if (problem.log_scales > 0)
+        return misfit(data_alone(problem), fit, seed);
     Misfit out;
     const ResidualSet data(problem, fit);
     if (!(data.independent_dof() >= 1.0) || !data.r.allFinite())
@@ -377,6 +401,8 @@ double CrossValidation::error() const {
 
 std::optional<CrossValidation> cross_validate(const Problem& problem, const Method& method, const Fit& fit,
                                               std::size_t blocks) {
+    if (problem.log_scales > 0) // what is left out is in what the filter foretells
+        return std::nullopt;
     for (const Series& one : series_of(problem))
         if (one.residuals.size() > 1) // a time of contact stays with its stretch
             blocks = std::min(blocks, one.residuals.size());

@@ -1,4 +1,5 @@
 #include "chains.hpp"
+#include "prior_map.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 
@@ -102,6 +103,15 @@ Mixture peaks(const Density& density, const Eigen::VectorXd& from, const Posteri
     for (const Peak& peak : kept)
         parts.push_back({std::exp(peak.log_mass - most), peak.z, peak.covariance});
     return Mixture(std::move(parts));
+}
+
+double curvature_evidence(const Problem& problem, const std::vector<Prior>& priors,
+                          std::span<const double> from) {
+    const Density density(problem, priors);
+    if (density.size() == 0)
+        return density.log_likelihood({});
+    return climb(density, density.coordinates(from)).log_mass +
+           static_cast<double>(density.size()) * log_root_2pi;
 }
 
 } // namespace rodwake::fitting

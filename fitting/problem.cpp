@@ -101,8 +101,14 @@ void validate(const Problem& problem) {
                                      problem.residuals, free));
 }
 
+std::size_t data_count(const Problem& problem) { return problem.residuals - problem.log_scales; }
+
+double chi2_of(const Problem& problem, const Eigen::VectorXd& residuals) {
+    return residuals.head(static_cast<Eigen::Index>(data_count(problem))).squaredNorm();
+}
+
 long independent_values(const Problem& problem) {
-    return std::lround(problem.independent * static_cast<double>(problem.residuals));
+    return std::lround(problem.independent * static_cast<double>(data_count(problem)));
 }
 
 long degrees_of_freedom(const Problem& problem) {
@@ -193,7 +199,7 @@ std::vector<double> independent_worth(std::span<const double> places, double spa
 std::vector<Series> series_of(const Problem& problem) {
     if (!problem.series.empty())
         return problem.series;
-    Series all{"the data", "values", std::vector<std::size_t>(problem.residuals)};
+    Series all{"the data", "values", std::vector<std::size_t>(data_count(problem))};
     std::iota(all.residuals.begin(), all.residuals.end(), std::size_t{0});
     return {all};
 }
@@ -282,10 +288,11 @@ Problem joined(const std::vector<Problem>& problems) {
             whole.series.push_back(std::move(one));
         }
         whole.remarks.insert(whole.remarks.end(), problem.remarks.begin(), problem.remarks.end());
-        values += problem.independent * static_cast<double>(problem.residuals);
+        values += problem.independent * static_cast<double>(data_count(problem));
+        whole.log_scales = problem.log_scales; // of tracks, which come last
         parts->push_back(std::move(part));
     }
-    whole.independent = whole.residuals > 0 ? values / static_cast<double>(whole.residuals) : 1.0;
+    whole.independent = whole.residuals > 0 ? values / static_cast<double>(data_count(whole)) : 1.0;
     whole.evaluate = [parts](std::span<const double> p, const Eigen::Ref<Eigen::VectorXd>& r,
                              Eigen::MatrixXd* jacobian) {
         if (jacobian)

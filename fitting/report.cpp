@@ -178,7 +178,7 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     Report report;
     report.free = space.free();
     report.rank = c.rank;
-    report.chi2 = point.r.squaredNorm();
+    report.chi2 = chi2_of(problem, point.r);
     report.dof = degrees_of_freedom(problem);
     const ErrorScale scale = error_scale(problem, loss, point, report.dof);
     report.error_factor = scale.factor;
@@ -338,7 +338,7 @@ std::string correlations(const Problem& problem, const Report& report) {
 }
 
 std::string goodness(const Problem& problem, const Fit& fit, const Report& report) {
-    std::string text = fmt::format("\nchi2 = {:.6g}, {} data", report.chi2, problem.residuals);
+    std::string text = fmt::format("\nchi2 = {:.6g}, {} data", report.chi2, data_count(problem));
     if (problem.independent < 1.0)
         text += fmt::format(" worth {} independent ones", independent_values(problem));
     text += fmt::format(", {} degrees of freedom", report.dof);

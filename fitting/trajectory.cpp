@@ -197,7 +197,7 @@ std::vector<std::string> trajectory_parameter_names() {
         names.emplace_back(coupling.name);
     for (const rods::OtherTurning& turning : rods::other_turning)
         names.emplace_back(turning.name);
-    names.insert(names.end(), {"eta", "xi", "alpha"});
+    names.insert(names.end(), {"eta", "xi", "alpha", "D_r", "D_t"});
     return names;
 }
 
@@ -205,6 +205,8 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
                            std::vector<Parameter> parameters) {
     check_trajectories(trajectories);
     check_trajectory_parameters(parameters);
+    if (std::ranges::any_of(parameters, rods::is_noise, &Parameter::name))
+        return noisy_problem(trajectories, std::move(parameters));
     if (model.ode.method == integrate::Method::erk)
         throw InputError("fit of trajectories: method erk has no sensitivities; use adams or, for stiff "
                          "couplings, bdf");

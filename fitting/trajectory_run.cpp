@@ -25,7 +25,9 @@ const std::map<std::string, Role>& physical_roles() {
                                            {"alpha", {rods::Parameter::xi, true}},
                                            {"gamma_flow", {.flow = true}},
                                            {"gamma_rows", {rods::Parameter::rows_gamma}},
-                                           {"rows_direction", {rods::Parameter::rows_direction}}};
+                                           {"rows_direction", {rods::Parameter::rows_direction}},
+                                           {"D_r", {.diffusion = Role::Diffusion::rotational}},
+                                           {"D_t", {.diffusion = Role::Diffusion::translational}}};
         for (int k = 0; k < static_cast<int>(rods::Parameter::eta); ++k)
             all[std::string(rods::coupling_list[k].name)] = {static_cast<rods::Parameter>(k)};
         return all;
@@ -72,7 +74,7 @@ Columns columns_of(std::size_t index, std::span<const Role> roles, std::span<con
     const double flow = gamma_flow_of(roles, values);
     for (std::size_t j = 0; j < roles.size(); ++j) {
         const Role& role = roles[j];
-        if (!wanted[j] || !role.matters_to(index))
+        if (!wanted[j] || role.diffusion || !role.matters_to(index))
             continue;
         if (role.of_start()) {
             (role.component == 2 ? headings : places).push_back(j);

@@ -10,12 +10,14 @@ namespace rodwake::fitting {
 
 /// What a parameter is to the trajectories.
 struct Role {
-    std::optional<rods::Parameter> physical = {};       ///< empty: a component of the initial pose of a rod
-    bool inverse = false;                               ///< alpha = 1/xi
-    bool flow = false;                                  ///< gamma_flow, which is two polar couplings
+    std::optional<rods::Parameter> physical = {}; ///< empty: a component of the initial pose of a rod
+    bool inverse = false;                         ///< alpha = 1/xi
+    bool flow = false;                            ///< gamma_flow, which is two polar couplings
+    enum class Diffusion { rotational, translational };
+    std::optional<Diffusion> diffusion = {};            ///< D_r, D_t
     std::size_t trajectory = 0, rod = 0, component = 2; ///< 0, 1, 2: x, y, heading
 
-    bool of_start() const { return !physical && !flow; }
+    bool of_start() const { return !physical && !flow && !diffusion; }
     bool matters_to(std::size_t one) const { return !of_start() || trajectory == one; }
 };
 
@@ -29,6 +31,9 @@ inline bool is_free(const Trajectory& one, std::size_t component) {
 
 /// Throws InputError for a name that means nothing here.
 Role role_of(const std::string& name, const std::vector<Trajectory>& trajectories);
+
+/// Of parameters among which is D_r or D_t. Throws InputError for tracks that a filter cannot use.
+Problem noisy_problem(const std::vector<Trajectory>& trajectories, std::vector<Parameter> parameters);
 
 /// How long the model runs after its last datum in search of a contact that is a datum, in contact times.
 inline constexpr double contact_patience = 4.0;

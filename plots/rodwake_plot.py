@@ -12,6 +12,7 @@ import argparse  # noqa: E402
 import contextlib  # noqa: E402
 import logging  # noqa: E402
 import warnings  # noqa: E402
+from pathlib import Path  # noqa: E402
 
 
 def arguments(argv):
@@ -34,13 +35,18 @@ def plot(options):
     # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     warnings.simplefilter("ignore")
-    from rodwake_plots import draw, style, tradeoff
+    from rodwake_plots import design, draw, style, tradeoff
     from rodwake_plots.run_dir import RunDir
 
     look = style.look(options.width, options.style, options.font_size)
     if tradeoff.has_ways(options.run_dir):
         print(*draw.in_style(tradeoff.write_ways, options.run_dir, options.output), sep="\n")
         return
+
+    if design.has_design(options.run_dir):
+        print(*draw.in_style(design.write, options.run_dir, options.output), sep="\n")
+        if not (Path(options.run_dir) / "scene.toml").is_file():  # of a command that does no run
+            return
 
     with RunDir(options.run_dir, options.output) as run:
         if run.has_tradeoff and not options.report_only:

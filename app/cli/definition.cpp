@@ -184,6 +184,31 @@ void add_tradeoff(CLI::App& app, Options& options) {
         ->transform(seconds());
 }
 
+void add_design(CLI::App& app, Options& options) {
+    CLI::App* design =
+        add_verb(app, options, Verb::design, "design",
+                 "which start, density, errors and number of runs would tell the rivals of a fit apart",
+                 "  rodwake design experiment.toml --vary rods.1.position.1=-1.5,-2,-3 --runs 1,5,20\n"
+                 "  rodwake design experiment.toml --list designs.csv --sets 50 -o results/designs");
+    app::DesignRequest& request = options.design;
+    add_scene(*design, options);
+    add_threads(*design, options);
+    add_force(*design, options, "replace design.csv and design.json");
+    add_dry_run(*design, options);
+    add_quiet(*design, options);
+    design
+        ->add_option("--vary", request.vary,
+                     "values of a key of the scene: table.key=1,2,3; repeatable, all combinations")
+        ->allow_extra_args(false);
+    design->add_option("--list", request.list, "CSV with keys in its header and a design in each row")
+        ->excludes("--vary");
+    design->add_option("--runs", request.runs, "numbers of runs of each design: 1,5,20 [1]")
+        ->delimiter(',')
+        ->check(whole_number_from(1, 10000));
+    design->add_option("--sets", request.sets, "made-up experiments by each model and design [20]")
+        ->check(whole_number_from(2, 100000));
+}
+
 void add_stage_verbs(CLI::App& app, Options& options) {
     add_stage_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
                    "  rodwake rods scenes/pair.toml -o results/pair\n"
@@ -207,6 +232,7 @@ void add_stage_verbs(CLI::App& app, Options& options) {
                    "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force");
     add_scan(app, options);
     add_tradeoff(app, options);
+    add_design(app, options);
     CLI::App* run = add_stage_verb(app, options, Verb::run, "run",
                                    "every stage the scene names, then figures and report.html",
                                    "  rodwake run scenes/quickstart.toml\n"

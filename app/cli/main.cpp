@@ -33,6 +33,8 @@ int dispatch(const Options& options) {
         return verb_impact(options);
     case Verb::tradeoff:
         return verb_tradeoff(options);
+    case Verb::design:
+        return verb_design(options);
     case Verb::camera:
         return verb_camera(options);
     case Verb::replay:

@@ -1,6 +1,7 @@
 #pragma once
 // The command line, parsed.
 
+#include "rodwake/app/fit_design.hpp"
 #include "rodwake/app/replay.hpp"
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/measure/camera.hpp"
@@ -30,6 +31,7 @@ enum class Verb {
     fit,
     scan,
     tradeoff,
+    design,
     run,
     camera,
     replay,
@@ -63,6 +65,7 @@ struct Options {
     std::string error_kind;          ///< tradeoff --error; empty: the first there is
     std::string tradeoff_of;         ///< tradeoff --of; empty: what the scene names first
     double limit = 60.0;             ///< tradeoff --limit, s
+    app::DesignRequest design;       ///< design --vary, --list, --runs, --sets
     bool no_figures = false;         ///< run --no-figures
     measure::Camera camera;          ///< camera; its lengths as they were typed, its angle in degrees
     std::string pixel = "0.05 a", localisation = "0"; ///< camera --pixel, --noise

@@ -18,6 +18,7 @@ int verb_impact(const Options& options);
 int verb_stages(
     const Options& options); ///< field, rods, dem, measure, fit, run: the stages the verb stands for
 int verb_tradeoff(const Options& options);
+int verb_design(const Options& options);
 int verb_camera(const Options& options);
 int verb_replay(const Options& options);
 int verb_explore(const Options& options);

@@ -132,6 +132,9 @@ void add_terms(const scene::Fit& keys, Lines& lines) {
     for (const rods::OtherTurning& turning : rods::other_turning)
         if (scene::fit_has(keys, std::string(turning.name)))
             add_term(keys, std::string(turning.name), turning.words, lines);
+    for (const char* name : {"D_r", "D_t"})
+        if (scene::fit_has(keys, name))
+            add_term(keys, name, "diffusion of the rods, of tracks", lines);
     for (const scene::FitModel& model : keys.models)
         lines.push_back(
             {true, fmt::format("fit: rival \"{}\" with {}", model.name, fmt::join(model.set, ", "))});

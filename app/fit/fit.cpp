@@ -393,6 +393,8 @@ std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
         return std::string(coupling->unit);
     if (const rods::OtherTurning* turning = rods::find_other_turning(parameter))
         return std::string(turning->unit);
+    if (rods::is_noise(parameter))
+        return parameter == "D_r" ? "rad^2 mu v0/f" : "f v0/mu";
     if (parameter == "eta" || parameter == "alpha")
         return "1";
     const std::string length = keys.profiles.empty() && keys.maps.empty() ? "f/mu" : keys.length_unit;

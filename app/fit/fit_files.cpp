@@ -259,11 +259,11 @@ void add_quality(ordered_json& out, const FitPlan& plan, const FitResults& resul
     const fitting::Fit& fit = results.fit;
     out["chi2"] = finite_or_null(r.chi2);
     out["dof"] = r.dof;
-    out["residuals"] = plan.problem.residuals;
+    out["residuals"] = fitting::data_count(plan.problem);
     out["sigma_known"] = plan.problem.sigma_known;
     out["probability"] = finite_or_null(r.probability);
     out["error_factor"] = finite_or_null(r.error_factor);
-    out["rms"] = finite_or_null(std::sqrt(r.chi2 / static_cast<double>(plan.problem.residuals)));
+    out["rms"] = finite_or_null(std::sqrt(r.chi2 / static_cast<double>(fitting::data_count(plan.problem))));
     out["objective"] = finite_or_null(fit.objective);
     out["loss"] = fit.loss == fitting::Loss::squares ? "squares"
                   : fit.loss == fitting::Loss::huber ? "huber"

@@ -44,7 +44,8 @@ struct WeighedModel {
 void set_criteria(const fitting::Problem& problem, const fitting::Fit& fit, FitModelRow& row) {
     const auto values = static_cast<double>(fitting::independent_values(problem));
     const double free = row.parameters + (problem.sigma_known ? 0.0 : 1.0);
-    const double surprise = problem.sigma_known ? fit.objective : values * std::log(fit.objective / values);
+    const double surprise = problem.sigma_known ? fit.objective - static_cast<double>(problem.log_scales)
+                                                : values * std::log(fit.objective / values);
     row.aic = surprise + 2.0 * free;
     row.bic = surprise + free * std::log(values);
 }
@@ -243,6 +244,11 @@ void require_same_data(const FitPlan& plan, const FitPlan& rival, const std::str
     const bool sigmas = std::ranges::equal(a.log_sigma, b.log_sigma, [](double s, double t) {
         return std::abs(s - t) < 1e-9 * (1.0 + std::abs(s));
     });
+    if ((a.log_scales == 0) != (b.log_scales == 0))
+        throw InputError(
+            fmt::format("fit.models {}: rods diffuse (D_r, D_t) in one of it and the fit as written and "
+                        "not in the other: hold D_r = 0 in fit.fixed of the one without",
+                        name));
     if (a.residuals != b.residuals || a.independent != b.independent || a.sigma_known != b.sigma_known ||
         !sigmas)
         throw InputError(

@@ -108,6 +108,26 @@ void write_curve(const std::filesystem::path& folder, const FitPlan& plan, std::
     store::write_atomically(folder / fmt::format("posterior_curve_{}.csv", index), csv_of(rows));
 }
 
+/// Variance that the rods' own noise adds; mean of a few draws.
+std::vector<std::vector<double>> mean_wander(const FitPlan& plan, std::size_t index, const FitPart& part,
+                                             const std::vector<std::vector<double>>& draws) {
+    constexpr std::size_t few = 20;
+    const fitting::Trajectory& track = plan.tracks[index].data;
+    std::vector<std::vector<double>> sum(track.times.size(),
+                                         std::vector<double>(track.states.front().size()));
+    if (std::ranges::none_of(part.parameters, rods::is_noise, &fitting::Parameter::name))
+        return sum;
+    const std::size_t count = std::min(few, draws.size());
+    for (std::size_t k = 0; k < count; ++k) {
+        const auto one = fitting::noise_variance(track, index, part.parameters,
+                                                 part.values(draws[k * draws.size() / count]));
+        for (std::size_t row = 0; row < sum.size(); ++row)
+            for (std::size_t i = 0; i < sum[row].size(); ++i)
+                sum[row][i] += one[row][i] / static_cast<double>(count);
+    }
+    return sum;
+}
+
 void write_track(const std::filesystem::path& folder, const FitPlan& plan, std::size_t index,
                  const std::vector<std::vector<double>>& draws, std::size_t threads) {
     const FitTrackData& track = plan.tracks[index];
@@ -118,6 +138,7 @@ void write_track(const std::filesystem::path& folder, const FitPlan& plan, std::
             fitting::predict(plan.track_model, track.data, index, part.parameters, part.values(draws[i]));
     });
     std::vector<PredictedPoseRow> rows;
+    const std::vector<std::vector<double>> wander = mean_wander(plan, index, part, draws);
     for (std::size_t row = 0; row < track.data.times.size(); ++row)
         for (std::size_t i = 0; i < track.data.states[row].size(); ++i) {
             const bool heading = i % 3 == 2;
@@ -125,8 +146,9 @@ void write_track(const std::filesystem::path& folder, const FitPlan& plan, std::
             std::vector<double> values;
             for (const auto& model : models)
                 values.push_back(unit * model[row][i]);
-            const Band b = band_of(std::move(values),
-                                   unit * (heading ? track.data.sigma_heading : track.data.sigma_position));
+            const Band b = band_of(std::move(values), unit * std::hypot(heading ? track.data.sigma_heading
+                                                                                : track.data.sigma_position,
+                                                                        std::sqrt(wander[row][i])));
             rows.push_back({track.time * track.data.times[row], static_cast<double>(i / 3),
                             static_cast<double>(i % 3), unit * track.data.states[row][i], b.median, b.low,
                             b.high, b.noise_low, b.noise_high});

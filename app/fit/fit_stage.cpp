@@ -437,6 +437,8 @@ std::vector<FileKind> fit_files() {
             {"models.json", result,
              "rival models: their evidence, AIC and BIC, weights, and whether any describes the data"},
             {"models.csv", result, "the same as a table", model_columns()},
+            {"design.json", kept, "experiments that would tell rivals apart, weighed by rodwake design"},
+            {"design.csv", kept, "the same as a table, behind what was varied", columns_of<DesignRow>()},
             {posterior_ledger_file, progress, "stretches of the chains that are done"},
             {ledger_file, progress, "starts that are done"}};
 }

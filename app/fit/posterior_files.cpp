@@ -148,7 +148,7 @@ void write_netcdf(const std::filesystem::path& path, const FitPlan& plan, const 
         for (std::size_t i = 0; i < shape.draws; ++i)
             density_of_all.push_back(found.log_likelihood[c][i] + density.log_prior(values_at(found, c, i)));
     put("/sample_stats/lp", density_of_all, "1", scales_of(file, "/sample_stats", shape));
-    add_log_likelihoods(file, density, plan.problem.residuals, found, threads, shape);
+    add_log_likelihoods(file, density, fitting::data_count(plan.problem), found, threads, shape);
     file.commit();
 }
 

@@ -221,7 +221,7 @@ std::string lacks(const Fit& fit, const std::string& name) {
         return "";
     if (maps && (name == "offset" || name == "offset_y"))
         return "";
-    if (rods::find_coupling(name) || rods::find_other_turning(name))
+    if (rods::find_coupling(name) || rods::find_other_turning(name) || rods::is_noise(name))
         return tracks ? "" : "[[fit.trajectories]]";
     if (name == "offset")
         return has_profiles(fit, "Ux", fitted_only) ? "" : fmt::format("a profile of Ux{}", role);
@@ -265,7 +265,8 @@ void needed(const Fit& fit, const Report& report) {
         return;
     const bool xi = fit_has(fit, "xi"), alpha = fit_has(fit, "alpha");
     need(!profiles || has_wake(fit), "profiles need f_over_mu or f2d_over_mu");
-    need(!tracks || has_coupling(fit) || fit_has(fit, "gamma_rows") || fit.parameters.empty(),
+    const bool noise = fit_has(fit, "D_r") || fit_has(fit, "D_t");
+    need(!tracks || has_coupling(fit) || fit_has(fit, "gamma_rows") || noise || fit.parameters.empty(),
          "trajectories need kappa, gamma1, gamma2, gamma_flow or gamma_rows");
     need(!fit_has(fit, "rows_direction") || fit_has(fit, "gamma_rows"), "rows_direction needs gamma_rows");
     if (has_wake(fit) || has_coupling(fit)) {
@@ -277,6 +278,19 @@ void needed(const Fit& fit, const Report& report) {
     need(!(profiles && tracks && xi),
          "profiles and trajectories together need alpha in place of xi, which is in the "
          "profiles' unit for the ones and in f/mu for the others");
+}
+
+/// A likelihood of its own needs the errors of the measurement.
+void noise(const Fit& fit, const Report& report) {
+    if (!fit_has(fit, "D_r") && !fit_has(fit, "D_t"))
+        return;
+    for (std::size_t i = 0; i < fit.trajectories.size(); ++i)
+        if (!fit.trajectories[i].sigma_position || !fit.trajectories[i].sigma_heading)
+            report(fmt::format("fit.trajectories.{}", i),
+                   "the noise of rods (D_r, D_t) is told from that of the measurement: give sigma_position "
+                   "and sigma_heading");
+    if (fit.search.loss != fitting::Loss::squares)
+        report("fit.loss", "the noise of rods (D_r, D_t) is normal: loss = \"squares\"");
 }
 
 void model(const Fit& fit, const Report& report) {
@@ -317,6 +331,7 @@ void profile(const FitProfile& p, const std::string& path, const Report& report)
 void check_fit_data(const Fit& fit, const Report& report) {
     wanted(fit, report);
     needed(fit, report);
+    noise(fit, report);
     model(fit, report);
     for_each_table(fit.profiles, "fit.profiles", profile, report);
     for_each_table(fit.trajectories, "fit.trajectories", trajectory, report);

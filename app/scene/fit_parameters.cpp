@@ -51,6 +51,8 @@ const std::vector<FitParameter>& fit_parameter_list() {
         {"gamma_flow", "\\gamma_v", "coupling to the medium's velocity, from trajectories, in mu/f"},
         {"gamma_rows", "\\gamma_6", "turning into the rows of a crystal, from trajectories, in mu v0/f"},
         {"rows_direction", "\\theta_0", "direction of these rows, from trajectories, in rad"},
+        {"D_r", "D_r", "rotational diffusion of the rods, from trajectories, in rad^2 mu v0/f"},
+        {"D_t", "D_t", "translational diffusion of the rods, from trajectories, in f v0/mu"},
     };
     return list;
 }
@@ -76,9 +78,9 @@ double fit_default_start(const Fit& fit, const std::string& parameter) {
     if (parameter == "xi" && fit.profiles.empty()) // tracks alone: in f/mu, so 1/alpha
         return 1.0;
     static const std::map<std::string, double> starts = {
-        {"f_over_mu", 1.0}, {"eta", 1.0},   {"xi", 10.0},        {"alpha", 1.0},
-        {"drag_area", 1e3}, {"kappa", 1.0}, {"gamma_rows", 0.1}, {"amplitude", 1.0},
-        {"force", 1.0},     {"c11", 1.0},   {"c22", 1.0},        {"c66", 1.0}};
+        {"f_over_mu", 1.0}, {"eta", 1.0},        {"xi", 10.0},       {"alpha", 1.0}, {"drag_area", 1e3},
+        {"kappa", 1.0},     {"gamma_rows", 0.1}, {"amplitude", 1.0}, {"force", 1.0}, {"c11", 1.0},
+        {"c22", 1.0},       {"c66", 1.0},        {"D_r", 0.01},      {"D_t", 1e-4}};
     const auto it = starts.find(parameter);
     return it == starts.end() ? 0.0 : it->second;
 }
@@ -86,6 +88,8 @@ double fit_default_start(const Fit& fit, const std::string& parameter) {
 std::optional<Interval> fit_bounds(const Fit& fit, const std::string& parameter) {
     if (const auto it = fit.bounds.find(parameter); it != fit.bounds.end())
         return it->second;
+    if (rods::is_noise(parameter))
+        return Interval{0.0, 100.0};
     return is_of_medium(parameter) ? std::optional(Interval{1e-6, 1e6}) : std::nullopt;
 }
 

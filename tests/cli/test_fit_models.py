@@ -166,6 +166,30 @@ class ModelsTest(FitTest):
         self.assertEqual(self.files(), resumed)
         self.assertIn("models/second/posterior.nc", resumed)
 
+    def test_rods_that_diffuse(self):
+        self.make_pair("kappa = 0.8")
+        alone = RIVALS[:RIVALS.index("[[fit.models]]")].replace('["kappa"]', '["kappa", "D_r"]')
+        sampled = '[fit.posterior]\nsamples = 40\nevidence = false\n[fit.posterior.priors]\nkappa = { kind = "uniform", low = 0.0, high = 2.0 }\n'
+        found, _ = self.fit(alone + sampled, "--force")
+        self.assertEqual(found["residuals"], 96)
+        self.assertEqual(found["parameters"]["D_r"]["unit"], "rad^2 mu v0/f")
+        self.assertNotIn("x.0.0", found["parameters"])
+        self.assertTrue(0.0 <= found["parameters"]["D_r"]["value"] < 1e-3)  # they do not: 16 rows of 0.01 rad leave 1e-4
+        self.assertLess(abs(found["parameters"]["kappa"]["value"] - 0.8), 4.0 * found["parameters"]["kappa"]["stderr"] + 0.05)
+        self.assertTrue(found["misfit"]["describes"])
+        held, _ = self.fit(alone.replace('["kappa", "D_r"]', '["kappa"]').replace("alpha = 0.8", "alpha = 0.8, D_r = 0.05") + sampled, "--force")
+        self.assertGreater(held["parameters"]["kappa"]["stderr"], found["parameters"]["kappa"]["stderr"])
+        rows = list(csv.DictReader((self.folder / "out/posterior_trajectory_0.csv").read_text().splitlines()))
+        last = [float(row["noise_high"]) - float(row["noise_low"]) for row in rows if row["coordinate"] == "2"][-1]
+        self.assertGreater(last, 2.0 * (2 * 0.05 * 8.0) ** 0.5)  # wider than two standard deviations of headings that wander from 0 to 8
+        for text, message in (
+            (alone + '[[fit.models]]\nname = "none"\nset = { "fit.parameters" = [] }\n', "hold D_r = 0 in fit.fixed"),
+            (alone.replace("sigma_heading = 0.01\n", ""), "give sigma_position and sigma_heading"),
+            (alone.replace("[fit]\n", '[fit]\nloss = "huber"\n'), 'loss = "squares"'),
+        ):
+            self.write("fit.toml", text)
+            self.assertRegex(self.expect(2, "fit", "fit.toml", "-o", "out").stderr, message)
+
     def test_without_the_evidence_of_one_the_weights_are_those_of_aic(self):
         self.make_profile()
         text = PRIORS.replace("samples = 4000", "samples = 32").replace('"fit.fixed.xi" = 40.0', '"fit.fixed.xi" = 40.0, "fit.posterior.evidence" = false')

@@ -32,7 +32,7 @@ public:
 
     double log_prior(std::span<const double> free) const;
     double log_likelihood(std::span<const double> free) const;
-    /// Of each residual.
+    /// Of each datum.
     std::vector<double> log_likelihoods(std::span<const double> free) const;
 
     // By z.

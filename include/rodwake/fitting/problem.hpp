@@ -49,12 +49,16 @@ struct Problem {
         evaluate;
     /// False: the sigmas are relative, the errors are scaled by sqrt(chi2/dof).
     bool sigma_known = true;
-    /// Independent values behind one residual, in (0, 1]; below 1 if neighbouring data share data. The
-    /// degrees of freedom are independent * residuals - free parameters; the sigmas are enlarged by
+    /// Independent values behind one datum, in (0, 1]; below 1 if neighbouring data share data. The
+    /// degrees of freedom are independent * data - free parameters; the sigmas are enlarged by
     /// 1/sqrt(independent) already, so chi2 is to be compared with that number.
     double independent = 1.0;
     /// Of each residual, for the normalisation of the likelihood; empty: of sigma 1.
     std::vector<double> log_sigma = {};
+    /// The last so many residuals are no data: with c^2 = 1 + 2 ln(s/sigma) they bring in the standard error
+    /// s that the parameters set for as many residuals before them, so that -chi2/2 is the log-likelihood. Of
+    /// 1 in 1 + ... Gauss and Newton's curvature by s is between the true one and half of it.
+    std::size_t log_scales = 0;
     /// What residual i is, for messages: "profile_Ux_x.csv:17".
     std::function<std::string(std::size_t)> residual_name;
     std::vector<Series> series = {}; ///< of all residuals; empty: they are one
@@ -69,7 +73,13 @@ void validate(const Problem& problem);
 /// Those of the problem, or one of all residuals.
 std::vector<Series> series_of(const Problem& problem);
 
-/// Independent values behind all residuals, rounded.
+/// Residuals that are data.
+std::size_t data_count(const Problem& problem);
+
+/// Of data alone.
+double chi2_of(const Problem& problem, const Eigen::VectorXd& residuals);
+
+/// Independent values behind all data, rounded.
 long independent_values(const Problem& problem);
 
 /// Independent values less the number of free parameters. Those that end on a bound or that the data do not

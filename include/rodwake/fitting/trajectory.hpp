@@ -5,8 +5,9 @@
 //   name                    meaning                                            unit (reduced: f/mu, f/(mu
 //   v0)) kappa, gamma1, gamma2   couplings in the laplacian basis; absent: 0        v0 mu/f; v0 eta medium 1
 //   xi | alpha              medium; alpha = 1/xi                               f/mu; 1
-//   heading.<k>.<a>         initial heading of rod a of trajectory k, if free  rad
-//   x.<k>.<a>, y.<k>.<a>    its initial place, with Trajectory::free_start    f/mu
+//   D_r, D_t                diffusion of the rods (rods/noise.hpp): theirs, not the measurement's   mu v0/f;
+//   f v0/mu heading.<k>.<a>         initial heading of rod a of trajectory k, if free  rad x.<k>.<a>,
+//   y.<k>.<a>    its initial place, with Trajectory::free_start    f/mu
 //
 // Beside profiles (wake.hpp) alpha is the parameter that means the same for both: xi is in reduced units here
 // and in the unit of the profiles there.
@@ -55,12 +56,21 @@ struct TrajectoryModel {
 /// pair closed in at speed 1 from there, which keeps the residual continuous. Where a contact is only grazed
 /// the residuals jump: fits across that need several starts.
 ///
+/// With D_r or D_t, fixed ones too, rows follow from the rows before them (fitting/noisy_trajectory.cpp), and
+/// the poses at the start are no parameters. Of a linear problem, as headings without couplings, the
+/// likelihood is exact; how far it holds otherwise is in docs/validation_fitting.md.
+///
 /// The Jacobian has columns for the parameters that are not fixed. Serial; one evaluation is one solve for
 /// each trajectory. Throws InputError for unknown or missing parameters, rows of unequal length, times not
 /// increasing, numbers that are not finite, rods in the same place, sigma <= 0, fewer data than free
 /// parameters, method erk. The residuals throw RunError where a solve fails.
 Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Trajectory>& trajectories,
                            std::vector<Parameter> parameters);
+
+/// Variance that the noise of the rods adds to predict(), by row and component; nothing without it.
+std::vector<std::vector<double>> noise_variance(const Trajectory& trajectory, std::size_t index,
+                                                const std::vector<Parameter>& parameters,
+                                                std::span<const double> values);
 
 /// Whether it is of the kind heading.<k>.<a>, x.<k>.<a> or y.<k>.<a>.
 bool is_start_pose(const std::string& name);
@@ -69,6 +79,13 @@ bool is_start_pose(const std::string& name);
 std::vector<std::vector<double>> predict(const TrajectoryModel& model, const Trajectory& trajectory,
                                          std::size_t index, const std::vector<Parameter>& parameters,
                                          std::span<const double> values);
+
+/// One run of the model at the trajectory's times: predict(), or of rods that diffuse a draw from their
+/// noise.
+std::vector<std::vector<double>> drawn_states(const TrajectoryModel& model, const Trajectory& trajectory,
+                                              std::size_t index, const std::vector<Parameter>& parameters,
+                                              std::span<const double> values, std::uint64_t seed,
+                                              std::uint32_t run);
 
 std::vector<std::string> trajectory_parameter_names();
 

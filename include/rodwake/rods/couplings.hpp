@@ -95,6 +95,9 @@ constexpr const OtherTurning* find_other_turning(std::string_view name) {
 /// Whether a number of this name, by itself, turns rods in the wakes of others.
 constexpr bool turns_in_wakes(std::string_view name) { return find_coupling(name) || name == "gamma_flow"; }
 
+/// Whether it is the name of a diffusion coefficient of the rods (noise.hpp), where they are fitted.
+constexpr bool is_noise(std::string_view name) { return name == "D_r" || name == "D_t"; }
+
 /// "gamma1, gamma2"
 std::string coupling_names(bool polar);
 

@@ -1,0 +1,333 @@
+// Tracks of rods that diffuse (rods/noise.hpp): the likelihood of each row given those before it.
+//
+// Between rows mean m and covariance P of the poses go by the moments of a normal distribution,
+//
+//   m' = <f(y)>,   P' = J P + P J^T + 2 diag(D_t, D_t, D_r),   J = <df/dy>,
+//
+// in which <cos theta> = exp(-P_theta/2) cos m_theta is exact and the turning by wakes and rows is linear
+// about m (the extended Kalman filter's step). At a row S = P + sigma^2, and the innovation datum - m is
+// normal of covariance S = L L^T: its residuals are L^-1 (m - datum), and L_ii/sigma_i is what log_scales of
+// the problem bring in. A start that is data has the variance of its sigmas: its poses are no parameters.
+
+#include "trajectory_run.hpp"
+
+#include "prior_map.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/rods/noise.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace rodwake::fitting {
+
+namespace {
+
+using Index = Eigen::Index;
+
+/// Mean and covariance of the poses of all rods.
+struct Belief {
+    Eigen::VectorXd mean;
+    Eigen::MatrixXd covariance;
+};
+
+struct Diffusion {
+    double rotational = 0.0, translational = 0.0;
+
+    double of(Index component) const { return component % 3 == 2 ? rotational : translational; }
+};
+
+double sigma_at(const Trajectory& one, Index component) {
+    return component % 3 == 2 ? one.sigma_heading : one.sigma_position;
+}
+
+Diffusion diffusion_of(std::span<const Role> roles, std::span<const double> values) {
+    Diffusion out;
+    for (std::size_t j = 0; j < roles.size(); ++j)
+        if (roles[j].diffusion)
+            (*roles[j].diffusion == Role::Diffusion::rotational ? out.rotational : out.translational) =
+                values[j];
+    return out;
+}
+
+/// The moments' equations, state: mean, then the columns of the covariance.
+integrate::OdeProblem moments(const rods::RodModel& model, const Diffusion& diffusion, const Belief& from) {
+    integrate::OdeProblem problem;
+    const Index n = from.mean.size();
+    problem.initial_state.assign(from.mean.begin(), from.mean.end());
+    problem.initial_state.insert(problem.initial_state.end(), from.covariance.data(),
+                                 from.covariance.data() + n * n);
+    problem.relative_cap = 1.0;
+    problem.rhs = [&model, diffusion, n](double, integrate::State y, std::span<double> out) {
+        const auto size = static_cast<std::size_t>(n);
+        const Eigen::Map<const Eigen::MatrixXd> P(y.data() + n, n, n);
+        Eigen::Map<Eigen::MatrixXd> slope(out.data() + n, n, n);
+        Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, n);
+        model.rhs(y.first(size), out.first(size));
+        model.jacobian(y.first(size), J);
+        for (Index i = 0; i < n; i += 3) {
+            const double blur = std::exp(-0.5 * P(i + 2, i + 2));
+            for (const Index k : {i, i + 1}) {
+                out[static_cast<std::size_t>(k)] *= blur;
+                J.row(k) *= blur;
+            }
+        }
+        slope.noalias() = J * P;
+        slope += slope.transpose().eval();
+        for (Index i = 0; i < n; ++i)
+            slope(i, i) += 2.0 * diffusion.of(i);
+    };
+    return problem;
+}
+
+/// Moves on by `span`. Throws RunError where the solve fails.
+void foretell(const rods::RodModel& model, const Diffusion& diffusion, double span,
+              const Trajectory& trajectory, Belief& belief) {
+    integrate::OdeOptions options;
+    options.method = integrate::Method::erk;
+    options.rtol = 1e-8, options.atol = 1e-10, options.max_steps = 2000;
+    const auto end = integrate::solve(moments(model, diffusion, belief), options, std::vector{span});
+    if (!end.status.ok())
+        throw RunError(trajectory.name + ": " + end.status.message());
+    const Index n = belief.mean.size();
+    belief.mean = Eigen::Map<const Eigen::VectorXd>(end.final_state.data(), n);
+    belief.covariance = Eigen::Map<const Eigen::MatrixXd>(end.final_state.data() + n, n, n);
+}
+
+Belief at_start(const Trajectory& one) {
+    const std::vector<double>& start = one.states.front();
+    const auto n = static_cast<Index>(start.size());
+    Belief belief{Eigen::Map<const Eigen::VectorXd>(start.data(), n), Eigen::MatrixXd::Zero(n, n)};
+    for (Index i = 0; i < n; ++i)
+        if (is_free(one, static_cast<std::size_t>(i)))
+            belief.covariance(i, i) = sigma_at(one, i) * sigma_at(one, i);
+    return belief;
+}
+
+/// Takes in a row; Joseph's form, which stays positive.
+void take_in(const Eigen::VectorXd& innovation, const Eigen::LLT<Eigen::MatrixXd>& root,
+             const Eigen::VectorXd& variance, Belief& belief) {
+    const Index n = innovation.size();
+    const Eigen::MatrixXd gain = root.solve(belief.covariance).transpose(),
+                          rest = Eigen::MatrixXd::Identity(n, n) - gain;
+    belief.mean += gain * innovation;
+    belief.covariance =
+        (rest * belief.covariance * rest.transpose() + gain * variance.asDiagonal() * gain.transpose())
+            .eval();
+}
+
+class NoisyTrajectories {
+public:
+    NoisyTrajectories(const std::vector<Trajectory>& all, const std::vector<Parameter>& parameters)
+        : all_(all) {
+        for (const Parameter& p : parameters) {
+            roles_.push_back(role_of(p.name, all));
+            wanted_.push_back(!p.fixed);
+        }
+        for (const Trajectory& one : all)
+            data_ += (one.times.size() - 1) * one.states.front().size();
+    }
+
+    std::size_t data() const { return data_; }
+
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
+    void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const {
+        const Diffusion diffusion = diffusion_of(roles_, p);
+        if (!(diffusion.rotational >= 0.0 && diffusion.translational >= 0.0))
+            throw RunError("D_r and D_t must not be negative");
+        fill(p, r);
+        if (!jacobian)
+            return;
+        jacobian->setZero();
+        std::vector<double> moved(p.begin(), p.end());
+        for (std::size_t j = 0; j < p.size(); ++j)
+            if (wanted_[j])
+                jacobian->col(static_cast<Index>(j)) = slope(moved, j);
+    }
+
+    /// Of each datum, then the zero that makes 1 + 2 ln(s/sigma) the logarithm of s.
+    std::vector<double> log_sigma() const {
+        std::vector<double> out;
+        for (const Trajectory& one : all_)
+            for (std::size_t row = 1; row < one.states.size(); ++row)
+                for (std::size_t i = 0; i < one.states[row].size(); ++i)
+                    out.push_back(std::log(sigma_at(one, static_cast<Index>(i))));
+        out.resize(2 * data_, -log_root_2pi - 0.5);
+        return out;
+    }
+
+    std::vector<Series> series() const {
+        std::vector<Series> out;
+        std::size_t first = 0;
+        for (const Trajectory& one : all_) {
+            const std::size_t n = one.states.front().size(), rows = one.times.size() - 1;
+            for (std::size_t i = 0; i < n; ++i) {
+                Series& s = out.emplace_back(Series{one.name, i % 3 == 2 ? "headings" : "places", {}});
+                for (std::size_t row = 0; row < rows; ++row)
+                    s.residuals.push_back(first + row * n + i);
+            }
+            first += rows * n;
+        }
+        return out;
+    }
+
+    std::string name(std::size_t i) const {
+        static constexpr const char* names[] = {"x", "y", "theta"};
+        i %= data_;
+        for (const Trajectory& one : all_) {
+            const std::size_t n = one.states.front().size(), own = (one.times.size() - 1) * n;
+            if (i < own)
+                return fmt::format("{} {}{}", row_name(one, i / n + 1), names[i % n % 3], i % n / 3);
+            i -= own;
+        }
+        return "";
+    }
+
+private:
+    void fill(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r) const { // NOLINT: a view
+        const Diffusion diffusion = diffusion_of(roles_, p);
+        Index at = 0;
+        for (std::size_t k = 0; k < all_.size(); ++k) {
+            const Trajectory& one = all_[k];
+            const rods::RodModel model = rods::model_of(rod_problem(one, k, roles_, p));
+            Belief belief = at_start(one);
+            for (std::size_t row = 1; row < one.times.size(); ++row) {
+                foretell(model, diffusion, one.times[row] - one.times[row - 1], one, belief);
+                at = add_row(one, row, belief, at, r);
+            }
+        }
+    }
+
+    Index add_row(const Trajectory& one, std::size_t row, Belief& belief, Index at,
+                  Eigen::Ref<Eigen::VectorXd> r) const { // NOLINT: a view
+        const Index n = belief.mean.size();
+        const Eigen::VectorXd innovation =
+            Eigen::Map<const Eigen::VectorXd>(one.states[row].data(), n) - belief.mean;
+        Eigen::VectorXd variance(n);
+        for (Index i = 0; i < n; ++i)
+            variance[i] = sigma_at(one, i) * sigma_at(one, i);
+        Eigen::MatrixXd S = belief.covariance;
+        S.diagonal() += variance;
+        const Eigen::LLT<Eigen::MatrixXd> root(S);
+        if (root.info() != Eigen::Success)
+            throw RunError(one.name + ": the covariance of a row is not positive");
+        r.segment(at, n) = -root.matrixL().solve(innovation);
+        for (Index i = 0; i < n; ++i) // rounding may leave it a little below 1
+            r[static_cast<Index>(data_) + at + i] =
+                std::sqrt(std::max(0.0, 1.0 + std::log(std::pow(root.matrixLLT()(i, i), 2) / variance[i])));
+        take_in(innovation, root, variance, belief);
+        return at + n;
+    }
+
+    /// Fourth-order differences, on the scale of what a parameter of this kind is.
+    Eigen::VectorXd slope(std::vector<double>& p, std::size_t j) const {
+        const double value = p[j], scale = roles_[j].diffusion ? noise_scale(*roles_[j].diffusion) : 0.1;
+        const bool positive = roles_[j].physical && *roles_[j].physical >= rods::Parameter::eta &&
+                              *roles_[j].physical <= rods::Parameter::xi;
+        const double h = 2e-3 * (positive ? std::abs(value) : std::max(std::abs(value), scale));
+        Eigen::VectorXd low(static_cast<Index>(2 * data_)), high = low;
+        const auto difference = [&](double step) -> Eigen::VectorXd {
+            p[j] = value + step;
+            fill(p, high);
+            p[j] = value - step;
+            fill(p, low);
+            p[j] = value;
+            return high - low;
+        };
+        return (8.0 * difference(h) - difference(2.0 * h)) / (12.0 * h);
+    }
+
+    /// What adds a variance of a tenth of sigma's from row to row.
+    double noise_scale(Role::Diffusion which) const {
+        const Trajectory& one = all_.front();
+        const double sigma = which == Role::Diffusion::rotational ? one.sigma_heading : one.sigma_position;
+        return 0.05 * sigma * sigma * static_cast<double>(one.times.size()) /
+               (one.times.back() - one.times.front());
+    }
+
+    std::vector<Trajectory> all_;
+    std::vector<Role> roles_;
+    std::vector<bool> wanted_;
+    std::size_t data_ = 0;
+};
+
+void check_noisy(const std::vector<Trajectory>& trajectories) {
+    for (const Trajectory& one : trajectories) {
+        if (one.contact_time)
+            throw InputError(one.name +
+                             ": contact_time is no datum of rods that diffuse (D_r, D_t): leave it "
+                             "out, or fit without them");
+        if (one.independent < 1.0)
+            throw InputError(one.name + ": independent_time and the rods' own noise (D_r, D_t) both say why "
+                                        "neighbouring rows go together: leave one of them out");
+        if (one.times.size() < 2)
+            throw InputError(one.name + ": a single row says nothing of rods that diffuse");
+    }
+}
+
+} // namespace
+
+Problem noisy_problem(const std::vector<Trajectory>& trajectories, std::vector<Parameter> parameters) {
+    check_noisy(trajectories);
+    const auto all = std::make_shared<const NoisyTrajectories>(trajectories, parameters);
+    Problem problem;
+    problem.parameters = std::move(parameters);
+    problem.residuals = 2 * all->data();
+    problem.log_scales = all->data();
+    problem.log_sigma = all->log_sigma();
+    problem.series = all->series();
+    // NOLINTNEXTLINE(performance-unnecessary-value-param)
+    problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                             Eigen::MatrixXd* jacobian) { all->evaluate(p, r, jacobian); };
+    problem.residual_name = [all](std::size_t i) { return all->name(i); };
+    return problem;
+}
+
+std::vector<std::vector<double>> drawn_states(const TrajectoryModel& model, const Trajectory& trajectory,
+                                              std::size_t index, const std::vector<Parameter>& parameters,
+                                              std::span<const double> values, std::uint64_t seed,
+                                              std::uint32_t run) {
+    if (std::ranges::none_of(parameters, rods::is_noise, &Parameter::name))
+        return predict(model, trajectory, index, parameters, values);
+    std::vector<Role> roles;
+    for (const Parameter& p : parameters)
+        roles.push_back(role_of(p.name, std::vector<Trajectory>(index + 1, trajectory)));
+    rods::RodProblem problem = rod_problem(trajectory, index, roles, values);
+    for (const double t : trajectory.times)
+        problem.output_times.push_back(t - trajectory.times.front());
+    const Diffusion diffusion = diffusion_of(roles, values);
+    const auto found = rods::simulate(problem, {},
+                                      {diffusion.rotational, diffusion.translational,
+                                       rods::suitable_time_step(problem, diffusion.rotational), seed},
+                                      run);
+    std::vector<std::vector<double>> states = found.solution.states;
+    if (states.size() < trajectory.times.size()) // rods that met stay there, as in predict()
+        states.resize(trajectory.times.size(), found.solution.final_state);
+    return states;
+}
+
+std::vector<std::vector<double>> noise_variance(const Trajectory& trajectory, std::size_t index,
+                                                const std::vector<Parameter>& parameters,
+                                                std::span<const double> values) {
+    std::vector<Role> roles;
+    for (const Parameter& p : parameters)
+        roles.push_back(role_of(p.name, {trajectory}));
+    std::vector<std::vector<double>> out(trajectory.times.size(),
+                                         std::vector<double>(trajectory.states.front().size()));
+    const Diffusion diffusion = diffusion_of(roles, values);
+    if (diffusion.rotational == 0.0 && diffusion.translational == 0.0)
+        return out;
+    const rods::RodModel model = rods::model_of(rod_problem(trajectory, index, roles, values));
+    Belief belief = at_start(trajectory);
+    for (std::size_t row = 0; row < out.size(); ++row) {
+        if (row > 0)
+            foretell(model, diffusion, trajectory.times[row] - trajectory.times[row - 1], trajectory, belief);
+        std::ranges::copy(belief.covariance.diagonal(), out[row].begin());
+    }
+    return out;
+}
+
+} // namespace rodwake::fitting
