@@ -1,9 +1,11 @@
 // rodwake plot, and the figures at the end of rodwake run: the plotting program, run on a folder of results.
 
+#include "rodwake/app/explore.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/store/atomic_file.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -18,6 +20,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -78,6 +81,23 @@ std::vector<std::string> looks_of(const Options& options) {
     return looks;
 }
 
+/// Where the explorer shows what ran, its page goes beside the report, which then speaks of it. Of scans
+/// scan.html computes; a scene that is not readable is for the plotting program to tell.
+void write_explorer(const fs::path& folder) {
+    std::optional<scene::Scene> scene;
+    try {
+        scene = scene::read_scene(folder / "scene.toml");
+    } catch (const InputError&) {
+        return;
+    }
+    if (!app::shown_by_explorer(*scene) || scene->scan)
+        return;
+    const std::string name = fs::absolute(folder).lexically_normal().filename().string();
+    store::write_atomically(
+        folder / app::explorer_file,
+        app::explorer_page(shipped_folder() / "explorer", app::ExplorerStart{*scene, name}));
+}
+
 } // namespace
 
 void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
@@ -89,6 +109,10 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
     if (quiet)
         command.emplace_back("--quiet");
     command.insert(command.end(), looks.begin(), looks.end());
+    const bool elsewhere =
+        std::ranges::any_of(looks, [](const auto& look) { return look.starts_with("--output="); });
+    if (!elsewhere)
+        write_explorer(run_directory);
     const int code = run(command);
     if (code == usage_error && !looks.empty()) // Python itself ends with that code, too
         throw InputError("nothing was drawn (see above)");
@@ -96,7 +120,7 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
         throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "
                                    "{0}, and rodwake plot {0} tries again",
                                    run_directory.string()));
-    if (std::ranges::none_of(looks, [](const auto& look) { return look.starts_with("--output="); }))
+    if (!elsewhere)
         app::write_manifest(run_directory);
 }
 

@@ -66,7 +66,7 @@ QUOTED = {
              "include/rodwake/app/measure_report.hpp", "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test
     "dof": {"app/bed/measures/force.cpp", "app/fit/fit_files.cpp"},
     "largest": {"fitting/misfit.cpp", "include/rodwake/fitting/misfit.hpp"},  # a test of the residuals
-    "log_evidence": {"app/fit/fit_models.cpp", "app/fit/fit_posterior.cpp"},  # of posterior.json
+    "log_evidence": {"app/fit/fit_models.cpp", "app/fit/posterior_files.cpp"},  # of posterior.json
     "log_evidence_stderr": {"app/fit/fit_models.cpp"},
     "misfit": {"app/fit/fit_files.cpp", "app/fit/fit_models.cpp"},  # a table of fit.json
     "wall_seconds": {"app/scan/scan_results.cpp", "src/store/provenance.cpp"},  # of the scan; of the command
