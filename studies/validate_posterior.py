@@ -243,8 +243,37 @@ def wandering_set(rodwake, random, fault, index):
                    "start": {name: {"kappa": 1.0, "D_r": 0.03}[name] for name in priors}}
 
 
-def ranks(lab, rodwake, name, make, sets, fault):
-    """{parameter: ranks of the truth among 99 samples, a set each}; sets that --keep has are not made again."""
+def by_samples(lab, rodwake, truth, keys, index):
+    """How many of 99 samples lie below the truth."""
+    samples = rodwake.posterior(**keys, chains=2, samples=4 * (DRAWS + 1), evidence=False, threads=lab.threads, seed=index + 1).samples
+    return {name: int(np.sum(samples[name].ravel()[::4][:DRAWS] < value)) for name, value in truth.items()}
+
+
+def by_grid(lab, rodwake, truth, keys, _):
+    """Hundredths of the posterior below the truth, from a coarse grid and a fine one where that says that there is something: a fortieth of the
+    evaluations that samples take."""
+    problem = rodwake.FitProblem(**keys, threads=lab.threads)
+    low, high, log = (np.array([keys["priors"][name][key] if key != "kind" else keys["priors"][name][key] == "log_uniform" for name in problem.names])
+                      for key in ("low", "high", "kind"))
+    value = lambda u: np.where(log, low * (high / low) ** u, low + u * (high - low))
+    start, end = np.zeros(low.size), np.ones(low.size)
+    for count in (14, 24):
+        middles = [a + (b - a) * (np.arange(count) + 0.5) / count for a, b in zip(start, end)]
+        cells = np.stack([one.ravel() for one in np.meshgrid(*middles, indexing="ij")], axis=1)
+        weight = problem.log_likelihood(value(cells))
+        weight = np.exp(weight - weight.max())
+        there, step = cells[weight > 1e-6], (end - start) / count
+        before, start, end = (start, end), np.maximum(there.min(axis=0) - step, 0.0), np.minimum(there.max(axis=0) + step, 1.0)
+    weight, found = (weight / weight.sum()).reshape([count] * low.size), {}
+    for k, name in enumerate(problem.names):
+        below = np.concatenate([[0.0], np.cumsum(weight.sum(axis=tuple(j for j in range(low.size) if j != k)))])
+        u = math.log(truth[name] / low[k]) / math.log(high[k] / low[k]) if log[k] else (truth[name] - low[k]) / (high[k] - low[k])
+        found[name] = min(DRAWS, int((DRAWS + 1) * np.interp(u, np.linspace(before[0][k], before[1][k], count + 1), below)))
+    return found
+
+
+def ranks(lab, rodwake, name, make, rank, sets, fault):
+    """{parameter: ranks of the truth from 0 to 99, a set each}; sets that --keep has are not made again."""
     file = lab.folder / f"ranks_{name}_{fault.replace(' ', '_') or 'right'}.csv"
     found = {}
     for row in rows_of(file.read_text(encoding="utf-8")) if file.is_file() else []:
@@ -255,9 +284,8 @@ def ranks(lab, rodwake, name, make, sets, fault):
         for index in range(max((len(each) for each in found.values()), default=0), sets):
             random = np.random.default_rng([index, 11])
             truth, keys = make(rodwake, random, fault, index)
-            samples = rodwake.posterior(**keys, chains=2, samples=4 * (DRAWS + 1), evidence=False, threads=lab.threads, seed=index + 1).samples
-            for parameter, value in truth.items():
-                found.setdefault(parameter, []).append(int(np.sum(samples[parameter].ravel()[::4][:DRAWS] < value)))
+            for parameter, one in rank(lab, rodwake, truth, keys, index).items():
+                found.setdefault(parameter, []).append(one)
                 out.write(f"{index},{parameter},{found[parameter][-1]}\n")
             out.flush()
     return {parameter: np.array(each[:sets]) for parameter, each in found.items()}
@@ -269,12 +297,12 @@ def chance(each):
     return chi2.sf(np.sum((counts - expected) ** 2) / expected, BINS - 1)
 
 
-def calibrated(name, words, make, faults):
+def calibrated(name, words, make, faults, rank=by_samples):
     def part(lab):
         rows, sets = [], lab.options.runs or (40 if lab.quick else 1000)
         for fault in ("", *faults):
             began = time.process_time()
-            found = ranks(lab, package(lab), name, make, sets // 5 if fault else sets, fault)
+            found = ranks(lab, package(lab), name, make, rank, sets // 5 if fault else sets, fault)
             rows.append([fault or "none", next(iter(found.values())).size, ", ".join(f"{one} {chance(each):.2g}" for one, each in found.items()),
                          f"{time.process_time() - began:.0f}"])
         table(f"Ranks of the truth, {words}: probability of so large a chi2 if they are uniform", ["planted fault", "sets", "probability", "CPU s"], rows)
@@ -284,7 +312,7 @@ def calibrated(name, words, make, faults):
 PARTS = {"exact": exact, "grid": grid, "speed": speed,
          "wakes": calibrated("wakes", "wakes of 20 points", wake_set, ("sigma halved", "sign")),
          "pairs": calibrated("pairs", "trajectories of two rods, 8 rows", pair_set, ("sigma halved", "sign")),
-         "wandering": calibrated("wandering", "the same of rods that diffuse", wandering_set, ("sigma halved", "noise of the rods left out"))}
+         "wandering": calibrated("wandering", "the same of rods that diffuse", wandering_set, ("sigma halved", "noise of the rods left out"), by_grid)}
 
 if __name__ == "__main__":
     run_parts(parser(__doc__, "quick", "threads", "keep", "runs", parts=PARTS).parse_args(), PARTS)

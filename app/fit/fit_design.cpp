@@ -122,7 +122,8 @@ std::vector<Maker> makers_of(const scene::Scene& scene, long runs) {
     add(scene);
     for (const scene::FitModel& model : scene.fit->models)
         add(scene::apply_model(scene, model));
-    if (std::ranges::any_of(makers, [&](const Maker& m) { return m.tracks != makers.front().tracks; }))
+    if (std::ranges::any_of(
+            makers, [&](const Maker& m) { return diffuses(m.keys) != diffuses(makers.front().keys); }))
         throw InputError(
             "design: rivals with D_r or D_t and rivals without cannot be weighed: hold it at 0 in "
             "fit.fixed of those without");
