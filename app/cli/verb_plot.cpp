@@ -130,7 +130,7 @@ int verb_plot(const Options& options) {
         folder = folder.has_parent_path() ? folder.parent_path() : ".";
     if (!fs::is_directory(folder))
         throw InputError(options.target + ": not a run directory; rodwake run SCENE makes one");
-    if (app::run_status(folder).empty() && !app::read_ways(folder))
+    if (app::run_status(folder).empty() && !app::read_ways(folder) && !fs::exists(folder / "design.json"))
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
     if (options.dry_run)
         return 0; // there is something to draw; that is all there is to say

@@ -299,19 +299,16 @@ void write_designs(const WeighedDesigns& found, const DesignRequest& request,
             for (std::size_t other = 0; other < found.models.size(); ++other)
                 if (other != by)
                     pairs[found.models[by]][found.models[other]] = finite_or_null(one.log_bayes[by][other]);
-        designs.push_back({{"settings", settings},
-                           {"runs", one.runs},
-                           {"information", finite_or_null(one.information)},
-                           {"information_stderr", finite_or_null(one.error)},
-                           {"right", one.right},
-                           {"log_bayes", pairs}});
+        ordered_json member = {{"settings", settings}};
+        member.update(record_json(rows.back()));
+        member["log_bayes"] = pairs;
+        designs.push_back(std::move(member));
     }
     const ordered_json out = {
         {"models", found.models},
         {"sets", request.sets},
         {"designs", designs},
         {"best", found.best()},
-        {"units", {{"information", "bit"}, {"log_bayes", "1"}, {"right", "1"}}},
         {"provenance", {{"command", command}, {"version", build_info().version}, {"git", build_info().git}}}};
     std::string csv;
     std::size_t line = 0;

@@ -58,6 +58,9 @@ class DesignTest(ProgramTest):
         rows = list(csv.DictReader((self.folder / "out/design.csv").read_text().splitlines()))
         self.assertEqual([float(row["information"]) for row in rows], [one["information"] for one in told["designs"]])
         self.assertTrue((self.folder / "out/figures/design.png").is_file())
+        (self.folder / "out/figures/design.png").unlink()
+        self.expect(0, "plot", "out")
+        self.assertTrue((self.folder / "out/figures/design.png").is_file())
         self.assertEqual([row["rods.1.position.1"] for row in rows], ["-1.5", "-400"])
 
     def test_more_runs_and_smaller_errors_tell_more(self):
