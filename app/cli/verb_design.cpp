@@ -22,7 +22,7 @@ void print_designs(const app::WeighedDesigns& found) {
                              [&](std::size_t i) { return found.designs[i].information; });
     fmt::print("{} told apart, of {:.3g} bits:\n{:>14}  {:>7}  {:>13}  {:>4}  {}\n",
                fmt::join(found.models, ", "), std::log2(static_cast<double>(found.models.size())), "bits",
-               "right", "log Bayes, least", "runs", "design");
+               "wins", "log Bayes, least", "runs", "design");
     for (const std::size_t i : order) {
         const app::WeighedDesign& one = found.designs[i];
         fmt::print("{:>14}  {:>5.0f} %  {:>16.3g}  {:>4}  {}\n",
