@@ -159,7 +159,7 @@ def drawn(random, priors):
 
 WAKE = {"f_over_mu": {"kind": "uniform", "low": 0.5, "high": 4.0}, "eta": {"kind": "log_uniform", "low": 0.3, "high": 6.0},
         "xi": {"kind": "log_uniform", "low": 6.0, "high": 60.0}}
-WANDERING = {"kappa": {"kind": "uniform", "low": 0.2, "high": 2.0}, "D_r": {"kind": "log_uniform", "low": 0.002, "high": 0.1}}
+WANDERING = {"kappa": {"kind": "uniform", "low": 0.2, "high": 2.0}, "D_r": {"kind": "log_uniform", "low": 0.0005, "high": 0.01}}
 PAIR = {"kappa": {"kind": "uniform", "low": 0.2, "high": 2.0}, "gamma1": {"kind": "uniform", "low": -0.5, "high": 0.5}}
 START, TIMES = [[0.0, 2.5, 0.1], [0.0, -2.5, -0.1]], np.linspace(0.0, 6.0, 9)
 
@@ -240,7 +240,7 @@ def wandering_set(rodwake, random, fault, index):
     told = SIGMA * (0.5 if fault == "sigma halved" else 1.0)
     return truth, {"tracks": [rodwake.Track(TIMES, poses, sigma_position=told, sigma_heading=told)], "parameters": list(priors), "priors": priors,
                    "fixed": fixed, "bounds": {name: [prior["low"], prior["high"]] for name, prior in priors.items()},
-                   "start": {name: {"kappa": 1.0, "D_r": 0.03}[name] for name in priors}}
+                   "start": {name: {"kappa": 1.0, "D_r": 0.003}[name] for name in priors}}
 
 
 def by_samples(lab, rodwake, truth, keys, index):

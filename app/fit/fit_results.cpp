@@ -278,8 +278,35 @@ void add_likelihood(const FitResults& results, const std::string& name, std::vec
 
 } // namespace
 
+namespace {
+
+/// Where a heading wanders so far between rows that what it takes from the path ahead, of standard deviation
+/// D_r t^2/sqrt(3), is no longer small beside sigma_position: the filter is linear there.
+void add_wandering(const FitPlan& plan, const FitResults& results, std::vector<std::string>& lines) {
+    constexpr double small = 0.2; // up to there ranks are uniform: docs/validation_fitting.md
+    const auto e = std::ranges::find(results.report.estimates, "D_r", &fitting::Estimate::name);
+    if (e == results.report.estimates.end())
+        return;
+    for (const FitTrackData& track : plan.tracks) {
+        double longest = 0.0;
+        for (std::size_t i = 1; i < track.data.times.size(); ++i)
+            longest = std::max(longest, track.data.times[i] - track.data.times[i - 1]);
+        const double curved = e->value * longest * longest / std::sqrt(3.0) / track.data.sigma_position;
+        if (curved > small)
+            lines.push_back(fmt::format(
+                "{}: with D_r = {:.3g} headings wander too far between rows for the filter (what that takes "
+                "from "
+                "the path is {:.2g} sigma_position, {} at most is good): errors are too small, of D_r above "
+                "all; give rows closer in time, or a larger sigma_position",
+                track.name, e->value, curved, small));
+    }
+}
+
+} // namespace
+
 std::vector<std::string> findings(const FitPlan& plan, const FitResults& results) {
     std::vector<std::string> lines;
+    add_wandering(plan, results, lines);
     if (!results.misfit.describes())
         lines.push_back(fmt::format("the model does not describe the data: {} (p {})", results.misfit.worst,
                                     *results.misfit.probability < 0.001

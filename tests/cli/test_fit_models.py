@@ -177,7 +177,8 @@ class ModelsTest(FitTest):
         self.assertTrue(0.0 <= found["parameters"]["D_r"]["value"] < 1e-3)  # they do not: 16 rows of 0.01 rad leave 1e-4
         self.assertLess(abs(found["parameters"]["kappa"]["value"] - 0.8), 4.0 * found["parameters"]["kappa"]["stderr"] + 0.05)
         self.assertTrue(found["misfit"]["describes"])
-        held, _ = self.fit(alone.replace('["kappa", "D_r"]', '["kappa"]').replace("alpha = 0.8", "alpha = 0.8, D_r = 0.05") + sampled, "--force")
+        held, done = self.fit(alone.replace('["kappa", "D_r"]', '["kappa"]').replace("alpha = 0.8", "alpha = 0.8, D_r = 0.05") + sampled, "--force")
+        self.assertIn("headings wander too far between rows", done.stderr)  # 0.05 0.5^2/sqrt(3) is 0.7 of sigma_position
         self.assertGreater(held["parameters"]["kappa"]["stderr"], found["parameters"]["kappa"]["stderr"])
         rows = list(csv.DictReader((self.folder / "out/posterior_trajectory_0.csv").read_text().splitlines()))
         last = [float(row["noise_high"]) - float(row["noise_low"]) for row in rows if row["coordinate"] == "2"][-1]
