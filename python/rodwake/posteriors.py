@@ -87,7 +87,9 @@ class FitProblem:
             raise InputError(f"theta: expected the shape ({len(self.names)},) or (N, {len(self.names)}), in the order {', '.join(self.names)}; "
                              f"got {given.shape}")
         prior, likelihood = self._core.log_densities(np.ascontiguousarray(np.atleast_2d(given)), self._threads)
-        return (prior, likelihood) if given.ndim == 2 else (float(prior[0]), float(likelihood[0]))
+        if given.ndim == 2:
+            return prior, likelihood
+        return float(prior[0]), float(likelihood[0])
 
 
 def posterior(*, parameters: Sequence[str], **options: Any) -> Posterior:
