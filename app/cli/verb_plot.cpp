@@ -56,9 +56,9 @@ int run(const std::vector<std::string>& command) {
             const_cast<char*>(word.c_str())); // posix_spawn takes char* and does not write through it
     arguments.push_back(nullptr);
     pid_t child = 0;
-    if (::posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
+    if (::posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
         throw RunError(command[0] + ": cannot be run; figures need python3 with matplotlib and h5py "
-                                    "(tools/quickstart --deps-only installs them)");
+                                    "(tools/quickstart --deps-only or pip installs them)");
     const int status = wait_for(child);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
@@ -102,8 +102,9 @@ void write_explorer(const fs::path& folder) {
 
 void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
                   const std::vector<std::string>& looks) {
-    std::vector<std::string> command = {
-        RODWAKE_PYTHON, (shipped_folder() / "plots" / "rodwake_plot.py").string(), run_directory.string()};
+    std::vector<std::string> command = {RODWAKE_FIGURES_PYTHON,
+                                        (shipped_folder() / "plots" / "rodwake_plot.py").string(),
+                                        run_directory.string()};
     if (pdf)
         command.emplace_back("--pdf");
     if (quiet)

@@ -70,6 +70,7 @@ class FitProblem:
         return prior + likelihood
 
     def log_prior(self, theta: ArrayLike) -> Union[float, Floats]:
+        """-inf where a parameter is outside its prior."""
         return self._densities(theta)[0]
 
     def log_likelihood(self, theta: ArrayLike) -> Union[float, Floats]:
@@ -80,13 +81,15 @@ class FitProblem:
         """A fit, and samples from where it ended; those of `rodwake fit` for the same data and keys, to the last bit."""
         return Posterior(self.names, self._core.posterior(self._threads, Marginal))
 
-    def _densities(self, theta: ArrayLike) -> Any:
+    def _densities(self, theta: ArrayLike) -> tuple[Union[float, Floats], Union[float, Floats]]:
         given = arguments.array("theta", theta)
         if given.ndim not in (1, 2) or given.shape[-1] != len(self.names):
             raise InputError(f"theta: expected the shape ({len(self.names)},) or (N, {len(self.names)}), in the order {', '.join(self.names)}; "
                              f"got {given.shape}")
         prior, likelihood = self._core.log_densities(np.ascontiguousarray(np.atleast_2d(given)), self._threads)
-        return (prior, likelihood) if given.ndim == 2 else (float(prior[0]), float(likelihood[0]))
+        if given.ndim == 2:
+            return prior, likelihood
+        return float(prior[0]), float(likelihood[0])
 
 
 def posterior(*, parameters: Sequence[str], **options: Any) -> Posterior:
