@@ -20,6 +20,8 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -81,6 +83,11 @@ std::vector<std::string> looks_of(const Options& options) {
     return looks;
 }
 
+bool holds(const fs::path& file, const std::string& text) {
+    std::ifstream in(file, std::ios::binary);
+    return in && std::equal(std::istreambuf_iterator<char>(in), {}, text.begin(), text.end());
+}
+
 /// Where the explorer shows what ran, its page goes beside the report, which then speaks of it. Of scans
 /// scan.html computes; a scene that is not readable is for the plotting program to tell.
 void write_explorer(const fs::path& folder) {
@@ -93,9 +100,10 @@ void write_explorer(const fs::path& folder) {
     if (!app::shown_by_explorer(*scene) || scene->scan)
         return;
     const std::string name = fs::absolute(folder).lexically_normal().filename().string();
-    store::write_atomically(
-        folder / app::explorer_file,
-        app::explorer_page(shipped_folder() / "explorer", app::ExplorerStart{*scene, name}));
+    const std::string page =
+        app::explorer_page(shipped_folder() / "explorer", app::ExplorerStart{*scene, name});
+    if (!holds(folder / app::explorer_file, page))
+        store::write_atomically(folder / app::explorer_file, page);
 }
 
 } // namespace
