@@ -63,7 +63,7 @@ Fit fit_of(const Trajectory& one) {
 
 } // namespace
 
-TEST_CASE("couplings and medium are found again from a trajectory in its box, and only there") {
+TEST_CASE("couplings and medium are found again from a trajectory in its box, and only there", "[.long]") {
     Trajectory one = in_box();
     const Fit found = fit_of(one);
     CHECK(found.termination == Termination::converged);
