@@ -19,7 +19,7 @@ class RunTest(ProgramTest):
         out = self.folder / "out"
         names = {str(p.relative_to(out)) for p in out.rglob("*") if p.is_file()}
         self.assertEqual(names, {"scene.toml", "provenance.json", "log.txt", "manifest.json", "result.h5", "rods.csv", "outcome.json",
-                                 "field_cut_0.csv", "report.html", "figures/trajectories.png", "figures/strain.png",
+                                 "field_cut_0.csv", "report.html", "explore.html", "figures/trajectories.png", "figures/strain.png",
                                  "figures/wake.png"})
         self.assert_outcome(json.loads((out / "outcome.json").read_text()))
         self.assert_provenance(json.loads((out / "provenance.json").read_text()))

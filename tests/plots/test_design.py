@@ -2,6 +2,7 @@
 
 import unittest
 
+import plot_case  # noqa: F401, first: puts the plots on the path
 from rodwake_plots import design
 from rodwake_plots.errors import PlotError
 
