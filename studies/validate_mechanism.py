@@ -42,6 +42,12 @@ set = {{ "fit.parameters" = ["gamma_flow", "D_r", "D_t"] }}
 name = "rows"
 set = {{ "fit.parameters" = ["gamma_rows", "D_r", "D_t"], "fit.fixed.rows_direction" = {direction} }}
 [[fit.models]]
+name = "rows_flow"
+set = {{ "fit.parameters" = ["gamma_rows", "gamma_flow", "D_r", "D_t"], "fit.fixed.rows_direction" = {direction} }}
+[[fit.models]]
+name = "rows_strain"
+set = {{ "fit.parameters" = ["gamma_rows", "kappa", "D_r", "D_t"], "fit.fixed.rows_direction" = {direction} }}
+[[fit.models]]
 name = "none"
 set = {{ "fit.parameters" = ["D_r", "D_t"] }}
 """
@@ -146,7 +152,8 @@ def weigh(lab):
                                              "coupling of the best", "its misfit"], lines)
 
 
-RIVALS = {"strain": ("kappa",), "polar": ("gamma1", "gamma2"), "flow": ("gamma_flow",), "rows": ("gamma_rows",)}
+RIVALS = {"strain": ("kappa",), "polar": ("gamma1", "gamma2"), "flow": ("gamma_flow",), "rows": ("gamma_rows",),
+          "rows_flow": ("gamma_rows", "gamma_flow"), "rows_strain": ("gamma_rows", "kappa")}
 
 
 def row_of(phi, rows, medium, count, models, out):
