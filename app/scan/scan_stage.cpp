@@ -158,8 +158,12 @@ StageEnd run_scan(Session& session) {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     ledger.settle();
     const scan::Counts counts = ledger.counts();
+    const ScanCertificates certificates =
+        certificates_of(plan, ledger, summary, session.context.thread_count());
     write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, counts, summary,
-               took.count(), session.context.thread_count());
+               certificates, took.count(), session.context.thread_count());
+    if (plan.certificates)
+        session.log->info("scan: {}", certificates_text(certificates));
     return report(session, ledger, counts, summary);
 }
 
@@ -235,7 +239,10 @@ std::string scan_cost(const ScanPlan& plan) {
            cost_table(scan_rows(plan, each));
 }
 
-constexpr ColumnInfo cells_columns[] = {{"outcome", "1", "of all corners of the cell; mixed: they differ"}};
+constexpr ColumnInfo cells_columns[] = {
+    {"outcome", "1", "of all corners of the cell; mixed: they differ"},
+    {"certificate", "1",
+     "proved: no pair within the cell ends otherwise; checked: the corners are proved or checked; open"}};
 constexpr ColumnInfo boundary_columns[] = {
     {"curve", "1", "number of the curve; its rows are in order along it"},
     {"between", "1", "the two outcomes"},

@@ -98,6 +98,13 @@ void fields(Visitor& v, Scan& scan) {
               "seconds that one point, of beds one run, may take; one that takes longer is marked time_limit")
           .example("10.0"),
       scan.time_limit);
+    v(key("certificates")
+          .absent("of adaptive scans, and of others of up to 10 000 points")
+          .doc("of rods: whether points are told how well their outcome is known; a point then takes about "
+               "ten "
+               "times as long")
+          .example("true"),
+      scan.certificates);
     v(key("trajectories")
           .within(0, 100'000)
           .doc("of rods: points spread over the scan whose trajectories are stored; of beds granular.output "

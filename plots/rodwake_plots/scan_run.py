@@ -15,6 +15,7 @@ from .errors import PlotError
 TOLD, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
 OUTCOMES = ("contact", "pursuit", "escape", "undecided", "finished")  # the last of beds without a pair
 CAPTURED = ("contact", "pursuit")
+CERTIFICATES = ("proved", "checked", "open")  # how well an outcome is known
 
 
 class Curve(NamedTuple):
@@ -68,7 +69,7 @@ class ScanRun:
     def columns(self):
         """{name: numbers, or a list of words}, in the order of the file."""
         choices = [axis.key for axis in self.axes if axis.is_choice]
-        found = files.read_csv(self.path, ("outcome", "status", *choices), needed=[axis.key for axis in self.axes] + ["outcome", "status"])
+        found = files.read_csv(self.path, ("outcome", "status", "certificate", *choices), needed=[axis.key for axis in self.axes] + ["outcome", "status"])
         if not found["outcome"]:
             raise PlotError(f"{self.path}: holds no points: nothing to draw")
         return found
@@ -127,12 +128,20 @@ class ScanRun:
     def cells(self):
         """(lows, highs) [cell][axis] in even coordinates, outcomes (index; -1: mixed, or none)."""
         path = self.folder / CELLS
-        found = files.read_csv(path, text=("outcome",))
+        found = files.read_csv(path, text=("outcome", "certificate"))
         sides = [np.stack([axis.even(found[f"{axis.key}_{end}"]) for axis in self.axes], axis=-1)
                  for end in ("from", "to")]
         names = found["outcome"]
         lows, highs = np.minimum(*sides), np.maximum(*sides)  # an axis may run downwards
         return lows, highs, np.array([OUTCOMES.index(name) if name in OUTCOMES else -1 for name in names], dtype=np.int8)
+
+    @cached_property
+    def open_cells(self):
+        """[cell]: whether it is not known to have one outcome; none of a scan without certificates."""
+        if not self.told.get("certified_area"):
+            return np.zeros(len(self.cells[2]), dtype=bool)
+        found = files.read_csv(self.folder / CELLS, text=("outcome", "certificate"), needed=["certificate"])
+        return np.array([name == "open" for name in found["certificate"]])
 
     @cached_property
     def samples(self):
