@@ -20,9 +20,6 @@ using VariedKey = ScanPlan::VariedKey;
 /// Of beds, whose places are all looked at before the first is evaluated.
 constexpr std::int64_t most_places_of_beds = 100'000;
 
-/// Whose certificates take no time worth a key.
-constexpr std::int64_t few_points = 10'000;
-
 scan::Kind kind_of(scene::ScanDesign design) { return static_cast<scan::Kind>(design); }
 
 std::vector<std::string> keys_of(const ScanAxis& axis) {
@@ -93,8 +90,7 @@ public:
         if (of_beds())
             plan.design.costs = costs_of_beds(plan);
         else
-            plan.certificates = scan_.certificates.value_or(plan.design.kind == scan::Kind::adaptive ||
-                                                            scan::size(plan.design) <= few_points);
+            plan.certificates = scan_.certificates;
         return plan;
     }
 

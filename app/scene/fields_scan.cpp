@@ -99,17 +99,13 @@ void fields(Visitor& v, Scan& scan) {
           .example("10.0"),
       scan.time_limit);
     v(key("certificates")
-          .absent("of adaptive scans, and of others of up to 10 000 points")
-          .doc("of rods: whether points are told how well their outcome is known; a point then takes about "
-               "ten "
-               "times as long")
-          .example("true"),
+          .doc("of rods: whether the outcomes of rods that turn are checked by a second run, a hundred times "
+               "tighter, which takes about three times as long; without, they are open"),
       scan.certificates);
     v(key("trajectories")
           .within(0, 100'000)
           .doc("of rods: points spread over the scan whose trajectories are stored; of beds granular.output "
-               "says "
-               "what is")
+               "says what is")
           .example("256"),
       scan.trajectories);
     v(key("max_points")

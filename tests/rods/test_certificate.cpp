@@ -206,20 +206,21 @@ TEST_CASE("Certificates are true, and many") {
 
 TEST_CASE("An outcome at its very limit is open") {
     PairProblem pair = random_pairs(1, 8, false)[0];
-    pair.couplings = {1.0, 0.0, 0.0};
+    pair.medium = {1.0, 1.0};
+    pair.couplings = {0.3, 0.0, 0.0};
     pair.rods = {Pose{0.0, 0.0, 0.0}, Pose{4.0, -3.0, 1.9}};
     pair.contact_distance = 0.0;
     PairResult run;
     track_of(pair, {1e-12, 1e-14, {}, 1'000'000}, run);
-    for (const double off : {1e-9, -1e-9}) {
+    for (const double off : {1e-12, -1e-12}) {
         pair.contact_distance = run.min_separation + off;
         std::vector<PairResult> results(1);
-        simulate_certified(std::span(&pair, 1), {1e-6, 1e-8}, results);
+        simulate_certified(std::span(&pair, 1), {1e-5, 1e-7}, results);
         CHECK(results[0].certificate == Certificate::open);
     }
     pair.contact_distance = 0.5 * run.min_separation;
     std::vector<PairResult> results(1);
-    simulate_certified(std::span(&pair, 1), {1e-6, 1e-8}, results);
+    simulate_certified(std::span(&pair, 1), {1e-7, 1e-9}, results);
     CHECK(results[0].certificate == Certificate::proved);
 }
 
